@@ -18,7 +18,7 @@ from ..mechanics.contact.response import Mobility
 from ..mechanics.contact.state import Moving
 from ..mechanics.contact.struck import Impact, struck
 from ..mechanics.friction import PARTS, Frictionless, has_parts
-from ..mechanics.operand import Vector, leaves, refill, times
+from ..mechanics.operand import Vector, refill, times
 from ..problem import PRECISIONS, Problem
 from .driver import RUNNING, Driver
 from .expressions import Formulas
@@ -154,7 +154,7 @@ class ImpactMotions:
         if self.has_torques:
             begins = max(begins, (motion.DISC_BEGINS_AT if self.law.regions else motion.BEGINS_AT) / speed)
         self.b = motion.Blow(none + 1, none, none, none, K, s, z, speed, unit / speed, rest, begins, L, b)
-        self.pars = leaves(self.b)
+        self.pars = [*self.b[:4], *K, *self.b[5:11], *L, *b[:6], *b.friction]
         q = motion.Motion(*slip, v[2] / unit, *(none,) * 8)
         self.mode, self.region, self.left = "slip", motion.region_at(self.law, q, self.b), MOST_STEPS
         q = pressed = self._followed(q)._replace(v_n=none)
@@ -176,7 +176,7 @@ class ImpactMotions:
         }[self.restitution]
         if field == "work_n":  # it rises to zero: so a small one keeps its digits
             q = q._replace(work_n=e_n**2 * q.work_n)
-        self.b = self.b._replace(by_v_n=0 * v_n, goal=goal)._replace(**{f"by_{field}": 0 * v_n + 1})
+        self.b = self.b._replace(**{"by_v_n": 0 * v_n, f"by_{field}": 0 * v_n + 1, "goal": goal})
         self.pars[:4] = self.b[:4]
         return self._followed(q)._replace(**{field: end})
 
@@ -270,6 +270,6 @@ class Impacts:
         if self.is_closed:
             impact = struck(*v, a.K, getattr(b.friction, "mu", 0 * b.m), e_n, self.restitution)
         else:
-            impact = self.motions.struck(v, a.K, a.s, x.u.z, L, b._replace(clearance=(), lever=()), e_n)
+            impact = self.motions.struck(v, a.K, a.s, x.u.z, L, b, e_n)
         p = Vector(*impact[:3])
         return a.v, impact, after_impact(x.u, x.L, x.velocity, a, p, impact.twist, b)
