@@ -185,7 +185,8 @@ def _is_sound(problems: "Problems") -> bool:
     evaluated = _evaluated(base.system, base.form)
     if evaluated is None or _owner(SLIP.get(base.law)):
         return False
-    start, pars, weights = problems.start[:, 0].tolist(), problems.pars[:, 0].tolist(), map(float, problems.weights)
+    start, pars = problems.start[:, 0].tolist(), problems.pars[:, 0].tolist()
+    weights = np.array(problems.weights, dtype=float).ravel().tolist()  # numbers, or arrays of one
     try:
         values = [float(value) for value in evaluated(*split(start), problems.body_of_pars(pars))]
     except ArithmeticError:
