@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import path_of, whole
+from ..arguments import instance, path_of, whole
 from ..errors import InputError
 from ..exchange import fit_text, measured
 from ..exchange.fitting import STARTS, names_of
@@ -80,8 +80,7 @@ def compare(
     >>> print(tt.compare("mine.csv", "inverting"))
     """
     files: Any = [others] if isinstance(others, str | os.PathLike) else others
-    if not isinstance(files, list | tuple):
-        raise InputError(f"`others` must be a path or a list of paths, but is {others!r:.60}.")
+    instance("others", files, list | tuple, "a path or a list of paths")
     if not files:
         raise InputError("`others` must name at least one file, but is empty.")
     problem = _reference(reference)
