@@ -36,14 +36,9 @@ class Comparison(Verdict):
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """theta of both, the differences, and what must be conserved, as a figure; saved where a path is given, over a
         file that is there if it may be overwritten."""
-        from ..figures import catalogue, drawing
         from ..figures.comparison import comparison
 
-        figure = comparison(self.motions, self.title)
-        if path is not None:
-            catalogue.check_format(path_of("path", path))
-            drawing.write(figure, path_of("path", path), overwrite=overwrite)
-        return figure
+        return _saved(comparison(self.motions, self.title), path, overwrite)
 
 
 def compare(
@@ -131,7 +126,6 @@ class Fitted:
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """Data, fit and residuals as a figure; saved where a path is given."""
-        from ..figures import catalogue, drawing
         from ..figures.fit import fit as draw_fit
 
         figure = draw_fit(
@@ -141,10 +135,7 @@ class Fitted:
             self.residuals,
             str(self).split("\n"),
         )
-        if path is not None:
-            catalogue.check_format(path_of("path", path))
-            drawing.write(figure, path_of("path", path), overwrite=overwrite)
-        return figure
+        return _saved(figure, path, overwrite)
 
     def __str__(self) -> str:
         return "\n".join(fit_text.lines(self._fit, self._observation))
@@ -213,6 +204,17 @@ def fit(
         problem, path_of("data", data), names_of(free), Convention(quaternion, up), fit_text.marker_of(marker), noise
     )
     return Fitted(problem, observation, measured.fitted(observation, loss, whole("starts", starts), progress))
+
+
+def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
+    """Return a figure, which is written where a path is given."""
+    from ..figures import catalogue, drawing
+
+    if path is not None:
+        place = path_of("path", path)
+        catalogue.check_format(place)
+        drawing.write(figure, place, overwrite=overwrite)
+    return figure
 
 
 def _reference(source: Any) -> Any:
