@@ -1,6 +1,8 @@
 """Named columns in SI units, as the store and a Dataset keep them."""
 
+import contextlib
 import re
+import unicodedata
 from collections.abc import Container, Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -39,6 +41,16 @@ def greek(text: str) -> str:
 def units_text(units: str) -> str:
     """Units as people write them: `kg m2 s-1` is kg m² s⁻¹."""
     return re.sub(r"(?<=[A-Za-z])-?\d+", lambda power: power[0].translate(SUPERSCRIPTS), units)
+
+
+def symbol(tex: str) -> str:
+    """Return a symbol in TeX as figures write it: Greek letters in Unicode, `\\omega_3` as ω₃, others as formulas."""
+    if greek := re.fullmatch(r"\\(?:var)?([a-z]+)(?:_(\d))?('*)", tex):
+        subscript = chr(ord("₀") + int(greek[2])) if greek[2] else ""
+        with contextlib.suppress(KeyError):  # another symbol, such as \\ell
+            name = greek[1].replace("lambda", "lamda")
+            return unicodedata.lookup(f"GREEK SMALL LETTER {name}") + subscript + greek[3]
+    return f"${tex}$" if re.search(r"[\\_]", tex) else tex
 
 
 class Column(NamedTuple):

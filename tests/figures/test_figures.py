@@ -10,6 +10,10 @@ from matplotlib.figure import Figure
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, film, labels, thinning
 from tippetop.landscape import marked_lines, potential, surface, turning
+from tippetop.mechanics.friction import LAWS, FrictionLaw
+from tippetop.mechanics.number import Number, number
+from tippetop.mechanics.operand import formula
+from tippetop.mechanics.units import METRE, SECOND, SECOND_PER_METRE
 from tippetop.runs import attributes
 from tippetop.runs.run import solve
 from tippetop.scenario import build
@@ -127,7 +131,8 @@ def test_a_title_has_the_letters_of_the_axes_and_units(inverting: tuple) -> None
     )
     given = {"theta": 0.2, "phi_dot": -3.0, "nu_x": 0.5, "centre_at_rest": True, "gap": 1e-7}
     units = {"theta": "rad", "phi_dot": "rad s-1", "nu_x": "m s-1", "gap": "m"}
-    assert labels.title({"title": "top", "initial": given, "units": units}) == (
+    attrs = drawing.with_records({"system": "tippe-top", "title": "top", "initial": given, "units": units})
+    assert labels.title(attrs) == (
         "Top\nθ(0) = 0.2 rad, φ'(0) = −3 rad s⁻¹, $\\nu_x$(0) = 0.5 m s⁻¹, centre of mass at rest,\ngap(0) = 1 × 10⁻⁷ m"
     )
 
@@ -290,3 +295,23 @@ def test_every_kind_has_labels_and_a_title(kind: str, inverting: tuple, monkeypa
     texts = [figure.get_suptitle(), *(axes.get_title(loc=loc) for axes in figure.axes for loc in ("left", "center"))]
     assert any(texts), kind
     assert not any("_" in text.replace("$", "").replace("\\nu_", "") or "3hat" in text for text in texts), kind
+
+
+def test_symbols_of_users_numbers_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Greek letters in Unicode, other symbols as formulas, names without a symbol as words."""
+
+    class Wet(FrictionLaw):
+        """Wet friction."""
+
+        mu: Number = number(SECOND_PER_METRE, "friction", symbol=r"\beta_2")
+        depth: Number = number(METRE, "depth", symbol=r"\ell_w", least=0)
+        film_age: Number = number(SECOND, "age of the film", least=0)
+
+        @formula
+        def coefficient(v2, z, law):
+            return law.mu
+
+    monkeypatch.setitem(LAWS, "wet", Wet)
+    table = {"law": "wet", "mu": 0.3, "depth": 1.0, "film_age": 2.0}
+    attrs = drawing.with_records({"system": "tippe-top", "friction": table})
+    assert labels.friction(table, attrs) == "wet friction, β₂ = 0.3 s m⁻¹, $\\ell_w$ = 1 m, film age = 2 s"

@@ -38,11 +38,11 @@ def test_runs_are_named_by_what_is_different_in_them() -> None:
     assert ax.get_title(loc="left") == "Rolling and gliding tippe top\nθ(0) = 0.1 rad"
     assert {line.get_color() for line in ax.get_lines()} == set(overlay.COLOURS[:3])
     np.testing.assert_array_equal(ax.get_lines()[1].get_ydata(), runs[1][0]["theta"])
-    slower = [a_run(friction={"law": "viscous", "mu": mu})[1] for mu in (0.1, 0.2)]
-    assert labels.differences(slower, ["a", "b"]) == ["μ = 0.1", "μ = 0.2"]
+    slower = [drawing.with_records(a_run(friction={"law": "viscous", "mu": mu})[1]) for mu in (0.1, 0.2)]
+    assert labels.differences(slower, ["a", "b"]) == ["μ = 0.1 s m⁻¹", "μ = 0.2 s m⁻¹"]
     assert labels.differences(slower[:1] * 2, ["a", "b"]) == ["a", "b"]
     ended = labels.differences([slower[0], slower[1] | {"status": "lifted-off"}], ["a", "b"])
-    assert ended[1] == "μ = 0.2, ends: lifted off"
+    assert ended[1] == "μ = 0.2 s m⁻¹, ends: lifted off"
 
 
 def test_curves_differ_by_colour_and_by_stroke() -> None:

@@ -48,6 +48,13 @@ def test_every_record_is_pickled_with_its_bits() -> None:
             assert type(again) is kind
 
 
+def test_records_of_different_classes_differ() -> None:
+    """Though they are tuples of the same numbers."""
+    assert Viscous(0.3) != Coulomb(0.3)
+    assert Viscous(0.3) == Viscous("0.3 s/m")
+    assert len({Viscous(0.3), Coulomb(0.3), Viscous("0.3 s/m")}) == 2
+
+
 def test_a_keyword_that_is_unknown_names_the_nearest() -> None:
     with pytest.raises(TypeError, match=r"Contensou\(\) has no argument `pach`\. Did you mean `patch`"):
         Contensou(0.3, pach=1e-3)  # type: ignore[call-arg]

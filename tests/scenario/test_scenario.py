@@ -158,7 +158,7 @@ def test_coulomb_law_is_built_with_its_units() -> None:
 
 
 def test_numbers_that_another_law_does_not_have_are_dropped() -> None:
-    assert build.load("inverting", ["friction.law=none"]).friction == ()
+    assert build.load("inverting", ["friction.law=none"]).friction._asdict() == {}
 
 
 @pytest.mark.parametrize(

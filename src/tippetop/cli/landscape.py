@@ -116,12 +116,13 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
     import numpy as np
 
     from ..errors import StoreError
-    from ..store import chunks, ledger, root
+    from ..store import chunks, files, ledger, root
 
     if not out.exists():
         return False
     if ledger.is_ledger(out):
-        ledger.Ledger.opened(out).release()  # which ends what was interrupted at its end
+        with files.writing(out):
+            ledger.Ledger.opened(out).release()  # which ends what was interrupted at its end
     attrs = root.attributes(out)
     if attrs.get("content") != "surface":
         raise StoreError(f"`{out}` exists and is not a surface: name another store, or say --overwrite.")

@@ -96,7 +96,7 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
     kind = catalogue.kind_of(kind or "theta")
     parts = []
     for store, attrs in zip(stores, attributes, strict=True):
-        groups = chunks.for_figures(store, attrs, window)
+        groups = chunks.for_figures(store, window)
         if kind == "growth" and root.has_keyframes(attrs):
             groups["trajectory"] = keyframes.rows(store, build.stored(attrs))
         parts.append(in_window(groups, attrs, *window))

@@ -206,7 +206,7 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any], overwrite:
     from ..store.chunks import for_figures
 
     if isinstance(groups, Path):
-        groups = for_figures(groups, attrs)
+        groups = for_figures(groups)
     drawing.write(drawing.figure_of("theta", groups, attrs), figure, overwrite=overwrite)
 
 

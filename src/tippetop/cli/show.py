@@ -118,7 +118,7 @@ def check(
         return sweep.examine(tables, Path(scenario).parent, as_json)
     if until is not None:
         tables = build.ending(tables, until)
-    problem = starting.problem(tables, starting.folder_of(scenario))
+    problem = starting.problem(tables, scenario)
     facts = {**build.resolved(problem), **forecast.assessment(problem)}
     facts["warnings"] = warn(doubts(problem))
     if try_ or problem.precision == "double":  # wider numbers compile for a minute

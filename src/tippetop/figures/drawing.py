@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..columns import symbol
 from ..errors import InputError, a_system
 from .catalogue import FIGURES, PLAIN, Look, kind_of
 
@@ -65,7 +66,7 @@ def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look
     _refuse(kind, groups["trajectory"], attrs)
     if ax is not None and (kind == "surface") != (getattr(ax, "name", "") == "3d"):
         raise InputError([f"`ax` of `{kind}` must be {'in 3-D' if kind == 'surface' else 'flat'}, but is not."])
-    attrs = with_units(attrs) | {"handed_over": handed_over(groups)}
+    attrs = with_records(attrs) | {"handed_over": handed_over(groups)}
     given: Any = (groups["trajectory"], groups["events"], attrs)
     if kind == "film":
         from ..runs.shape import with_shape
@@ -124,7 +125,7 @@ def several(
     for trajectory, attrs in runs:
         _refuse(kind, trajectory, attrs, several=True)
     with styled(dark=look.dark, size=look.size, ax=ax):
-        axes = overlay(kind, [(run, with_units(attrs)) for run, attrs in runs], [*map(literal, names)], ax)
+        axes = overlay(kind, [(run, with_records(attrs)) for run, attrs in runs], [*map(literal, names)], ax)
         return _finished(axes, look)
 
 
@@ -138,15 +139,23 @@ def states_of(system: str, parameters: dict[str, float], lam: float, look: Look 
     return composed("states", (branches, marks | {"|λ| of the start": abs(lam)}, literal(title)), look)
 
 
-def with_units(attrs: dict[str, Any]) -> dict[str, Any]:
-    """The attributes of a run, with the units of the numbers of its friction law among its units."""
+def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
+    """Return the attributes of a run with what the records of its system and its friction law add: the units of the
+    numbers of the law, the `symbols` of all numbers, and the words for the `law`."""
+    from ..mechanics.contact.opening import ABOVE
+    from ..mechanics.contact.restitution import CONTACT
     from ..mechanics.systems import find
 
     system, friction = find(attrs["system"]), attrs.get("friction", {})
-    law = system.laws.get(friction.get("law", "")) if system is not None else None
-    rules = law.given(friction).parameters if law is not None else {}
-    units = {name: parameter.unit.symbol for name, parameter in rules.items()}
-    return attrs | {"units": attrs.get("units", {}) | units}
+    if system is None:
+        return attrs
+    rules = {**ABOVE, **CONTACT, **system.initial, **system.parameters}
+    if law := system.laws.get(friction.get("law", "")):
+        law = law.given(friction)
+        attrs = attrs | {"law": law.words}
+        attrs["units"] = attrs.get("units", {}) | {name: rule.unit.symbol for name, rule in law.parameters.items()}
+        rules |= law.parameters
+    return attrs | {"symbols": {name: symbol(rule.symbol) for name, rule in rules.items() if rule.symbol}}
 
 
 def _finished(axes: Any, look: Look) -> Any:

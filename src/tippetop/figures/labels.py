@@ -8,41 +8,6 @@ from ..columns import SUPERSCRIPTS, units_text
 from .style import broken, compact, letters
 
 
-SYMBOLS = {
-    "theta": "θ",
-    "theta_dot": "θ'",
-    "phi": "φ",
-    "phi_dot": "φ'",
-    "psi": "ψ",
-    "psi_dot": "ψ'",
-    "omega3": "ω₃",
-    "nu_x": "$\\nu_x$",
-    "nu_y": "$\\nu_y$",
-    "nu_z": "$\\nu_z$",
-    "lambda": "λ",
-    "alpha": "α",
-    "mu": "μ",
-    "mu_r": "$\\mu_r$",
-    "mu_d": "$\\mu_d$",
-    "eps": "ε",
-    "kappa": "κ",
-    "v_k": "$v_k$",
-    "e_n": "$e_n$",
-    "I1": "$I_1$",
-    "I3": "$I_3$",
-    "patch": "contact radius",
-}
-"""Keys of a scenario as formulas write them."""
-LAWS = {
-    "viscous": "viscous friction",
-    "coulomb": "Coulomb friction",
-    "contensou": "Coulomb–Contensou friction",
-    "mixed": "viscous and Coulomb friction",
-    "none": "no friction",
-    "modified": "modified reaction",
-    "stribeck": "Stribeck friction",
-}
-"""Friction laws in words; another one is `... friction`."""
 PRECISIONS = {"double": "64-bit numbers", "longdouble": "80-bit numbers", "quad": "128-bit numbers"}
 TABLES = ("parameters", "friction", "contact", "stem", "initial")
 MOST_NUMBERS = 2  # of bodies that differ in more, the names are given
@@ -66,11 +31,11 @@ def end_of(values: Any) -> str:
     return "its end" if np.isfinite(values[-1]) else "last on its sphere"
 
 
-def entries(table: dict[str, Any], units: dict[str, str], at_start: bool = False) -> list[str]:
-    """The entries of a table of a scenario, each as symbol = value unit."""
-    words = []
+def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False) -> list[str]:
+    """The entries of a table of a run, each as symbol = value unit."""
+    words, units, symbols = [], attrs.get("units", {}), attrs.get("symbols", {})
     for key, value in table.items():
-        symbol = SYMBOLS.get(key, key.replace("_", " "))
+        symbol = symbols.get(key, key.replace("_", " "))
         if key == "centre_at_rest":
             words += ["centre of mass at rest"] if value else []
         elif isinstance(value, int | float) and not isinstance(value, bool):
@@ -80,21 +45,16 @@ def entries(table: dict[str, Any], units: dict[str, str], at_start: bool = False
     return words
 
 
-def friction(table: dict[str, Any], units: dict[str, str]) -> str:
+def friction(table: dict[str, Any], attrs: dict[str, Any]) -> str:
     """A friction law in words, with its numbers."""
-    law = str(table.get("law", ""))
-    words = LAWS.get(law, f"{law} friction")
-    if law == "coulomb" and "eps" in table:
-        words = f"regularised {words}"
-    numbers = entries({key: value for key, value in table.items() if key != "law"}, units)
-    return ", ".join([words, *numbers] if law else numbers)
+    numbers = entries({key: value for key, value in table.items() if key != "law"}, attrs)
+    return ", ".join([attrs.get("law", f"{table['law']} friction"), *numbers] if "law" in table else numbers)
 
 
 def title(attrs: dict[str, Any]) -> str:
     """The system on a line; what makes this run this run on the next."""
-    units = attrs.get("units", {})
-    details = entries(attrs.get("initial", {}), units, at_start=True)
-    if law := friction(attrs.get("friction", {}), units):
+    details = entries(attrs.get("initial", {}), attrs, at_start=True)
+    if law := friction(attrs.get("friction", {}), attrs):
         details.append(law)
     head = attrs["title"][:1].upper() + attrs["title"][1:]
     most = letters()
@@ -107,7 +67,7 @@ def title(attrs: dict[str, Any]) -> str:
 def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
     """The attributes of several runs as far as all have the same, for their common title."""
     first = runs[0]
-    common: dict[str, Any] = {"title": first["title"], "units": first.get("units", {})}
+    common: dict[str, Any] = {name: first[name] for name in ("title", "units", "symbols", "law") if name in first}
     if any(attrs.get("system") != first.get("system") for attrs in runs):
         common["title"] = f"{len(runs)} runs"
     elif any(attrs["title"] != first["title"] for attrs in runs):
@@ -131,7 +91,6 @@ def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
         tables = [name for name in tables if name != "contact"]  # it follows from the friction law
     words = []
     for attrs, called in zip(runs, names, strict=True):
-        units: dict[str, str] = attrs.get("units", {})
         parts: list[str] = []
         for key, text in (("system", attrs["title"]), ("form", f"{attrs.get('form')} form")):
             parts += [text] if any(other.get(key) != attrs.get(key) for other in runs) else []
@@ -142,11 +101,11 @@ def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
                 if any(other.get(name, {}).get(key) != value for other in runs)
             }
             if name == "friction" and "law" in own:
-                parts.append(friction(attrs[name], units))
+                parts.append(friction(attrs[name], attrs))
             elif name == "parameters" and len(own) > MOST_NUMBERS:
                 parts.append(called)
             else:
-                parts += entries(own, units, at_start=name == "initial")
+                parts += entries(own, attrs, at_start=name == "initial")
         for key in RUN_KEYS:
             value = attrs.get("run", {}).get(key)
             if any(other.get("run", {}).get(key) != value for other in runs):

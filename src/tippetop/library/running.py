@@ -208,7 +208,7 @@ def resume(
 
     end = seconds("until", until)
     place = path_of("path", path)
-    own = of_stored(root.attributes(place), events, columns)
+    own = of_stored(root.root_of(place), events, columns)
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     with in_python(), _resumable(place):

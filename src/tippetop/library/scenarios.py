@@ -76,7 +76,7 @@ def problem_of(
         chosen = extended(chosen, own, own_columns)
         if own_columns and named_columns is None and "columns" in tables.get("run", {}):
             tables["run"]["columns"] = [*tables["run"]["columns"], *(q.name for q in own_columns)]
-        return starting.problem(tables, starting.folder_of(source), chosen)
+        return starting.problem(tables, source, chosen)
 
 
 def checked(problem: Problem) -> Problem:
@@ -102,7 +102,7 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
     elif isinstance(source, Mapping):
         tables = plain(source)
     elif isinstance(source, str | os.PathLike):
-        tables = reading.override(reading.read(os.fspath(source)), [])
+        tables = reading.read(os.fspath(source))
     else:
         raise InputError(
             "the first argument must be a body (TippeTop, HeavyTop, Cylinder), the name of a preset, a TOML file, "

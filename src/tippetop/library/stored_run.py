@@ -118,7 +118,7 @@ class StoredRun(Run):
         return self._own or find(self.attributes["system"])
 
     def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
-        groups = chunks.for_figures(self.path, self.attributes, window)
+        groups = chunks.for_figures(self.path, window)
         if kind == "growth" and root.has_keyframes(self.attributes):
             groups["trajectory"] = keyframes.rows(self.path, self.problem)
         return groups

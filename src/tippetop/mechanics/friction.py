@@ -84,6 +84,8 @@ class FrictionLaw(Record, abstract=True):
     """The law as a formula or in words: the first line of its docstring."""
     key: ClassVar[str]
     """The name in `[friction] law`; by default that of the class in lower case."""
+    words: ClassVar[str]
+    """What figures call it; by default the key, and "friction"."""
     coefficient: ClassVar[Any] = None
     """k(v2, z, law) [s/m] under `@formula`: v2 = |v_A|^2 [m^2/s^2], z = cos(theta), law the record. It must be finite,
     at rest too, and not negative. A law that is no multiple of g_n v_A (the modified reaction) has none."""
@@ -111,6 +113,8 @@ class FrictionLaw(Record, abstract=True):
         cls.long_name = doc.partition("\n")[0].removesuffix(".")
         if "key" not in body and cls.face is cls:
             cls.key = cls.__name__.lower()
+        if "words" not in body and cls.face is cls:
+            cls.words = f"{cls.key} friction"
         if "with_parts" not in body:
             more = {name: rule for name, rule in PARTS.items() if name not in cls.parameters}
             torque = torque_of_disc_and_part if cls.regions else torque_of_parts
@@ -153,6 +157,7 @@ class Coulomb(FrictionLaw):
     law itself: the contact slips, rolls and flies, and the tables `phases` and `impacts` say when.
     """
 
+    words = "regularised Coulomb friction"
     mu: Number = number(ONE, "Coulomb friction coefficient mu", symbol=r"\mu", least=0)
     eps: Number = again(EPS, default=None, optional=True)
 
@@ -168,6 +173,7 @@ class SetValued(Coulomb):
     Coulomb's law itself: |F| = mu g_n against v_A where the contact slides, |F| <= mu g_n where it does not.
     """
 
+    words = "Coulomb friction"
     mu: Number = again(Coulomb.parameters["mu"])
     set_valued = True
     without = None
@@ -188,10 +194,13 @@ class Contensou(FrictionLaw):
     flies, and the tables `phases` and `impacts` say when.
     """
 
+    words = "Coulomb–Contensou friction"
     regions = REGIONS
     torque = staticmethod(torque)
     mu: Number = again(Coulomb.parameters["mu"])
-    patch: Number = number(METRE, "radius of the contact disc, 1e-5 to 1 times that of the sphere", symbol="a", above=0)
+    patch: Number = number(
+        METRE, "radius of the contact disc, 1e-5 to 1 times that of the sphere", symbol="contact radius", above=0
+    )
     mu_r: Number = number(
         METRE,
         "rolling resistance: torque per normal force",
@@ -209,8 +218,9 @@ class Mixed(FrictionLaw):
     (1994).
     """
 
+    words = "viscous and Coulomb friction"
     mu: Number = again(Viscous.parameters["mu"])
-    mu_coulomb: Number = again(Coulomb.parameters["mu"])
+    mu_coulomb: Number = again(Coulomb.parameters["mu"], symbol=r"\mu_C")
     eps: Number = again(EPS)
 
     @formula
@@ -225,6 +235,7 @@ class Stribeck(FrictionLaw):
     Dry friction: mu_static at rest falls to mu over the speed v_s (Stribeck 1902).
     """
 
+    words = "Stribeck friction"
     mu: Number = again(Coulomb.parameters["mu"])
     mu_static: Number = number(ONE, "Coulomb friction coefficient at rest", symbol=r"\mu_s", least=0)
     v_s: Number = number(METRE_PER_SECOND, "Stribeck speed, over which mu_static falls to mu", symbol="v_s", above=0)
@@ -261,6 +272,7 @@ class Frictionless(FrictionLaw):
     """
 
     key = "none"
+    words = "no friction"
 
     @formula
     def coefficient(v2, z, law):

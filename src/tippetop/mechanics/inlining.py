@@ -38,8 +38,8 @@ def inlined(formula: F) -> F:
         Its arguments are numbers and records of numbers, the last of them the body; it gives such a record, a list or
         a number. One that branches stays as it is.
     """
-    known: dict[type, Callable] = {}  # by the record of the friction law
-    calls: dict[type, int] = {}
+    known: dict[tuple[type, type], Callable] = {}  # by the records of the body and of the friction law
+    calls: dict[tuple[type, type], int] = {}
 
     @wraps(formula)
     def chosen(*arguments: Any) -> Any:
@@ -48,15 +48,16 @@ def inlined(formula: F) -> F:
             first = first[0]
         if type(first) is not float:
             return formula(*arguments)
-        law = type(getattr(arguments[-1], "friction", None))
-        if law in known:
+        body = arguments[-1]
+        kinds = type(body), type(getattr(body, "friction", None))
+        if kinds in known:
             try:
-                return known[law](*arguments)
+                return known[kinds](*arguments)
             except ArithmeticError:
                 return formula(*arguments)
-        calls[law] = calls.get(law, 0) + 1
-        if calls[law] == PATIENCE:
-            known[law] = straight(formula, arguments)
+        calls[kinds] = calls.get(kinds, 0) + 1
+        if calls[kinds] == PATIENCE:
+            known[kinds] = straight(formula, arguments)
         return formula(*arguments)
 
     return chosen  # type: ignore[return-value]

@@ -1,6 +1,7 @@
 """Numbers that a user gives, declared once: unit, meaning and interval; and the records that contain them."""
 
 import inspect
+import math
 import operator
 from collections import namedtuple
 from collections.abc import Callable, Mapping
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, dataclass_transform
 import numpy as np
 
 from ..errors import InputError, refuse_unknown, sentence
+from .caching import cached_property
 from .quantity import worked_out
 from .readonly import ReadOnly
 from .units import Unit
@@ -80,6 +82,7 @@ class Number:
             return [f"`default` of the number `{self.long_name}` {self.must()}, but is {self.default:g}."]
         return []
 
+    @cached_property
     def _bounds(self) -> list[tuple[str, float, Callable]]:
         """The bounds that are set: what a value must be, the limit, and how a value breaks it."""
         bounds = (
@@ -104,16 +107,18 @@ class Number:
         bool or array of bool
             True where the value is not allowed.
         """
+        if type(values) is float:  # soon decided
+            return not math.isfinite(values) or any(breaks(values, limit) for _, limit, breaks in self._bounds)
         broken = ~np.isfinite(values)
-        for _, limit, breaks in self._bounds():
+        for _, limit, breaks in self._bounds:
             broken = broken | breaks(values, limit)
         return broken
 
     def must(self, value: float | None = None) -> str:
         """What must hold, as in "must be finite, greater than 0"; of a value: the first thing that it breaks."""
         if value is None:
-            return "must be finite" + "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds())
-        broken = [f"{words} {limit}" for words, limit, breaks in self._bounds() if breaks(value, limit)]
+            return "must be finite" + "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds)
+        broken = [f"{words} {limit}" for words, limit, breaks in self._bounds if breaks(value, limit)]
         return f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
 
     def fault(self, key: str, value: float) -> str:
@@ -135,7 +140,7 @@ class Number:
     def described(self) -> str:
         """Return its type, meaning, unit and interval, for a docstring."""
         unit = "without unit" if self.unit.symbol == "1" else f"[{self.unit.symbol}]"
-        bounds = "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds())
+        bounds = "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds)
         kind = "float" if self.default is None and not self.optional else "float, optional"
         return f"{kind}\n    {self.long_name[:1].upper()}{self.long_name[1:]} {unit}{bounds}."
 
@@ -170,9 +175,11 @@ def number(
     return Number(unit, words, above, least, below, most, default, nonzero, symbol, optional)
 
 
-def again(rule: Number, *, default: None = None, optional: bool = False, kw_only: bool = False) -> Any:
+def again(
+    rule: Number, *, default: None = None, optional: bool = False, kw_only: bool = False, symbol: str = ""
+) -> Any:
     """Return the Number of another record as a field. Type checkers read `default` and `kw_only`."""
-    return replace(rule, optional=optional or rule.optional)
+    return replace(rule, optional=optional or rule.optional, symbol=symbol or rule.symbol)
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(number, again))
@@ -280,6 +287,15 @@ class Record(tuple, metaclass=RecordType, abstract=True):
         if faults := faults or cls.faults(read):
             raise InputError(faults)
         return read
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and tuple.__eq__(self, other)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash((type(self), *self))
 
     def __reduce__(self) -> Any:
         return type(self)._make, (tuple(self),)

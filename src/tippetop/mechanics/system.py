@@ -100,7 +100,7 @@ class System:
 
     `replace` makes another one from it. What each field is, and must be, says docs/how-to/a-system.md.
 
-    Numbers
+    Parameters
     ----------
     name, title, source : str
         The name in TOML; what it is; where it is published.
@@ -212,7 +212,7 @@ class System:
     def body_of(self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same) -> Any:
         """The record that formulas take, in SI units: of parameters by name and the record of a friction law.
 
-        Numbers
+        Parameters
         ----------
         parameters
             Numbers or arrays (n,) by name, SI.
@@ -253,7 +253,7 @@ class System:
     def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
         """Sentences on initial data, by name, of which some say the same in two ways.
 
-        Numbers
+        Parameters
         ----------
         initial
             Names of initial data.
@@ -278,7 +278,7 @@ class System:
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
         """Initial data with some changed: a number takes the place of those that say the same in another way.
 
-        Numbers
+        Parameters
         ----------
         initial
             What stands: values by name.
@@ -337,7 +337,7 @@ class System:
     def with_requested(self, columns: Collection[str]) -> "System":
         """The system with those of its quantities on request that are named; the same record for the same names.
 
-        Numbers
+        Parameters
         ----------
         columns
             Names of columns.
@@ -376,7 +376,7 @@ def of_one_phase(
 ) -> System:
     """A system whose contact never changes; `rest` is what else a System has.
 
-    Numbers
+    Parameters
     ----------
     phase
         Its name, such as "gliding".

@@ -2,6 +2,8 @@
 
 import re
 from dataclasses import dataclass
+from functools import reduce
+from operator import mul
 from typing import Any, NamedTuple
 
 from ..errors import InputError
@@ -92,4 +94,6 @@ class Scales(NamedTuple):
         number or array
             mass^a length^b time^c with the powers of the unit, of the shape of the scales.
         """
-        return self.mass**unit.mass * self.length**unit.length * self.time**unit.time
+        powers = zip(self, (unit.mass, unit.length, unit.time), strict=True)
+        factors = [scale if power == 1 else scale**power for scale, power in powers if power]
+        return reduce(mul, factors) if factors else self.mass**0

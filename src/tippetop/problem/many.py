@@ -78,16 +78,24 @@ class Problems:
         base = self.base.tables[table]
         return self.base.system.replaced(base, columns) if table == "initial" else {**base, **columns}
 
+    @cached_property
+    def _single(self) -> bool:
+        """Whether numbers are used instead of arrays of one: faster, and the same bits."""
+        return not self.columns and self.base.exact is np.longdouble
+
     def _wide(self, value: Any) -> Any:
-        """A number or a column in the type in which units are converted, (n,); a flag as it is."""
+        """A number or a column in the type in which units are converted, (n,), or a number; a flag as it is."""
         if isinstance(value, bool):
             return value
+        if self._single:
+            return np.longdouble(value)
         value = np.asarray(value, dtype=self.base.exact)
         return value if np.ndim(value) else np.full(self.n, value, dtype=self.base.exact)
 
     def body(self, number: Callable) -> Any:
         """The bodies in SI units, of what is given passed through `number`."""
-        friction = self.base.friction._replace(**self.given("friction"))
+        friction = self.base.friction
+        friction = friction._replace(**self.given("friction")) if self.columns else friction
         return self.base.system.body_of(self.given("parameters"), friction, number)
 
     @cached_property
@@ -97,7 +105,12 @@ class Problems:
 
     @cached_property
     def scales(self) -> Scales:
-        """Internal units, (n,): the system's mass and length, and the power of two seconds that is nearest
+        """Internal units, (n,): of mass, length and time."""
+        return Scales(*map(np.atleast_1d, self._scales))
+
+    @cached_property
+    def _scales(self) -> Scales:
+        """Internal units, (n,) or numbers: the system's mass and length, and the power of two seconds that is nearest
         sqrt(length/g), or to a second without `g`.
 
         A power of two, so that times convert without rounding: output and event times are exact.
@@ -113,9 +126,9 @@ class Problems:
         return self.scales.of(unit).astype(float)
 
     @cached_property
-    def weights(self) -> list[np.ndarray]:
-        """SI value of one internal unit of each integrated variable, (n,) each."""
-        return self.variables.weights(self.scales)
+    def weights(self) -> list:
+        """SI value of one internal unit of each integrated variable, (n,) or a number each."""
+        return self.variables.weights(self._scales)
 
     @cached_property
     def variables(self) -> Variables:
@@ -126,7 +139,7 @@ class Problems:
     def pars(self) -> np.ndarray:
         """Leaves of the bodies in internal units, (leaves, n), in the working precision."""
         units = leaves(self.base.system.body_units(self.base.law.units()))
-        scaled = iter([value / self.scales.of(unit) for value, unit in zip(leaves(self._body), units, strict=True)])
+        scaled = iter([value / self._scales.of(unit) for value, unit in zip(leaves(self._body), units, strict=True)])
         body, folds = refill(self._body, scaled), self.base.system.folds(self.base.form)
         self._refuse_false(folds, body)
         return self._rounded(leaves(body._replace(**folds)))
@@ -140,8 +153,10 @@ class Problems:
                 f"({', '.join(numbers)}), but has `{strange[0]}`."
             )
         for name, value in folds.items():
-            scaled = np.broadcast_to(getattr(body, name), (self.n,)).astype(float)
-            if len(wrong := scaled[abs(scaled - value) > ROUNDING]):  # what is no number is refused elsewhere
+            scaled = getattr(body, name).astype(float)
+            far = abs(scaled - value) > ROUNDING  # what is no number is refused elsewhere
+            if far.any():
+                wrong = np.atleast_1d(scaled)[np.atleast_1d(far)]
                 raise InputError(
                     f"`normalised_to` of `{self.base.system.name}` must hold in its internal units (`scales`; the "
                     f"unit of time is a power of two seconds), but `{name}` is {wrong[0]:.6g} there, not {value:g}."
@@ -153,7 +168,7 @@ class Problems:
         given, friction = self.given("parameters"), self.given("friction")
         units = [*(p.unit for p in self.base.system.parameters.values()), *self.base.law.units()]
         values = [*(given[name] for name in self.base.system.parameters), *friction.values()]
-        return self._rounded([self._wide(v) / self.scales.of(unit) for v, unit in zip(values, units, strict=True)])
+        return self._rounded([self._wide(v) / self._scales.of(unit) for v, unit in zip(values, units, strict=True)])
 
     @cached_property
     def internal_body(self) -> Any:
@@ -168,10 +183,12 @@ class Problems:
     def start(self) -> np.ndarray:
         """Internal states at t = 0, (variables, n), in the working precision."""
         data = {name: self._wide(value) for name, value in self.given("initial").items()}
-        theta = data.get("theta", self._wide(0.0))
+        theta = np.atleast_1d(data.get("theta", self._wide(0.0)))
         s, z = np.sin(theta), np.cos(theta)
         pole = theta.astype(float) == math.pi  # what the user means who writes 3.141592653589793
         s[pole], z[pole] = 0, -1
+        if self._single:
+            theta, s, z = theta[0], s[0], z[0]
         angles = self.base.system.start(data, s, z, self._body)
         q, carried = self.variables.start(data, angles, s, z, self._body)
         values = zip((*q, *carried), self.weights, strict=True)
@@ -226,12 +243,13 @@ class Problems:
         valid, faults = np.ones(self.n, bool), []
         for key, column in self.columns.items():
             rule = self.base.rules[key]
-            faults += [(int(i), rule.fault(key, column[i])) for i in np.flatnonzero(rule.broken(column))]
-        valid[[i for i, _ in faults]] = False
+            broken = np.flatnonzero(rule.broken(column))
+            faults += [(int(i), rule.fault(key, column[i])) for i in broken]
+            valid[broken] = False
         if any(key.startswith("parameters.") for key in self.columns):
-            broken = together(self, valid)
-            valid[[i for i, _ in broken]] = False
-            faults += broken
+            clashes = together(self, valid)
+            valid[[i for i, _ in clashes]] = False
+            faults += clashes
         with np.errstate(all="ignore"):
             sentences = at_start(self)
         for sentence, bad in sentences:

@@ -204,7 +204,7 @@ class Problem(RunOptions):
 
     def weights(self) -> list:
         """SI value of one internal unit of each integrated variable."""
-        return [weight[0] for weight in self.alone.weights]
+        return [np.atleast_1d(weight)[0] for weight in self.alone.weights]
 
     def start(self) -> np.ndarray:
         """The internal state at t = 0, (variables,), in the working precision, as the integrator wants it."""

@@ -49,7 +49,7 @@ def load(source: str | Path, assignments: list[str] | None = None, until: float 
     if isinstance(assignments, str):
         raise InputError([f"`assignments` must be a list of texts, but is {assignments!r:.60}."])
     tables = reading.override(reading.read(str(path_of("source", source))), assignments or [])
-    return problem(tables if until is None else build.ending(tables, until), folder_of(source))
+    return problem(tables if until is None else build.ending(tables, until), source)
 
 
 def load_any(source: str | Path, assignments: list[str] | None = None) -> Problem:
@@ -64,14 +64,16 @@ def load_any(source: str | Path, assignments: list[str] | None = None) -> Proble
     return build.problem(reading.override(build.tables_of(attrs), assignments))
 
 
-def folder_of(source: Any) -> Path:
-    """The folder in which the paths of a scenario are to be read: that of its file."""
+def _folder_of(source: Any) -> Path:
+    """Return the folder in which the paths of a scenario are to be read: that of its file."""
     beside = isinstance(source, str | os.PathLike) and Path(source).is_file()
     return Path(source).parent if beside else Path()
 
 
-def problem(tables: dict[str, Any], folder: Path, known: System | None = None) -> Problem:
-    """The checked Problem of a scenario's tables, whose `initial.from` may name the store of a run in this folder.
+def problem(tables: dict[str, Any], source: Any, known: System | None = None) -> Problem:
+    """Return the checked Problem of a scenario's tables, read from `source`.
+
+    Their `initial.from` may name the store of a run, from the folder of the source.
 
     Raises
     ------
@@ -86,7 +88,7 @@ def problem(tables: dict[str, Any], folder: Path, known: System | None = None) -
     if len(initial) > 1:
         others = ", ".join(f"`{name}`" for name in initial if name != "from")
         raise InputError([f"`initial.from` must stand alone, but {others} is given too."])
-    path = folder / path_of("initial.from", initial["from"])
+    path = _folder_of(source) / path_of("initial.from", initial["from"])
     attrs = _ended(path)
     tables = {name: attrs[name] for name in TAKEN if name in attrs} | tables
     if tables["system"] != attrs["system"]:

@@ -23,10 +23,10 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     Coulomb law without `eps`, or `on_liftoff = "fly"`. Raises InputError where it cannot."""
     friction, run = tables.get("friction"), tables.get("run")
     name = law_name(tables)
-    law = {**LAWS, **system.laws}.get(name or "")
-    law = law.given(friction) if law else LAWS["none"]  # an unknown law is refused later
-    bodies, opening = that_open(), system.opening
-    spheres = [name for name, one in bodies.items() if one.opening and one.opening.sphere]
+    law = system.laws.get(name, LAWS.get(name)) if isinstance(name, str) else None
+    law = law and law.given(friction)
+    law = law or LAWS["none"]  # an unknown law is refused later
+    opening = system.opening
     asked = [f"`{name}`" for name in ("contact", "stem") if name in tables]
     if isinstance(run, dict) and run.get("on_liftoff") == "fly":
         asked.append('`run.on_liftoff = "fly"`')
@@ -43,6 +43,8 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
                 'law without eps, or run.on_liftoff = "fly".'
             )
         return system
+    bodies = that_open()
+    spheres = [name for name, one in bodies.items() if one.opening and one.opening.sphere]
     if "stem" in tables and not (opening and opening.sphere):
         raise InputError(f"`stem` must be of a {' or '.join(spheres)}, but the system is {system.name}.")
     what = asked[0] if asked else f'`friction.law = "{name}"` without eps'

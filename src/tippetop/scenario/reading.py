@@ -1,10 +1,10 @@
 """TOML text becomes tables: files, presets, and `--set` assignments."""
 
 import math
+import pickle
 import re
 import tomllib
 from collections.abc import Mapping
-from copy import deepcopy
 from functools import lru_cache
 from importlib.resources import files
 from itertools import pairwise
@@ -48,8 +48,9 @@ def _presets() -> dict[str, str]:
 
 
 @lru_cache(maxsize=64)
-def _preset(name: str) -> dict[str, Any]:
-    return tomllib.loads(_presets()[name])
+def _preset(name: str) -> bytes:
+    """The tables of a preset, pickled: it is faster to read than the text, or to copy."""
+    return pickle.dumps(tomllib.loads(_presets()[name]))
 
 
 def read(source: str) -> dict[str, Any]:
@@ -63,7 +64,7 @@ def read(source: str) -> dict[str, Any]:
                     f"`{source}` is neither a TOML file nor a preset.{suggestion(source, known)} "
                     f"The presets are {', '.join(known)}."
                 )
-            return deepcopy(_preset(source))
+            return pickle.loads(_preset(source))
         return _parsed(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):

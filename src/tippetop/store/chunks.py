@@ -115,11 +115,11 @@ def _rows_of(path: str | Path, group: str, window: Window, total: int) -> tuple[
     return int(np.searchsorted(times, low)), int(np.searchsorted(times, high, side="right"))
 
 
-def for_figures(path: str | Path, attrs: dict[str, Any], window: Window = (None, None)) -> dict[str, dict[str, Column]]:
+def for_figures(path: str | Path, window: Window = (None, None)) -> dict[str, dict[str, Column]]:
     """The groups of a run that figures are made of: rows and events (of a window of times) thinned by theta, phases and
     impacts whole."""
     groups = {name: digest(path, name, "theta", window=window) for name in ("trajectory", "events")}
-    whole = [name for name in ("phases", "impacts") if name in groups_of(attrs)]
+    whole = [name for name in ("phases", "impacts") if name in groups_of(path)]
     return groups | {name: digest(path, name, most=2**62) for name in whole}
 
 

@@ -27,7 +27,7 @@ def export(store: Path, to: str, out: Path, group: str | None = None, *, overwri
     if to not in FORMATS:
         raise InputError([f"--to must be one of {', '.join(FORMATS)}, or for a body mjcf, urdf, but is `{to}`."])
     attrs = root.attributes(store)
-    groups = [name for name in root.groups_of(attrs) if name != "keyframes"]
+    groups = [name for name in root.groups_of(store) if name != "keyframes"]
     if not DIMENSIONS.keys() >= set(groups):
         raise StoreError(f"`{store}` must be a run or a sweep to be exported, but is a {groups[0]}.")
     if group not in (None, *groups):

@@ -198,11 +198,12 @@ class Ledger:
         """
         self = cls(folder or Folder(path), path)
         self.state = Acknowledged.of([json.loads(json.dumps(head))])
-        if bare:
-            self.folder.write(DOCUMENT, zarr3.dump(self.state.documents()[""]), derived=True)
-        else:
-            self._lay_out()
-        self._compact()
+        with self._released_on_failure():
+            if bare:
+                self.folder.write(DOCUMENT, zarr3.dump(self.state.documents()[""]), derived=True)
+            else:
+                self._lay_out()
+            self._compact()
         return self
 
     @classmethod
@@ -224,8 +225,8 @@ class Ledger:
             The disk.
         """
         self = cls(folder or Folder(path), path)
-        self._lock()
-        try:
+        with self._released_on_failure():
+            self._lock()
             with sound(path):
                 self.state = acknowledged(raw := self.folder.read(LEDGER))
             self.before = raw.splitlines()[-1][:DIGITS].decode()
@@ -233,10 +234,15 @@ class Ledger:
             if not self.state.seal:
                 self._complete() if self.state.closing else self._compact()
             self._tidy()
+        return self
+
+    @contextlib.contextmanager
+    def _released_on_failure(self) -> Iterator[None]:
+        try:
+            yield
         except BaseException:
             self.release()
             raise
-        return self
 
     def _lock(self) -> None:
         while not self.in_place():  # its last writer replaced it while we waited
@@ -310,7 +316,11 @@ class Ledger:
         self.folder.put(LEDGER + NEW, whole)
         self.folder.sync_one(LEDGER + NEW)
         held = self.folder.lock(LEDGER + NEW)
-        self.folder.rename(LEDGER + NEW, LEDGER)
+        try:
+            self.folder.rename(LEDGER + NEW, LEDGER)
+        except BaseException:
+            self.folder.release(held)
+            raise
         self.release()
         self.held = held
         self.folder.sync_one("")

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 
 RUNS = "runs"  # the group of a sweep whose members are stores of runs
-GROUPS = {"run": ("trajectory", "events"), "sweep": ("sweep",), "surface": ("surface",), "potential": ("potential",)}
-DERIVED = ("sensitivities", "event_sensitivities")
 
 
 def finite(value: Any) -> Any:
@@ -92,13 +90,10 @@ def has_keyframes(attrs: Mapping[str, Any]) -> bool:
     return "content" not in attrs and attrs["run"].get("output") == "keyframes" and "replay" not in attrs
 
 
-def groups_of(attrs: Mapping[str, Any]) -> tuple[str, ...]:
-    """The groups of a store with these root attributes."""
-    more = ["keyframes"] if has_keyframes(attrs) else []
-    more += ["phases", "impacts"] if "content" not in attrs and "contact" in attrs else []
-    derived = "content" not in attrs and attrs["run"].get("sensitivities") and "replay" not in attrs
-    more += DERIVED if derived else []
-    return (*GROUPS[attrs.get("content", "run")], *more)
+def groups_of(path: str | Path) -> list[str]:
+    """Return the groups of a store, as its ledger lists them. Raises StoreError."""
+    members = ledger.read(Path(path), chunks=False).header["members"]
+    return [name for name in members if "/" not in name and name != RUNS]
 
 
 def annotate(path: str | Path, more: dict[str, Any]) -> None:

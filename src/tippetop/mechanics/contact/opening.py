@@ -41,7 +41,7 @@ from .state import (
 
 ABOVE = {
     "gap": Number(METRE, "height of the lowest point of the sphere above the plane", least=0),
-    "nu_z": Number(METRE_PER_SECOND, "vertical velocity of the lowest point of the sphere"),
+    "nu_z": Number(METRE_PER_SECOND, "vertical velocity of the lowest point of the sphere", symbol=r"\nu_z"),
 }
 LONG_NAMES = {
     "gap": "height of the lowest point of the ball that touches the plane, or did last",

@@ -34,7 +34,7 @@ class ContactLaw(NamedTuple):
         return not math.isnan(self.h)
 
 
-CONTACT = {"e_n": Number(ONE, "coefficient of restitution e_n", least=0, most=1)}
+CONTACT = {"e_n": Number(ONE, "coefficient of restitution e_n", least=0, most=1, symbol="e_n")}
 STEM = {
     "r": Number(METRE, "radius of the stem's ball", above=0),
     "h": Number(METRE, "distance from the centre of the sphere to that of the stem's ball, along 3hat", above=0),

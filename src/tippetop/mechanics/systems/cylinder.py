@@ -69,6 +69,7 @@ class Modified(FrictionLaw):
     which tends to 1 as v_A -> 0 (the family is ours, the source leaves kappa open).
     """
 
+    words = "modified reaction"
     mu: Number = number(KILOGRAM_PER_SECOND, "friction coefficient of -mu v_A", symbol=r"\mu", least=0)
     v_k: Number = number(
         METRE_PER_SECOND, "speed at which kappa = 1/(1 + v_A^2/v_k^2) is one half", symbol="v_k", above=0
@@ -280,8 +281,8 @@ SETTLED = replace(gliding.SETTLED, long_name="|v_A|^2 falls below 1e-12 of its u
 
 SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 6"
 INITIAL = {
-    "theta": Number(RADIAN, "angle theta of the axis of eccentricity, not wrapped"),
-    "theta_dot": Number(RADIAN_PER_SECOND, "theta'"),
+    "theta": Number(RADIAN, "angle theta of the axis of eccentricity, not wrapped", symbol=r"\theta"),
+    "theta_dot": Number(RADIAN_PER_SECOND, "theta'", symbol=r"\theta'"),
     "x": Number(METRE, "x of the centre of mass"),
 }
 LONG_NAMES = {
@@ -305,7 +306,10 @@ GLIDING_CYLINDER = of_one_phase(
     name="gliding-cylinder",
     title="eccentric cylinder that rolls and glides",
     source=SOURCE,
-    initial={**INITIAL, "nu_x": Number(METRE_PER_SECOND, "velocity of the contact point of the cylinder")},
+    initial={
+        **INITIAL,
+        "nu_x": Number(METRE_PER_SECOND, "velocity of the contact point of the cylinder", symbol=r"\nu_x"),
+    },
     alternatives=(Alternative("centre_at_rest", ("nu_x",), flag=True),),
     start=start,
     angles=ANGLES,

@@ -16,17 +16,17 @@ from .vector import VECTOR_UNITS, axis, axis_rate, vector_rates, vector_scalars
 
 
 INITIAL = {
-    "theta": Number(RADIAN, "inclination theta of the axis", least=0, most=3.141592653589793),
-    "theta_dot": Number(RADIAN_PER_SECOND, "theta'"),
-    "phi": Number(RADIAN, "azimuth phi of the horizontal projection of the axis"),
-    "phi_dot": Number(RADIAN_PER_SECOND, "phi'"),
-    "omega3": Number(RADIAN_PER_SECOND, "angular velocity omega_3 about the axis"),
-    "nu_x": Number(METRE_PER_SECOND, "contact velocity along e"),
-    "nu_y": Number(METRE_PER_SECOND, "contact velocity along 2hat"),
+    "theta": Number(RADIAN, "inclination theta of the axis", least=0, most=3.141592653589793, symbol=r"\theta"),
+    "theta_dot": Number(RADIAN_PER_SECOND, "theta'", symbol=r"\theta'"),
+    "phi": Number(RADIAN, "azimuth phi of the horizontal projection of the axis", symbol=r"\phi"),
+    "phi_dot": Number(RADIAN_PER_SECOND, "phi'", symbol=r"\phi'"),
+    "omega3": Number(RADIAN_PER_SECOND, "angular velocity omega_3 about the axis", symbol=r"\omega_3"),
+    "nu_x": Number(METRE_PER_SECOND, "contact velocity along e", symbol=r"\nu_x"),
+    "nu_y": Number(METRE_PER_SECOND, "contact velocity along 2hat", symbol=r"\nu_y"),
     "x": Number(METRE, "x of the centre of mass"),
     "y": Number(METRE, "y of the centre of mass"),
-    "psi_dot": Number(RADIAN_PER_SECOND, "psi', instead of omega3"),
-    "psi": Number(RADIAN, "turn psi of the body about its axis"),
+    "psi_dot": Number(RADIAN_PER_SECOND, "psi', instead of omega3", symbol=r"\psi'"),
+    "psi": Number(RADIAN, "turn psi of the body about its axis", symbol=r"\psi"),
 }
 BY_PSI_DOT = Alternative("psi_dot", ("omega3",))
 ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag=True))
