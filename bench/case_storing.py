@@ -20,7 +20,6 @@ from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
 from tippetop.sampling import EvenTimes
 from tippetop.scenario import build
-from tippetop.store.tables import codecs
 
 from .measure import Seconds, interleaved, ratio, spent
 from .ours import alone, end_of
@@ -64,10 +63,13 @@ def three(problem: Problem) -> Seconds:
     return stored(replace(problem, columns=THREE, orientation=False))
 
 
+CODECS: list[Any] = [zarr.codecs.BloscCodec(cname="lz4", clevel=1, shuffle="shuffle"), zarr.codecs.Crc32cCodec()]
+
+
 def zarr_alone(problem: Problem) -> dict[str, float]:
     """Processor seconds that zarr takes to write the columns of all rows, and three, that are in memory, in our chunks
     and codecs: measured on a chunk of each column, which is given once for nothing."""
-    rows = recording.MOST_ROWS
+    rows = recording.ROWS_PER_CHUNK
     columns = solve(replace(problem, times=EvenTimes(0.001, (rows - 1) * 0.001), until=(rows - 1) * 0.001)).columns()
     seconds = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -75,7 +77,7 @@ def zarr_alone(problem: Problem) -> dict[str, float]:
         for name, column in columns.items():
             values = column.values
             array = group.create_array(
-                name, shape=values.shape, chunks=values.shape, dtype=values.dtype, compressors=codecs()
+                name, shape=values.shape, chunks=values.shape, dtype=values.dtype, compressors=CODECS
             )
             array[:] = values
             seconds[name] = spent(lambda array=array, values=values: array.__setitem__(slice(None), values))

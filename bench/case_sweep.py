@@ -5,6 +5,7 @@ import logging
 import statistics
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -12,7 +13,7 @@ from unittest import mock
 import numpy as np
 
 from tippetop.ensembles import ensemble
-from tippetop.sweeps import sweep, workers
+from tippetop.sweeps import sweep
 from tippetop.sweeps.plan import Plan
 
 
@@ -33,6 +34,16 @@ def swept(made: Plan, client: Any) -> tuple[float, float]:
         return time.perf_counter() - clock, used(client) - before
 
 
+@contextlib.contextmanager
+def local_cluster(count: int) -> Iterator[Any]:
+    """A client of processes of dask on this machine, one thread each."""
+    from distributed import Client, LocalCluster
+
+    settings: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": ":0", "memory_limit": 0}
+    with LocalCluster(count, **settings) as cluster, Client(cluster, set_as_default=False) as client:
+        yield client
+
+
 def used(client: Any) -> float:
     """Processor seconds of this process and of the workers."""
     return time.process_time() + sum(client.run(time.process_time).values())
@@ -48,12 +59,12 @@ def compare(quick: bool) -> dict[str, Any]:
     """Runs all, interleaved: the medians, and those of the ratios pair by pair; and what a second worker brings."""
     logging.getLogger("distributed").setLevel(logging.ERROR)  # it tells of every connection
     made, rounds = tops(4096 if quick else 8192), 3 if quick else 5
-    with workers.local_cluster(1) as client:
+    with local_cluster(1) as client:
         swept(shared(1024, 256), client)
         # both in the same process: from one to the next, equal work differs by up to a tenth
         rows = [(client.submit(plain, made.document, pure=False).result(), swept(made, client)) for _ in range(rounds)]
         many = shared(2 * made.n, 1024 if quick else 2048)
-        with workers.local_cluster(2) as both:
+        with local_cluster(2) as both:
             swept(shared(1024, 256), both)
             pairs = [(swept(many, client), swept(many, both)) for _ in range(3)]
     ways = ("plain, in the worker", "into a store, by the worker")

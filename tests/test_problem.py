@@ -292,3 +292,10 @@ def test_what_varies_takes_the_place_of_its_rival() -> None:
     assert np.array_equal(
         back.start[:, 0], dataclasses.replace(by_omega3, initial={"theta": theta, "omega3": 155.0}).start()
     )
+
+
+def test_a_torque_varies_where_the_scenario_has_it() -> None:
+    varied = {"friction.mu_r": [1e-5, 1e-4]}
+    with pytest.raises(InputError, match=r"Give the scenario a `friction.mu_r`, 0 at least"):
+        Problems.vary(build.load("inverting", []), varied)
+    assert Problems.vary(build.load("inverting", ["friction.mu_r=0"]), varied).n == 2

@@ -11,7 +11,6 @@ ENDINGS = (".py", ".pyi", ".toml", ".md")
 
 RETIRED = {  # a pattern of a retired word -> the word to use
     r"books?\b": "tally, tallies",
-    r"ledgers?\b": "observer",
     r"doors?\b": "validation, scenario",
     r"reliefs?\b": "coefficients",
     r"bow\b": "psi",

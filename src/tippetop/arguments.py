@@ -29,7 +29,7 @@ def finite(name: str, value: Any) -> float:
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
-        raise InputError([f"`{name}` must be a finite number, but is {value!r:.60}."])
+        raise InputError(f"`{name}` must be a finite number, but is {value!r:.60}.")
     return number
 
 
@@ -43,7 +43,7 @@ def numbers(name: str, values: Any) -> "np.ndarray":
             raise TypeError
         return array.astype(float)
     except (TypeError, ValueError, OverflowError):
-        raise InputError([f"`{name}` must be a number or an array of numbers, but is {values!r:.60}."]) from None
+        raise InputError(f"`{name}` must be a number or an array of numbers, but is {values!r:.60}.") from None
 
 
 def whole(name: str, value: Any) -> int:
@@ -53,21 +53,21 @@ def whole(name: str, value: Any) -> int:
     except InputError:
         number = 0.0
     if number < 1 or not number.is_integer():
-        raise InputError([f"`{name}` must be a whole number, at least 1, but is {value!r:.60}."])
+        raise InputError(f"`{name}` must be a whole number, at least 1, but is {value!r:.60}.")
     return int(number)
 
 
 def path_of(name: str, value: Any) -> Path:
     """The argument as a path. Raises InputError if it is none."""
     if not isinstance(value, str | os.PathLike) or not str(value):
-        raise InputError([f"`{name}` must be a path, but is {value!r:.60}."])
+        raise InputError(f"`{name}` must be a path, but is {value!r:.60}.")
     return Path(value)
 
 
 def instance(name: str, value: Any, kind: type, words: str) -> None:
     """Raises InputError if the argument is not of this kind; `words` say what it must be."""
     if not isinstance(value, kind):
-        raise InputError([f"`{name}` must be {words}, but is {value!r:.60}."])
+        raise InputError(f"`{name}` must be {words}, but is {value!r:.60}.")
 
 
 def flag(name: str, value: Any) -> None:
@@ -99,7 +99,7 @@ def within(name: str, values: Any, low: float, high: float, words: str) -> None:
 
     array = np.asarray(values)
     if array.dtype.kind in "fiu" and (beyond := array[(array < low) | (array > high)]).size:
-        raise InputError([f"`{name}` must lie in {words}, but is {beyond[0]:g}."])
+        raise InputError(f"`{name}` must lie in {words}, but is {beyond[0]:g}.")
 
 
 def plain(value: Any) -> Any:

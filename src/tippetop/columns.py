@@ -98,7 +98,7 @@ def require(names: Iterable[str], kept: Container[Any], subject: str) -> None:
         What needs them, the beginning of the sentence.
     """
     if missing := ", ".join(f"`{name}`" for name in names if name not in kept):
-        raise InputError([f"{subject} must have {missing}, which the run has not kept: its `columns` were others."])
+        raise InputError(f"{subject} must have {missing}, which the run has not kept: its `columns` were others.")
 
 
 LETTERS = ("xyz", "wxyz")

@@ -83,7 +83,8 @@ class BuildError(ImportError):
 EXTRAS = {
     "matplotlib": "figures",
     **dict.fromkeys(("numba", "scipy"), "grids"),
-    **dict.fromkeys(("contourpy", "distributed", "dask", "cryptography"), "sweep"),
+    "contourpy": "sweep",
+    **dict.fromkeys(("distributed", "dask"), "cluster"),
     **dict.fromkeys(("h5netcdf", "h5py", "pandas", "pyarrow"), "export"),
 }
 """What an import may miss: the extra of this package that brings it."""
@@ -115,20 +116,18 @@ class StoreError(OSError):
     """The store or the disk: one sentence, exit code 5."""
 
 
-class InputError(ValueError):
+class _Sentences(Exception):
+    def __init__(self, sentences: str | list[str]):
+        self.sentences = [sentences] if isinstance(sentences, str) else sentences
+        super().__init__("\n".join(self.sentences))
+
+
+class InputError(_Sentences, ValueError):
     """Input that cannot be used; each of `sentences` says what must hold and what was found."""
 
-    def __init__(self, sentences: list[str]):
-        super().__init__("\n".join(sentences))
-        self.sentences = sentences
 
-
-class Unfinished(Exception):
+class Unfinished(_Sentences):
     """A sweep ended without some of its chunks; `sentences` names them. Begun again, it tries them again."""
-
-    def __init__(self, sentences: list[str]):
-        super().__init__("\n".join(sentences))
-        self.sentences = sentences
 
 
 def _leaves(record: Any) -> Iterable[Any]:
@@ -171,9 +170,9 @@ def names_its_faults(formula: Callable, words: str) -> Callable:
         try:
             value = formula(*arguments)
         except Exception as error:
-            raise InputError([f"the formula of {words} fails: {type(error).__name__}: {error}"]) from error
+            raise InputError(f"the formula of {words} fails: {type(error).__name__}: {error}") from error
         if not _is_one_number(value, arguments):
-            raise InputError([f"the formula of {words} must return one number, but returns {value!r:.60}."])
+            raise InputError(f"the formula of {words} must return one number, but returns {value!r:.60}.")
         return value
 
     named.of = words  # type: ignore[attr-defined]

@@ -130,7 +130,7 @@ def _folder_link(place: Path, _: np.random.Generator, store: Path) -> str:
 
 
 def _foreign(place: Path, rng: np.random.Generator, _: Path) -> str:
-    name = str(rng.choice(["0", "1", "99", "x", "zarr.json", "run.lock", ".x.part-1", "0.abc.partial", "c"]))
+    name = str(rng.choice(["0", "1", "99", "x", "zarr.json", "ledger.jsonl", ".x.part-1", "c.0.new", "c.7"]))
     beside = place.with_name(name)
     if beside.exists():
         return _empty(beside, rng, _) if beside.is_file() else "nothing"

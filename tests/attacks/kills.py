@@ -51,26 +51,25 @@ def _rows(folder: Path) -> float:
     store = folder / "R.zarr"
     if not store.exists():
         return -1.0
-    try:
-        return float(json.loads((store / "checkpoint.json").read_text())["rows"])
-    except FileNotFoundError:
-        finished = json.loads((store / "zarr.json").read_text())["attributes"]["status"] != "running"
-        return float("inf") if finished else -1.0
+    state = _acknowledged(store)
+    return float("inf") if state.closing else float(state.rows.get("trajectory", 0))
 
 
 def _chunks(folder: Path) -> float:
     """Chunks of a sweep that are done."""
-    from tippetop.store import tables
-
     store = folder / "S.zarr"
-    return float((tables.read_member(store, "chunk_status")[:] == 1).sum()) if store.exists() else -1.0
+    return float(len(_acknowledged(store).chunks)) if store.exists() else -1.0
+
+
+def _acknowledged(store: Path) -> Any:
+    from tippetop.store import ledger
+
+    return ledger.Acknowledged.of(ledger.records_of((store / ledger.LEDGER).read_bytes()))
 
 
 def _blocks(folder: Path) -> float:
     """Chunks of a surface that are done."""
-    if (folder / "F.zarr").exists():
-        return float("inf")
-    return float(sum(p.is_file() for p in (folder / ".F.zarr.part" / "surface" / "status" / "c").rglob("*")))
+    return float(len(_acknowledged(folder / "F.zarr").chunks)) if (folder / "F.zarr").exists() else -1.0
 
 
 # --- what is killed -------------------------------------------------------------------------------------------------
@@ -106,7 +105,7 @@ def _touching(kind: str) -> Callable[[Path, Path], list[object]]:
 def _phase(folder: Path) -> str:
     """The phase in which the checkpoint of a run left it; empty if there is none, or the contact has no phases."""
     with contextlib.suppress(OSError, KeyError):
-        last = json.loads((folder / "R.zarr" / "checkpoint.json").read_text())["report"]["contact_phases"]["last"]
+        last = _acknowledged(folder / "R.zarr").attributes["report"]["contact_phases"]["last"]
         return f"{last['phase']} of the {last['ball']}" if last else "the first"
     return ""
 
@@ -157,7 +156,7 @@ TARGETS = {
     "sweep": Target(_sweep(1), None, _chunks),
     "surface": Target(_surface, None, _blocks),
     "sweep, again": Target(_sweep(1), None, _chunks, _copy("S.zarr", "half_a_sweep")),
-    "surface, again": Target(_surface, None, _blocks, _copy(".F.zarr.part", "half_a_surface")),
+    "surface, again": Target(_surface, None, _blocks, _copy("F.zarr", "half_a_surface")),
     "export parquet": Target(_export("parquet")),
     "plot sphere": Target(_plot("sphere")),
     "potential": Target(_potential),

@@ -41,7 +41,7 @@ def many_chunks() -> None:
     from tippetop.runs import recording as runs
 
     integration.STEPS_PER_SLICE = 48
-    runs.COMMIT_EVERY, runs.MOST_ROWS, runs.EVENTS_PER_CHUNK = 0.0, 256, 16
+    runs.COMMIT_EVERY, runs.ROWS_PER_CHUNK, runs.EVENTS_PER_CHUNK = 0.0, 256, 16
     surfaces.CHUNK = 16
     surfaces.Surface.over.__func__.__kwdefaults__["chunk"] = 16
 
@@ -114,7 +114,7 @@ def surface(folder: Path) -> Path:
 
 
 def half_a_surface(folder: Path) -> Path:
-    """The hidden store of the same surface, stopped after some chunks."""
+    """The store of the same surface, stopped after some chunks."""
     import numpy as np
 
     from tippetop.landscape import recording
@@ -129,7 +129,7 @@ def half_a_surface(folder: Path) -> Path:
 
     with contextlib.suppress(Enough):
         recording.write(folder / "F.zarr", wanted, progress=stop)
-    return folder / ".F.zarr.part"
+    return folder / "F.zarr"
 
 
 def potential(folder: Path) -> Path:

@@ -70,28 +70,19 @@ def test_a_terminal_without_our_characters_is_written_to_nevertheless() -> None:
     [
         "a = " + "[" * 5000 + "]" * 5000,
         "a = " + "{a=" * 3000 + "1" + "}" * 3000,
-        ".".join(["a"] * 20_000) + " = 1",
-        "[" + ".".join(["a"] * 20_000) + "]",
-        "a = {" + " . ".join(["'a b'"] * 20_000) + " = 1}",
     ],
 )
 def test_deep_nesting_is_refused(text: str, tmp_path: Path) -> None:
     file = tmp_path / "deep.toml"
     file.write_text(text)
-    with pytest.raises(InputError, match=r"nested too deeply|more than 64 parts"):
+    with pytest.raises(InputError, match="nested too deeply"):
         reading.read(str(file))
 
 
 def test_a_deep_assignment_is_refused_in_a_short_sentence() -> None:
-    for assignment in ("run.a=" + "[" * 5000 + "]" * 5000, ".".join(["a"] * 20_000) + "=1"):
-        with pytest.raises(InputError) as refused:
-            reading.override({}, [assignment])
-        assert len(str(refused.value)) < 300
-
-
-def test_long_lines_of_numbers_are_no_dotted_keys() -> None:
-    times = ", ".join(f"{i}.5" for i in range(1000))
-    assert reading.override({}, [f"run.output_times=[{times}]"])["run"]["output_times"][-1] == 999.5
+    with pytest.raises(InputError) as refused:
+        reading.override({}, ["run.a=" + "[" * 5000 + "]" * 5000])
+    assert len(str(refused.value)) < 300
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,8 @@ import pytest
 
 import tippetop as tt
 from tippetop.cli import outcome
-from tippetop.cli.application import whole
+from tippetop.cli.application import app_of
+from tippetop.cli.overview import COMMANDS
 from tippetop.errors import missing_extra
 from tippetop.figures import catalogue, drawing
 from tippetop.mechanics.systems import SYSTEMS
@@ -117,7 +118,7 @@ def test_times_of_a_replay(times: tuple, sentence: str, stores: Path, capsys: py
 def test_a_picture_of_a_chunk_that_is_gone_is_refused(stores: Path, tmp_path: Path) -> None:
     shutil.copytree(stores / "tippe.zarr", tmp_path / "a.zarr")
     run = tt.open(tmp_path / "a.zarr")
-    (tmp_path / "a.zarr/trajectory/theta/c/0").unlink()
+    (tmp_path / "a.zarr/trajectory/theta/c.0").unlink()
     with pytest.raises(tt.StoreError, match="a chunk of `theta` is missing"):
         run.plot("theta")
 
@@ -158,7 +159,7 @@ def test_help_of_plot_lists_every_kind(capsys: pytest.CaptureFixture[str]) -> No
 
 
 def test_every_argument_and_option_has_help(capsys: pytest.CaptureFixture[str]) -> None:
-    app = whole()
+    app = app_of(COMMANDS)
     for command in ("run", "resume", "info", "check", "surface", "potential", "sweep", "plot", "export", "systems"):
         collection = app[command].assemble_argument_collection(parse_docstring=True)
         for argument in collection:
@@ -237,6 +238,21 @@ def test_negative_ranges_work_as_typed(tmp_path: Path, capsys: pytest.CaptureFix
     grid = ["--D", "-1e-4:1e-4:3", "--lambda", "-1e-6:1e-6:3"]
     printed(capsys, "surface", "inverting", *grid, "--out", str(tmp_path / "s.zarr"))
     assert "F = " in printed(capsys, "potential", "inverting", "--D", "-1e-4", "--lambda", "-4e-6")[0]
+
+
+def test_momenta_of_a_landscape_are_texts_with_units(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["potential", "inverting", "--json"]
+    in_si = printed(capsys, *words, "--D", "-2e-4", "--lambda", "4e-6")
+    assert printed(capsys, *words, "--D", "-200 g m^2/s", "--lambda", "4e-6 N m^2 s") != in_si
+    assert printed(capsys, *words, "--D", "-0.2 g m^2/s", "--lambda", "4e-6 N m^2 s") == in_si
+    store = tmp_path / "F.zarr"
+    axes = ["--D", "-0.1 g m^2/s:1e-4:3", "--lambda", "0:4 mg m^3/s:5"]
+    printed(capsys, "surface", "inverting", *axes, "--out", str(store))
+    surface = tt.open(store)
+    assert np.array_equal(surface["D"], np.linspace(-1e-4, 1e-4, 3))
+    assert np.array_equal(surface["lambda"], np.linspace(0, 4e-6, 5))
+    assert outcome(["potential", "inverting", "--D", "1 kg", "--lambda", "0"]) == 2
+    assert "--D must be in kg m2 s-1" in capsys.readouterr().err
 
 
 def made_again(store: Path, command: list[str], capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,19 +1,18 @@
 """How stores are compared, and how a command is waited for that may be stopped at any moment."""
 
-import json
 import os
 import stat
 import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import pytest
-import zarr
 from forked import Forked
 
 from tippetop.runs import recording
+from tippetop.store import ledger, zarr3
 
 
 TURNING = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]
@@ -23,7 +22,7 @@ STEPS = 1024
 PRELUDE = f"""
 import tippetop.runs.integration as i, tippetop.runs.recording as r
 i.STEPS_PER_SLICE = {STEPS}
-r.COMMIT_EVERY, r.MOST_ROWS, r.EVENTS_PER_CHUNK = 0.02, 1000, 250
+r.COMMIT_EVERY, r.ROWS_PER_CHUNK, r.EVENTS_PER_CHUNK = 0.02, 1000, 250
 """
 """Short slices, small chunks, frequent commits."""
 
@@ -31,7 +30,7 @@ r.COMMIT_EVERY, r.MOST_ROWS, r.EVENTS_PER_CHUNK = 0.02, 1000, 250
 def short_slices(monkeypatch: pytest.MonkeyPatch, commit_every: float = 0.0) -> None:
     """What PRELUDE does, with a commit after each slice, or after so many seconds."""
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", STEPS)
-    for name, value in (("COMMIT_EVERY", commit_every), ("MOST_ROWS", 1000), ("EVENTS_PER_CHUNK", 250)):
+    for name, value in (("COMMIT_EVERY", commit_every), ("ROWS_PER_CHUNK", 1000), ("EVENTS_PER_CHUNK", 250)):
         monkeypatch.setattr(recording, name, value)
 
 
@@ -85,16 +84,34 @@ class Disk:
 
 
 def acknowledged(store: Path) -> int:
-    """How many rows the checkpoint of a run acknowledges; -1 if there is none."""
-    try:
-        return json.loads((store / "checkpoint.json").read_text())["rows"]
-    except FileNotFoundError:
-        return -1
+    """How many rows the ledger of a run acknowledges; -1 if there is none."""
+    return state_of(store).rows.get("trajectory", 0) if (store / ledger.LEDGER).exists() else -1
+
+
+def state_of(store: Path) -> ledger.Acknowledged:
+    """What the ledger of a store acknowledges, whether or not it is there."""
+    return ledger.Acknowledged.of(ledger.records_of((store / ledger.LEDGER).read_bytes()))
+
+
+def edited(store: Path, edit: Callable[[list[dict[str, Any]]], Any]) -> None:
+    """Edit the records of a ledger, with digests that fit, and the documents that they describe."""
+    place = store / ledger.LEDGER
+    records = ledger.records_of(place.read_bytes())
+    edit(records)
+    before, whole = "", b""
+    for record in records:
+        before, line = ledger._line(before, record)
+        whole += line
+    place.write_bytes(whole)
+    for path, document in ledger.Acknowledged.of(records).documents().items():
+        (store / path / "zarr.json").write_bytes(zarr3.dump(document))
 
 
 def chunks(store: Path) -> list[int]:
-    """The status of each chunk of a sweep."""
-    return np.asarray(zarr.open_group(store=str(store), mode="r")["chunk_status"]).tolist()
+    """The status of each chunk of a sweep: 0 to be done, 1 done, 2 failed."""
+    state = state_of(store)
+    count = -(-state.attributes["tops"] // state.attributes["chunk"])
+    return [1 if f"sweep/{k}" in state.chunks else 2 if f"sweep/{k}" in state.failed else 0 for k in range(count)]
 
 
 def written(store: Path) -> int:
@@ -112,8 +129,8 @@ def ended(process: Process) -> Ended:
     return process.returncode, err
 
 
-def wait_until(condition: Callable[[], bool], process: Process) -> None:
-    """Waits for a condition, as long as the process runs."""
+def wait_until(condition: Callable[[], bool], process: Process | None = None) -> None:
+    """Waits for a condition, as long as the process runs, if there is one."""
     while not condition():
-        assert process.poll() is None, process.communicate()
+        assert process is None or process.poll() is None, process.communicate()
         time.sleep(0.002)

@@ -2,8 +2,6 @@
 
 import json
 import os
-import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +10,6 @@ import zarr
 from examples import CANONICAL
 from stores import assert_same
 
-import tippetop
 from tippetop import errors
 from tippetop.cli import outcome
 from tippetop.landscape import recording, surface
@@ -58,8 +55,8 @@ def stopped(path, after, chunk=16):
 
     with pytest.raises(Stop):
         recording.write(path, Surface.over(PARAMETERS, D, LAM, chunk=chunk), progress=stop)
-    assert not path.exists()
-    return path.with_name(f".{path.name}.part") / "surface"
+    assert root.attributes(path)["status"] == "running"
+    return path / "surface"
 
 
 def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
@@ -84,18 +81,17 @@ def test_surface_has_one_writer(tmp_path):
 def test_chunk_without_its_status_is_done_again(whole, tmp_path):
     """A kill between F and status leaves no half-done chunk behind."""
     part = stopped(tmp_path / "F.zarr", after=1)
-    (part / "status" / "c" / "0" / "0").unlink()
-    (part / "F" / "c" / "0" / "0").unlink()
+    (part / "status" / "c.0.0").unlink()
+    (part / "F" / "c.0.0").unlink()
     recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
     assert_same(tmp_path / "F.zarr", whole)
 
 
-@pytest.mark.parametrize("moment", ["finish", "rename_new"])
+@pytest.mark.parametrize("moment", ["finish", "_seal"])
 def test_a_surface_killed_at_its_end_computes_nothing_again(moment, whole, tmp_path, monkeypatch):
-    """Before its seal, and between its seal and its name."""
-    place = recording if moment == "finish" else recording.files
+    """Before its last record, and after it."""
     with monkeypatch.context() as patched:
-        patched.setattr(place, moment, lambda *_: (_ for _ in ()).throw(Stop))
+        patched.setattr(recording.Ledger, moment, lambda *_: (_ for _ in ()).throw(Stop))
         with pytest.raises(Stop):
             recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
     with monkeypatch.context() as patched:
@@ -178,45 +174,26 @@ def test_wrong_words_are_one_sentence(words, sentence, capsys, tmp_path, monkeyp
     assert sentence in capsys.readouterr().err
 
 
-OLD = Path(__file__).parents[1] / "reference" / "surface_zstd"
-
-
-def test_a_surface_in_the_old_format_still_opens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """zstd, without checksums: read, described, drawn, exported; its numbers are those of today."""
-    codecs = json.loads((OLD / "surface" / "F" / "zarr.json").read_text())["codecs"]
-    assert [codec["name"] for codec in codecs] == ["bytes", "zstd"]
-    stored = tippetop.open(OLD)
-    attrs = json.loads((OLD / "zarr.json").read_text())["attributes"]
-    today = surface.minimal_surface(attrs["parameters"], stored["D"].values, stored["lambda"].values)
-    np.testing.assert_allclose(stored["F"], today["F"], rtol=1e-15)
-    np.testing.assert_array_equal(stored["status"], today["status"])
-    assert outcome(["info", str(OLD), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["axes"]["D"] == [-3e-4, 3e-4, 3]
-    assert outcome(["plot", str(OLD), "--out", str(tmp_path / "F.png")]) == 0
-
-
-def test_damage_to_an_old_surface_is_a_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    place = tmp_path / "F.zarr"
-    shutil.copytree(OLD, place)
-    chunk = place / "surface" / "F" / "c" / "0" / "0"
-    chunk.write_bytes(chunk.read_bytes()[:20])
-    assert outcome(["plot", str(place), "--out", str(tmp_path / "F.png")]) == 5
-    assert str(place) in capsys.readouterr().err
+@pytest.mark.parametrize("place", ["zarr.json", "surface/status/c.0.0"])
+def test_a_pipe_in_an_unfinished_surface_is_refused(place, tmp_path):
+    """Whoever opens it to read would wait until somebody writes."""
+    stopped(tmp_path / "F.zarr", after=1)
+    (tmp_path / "F.zarr" / place).unlink()
+    os.mkfifo(tmp_path / "F.zarr" / place)
+    with pytest.raises(errors.StoreError, match="no plain file"):
+        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
 
 
 DAMAGES = {
-    "deleted": lambda part: (part / "surface/F/c/0/0").unlink(),
-    "empty": lambda part: (part / "surface/z/c/0/1").write_bytes(b""),
-    "status": lambda part: (part / "surface/status/c/0/0").write_bytes(b"x"),
-    "exchanged": lambda part: exchange(part / "surface/F/c/0/0", part / "surface/F/c/0/1"),
+    "deleted": lambda part: (part / "surface/F/c.0.0").unlink(),
+    "empty": lambda part: (part / "surface/z/c.0.1").write_bytes(b""),
+    "status": lambda part: (part / "surface/status/c.0.0").write_bytes(b"x"),
+    "exchanged": lambda part: exchange(part / "surface/F/c.0.0", part / "surface/F/c.0.1"),
     "another status": lambda part: written(part, "status", (1, 1), 1),
-    "digest": lambda part: (part / "digests/0-0").write_bytes(b"\xff"),
-    "digests": lambda part: exchange(part / "digests/0-0", part / "digests/0-16"),
+    "axes": lambda part: exchange(part / "surface/D/c.0", part / "surface/lambda/c.0"),
     "metadata": lambda part: edit(part / "surface/F/zarr.json", '"J"', '"eV"'),
     "shape": lambda part: edit(part / "surface/z/zarr.json", '"shape"', '"shapes"'),
     "group": lambda part: (part / "surface/zarr.json").write_text("{}"),
-    "pipe": lambda part: pipe(part / "zarr.json"),
-    "pipe as a chunk": lambda part: pipe(part / "surface/status/c/0/0"),
     "root": lambda part: edit(part / "zarr.json", "minimal surface", "maximal surface"),
 }
 
@@ -232,12 +209,6 @@ def written(part, name, place, value):
     zarr.open_group(part, mode="r+")[f"surface/{name}"][place] = value
 
 
-def pipe(place):
-    """Whoever opens it to read waits until somebody writes."""
-    place.unlink()
-    os.mkfifo(place)
-
-
 def edit(place, old, new):
     text = place.read_text()
     assert old in text
@@ -248,7 +219,7 @@ def edit(place, old, new):
 def test_a_damaged_unfinished_surface_ends_in_the_same_bits(damage, whole, tmp_path):
     """Before, it was finished as it was, with exit code 0, or with a traceback."""
     stopped(tmp_path / "F.zarr", after=5)
-    DAMAGES[damage](tmp_path / ".F.zarr.part")
+    DAMAGES[damage](tmp_path / "F.zarr")
     recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
     assert_same(tmp_path / "F.zarr", whole)
 

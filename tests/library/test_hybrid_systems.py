@@ -12,6 +12,7 @@ import pytest
 import tippetop as tt
 from tippetop.mechanics.form import Exit, Next
 from tippetop.mechanics.systems import SYSTEMS
+from tippetop.store.export import export
 
 
 PAGE = Path(__file__).parents[2] / "docs/how-to/a-hybrid-system.md"
@@ -46,6 +47,14 @@ def test_a_point_bounces_when_it_must(page: dict, precision: str, bound: float) 
     expected = np.sqrt(2 / 9.81) + np.concatenate([[0.0], np.cumsum(hops)])
     assert len(found) >= 9
     np.testing.assert_allclose(found, expected, rtol=0, atol=bound)
+
+
+def test_the_phases_of_a_stored_run_are_exported(page: dict, tmp_path: Path) -> None:
+    run = bounces()
+    run.save(tmp_path / "run.zarr")
+    export(tmp_path / "run.zarr", "csv", tmp_path / "phases.csv", "phases")
+    table = np.genfromtxt(tmp_path / "phases.csv", delimiter=",", skip_header=1, usecols=(0, 1))
+    np.testing.assert_array_equal(table, np.transpose([run.phases.start, run.phases.end]))
 
 
 def test_rows_of_all_phases_are_states(page: dict) -> None:

@@ -9,7 +9,7 @@ from stores import assert_same
 from touching import BOUNCE, ROCKING, STANDING, THROWN, TURNING
 
 from tippetop.problem import Problem
-from tippetop.runs import extending, recording, resuming, saving
+from tippetop.runs import recording, resuming, saving
 from tippetop.runs.attributes import attributes
 from tippetop.runs.integration import Integration, Request
 from tippetop.runs.run import solve
@@ -80,7 +80,7 @@ def test_a_longer_end_gives_the_run_that_would_have_been_made_at_once(tmp_path: 
     short, long = with_run(BOUNCE, until=0.02, output_step=1e-3), with_run(BOUNCE, until=0.3, output_step=1e-3)
     recording.record(short, tmp_path / "a")
     assert solve(short).report["contact_phases"]["last"]["phase"] == "flight"
-    extending.extend(tmp_path / "a", 0.3)
+    resuming.extend(tmp_path / "a", 0.3)
     recording.record(long, tmp_path / "b")
     assert_same(tmp_path / "a", tmp_path / "b")
 

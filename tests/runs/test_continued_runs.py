@@ -1,7 +1,6 @@
 """A finished run is continued: bit by bit the run that would have been made at once."""
 
 import functools
-import json
 import shutil
 import signal
 from collections.abc import Callable
@@ -11,14 +10,15 @@ from typing import Any
 import pytest
 from forked import Forked
 from nightly import at_night
-from stores import TURNING, acknowledged, assert_same, ended, files, wait_until
+from stores import TURNING, acknowledged, assert_same, ended, files, state_of, wait_until
 
 import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.errors import InputError, StoreError
-from tippetop.runs import extending, recording, resuming
+from tippetop.runs import recording, resuming
 from tippetop.scenario import build
-from tippetop.store import provenance, renaming, root, seal
+from tippetop.store import provenance, root
+from tippetop.store.folder import Folder
 
 
 ROWS = "run.output_step=0.01"
@@ -56,7 +56,7 @@ def at_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 
 def said(store: Path) -> dict[str, Any]:
     """The root attributes as they stand there."""
-    return json.loads((store / "zarr.json").read_text())["attributes"]
+    return root.root_of(store)
 
 
 @pytest.mark.parametrize("kind", [kind if kind in ("rows", "keyframes") else at_night(kind) for kind in OUTPUT])
@@ -119,54 +119,35 @@ def test_killed_while_it_is_continued_it_is_resumed(moment: str, at_once: Callab
     assert_same(store, whole)
 
 
-def test_while_it_is_continued_it_has_no_seal_and_its_rows_are_bound_to_the_checkpoint(tmp_path: Path) -> None:
+def test_while_it_is_continued_it_is_an_interrupted_run_whose_chunks_are_marked(tmp_path: Path) -> None:
     store = made(tmp_path / "run.zarr", 20.0, *OUTPUT["keyframes"])
-    assert "seal" in said(store)
+    assert state_of(store).seal
     with pytest.raises(KeyboardInterrupt):
-        extending.extend(store, 60.0, lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+        resuming.extend(store, 60.0, lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
     assert said(store)["status"] == "running"
-    assert "seal" not in said(store)
-    digests = json.loads((store / "checkpoint.json").read_text())["digests"]
-    assert sorted(digests) == ["events", "keyframes", "trajectory"]
-    one, other = (store / "keyframes" / name / "c" / "0" for name in ("time", "step"))
-    whole = one.read_bytes(), other.read_bytes()
-    one.write_bytes(whole[1])
-    with pytest.raises(StoreError, match="acknowledged rows, but some of them are others"):
-        tt.resume(store)
-    one.write_bytes(whole[0])
+    assert not state_of(store).closing
     tt.resume(store)
-    assert "seal" in said(store)
-    one.write_bytes(whole[1])
-    with pytest.raises(StoreError, match="seal"):
+    assert state_of(store).seal
+    one, other = (store / "keyframes" / name / "c.0" for name in ("time", "step"))
+    one.write_bytes(other.read_bytes())
+    with pytest.raises(StoreError, match="a file of its chunk"):
         tt.open(store)
 
 
-def test_a_store_between_two_seals_is_continued_too(at_once: Callable[..., Path], tmp_path: Path) -> None:
-    store = copied(at_once(3.0, ROWS), tmp_path)
-    seal.remove(store)  # as one that was killed just before larger chunks had their seal
-    assert tt.open(store).summary.status == "finished"
-    tt.resume(store, until=4.0)
-    assert_same(store, at_once(4.0, ROWS))
-
-
-@pytest.mark.parametrize("step", ["exchange", *map(at_night, ("compare", "write", "replace_attributes"))])
+@pytest.mark.parametrize("step", ["put", *map(at_night, ("rename", "sync_one"))])
 def test_whatever_fails_before_it_begins_leaves_the_finished_run(
     step: str, at_once: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store = copied(at_once(10.0, ROWS), tmp_path)
-    before = files(store)
-    module = {"exchange": renaming, "compare": resuming, "write": extending.checkpoint, "replace_attributes": root}
 
     def fails(*_: object) -> None:
         raise OSError("the disk")
 
     with monkeypatch.context() as patch:
-        patch.setattr(module[step], step, fails)
+        patch.setattr(Folder, step, fails)
         with pytest.raises((StoreError, OSError)):
             tt.resume(store, until=20.0)
     assert tt.open(store).summary.status == "finished"
-    if step == "exchange":
-        assert files(store) == before
     tt.resume(store, until=20.0)
     assert_same(store, at_once(20.0, ROWS))
 
@@ -199,25 +180,10 @@ def test_a_run_that_an_event_has_ended_is_not_continued(tmp_path: Path) -> None:
         tt.resume(store, until=16.0)
 
 
-def test_a_store_without_its_end_or_of_other_versions_is_refused(
+def test_a_store_of_other_versions_is_refused(
     at_once: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store = copied(at_once(3.0, ROWS), tmp_path)
-    attrs = said(store)
-    unsealed = {key: value for key, value in attrs.items() if key != "seal"}
-    other = json.loads(json.dumps(attrs["end"]).replace("0x1", "0x2", 1))
-    for changed, sentence in (
-        ({**attrs, "end": other}, "its seal says"),
-        ({key: value for key, value in unsealed.items() if key != "end"}, "must have the root attribute `end`"),
-        ({**unsealed, "end": other}, "its digest is another"),
-        ({**unsealed, "end": {}}, "must have a whole root attribute `end`"),
-        ({**unsealed, "end": 3}, "is damaged"),
-        ({**unsealed, "friction": {**attrs["friction"], "mu": 0.1}}, "root attributes were changed"),
-    ):
-        seal.replace_attributes(store, changed)
-        with pytest.raises(StoreError, match=sentence):
-            tt.resume(store, until=4.0)
-    seal.replace_attributes(store, attrs)
     with monkeypatch.context() as patch:
         patch.setattr(provenance, "cpu", lambda: "another")
         with pytest.raises(StoreError, match="must be continued by the versions and processor"):
@@ -234,22 +200,10 @@ def test_a_certificate_does_not_hinder_and_does_not_stay(at_once: Callable[..., 
     assert_same(store, at_once(4.0, ROWS))
 
 
-def test_a_store_that_keeps_its_end_in_a_file_is_continued(at_once: Callable[..., Path], tmp_path: Path) -> None:
-    """The first stores had `end.json` beside the groups; zarr warned of it."""
-    store = copied(at_once(3.0, ROWS), tmp_path)
-    attrs = said(store)
-    (store / "end.json").write_text(json.dumps(attrs.pop("end")))
-    seal.replace_attributes(store, attrs | {"seal": seal.of(store, attrs, ("trajectory", "events"))})
-    assert tt.open(store).summary.t_end == 3.0
-    tt.resume(store, until=4.0)
-    assert_same(store, at_once(4.0, ROWS))
-
-
 def test_a_replay_is_not_continued(at_once: Callable[..., Path], tmp_path: Path) -> None:
     store = copied(at_once(3.0), tmp_path)
     words = ["--from", "1", "--until", "2", "--step", "0.1", "--out", str(tmp_path / "rows.zarr")]
     assert outcome(["replay", str(store), *words]) == 0
-    assert "end" not in said(tmp_path / "rows.zarr")
-    assert said(tmp_path / "rows.zarr")["seal"] != said(store)["seal"]
+    assert state_of(tmp_path / "rows.zarr").end is None
     with pytest.raises(StoreError, match="is a replay"):
         tt.resume(tmp_path / "rows.zarr", until=6.0)

@@ -1,7 +1,6 @@
 """The library leaves its host alone: it runs in any thread, keeps the host's signal handlers, and stops when asked."""
 
 import ast
-import json
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -17,7 +16,8 @@ from tippetop.errors import Interrupted, StoreError
 from tippetop.problem import Problem
 from tippetop.runs import recording, resuming
 from tippetop.scenario import build
-from tippetop.store.lock import Lock
+from tippetop.store import root
+from tippetop.store.ledger import Ledger
 from tippetop.sweeps.plan import Plan
 
 
@@ -76,7 +76,7 @@ def test_a_run_stops_and_continues_in_any_thread(undisturbed: Path, tmp_path: Pa
     store, stop = tmp_path / "run.zarr", threading.Event()
     with pytest.raises(Interrupted):
         elsewhere(lambda: recording.record(problem(), store, progress=after(2, stop.set), stop=stop))
-    assert 0 < json.loads((store / "checkpoint.json").read_text())["report"]["t_end"] < 20
+    assert 0 < root.attributes(store)["report"]["t_end"] < 20
     stop.clear()
     with pytest.raises(Interrupted):
         elsewhere(lambda: resuming.resume(store, progress=after(2, stop.set), stop=stop))
@@ -88,7 +88,7 @@ def test_an_exception_frees_the_lock_and_leaves_what_can_be_resumed(undisturbed:
     store = tmp_path / "run.zarr"
     with pytest.raises(KeyboardInterrupt):
         recording.record(problem(), store, progress=after(3, lambda: signal.raise_signal(signal.SIGINT)))
-    Lock(store).release()
+    Ledger.locked(store).release()
     assert [thread for thread in threading.enumerate() if thread.name.startswith("store")] == []
     resuming.resume(store)
     assert_same(store, undisturbed)

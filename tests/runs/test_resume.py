@@ -16,8 +16,9 @@ import pytest
 import xarray as xr
 from forked import Forked
 from nightly import at_night
-from stores import PRELUDE, TURNING, Disk, acknowledged, assert_same, ended, short_slices, wait_until
+from stores import PRELUDE, TURNING, Disk, acknowledged, assert_same, ended, short_slices, state_of, wait_until
 
+import tippetop
 from tippetop import errors
 from tippetop.cli import outcome
 from tippetop.engine.compiled import compiled_from
@@ -29,8 +30,9 @@ from tippetop.runs.reporting import report
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
 from tippetop.scenario import build, reading
-from tippetop.store import files as store_files
 from tippetop.store import root
+from tippetop.store.folder import Folder
+from tippetop.store.ledger import Ledger
 
 
 UNTIL = 70.0  # [s]: eleven short slices
@@ -114,13 +116,13 @@ def test_a_full_disk_is_said_and_nothing_acknowledged_is_lost(undisturbed: Path,
 import resource, signal, sys
 sys.dont_write_bytecode = True  # python would leave half of what it compiles
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
 """
     code, err = ended(start(*running(store), prelude=PRELUDE + limit))
     assert code == 5, err
     assert "File too large" in err
     assert "Traceback" not in err
-    assert (store / "checkpoint.json").exists()
+    assert (store / "ledger.jsonl").exists()
     assert here("resume", str(store)) == 0
     assert_same(store, undisturbed)
 
@@ -128,7 +130,7 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
 def test_two_writers_are_refused_with_the_holder_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     store = tmp_path / "run.zarr"
     process = start(*running(store))
-    wait_until((store / "checkpoint.json").exists, process)
+    wait_until((store / "ledger.jsonl").exists, process)
     assert outcome(["resume", str(store)]) == 5
     assert f"process {process.pid}" in capsys.readouterr().err
     process.kill()
@@ -140,13 +142,13 @@ def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(fate: str, tmp_path
     """Before, it went on for the whole run, and then claimed that everything is kept."""
     store = tmp_path / "run.zarr"
     process = start(*running(store, 1e6))
-    wait_until((store / "checkpoint.json").exists, process)
+    wait_until((store / "ledger.jsonl").exists, process)
     store.rename(tmp_path / "elsewhere")
     if fate == "removed":
         shutil.rmtree(tmp_path / "elsewhere", ignore_errors=True)
     elif fate == "replaced":
         (store / "trajectory").mkdir(parents=True)
-        (store / "run.lock").write_text("another's")
+        (store / "ledger.jsonl").write_text("another's")
     code, err = ended(process)
     assert code == 5
     assert "was moved, removed or replaced" in err
@@ -156,7 +158,7 @@ def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(fate: str, tmp_path
 def test_a_run_that_is_being_written_is_not_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     store = tmp_path / "run.zarr"
     process = start(*running(store, 1e6))
-    wait_until((store / "checkpoint.json").exists, process)
+    wait_until((store / "ledger.jsonl").exists, process)
     assert here(*running(store), "--overwrite") == 5
     assert f"process {process.pid} on" in capsys.readouterr().err
     assert process.poll() is None
@@ -213,20 +215,21 @@ def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monk
     assert_same(broken, whole)
 
 
-def test_what_a_checkpoint_acknowledges_is_on_the_disk_before_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_a_record_acknowledges_is_on_the_disk_before_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     short_slices(monkeypatch)
-    disk, late, replaced = Disk(monkeypatch), [], store_files.replace_text
+    disk, late, append = Disk(monkeypatch), [], Folder.append
 
-    def checked(path: Path, text: str) -> None:
-        late.append([p for p in disk.late(path.parent) if p.name != "run.lock"])
-        replaced(path, text)
+    def checked(folder: Folder, name: str, data: bytes) -> None:
+        state, store = state_of(tmp_path / "run.zarr"), tmp_path / "run.zarr"
+        state.add(json.loads(data.partition(b" ")[2]))
+        files = [store / file for key in state.chunks for file in state.files(key)] + [store / state.tail[0]]
+        late.append({*disk.late(store)} & {*files})
+        append(folder, name, data)
 
-    monkeypatch.setattr("tippetop.runs.recording.files.replace_text", checked)
+    monkeypatch.setattr(Folder, "append", checked)
     recording.record(problem(30.0), tmp_path / "run.zarr")
     assert len(late) > 4
-    assert not any(late)
+    assert not any(late[:-1])
 
 
 class HandedOver(Exception):
@@ -326,10 +329,10 @@ def test_a_settled_run_can_stop_early(tmp_path: Path) -> None:
 def test_a_run_killed_after_its_last_word_is_tidied_up(
     more: list[str], code: int, undisturbed: Path, tmp_path: Path
 ) -> None:
-    """The root attributes say finished, but temporary files are still there: resume removes them."""
+    """The ledger has its last form, but temporary files are still there: resume removes them."""
     store = tmp_path / "run.zarr"
     shutil.copytree(undisturbed, store)
-    for left in ("checkpoint.json", "run.lock", ".zarr.json.part-01"):
+    for left in ("tail-00000003", "ledger.jsonl.new", "trajectory/theta/c.9"):
         (store / left).write_text("{}")
     assert outcome(["resume", str(store), *more]) == code
     assert_same(store, undisturbed)
@@ -345,8 +348,9 @@ def test_a_disk_that_fails_after_the_end_does_not_unfinish_a_run(
     store = tmp_path / "run.zarr"
     error = OSError(errno.EIO, os.strerror(errno.EIO))
     with monkeypatch.context() as patched:
-        patched.setattr(store_files, "remove_scratch", Mock(side_effect=error))
+        patched.setattr(Ledger, "_seal", Mock(side_effect=error))
         assert here(*running(store)) == 5
     assert "Input/output error. The run is finished and whole" in capsys.readouterr().err
+    assert tippetop.open(store).summary.status == "finished"
     assert outcome(["resume", str(store)]) == 5
     assert_same(store, undisturbed)

@@ -6,16 +6,17 @@ from typing import Any
 import numpy as np
 import pytest
 import zarr
-from stores import Disk, assert_same, files
+from stores import assert_same
 
 from tippetop.columns import Column
 from tippetop.errors import StoreError
-from tippetop.store import chunks, tables
-from tippetop.store.chunks import Appender
-from tippetop.store.own import OwnStore
+from tippetop.store import chunks, ledger, zarr3
+from tippetop.store.ledger import Ledger
+from tippetop.store.table import Table
 
 
 CHUNK, ROWS = 8, 45  # five whole chunks and a part
+GROUP = "trajectory"
 
 
 def columns(rows: slice = slice(None)) -> dict[str, Column]:
@@ -26,35 +27,37 @@ def columns(rows: slice = slice(None)) -> dict[str, Column]:
     return {name: Column(dims.get(name, ("time",)), v[rows], {"units": "1"}) for name, v in values.items()}
 
 
-def table(path: Path) -> dict[str, Any]:
-    """The arrays of the group, as a writer opens them."""
-    return tables.open_root(path, "trajectory")[1][0]
+def new(path: Path, of: dict[str, Column], chunk: int = CHUNK) -> Table:
+    """An empty table in a new store; `flag` is a late column."""
+    path.mkdir()
+    arrays = {f"{GROUP}/{name}": zarr3.array(column, {"time": (0, chunk)}) for name, column in of.items()}
+    late = [name for name in arrays if name.endswith("flag")]
+    tables = {GROUP: [name for name in arrays if name not in late]} | ({f"{GROUP}-late": late} if late else {})
+    head = ledger.header({}, {GROUP: zarr3.group({}), **arrays}, tables)
+    return Table(Ledger.created(path, head), GROUP)
 
 
-def new(path: Path, of: dict[str, Column] | None = None, chunk: int = CHUNK) -> Appender:
-    """An empty table in a new store."""
-    root = tables.create_root(path, {})
-    Appender.created(root, "trajectory", of or columns(slice(0, 0)), chunk)
-    return Appender(table(path))
+def append(table: Table, of: dict[str, Column]) -> None:
+    table.append({name: column.values for name, column in of.items()})
 
 
-def whole(path: Path) -> Path:
+def finish(table: Table) -> None:
+    table.finish()
+    table.ledger.finish({"status": "finished"}, rows=table.counts())
+    table.ledger.release()
+
+
+def whole(path: Path, of: dict[str, Column] | None = None, chunk: int = CHUNK) -> Path:
     """All rows in one piece."""
-    appender = new(path)
-    appender.append(columns())
-    appender.flush()
+    of = of or columns()
+    table = new(path, {name: c._replace(values=c.values[:0]) for name, c in of.items()}, chunk)
+    append(table, of)
+    finish(table)
     return path
 
 
 def read(path: Path) -> dict[str, np.ndarray]:
-    return {name: array[:] for name, array in tables.read_member(path, "trajectory").items()}
-
-
-def assert_holds(path: Path, rows: int = ROWS) -> None:
-    found = read(path)
-    assert set(found) == {"time", "axis", "flag"}
-    for name, column in columns(slice(rows)).items():
-        np.testing.assert_array_equal(found[name], column.values, err_msg=name)
+    return {name: array[:] for name, array in chunks.read_member(path, GROUP).items()}
 
 
 def test_each_chunk_of_a_row_must_be_there(tmp_path: Path) -> None:
@@ -70,135 +73,46 @@ def test_each_chunk_of_a_row_must_be_there(tmp_path: Path) -> None:
 
 
 def test_columns_are_kept_with_their_types_names_and_attributes(tmp_path: Path) -> None:
-    assert_holds(whole(tmp_path / "a"))
-    arrays = table(tmp_path / "a")
-    assert arrays["axis"].metadata.dimension_names == ("time", "xyz")
+    arrays: dict[str, Any] = chunks.read_member(whole(tmp_path / "a"), GROUP)
+    for name, column in columns().items():
+        np.testing.assert_array_equal(arrays[name][:], column.values, err_msg=name)
+        assert arrays[name].metadata.dimension_names == column.dims
+        assert arrays[name].dtype == column.values.dtype
     assert arrays["axis"].chunks == (CHUNK, 3)
-    assert arrays["flag"].dtype == np.bool_
     assert arrays["time"].attrs["units"] == "1"
 
 
-@pytest.mark.parametrize("flush", [False, True])
 @pytest.mark.parametrize("pieces", [[45], [1] * 45, [8, 8, 8, 8, 8, 5], [7, 0, 38], [40, 5]], ids=str)
-def test_the_files_do_not_depend_on_the_pieces_nor_on_flushes(pieces: list[int], flush: bool, tmp_path: Path) -> None:
-    appender, start = new(tmp_path / "a"), 0
+def test_the_files_do_not_depend_on_the_pieces_nor_on_commits(pieces: list[int], tmp_path: Path) -> None:
+    table, start = new(tmp_path / "a", columns(slice(0, 0))), 0
     for count in pieces:
-        appender.append(columns(slice(start, start + count)))
+        append(table, columns(slice(start, start + count)))
         start += count
-        assert appender.rows == start
-        if flush:
-            appender.flush()
-            assert_holds(tmp_path / "a", start)
-    appender.flush()
+        about, data = table.tail()
+        table.ledger.commit(data, rows=table.counts())
+        table.ledger.derive(table.derived())
+        assert len(read(tmp_path / "a")["time"]) == table.rows == start
+        again = Table(table.ledger, GROUP)
+        assert again.restore(about, data + b"rest") == b"rest"
+        np.testing.assert_array_equal(again.values("axis"), columns(slice(start))["axis"].values)
+        table = again
+    finish(table)
     assert_same(tmp_path / "a", whole(tmp_path / "whole"))
 
 
-def test_only_whole_chunks_are_written_before_a_flush_which_says_how_many_rows_there_are(tmp_path: Path) -> None:
-    appender = new(tmp_path / "a")
-    appender.append(columns(slice(0, 13)))
-    assert [place.name for place in (tmp_path / "a/trajectory/time/c").iterdir()] == ["0"]
-    assert len(read(tmp_path / "a")["time"]) == 0
-    appender.flush()
-    assert len(read(tmp_path / "a")["time"]) == 13
-    before = files(tmp_path / "a")
-    appender.flush()
-    assert files(tmp_path / "a") == before
-
-
-@pytest.mark.parametrize("flushed", [True, False])
-@pytest.mark.parametrize("acknowledged", [0, 5, 8, 19, 40])
-def test_what_was_not_acknowledged_is_cut_and_the_rest_goes_on(
-    acknowledged: int, flushed: bool, tmp_path: Path
-) -> None:
-    """As after a kill: rows beyond the checkpoint are on the disk, whole or in part, also where no metadata tell."""
-    appender = new(tmp_path / "a")
-    appender.append(columns(slice(0, acknowledged)))
-    appender.flush()
-    appender.append(columns(slice(acknowledged, 43)))
-    if flushed:
-        appender.flush()
-    again = Appender(table(tmp_path / "a"))
-    again.cut(acknowledged)
-    again.reload(acknowledged)
-    assert again.rows == acknowledged
-    again.append(columns(slice(acknowledged, None)))
-    again.flush()
-    assert_same(tmp_path / "a", whole(tmp_path / "whole"))
-
-
-class Killed(Exception):
-    """The writer dies."""
-
-
-@pytest.mark.parametrize("after", [0, 1, 5])
-def test_a_writer_killed_while_it_cuts_leaves_no_chunk_too_few(
-    after: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Before, what it was about to cut was taken for damage: the store could never be resumed."""
-    whole(tmp_path / "a")
-    removed, delete = [], OwnStore.delete_sync
-
-    def die(store: OwnStore, key: str) -> None:
-        if len(removed) == after:
-            raise Killed
-        removed.append(key)
-        delete(store, key)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(OwnStore, "delete_sync", die)
-        with pytest.raises(Killed):
-            Appender(table(tmp_path / "a")).cut(8)
-    chunks.verify(table(tmp_path / "a"))  # every chunk that its metadata promises
-    appender = Appender(table(tmp_path / "a"))
-    appender.cut(8)
-    appender.reload(8)
-    appender.append(columns(slice(8, None)))
-    appender.flush()
-    assert_same(tmp_path / "a", whole(tmp_path / "b"))
-
-
-def test_fewer_rows_than_acknowledged_are_an_error(tmp_path: Path) -> None:
-    whole(tmp_path / "a")
-    with pytest.raises(StoreError, match="must hold the 46 acknowledged rows, but has 45"):
-        Appender(table(tmp_path / "a")).cut(46)
-
-
-def test_flags_are_set_in_rows_written_and_waiting(tmp_path: Path) -> None:
-    appender = new(tmp_path / "a")
-    appender.append(columns())
-    appender.mark("flag", [0, 9, 39, 40, 44])
-    appender.flush()
+def test_flags_are_set_in_any_row_until_the_end(tmp_path: Path) -> None:
+    table = new(tmp_path / "a", columns(slice(0, 0)))
+    append(table, columns())
+    table.mark("flag", [0, 9, 39, 40, 44])
+    finish(table)
     assert np.flatnonzero(read(tmp_path / "a")["flag"]).tolist() == [0, 9, 39, 40, 44]
-
-
-def test_everything_written_is_synced_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    disk, group = Disk(monkeypatch), tmp_path / "a" / "trajectory"
-    root = tables.create_root(tmp_path / "a", {})
-    with tables.every_chunk():
-        appender = Appender.created(root, group.name, columns(slice(0, 0)), CHUNK)
-    appender.append(columns(slice(0, 20)))
-    appender.flush()
-    some = {group, group / "time" / "c" / "2", group / "axis" / "zarr.json"}
-    assert some < set(disk.late(tmp_path / "a"))
-    appender.sync()
-    assert disk.late(tmp_path / "a") == []
-    disk.synced.clear()
-    appender.sync()
-    assert disk.synced == {}
-    appender.mark("flag", [3])
-    appender.sync()
-    flags = group / "flag" / "c"
-    assert disk.synced.keys() == {place.stat().st_ino for place in (flags, flags / "0")}
-
-
-# --- damage ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("harm", ["flipped", "cut", "missing"])
 def test_a_damaged_chunk_is_named(harm: str, tmp_path: Path) -> None:
     whole(tmp_path / "a")
-    chunks.verify(table(tmp_path / "a"))
-    victim = tmp_path / "a" / "trajectory" / "axis" / "c" / "2" / "0"
+    chunks.verify(chunks.read_member(tmp_path / "a", GROUP))
+    victim = tmp_path / "a" / GROUP / "axis" / "c.2.0"
     content = bytearray(victim.read_bytes())
     if harm == "missing":
         victim.unlink()
@@ -206,7 +120,7 @@ def test_a_damaged_chunk_is_named(harm: str, tmp_path: Path) -> None:
         content[len(content) // 2] ^= 1
         victim.write_bytes(content if harm == "flipped" else content[:-3])
     with pytest.raises(StoreError, match="axis` must be readable in rows 16 to 24"):
-        chunks.verify(table(tmp_path / "a"))
+        chunks.verify(chunks.read_member(tmp_path / "a", GROUP))
 
 
 # --- reading --------------------------------------------------------------------------------------------------------
@@ -236,9 +150,7 @@ def test_a_thin_reading_keeps_the_extremes_of_every_bin(
     values = np.cumsum(rng.normal(size=count))
     values[count // 3] = np.nan
     of = {n: Column(("time",), v, {}) for n, v in (("time", np.arange(float(count))), ("value", values))}
-    appender = new(tmp_path / "a", of, 64)
-    appender.append(of)
-    appender.flush()
+    whole(tmp_path / "a", of, 64)
     found = chunks.digest(tmp_path / "a", "trajectory", "value", most)
     rows = found["time"].values.astype(int)
     assert np.all(np.diff(rows) > 0)

@@ -7,15 +7,12 @@ import signal
 import stat
 from pathlib import Path
 
-import numpy as np
 import pytest
-import zarr
 from forked import Forked
 
-from tippetop.columns import Column
 from tippetop.errors import StoreError
-from tippetop.store import files, own, provenance, tables
-from tippetop.store.lock import LOCK, Lock
+from tippetop.store import files, ledger, provenance
+from tippetop.store.ledger import LEDGER, Ledger
 from tippetop.store.root import new_store
 
 
@@ -26,7 +23,7 @@ class Stop(Exception):
 def made_store(path: Path, title: str = "old") -> Path:
     """A store of ours with nothing in it."""
     with new_store(path) as scratch:
-        tables.create_root(scratch, {**provenance.provenance(), "title": title})
+        Ledger.created(scratch, ledger.header({**provenance.provenance(), "title": title}, {}, {})).release()
     return path
 
 
@@ -46,12 +43,13 @@ def killed(code: str) -> bool:
 
 def test_a_file_is_replaced_whole_or_not_at_all(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
-    files.replace_text(path, "old")
+    path.write_text("old")
     with pytest.raises(Stop), files.replacing(path) as scratch:  # noqa: PT012
         scratch.write_text("half")
         raise Stop
     assert path.read_text() == "old"
-    files.replace_text(path, "new")
+    with files.replacing(path) as scratch:
+        scratch.write_text("new")
     assert path.read_text() == "new"
     assert content(tmp_path) == ["a.txt"]
 
@@ -71,7 +69,8 @@ def test_a_link_is_replaced_and_not_what_it_points_to(tmp_path: Path) -> None:
     elsewhere, path = tmp_path / "elsewhere", tmp_path / "a.txt"
     elsewhere.write_text("precious")
     path.symlink_to(elsewhere)
-    files.replace_text(path, "new")
+    with files.replacing(path) as scratch:
+        scratch.write_text("new")
     assert (elsewhere.read_text(), path.read_text(), path.is_symlink()) == ("precious", "new", False)
 
 
@@ -101,7 +100,7 @@ def test_of_two_that_make_one_store_the_first_wins_and_the_second_is_told(tmp_pa
     """Both began when there was none."""
     path = tmp_path / "S.zarr"
     with pytest.raises(StoreError, match="must not exist yet"), new_store(path) as scratch:  # noqa: PT012
-        tables.create_root(scratch, {"title": "second"})
+        (scratch / "second").write_text("")
         made_store(path, "first")
     assert '"title": "first"' in (path / "zarr.json").read_text()
     assert content(tmp_path) == ["S.zarr"]
@@ -110,7 +109,7 @@ def test_of_two_that_make_one_store_the_first_wins_and_the_second_is_told(tmp_pa
 def test_not_even_an_empty_folder_that_came_meanwhile_is_replaced(tmp_path: Path) -> None:
     path = tmp_path / "S.zarr"
     with pytest.raises(StoreError, match="must not exist yet"), new_store(path) as scratch:  # noqa: PT012
-        tables.create_root(scratch, {"title": "mine"})
+        (scratch / "mine").write_text("")
         path.mkdir()
     assert content(path) == []
     assert content(tmp_path) == ["S.zarr"]
@@ -142,15 +141,12 @@ def test_what_a_killed_overwrite_leaves_beside_a_store_goes_with_the_next(tmp_pa
     path = made_store(tmp_path / "S.zarr")
     assert killed(KILLED.format(path=str(path)))
     (stale,) = (p for p in tmp_path.iterdir() if p != path)
-    made_store(tmp_path / ".S.zarr.old")
     others = [tmp_path / name for name in (".S.zarr.part-mine", ".T.zarr.part-" + "0" * 32)]
     for other in others:
         other.mkdir()
     with pytest.warns(UserWarning, match="a killed run left it") as warned, new_store(path, overwrite=True) as scratch:
         (scratch / "new").write_text("")
-    assert {str(w.message) for w in warned} == {
-        f"`{p}` is removed: a killed run left it." for p in (stale, tmp_path / ".S.zarr.old")
-    }
+    assert [str(w.message) for w in warned] == [f"`{stale}` is removed: a killed run left it."]
     assert sorted(tmp_path.iterdir()) == sorted([path, *others])
 
 
@@ -161,8 +157,8 @@ def test_what_another_process_is_making_is_not_stale(tmp_path: Path) -> None:
         files.remove_stale(path)
         assert content(scratch) == ["mine"]
     held = tmp_path / f".S.zarr.part-{'0' * 32}"
-    held.mkdir()
-    with Lock(held):
+    made_store(tmp_path / "T.zarr").rename(held)
+    with Ledger.opened(held):
         files.remove_stale(path)
         assert held.exists()
 
@@ -172,7 +168,7 @@ def test_a_block_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
     with pytest.raises(Stop), new_store(path, overwrite=True) as scratch:  # noqa: PT012
         (scratch / "half").write_text("")
         raise Stop
-    assert content(path) == ["zarr.json"]
+    assert content(path) == [LEDGER, "zarr.json"]
     assert content(tmp_path) == ["S.zarr"]
     with new_store(path, overwrite=True) as scratch:
         (scratch / "new").write_text("")
@@ -182,10 +178,10 @@ def test_a_block_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
 
 def test_a_store_that_is_being_written_is_not_overwritten(tmp_path: Path) -> None:
     path = made_store(tmp_path / "S.zarr")
-    with Lock(path), pytest.raises(StoreError, match=rf"process {os.getpid()} on .* is writing it"):  # noqa: SIM117
+    with Ledger.opened(path), pytest.raises(StoreError, match=rf"process {os.getpid()} on .* is writing it"):  # noqa: SIM117
         with new_store(path, overwrite=True):
             pass
-    assert content(path) == [LOCK, "zarr.json"]
+    assert content(path) == [LEDGER, "zarr.json"]
 
 
 def test_nobody_begins_to_write_a_store_while_it_is_overwritten(tmp_path: Path) -> None:
@@ -193,7 +189,7 @@ def test_nobody_begins_to_write_a_store_while_it_is_overwritten(tmp_path: Path) 
     with new_store(path, overwrite=True) as scratch:
         (scratch / "new").write_text("")
         with pytest.raises(StoreError, match="must have one writer"):
-            Lock(path)
+            Ledger.opened(path)
     assert content(path) == ["new"]
 
 
@@ -213,133 +209,47 @@ def test_a_link_is_no_place_for_a_store(tmp_path: Path) -> None:
 
 
 def test_a_killed_holder_leaves_a_free_lock(tmp_path: Path) -> None:
-    code = f"import os; from tippetop.store.lock import Lock; lock = Lock({str(tmp_path)!r}); os.kill(os.getpid(), 9)"
-    assert killed(code)
-    assert (tmp_path / LOCK).read_text().startswith("process ")
-    with Lock(tmp_path) as lock:
+    path = made_store(tmp_path / "S.zarr")
+    code = "import os; from pathlib import Path; from tippetop.store.ledger import Ledger; "
+    assert killed(code + f"lock = Ledger.opened(Path({str(path)!r})); os.kill(os.getpid(), 9)")
+    with Ledger.opened(path) as lock:
         lock.check()
-        lock.remove()
-    assert content(tmp_path) == []
-
-
-def test_a_refused_one_does_not_wipe_the_name_of_the_holder(tmp_path: Path) -> None:
-    with Lock(tmp_path):
-        for _ in range(2):
-            with pytest.raises(StoreError, match=rf"process {os.getpid()} on .* is writing it"):
-                Lock(tmp_path)
-
-
-def test_a_lock_that_nobody_holds_on_to_is_free(tmp_path: Path) -> None:
-    Lock(tmp_path)  # an exception between taking it and the block that would release it
-    Lock(tmp_path).release()
 
 
 @pytest.mark.parametrize("fate", ["moved", "removed", "replaced"])
 def test_a_writer_learns_that_its_folder_is_gone(fate: str, tmp_path: Path) -> None:
-    folder = tmp_path / "S"
-    folder.mkdir()
-    with Lock(folder) as lock:
+    folder = made_store(tmp_path / "S")
+    with Ledger.opened(folder) as lock:
         lock.check()
         if fate == "removed":
-            (folder / LOCK).unlink()
+            (folder / LEDGER).unlink()
         else:
             folder.rename(tmp_path / "elsewhere")
         if fate == "replaced":
-            folder.mkdir()
-            (folder / LOCK).write_text("another's")
+            made_store(folder)
         with pytest.raises(StoreError, match="was moved, removed or replaced"):
             lock.check()
-        lock.remove()
-        assert fate != "replaced" or (folder / LOCK).exists()
 
 
-def test_a_lock_that_is_a_link_is_not_followed(tmp_path: Path) -> None:
-    folder, elsewhere = tmp_path / "S", tmp_path / "precious"
-    folder.mkdir()
-    elsewhere.write_text("precious")
-    (folder / LOCK).symlink_to(elsewhere)
+def test_a_ledger_that_is_a_link_is_not_followed(tmp_path: Path) -> None:
+    folder, elsewhere = made_store(tmp_path / "S"), tmp_path / "precious"
+    (folder / LEDGER).rename(elsewhere)
+    (folder / LEDGER).symlink_to(elsewhere)
     with pytest.raises(StoreError, match="must be writable"), files.writing(folder):
-        Lock(folder)
-    assert elsewhere.read_text() == "precious"
+        Ledger.opened(folder)
 
 
-def test_a_lock_that_is_another_file_too_is_not_written(tmp_path: Path) -> None:
-    folder, elsewhere = tmp_path / "S", tmp_path / "precious"
-    folder.mkdir()
-    elsewhere.write_text("precious")
-    os.link(elsewhere, folder / LOCK)
-    with pytest.raises(StoreError, match="must be a file of its own"):
-        Lock(folder)
-    assert elsewhere.read_text() == "precious"
-    (folder / LOCK).unlink()
-    os.mkfifo(folder / LOCK)
-    with pytest.raises(StoreError, match="must be a file of its own"):
-        Lock(folder)
-
-
-@pytest.mark.parametrize("inside", ["trajectory", "trajectory/theta", "trajectory/theta/c", "zarr.json", "pipe"])
+@pytest.mark.parametrize("inside", ["trajectory", "zarr.json", "pipe"])
 def test_nothing_inside_a_store_is_followed_when_it_is_written(inside: str, tmp_path: Path) -> None:
     path, elsewhere = made_store(tmp_path / "S.zarr"), tmp_path / "elsewhere"
-    root, _ = tables.open_root(path)
-    theta = {"theta": Column(("time",), np.zeros(0), {})}
-    tables.create_table(root.create_group("trajectory"), theta, {"time": (0, 4)})
-    _, (arrays,) = tables.open_root(path, "trajectory")
-    arrays["theta"].resize((4,))
-    arrays["theta"][:] = 1.0
+    (path / "trajectory").mkdir()
     if inside == "pipe":
         os.mkfifo(path / inside)
     else:
         (path / inside).rename(elsewhere)
         (path / inside).symlink_to(elsewhere)
-    before = sorted(elsewhere.rglob("*"))
     with pytest.raises(StoreError, match="neither followed nor written"):
-        tables.open_root(path, "trajectory")
-    assert sorted(elsewhere.rglob("*")) == before
-
-
-def test_what_a_killed_writer_leaves_goes(tmp_path: Path) -> None:
-    with pytest.raises(Stop), new_store(tmp_path / "runs") as scratch:  # noqa: PT012
-        for name in ("0.abc.partial", ".a.part", ".a.part-01", "kept"):
-            (scratch / name).write_text("")
-        (scratch / ".5.part-01").mkdir()
-        (scratch / ".5.part-01" / "zarr.json").write_text("")
-        files.remove_scratch(scratch)
-        assert content(scratch) == ["kept"]
-        raise Stop
-
-
-@pytest.mark.parametrize("inside", ["trajectory", "trajectory/theta", "trajectory/theta/c"])
-def test_a_link_that_is_planted_while_a_store_is_written_is_not_followed(inside: str, tmp_path: Path) -> None:
-    """Before, links were looked for only when the store was opened."""
-    path, elsewhere = made_store(tmp_path / "S.zarr"), tmp_path / "elsewhere"
-    root, _ = tables.open_root(path)
-    theta = {"theta": Column(("time",), np.zeros(0), {})}
-    tables.create_table(root.create_group("trajectory"), theta, {"time": (0, 4)})
-    _, (arrays,) = tables.open_root(path, "trajectory")
-    arrays["theta"].resize((12,))
-    arrays["theta"][:8] = 1.0
-    (path / inside).rename(elsewhere)
-    (path / inside).symlink_to(elsewhere)
-    before = {p: p.read_bytes() for p in sorted(elsewhere.rglob("*")) if p.is_file()}
-    writes = [lambda: arrays["theta"].__setitem__(slice(8, 12), 2.0), lambda: arrays["theta"].resize((4,))]
-    for write in writes:
-        with pytest.raises(StoreError, match="neither followed nor written"):
-            write()
-    assert {p: p.read_bytes() for p in sorted(elsewhere.rglob("*")) if p.is_file()} == before
-
-
-def test_what_zarr_writes_through_a_store_of_its_own_is_the_same(tmp_path: Path) -> None:
-    """Files and bytes, of chunks that are written, written again and cut off."""
-    for store in (own.OwnStore(tmp_path / "a"), str(tmp_path / "b")):
-        group = zarr.open_group(store=store, mode="a", zarr_format=3, attributes={"x": 1})
-        array = group.create_array("theta", shape=(10,), chunks=(4,), dtype="f8")
-        array[:] = np.arange(10.0)
-        array[3:6] = 7.0
-        array.resize((5,))
-        group.update_attributes({"y": 2})
-    assert {p.relative_to(tmp_path / "a"): p.read_bytes() for p in (tmp_path / "a").rglob("*") if p.is_file()} == {
-        p.relative_to(tmp_path / "b"): p.read_bytes() for p in (tmp_path / "b").rglob("*") if p.is_file()
-    }
+        files.refuse_links(path)
 
 
 KILLED_EXPORT = """
@@ -392,5 +302,5 @@ def test_no_target_lies_in_a_store(name: str, tmp_path: Path) -> None:
             raise AssertionError
         with pytest.raises(StoreError, match="must lie outside of every store"), new_store(place / name):
             raise AssertionError
-    assert content(store) == ["time", "zarr.json"]
+    assert content(store) == [LEDGER, "time", "zarr.json"]
     assert (store / "zarr.json").read_bytes() == before

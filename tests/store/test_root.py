@@ -7,17 +7,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 import zarr
+from stores import edited
 
+import tippetop
+from tippetop.cli import outcome
+from tippetop.columns import Column
 from tippetop.errors import StoreError
-from tippetop.store import checkpoint, provenance, root
+from tippetop.store import ledger, provenance, root, zarr3
+from tippetop.store.ledger import Ledger
 
 
 def made(path: Path, **more: object) -> Path:
     """A small store of ours."""
-    with root.new_store(path) as scratch:
-        words = {"content": "potential", "title": "a top", "system": "tippe-top", "parameters": {}}
-        group = zarr.open_group(store=str(scratch), mode="w", attributes={**words, **provenance.provenance(), **more})
-        group.create_group("potential").create_array("time", data=np.arange(3.0), dimension_names=("time",))
+    words = {"content": "potential", "title": "a top", "system": "tippe-top", "parameters": {}}
+    column = Column(("time",), np.arange(3.0), {})
+    members = {"potential": zarr3.group({}), "potential/time": zarr3.array(column, {})}
+    head = ledger.header({**words, **provenance.provenance(), **more}, members, {"potential": ["potential/time"]})
+    with root.new_store(path) as scratch, Ledger.created(scratch, head) as store:
+        store.put("potential/0", {"potential/time/c.0": zarr3.encode(column.values, members["potential/time"])})
+        store.finish({"status": "finished"})
     return path
 
 
@@ -38,9 +46,9 @@ def test_finite_numbers_stay_as_they_are() -> None:
 
 
 def test_a_store_says_what_made_it(tmp_path: Path) -> None:
-    attrs = root.attributes(made(tmp_path / "a.zarr", status="finished"))
+    attrs = root.attributes(made(tmp_path / "a.zarr"))
     assert attrs["format"] == "tippetop"
-    assert attrs["format_version"] == 1
+    assert attrs["format_version"] == 2
     assert set(attrs["versions"]) >= {"python", "tippetop", "heyoka", "numpy", "zarr"}
     assert "unknown" not in attrs["versions"].values()
     assert attrs["cpu"]
@@ -58,33 +66,22 @@ def test_what_is_not_ours_is_refused(tmp_path: Path) -> None:
             root.attributes(tmp_path / name)
 
 
-def test_a_store_of_another_format_version_is_refused(tmp_path: Path) -> None:
-    path = made(tmp_path / "a.zarr", format_version=2)
-    with pytest.raises(StoreError, match="must have format version 1, but has 2"):
+def test_a_store_of_another_format_is_refused(tmp_path: Path) -> None:
+    """A later one, and one from before there was a ledger; zarr reads the numbers of both."""
+    path = made(tmp_path / "a.zarr")
+    edited(path, lambda records: records[0].update(format=3))
+    with pytest.raises(StoreError, match="its format is 3: use the release that wrote it"):
         root.attributes(path)
-
-
-def test_a_checkpoint_is_whole_and_of_its_store(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        checkpoint.read(tmp_path, {"a": 1})
-    record = {"versions": {}, "cpu": "", "rows": 1, "events": 0, "keyframes": 0, "digests": {}, "integration": {}}
-    record["begun_with"] = []
-    checkpoint.write(
-        tmp_path, record | {"report": {"t_end": 2.5}, "reason": "interrupted"}, checkpoint.digest({"a": 1})
-    )
-    assert checkpoint.read(tmp_path, {"a": 1})["report"] == {"t_end": 2.5}
-    with pytest.raises(StoreError, match="its root attributes were changed"):
-        checkpoint.read(tmp_path, {"a": 2})
-    place = tmp_path / checkpoint.CHECKPOINT
-    text = place.read_text()
-    for damaged in (text[:50], text.replace("2.5", "2.6"), "{}", "[]", "null", "[" * 100_000):
-        place.write_text(damaged)
-        with pytest.raises(StoreError, match="must have a whole checkpoint"):
-            checkpoint.read(tmp_path, {"a": 1})
+    (path / ledger.LEDGER).unlink()
+    with pytest.raises(StoreError, match=r"was written by a preview of tippetop \(format 1\)"):
+        tippetop.open(path)
+    assert outcome(["resume", str(path)]) == 5
+    with root.new_store(path, overwrite=True) as scratch:
+        (scratch / "new").write_text("x")
 
 
 def test_attributes_are_added_and_the_others_kept(tmp_path: Path) -> None:
-    path = made(tmp_path / "a.zarr", status="finished", old=1)
+    path = made(tmp_path / "a.zarr", old=1)
     root.annotate(path, {"new": float("nan"), "old": 2})
     found = root.attributes(path)
     assert (found["status"], found["old"], found["new"]) == ("finished", 2, None)

@@ -14,48 +14,12 @@ import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import StoreError
 from tippetop.store import export, files, root
+from tippetop.store.folder import Folder
 
 
 @pytest.fixture
 def disk(monkeypatch: pytest.MonkeyPatch) -> Disk:
     return Disk(monkeypatch)
-
-
-@pytest.mark.parametrize("step", ["fsync", "replace"])
-def test_a_failure_at_any_step_leaves_the_old_text(step: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "a.json"
-    files.replace_text(path, "old")
-
-    def fail(*_: object) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    with monkeypatch.context() as patched:
-        patched.setattr(os, step, fail)
-        with pytest.raises((OSError, StoreError), match="No space left"):
-            files.replace_text(path, "new")
-    assert path.read_text() == "old"
-    files.replace_text(path, "new")
-    assert path.read_text() == "new"
-
-
-def test_the_text_is_on_the_disk_before_it_has_its_name_and_the_folder_after(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The order in which a power failure can do no harm."""
-    order, fsync, replace = [], os.fsync, os.replace
-
-    def synced(descriptor: int) -> None:
-        order.append("folder" if Path(f"/proc/self/fd/{descriptor}").resolve() == tmp_path.resolve() else "text")
-        fsync(descriptor)
-
-    def named(*paths: object) -> None:
-        order.append("name")
-        replace(*paths)
-
-    monkeypatch.setattr(os, "fsync", synced)
-    monkeypatch.setattr(os, "replace", named)
-    files.replace_text(tmp_path / "a.json", "x")
-    assert order == ["text", "name", "folder"]
 
 
 def test_a_folder_that_cannot_be_synced_is_let_be_and_a_file_is_not(
@@ -110,7 +74,7 @@ def test_so_is_what_is_made_from_a_store(
     run.save(tmp_path / "saved")
     times = "--from 0.1 --until 0.2 --step 0.01"
     assert outcome(f"replay {tmp_path}/saved {times} --out {tmp_path}/rows".split()) == 0
-    monkeypatch.setattr("tippetop.runs.recording.MOST_ROWS", 4000)
+    monkeypatch.setattr("tippetop.runs.recording.COMMIT_EVERY", 0.0)
     tippetop.resume(tmp_path / "saved", until=2.0)
     assert [disk.late(tmp_path / name) for name in ("saved", "rows")] == [[], []]
 
@@ -185,14 +149,9 @@ def test_an_unreadable_disk_is_not_a_damaged_store(
     whole: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    with monkeypatch.context() as patched:
-        patched.setattr(Path, "iterdir", failing(errno.EIO))
-        with pytest.raises(StoreError, match=r"S.zarr` must be readable, but: Input/output error"):
-            root.attributes(whole)
-    monkeypatch.setattr(Path, "read_text", failing(errno.EIO))
-    reason = pytest.raises(StoreError, match="Input/output error")
-    with reason, root.new_store(whole, overwrite=True):
-        pass
+    monkeypatch.setattr(Folder, "tip", failing(errno.EIO))
+    with pytest.raises(StoreError, match=r"S.zarr` must be readable, but: Input/output error"):
+        root.attributes(whole)
 
 
 def test_a_sweep_that_cannot_be_read_is_not_said_to_be_checked(

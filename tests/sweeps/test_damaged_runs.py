@@ -8,20 +8,16 @@ from stores import assert_same
 
 import tippetop
 from tippetop.errors import StoreError
-from tippetop.sweeps.plan import Plan
-from tippetop.sweeps.store import RUNS, _there
+from tippetop.store.root import RUNS
 
 
-def test_a_sweep_whose_runs_are_no_group_is_not_continued(file: Path, whole: Path, tmp_path: Path) -> None:
-    store = tmp_path / "S.zarr"
-    shutil.copytree(whole, store)
-    plan = Plan.from_toml(file)
-    (store / RUNS).mkdir(exist_ok=True)
-    (store / RUNS / "zarr.json").write_text('{"zarr_format": 3, "node_type": "group", "attributes": {}}')
-    assert _there(store, plan) == store
+def test_a_group_of_runs_whose_document_is_damaged_is_described_again(file: Path, whole: Path, tmp_path: Path) -> None:
+    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
     (store / RUNS / "zarr.json").write_bytes(b"\x02\x01\x33\x08 no metadata")
     with pytest.raises(StoreError, match=RUNS):
-        _there(store, plan)
+        tippetop.open(store)
+    tippetop.sweep(file, store, workers=1)
+    assert_same(store, whole)
 
 
 def test_a_run_of_another_top_is_not_taken_for_one_of_the_plan(file: Path, whole: Path, tmp_path: Path) -> None:
@@ -43,7 +39,7 @@ def test_a_run_of_another_top_is_not_taken_for_one_of_the_plan(file: Path, whole
 def test_what_a_kill_leaves_in_a_finished_run_goes(file: Path, whole: Path, tmp_path: Path) -> None:
     """Between its seal and the end of its writer."""
     store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
-    for left in ("checkpoint.json", "run.lock"):
+    for left in ("tail-00000001", "ledger.jsonl.new"):
         (store / RUNS / "5" / left).write_text("{}")
     tippetop.sweep(file, store, workers=1)
     assert_same(store, whole)

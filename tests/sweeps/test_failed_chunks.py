@@ -54,16 +54,3 @@ def test_ctrl_c_is_no_failed_chunk(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(chunk, "compute_chunk", interrupted)
     with pytest.raises(KeyboardInterrupt):
         next(in_process(iter([0]), 1))  # type: ignore[list-item]
-
-
-def test_a_worker_that_is_killed_before_it_answers_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Before, a traceback of distributed."""
-    from distributed import Client
-    from distributed.comm import CommClosedError
-
-    def closed(*_: object) -> None:
-        raise CommClosedError("Stream is closed")
-
-    monkeypatch.setattr(Client, "register_plugin", closed)
-    with pytest.raises(workers.SchedulerLost), workers.local_cluster(1):
-        pass

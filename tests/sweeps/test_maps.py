@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import xarray as xr
 from plans import PLAN
-from stores import assert_same
 
 import tippetop
 from tippetop.cli import outcome
@@ -17,7 +16,7 @@ from tippetop.ensembles.outcomes import CLASSES
 from tippetop.errors import InputError
 from tippetop.mechanics.theory import thresholds
 from tippetop.scenario import build
-from tippetop.sweeps import maps, sweep, workers
+from tippetop.sweeps import maps, sweep
 from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.summary import open_sweep
 
@@ -48,7 +47,7 @@ def test_a_map_of_a_damaged_column_is_a_sentence(
     """Before, `plot` of it was a traceback."""
     store = tmp_path / "S.zarr"
     shutil.copytree(whole, store)
-    chunk = store / "sweep" / "class" / "c" / "0"
+    chunk = store / "sweep" / "class" / "c.0"
     content = bytearray(chunk.read_bytes())
     content[-6] ^= 16
     chunk.write_bytes(content)
@@ -178,14 +177,9 @@ def test_what_cannot_be_drawn_is_said(whole: Path, tmp_path: Path, monkeypatch: 
         synthetic(tmp_path, monkeypatch, of, **{"class": np.zeros(4, np.int8)})
 
 
-def test_without_dask_threads_do_it(whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Before, this test patched one of two names, and processes did it."""
-    for module in (sweep, workers):
-        monkeypatch.setattr(module, "find_spec", lambda name: None)
-    monkeypatch.setattr(sweep, "local_cluster", None)
-    tippetop.sweep(file, tmp_path / "S.zarr", workers=2)
-    assert_same(tmp_path / "S.zarr", whole)
-    with pytest.raises(InputError, match=r"install tippetop\[sweep\]"):
+def test_without_dask_there_is_no_scheduler(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweep, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"install tippetop\[cluster\]"):
         tippetop.sweep(file, tmp_path / "S.zarr", scheduler="tcp://127.0.0.1:1")
 
 

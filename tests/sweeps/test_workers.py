@@ -15,7 +15,7 @@ from tippetop.cli import outcome
 from tippetop.errors import Unfinished
 from tippetop.scenario import build
 from tippetop.store import provenance
-from tippetop.sweeps import chunk, workers
+from tippetop.sweeps import chunk
 from tippetop.sweeps.plan import Plan
 
 
@@ -46,21 +46,6 @@ def failing(task: chunk.Task, threads: int = 1) -> chunk.Rows:
     if task.chunk == 2:
         raise ArithmeticError("it will not do")
     return LINES(task, threads)
-
-
-@pytest.mark.slow
-def test_a_sweep_does_not_wait_for_processes_that_are_gone_for_good(
-    file: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """dask does not begin a process again that died at its start: the sweep waited for ever."""
-    monkeypatch.setattr(workers, "GONE_FOR", 1.0)
-    monkeypatch.setattr(workers, "LOOK", 0.1)
-    plan = Plan.from_toml(file)
-    task = chunk.Task(0, build.resolved(plan.base), plan.columns(plan.tops(0)), None, provenance.versions())
-    with workers.local_cluster(1) as client:
-        client.cluster.scale(0)
-        with pytest.raises(workers.SchedulerLost):
-            list(workers.on_client(client, iter([task])))
 
 
 @pytest.mark.slow
@@ -171,23 +156,30 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
     assert_same(store, longer[1])
 
 
-@pytest.mark.filterwarnings("ignore::Warning")
-def test_nobody_joins_the_workers_without_their_keys() -> None:
-    """Before, a client from anywhere on the machine ran code there."""
-    from distributed import Client, Security
+def test_no_worker_outlives_its_parent(longer: tuple[Path, Path], tmp_path: Path) -> None:
+    process = start(longer[0], tmp_path / "S.zarr", "--workers", "2")
+    wait_for(process, tmp_path / "S.zarr", 1)
+    workers = children(process)
+    assert workers
+    process.kill()
+    ended(process)
+    wait_until(lambda: not any(map(runs, workers)))
 
-    from tippetop.sweeps import workers
 
-    with workers.local_cluster(1) as client:
-        assert client.submit(pow, 2, 3).result() == 8
-        address = client.scheduler_info()["address"]
-        assert address.startswith("tls://127.0.0.1")
-        assert all(worker.startswith("tls://127.0.0.1") for worker in client.scheduler_info()["workers"])
-        ours, port = Security.temporary(), address.rpartition(":")[2]
-        for place, keys in ((f"tcp://127.0.0.1:{port}", None), (address, ours)):  # none; made by somebody else
-            with pytest.raises(OSError), Client(place, security=keys, timeout="500 ms", set_as_default=False):  # noqa: PT011
-                pass
-        assert client.submit(pow, 2, 4).result() == 16
+def runs(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+@pytest.mark.slow
+def test_a_script_without_its_guard_gets_one_sentence(file: Path, tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(f"import tippetop\ntippetop.sweep({str(file)!r}, 'S.zarr', workers=2)\n")
+    process = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert process.stderr.strip().endswith('a script needs `if __name__ == "__main__":`.')
 
 
 def test_a_worker_of_other_versions_is_refused(file: Path) -> None:

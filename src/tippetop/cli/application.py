@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 
 from cyclopts import App, CycloptsError, Parameter
@@ -14,15 +14,10 @@ from . import host, overview, usage
 HELP = {"--help", "-h", "--version"}
 
 
-def whole() -> App:
-    """All commands."""
-    return _of(overview.COMMANDS)
-
-
 def called(words: Sequence[str]) -> int:
     """Calls the command that the words name. Raises InputError for words that mean nothing, and what it raises."""
     named = words[0] if words else ""
-    app = _of([named]) if named in overview.COMMANDS else whole()
+    app = app_of([named]) if named in overview.COMMANDS else app_of(overview.COMMANDS)
     if HELP & set(words):
         from .console import Console
 
@@ -30,10 +25,11 @@ def called(words: Sequence[str]) -> int:
     try:
         return app(words, exit_on_error=False, print_error=False) or 0
     except CycloptsError as error:
-        raise InputError([usage.sentence(error, list(overview.COMMANDS))]) from None
+        raise InputError(usage.sentence(error, list(overview.COMMANDS))) from None
 
 
-def _of(names: Iterable[str]) -> App:
+def app_of(names: Iterable[str]) -> App:
+    """Return the application with these commands."""
     app = App(
         name="tippetop",
         help="\n\n".join(overview.PURPOSE),
@@ -45,10 +41,14 @@ def _of(names: Iterable[str]) -> App:
         suppress_keyboard_interrupt=False,  # `cli.outcome` says how the run ended
     )
     for name in names:
-        command = overview.COMMANDS[name]
-        function = import_module(f".{command.module}", __package__).COMMANDS[name]
-        app.command(host.prepared(function) if command.computes else function, name=name)
+        function = command(name)
+        app.command(function if name in overview.WITHOUT_ENGINE else host.prepared(function), name=name)
     return app
+
+
+def command(name: str) -> Callable[..., int]:
+    """Return the function of a command."""
+    return getattr(import_module(f".{overview.MODULES[name]}", __package__), name)
 
 
 def _option(name: str) -> str:

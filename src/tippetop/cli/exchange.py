@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import os
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from cyclopts import Parameter
 
 from .numbers import Whole
-from .streams import visible
+from .streams import print_json, visible
 
 
 def compare(
@@ -48,39 +47,23 @@ def compare(
     from ..errors import InputError
     from ..exchange.motion import Convention
     from ..exchange.verdict import Verdict
-    from ..store.root import finite
+    from ..runs.starting import load_any
     from .plot import check_picture
 
     if len(files) < 2:
-        raise InputError(["a file and a reference must be given: tippetop compare OTHER.csv SCENARIO."])
-    if figure is not None:
-        check_picture(figure, "--figure", overwrite)
-    problem = _problem(files[-1], set_)
+        raise InputError("a file and a reference must be given: tippetop compare OTHER.csv SCENARIO.")
+    check_picture(figure, "--figure", overwrite)
+    problem = load_any(files[-1], set_)
     result = Verdict(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up))
     if figure is not None:
         from ..figures import drawing
         from ..figures.comparison import comparison
 
         drawing.write(comparison(result.motions, result.title), figure, overwrite=overwrite)
-    print(json.dumps(finite(result.to_dict()), allow_nan=False) if as_json else visible(str(result)))
+    if as_json:
+        return print_json(result.to_dict())
+    print(visible(str(result)))
     return 0
-
-
-def _problem(source: str, assignments: list[str] | None) -> Any:
-    """The problem of a scenario or of the store of a run. Raises InputError."""
-    from ..errors import InputError
-    from ..runs import starting
-    from ..scenario import build, reading
-    from ..store import root
-
-    if not Path(source).is_dir():
-        return starting.load(source, assignments)
-    attrs = root.attributes(source)
-    if "content" in attrs:
-        raise InputError([f"the reference must be a scenario or a run, but `{source}` is a {attrs['content']}."])
-    if not assignments:
-        return build.stored(attrs)
-    return build.problem(reading.override(build.tables_of(attrs), assignments))
 
 
 def fit(
@@ -141,30 +124,29 @@ def fit(
     from ..exchange import fit_text, measured
     from ..exchange.fitting import names_of
     from ..exchange.motion import Convention
+    from ..runs.starting import load_any
     from ..store import files
-    from ..store.root import finite
     from .plot import check_picture
 
-    if figure is not None:
-        check_picture(figure, "--figure", overwrite)
+    check_picture(figure, "--figure", overwrite)
     if out is not None:
         _check_out(out, overwrite, {"the measurements": data, "the figure": figure})
-    problem = _problem(scenario, set_)
+    problem = load_any(scenario, set_)
     place = fit_text.marker_of(marker)
     observation = measured.observation_of(problem, data, names_of(free), Convention(quaternion, up), place, noise)
     result = measured.fitted(observation, loss, whole("--starts", starts), progress=True)
     text = fit_text.lines(result, observation)
     if out is not None:
-        scenario_text = fit_text.toml(problem, result)
-        with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
-            scratch.write_text(scenario_text, encoding="utf-8")
+        files.write_text(out, fit_text.toml(problem, result), overwrite=overwrite)
     if figure is not None:
         from ..figures import drawing
         from ..figures.fit import fit as draw_fit
 
         picture = draw_fit(result.t, observation.dots(), measured.curves(observation, result), result.residuals, text)
         drawing.write(picture, figure, overwrite=overwrite)
-    print(json.dumps(finite(fit_text.plain(result)), allow_nan=False) if as_json else visible("\n".join(text)))
+    if as_json:
+        return print_json(fit_text.plain(result))
+    print(visible("\n".join(text)))
     return 0
 
 
@@ -174,7 +156,7 @@ def _check_out(out: Path, overwrite: bool, others: dict[str, str | Path | None])
 
     for what, other in others.items():
         if other is not None and os.path.realpath(out) == os.path.realpath(other):
-            raise InputError([f"--out must be another file than {what}, but is `{out}`."])
+            raise InputError(f"--out must be another file than {what}, but is `{out}`.")
     if not overwrite and os.path.lexists(out):
         raise StoreError(f"`{out}` exists: name another file, or say --overwrite.")
 
@@ -182,13 +164,9 @@ def _check_out(out: Path, overwrite: bool, others: dict[str, str | Path | None])
 def describe(source: str, to: str, out: Path, *, overwrite: bool = False) -> int:
     """Writes the body of a scenario, its start and friction for a simulator."""
     from ..exchange.simulators import text_of
+    from ..runs.starting import load_any
     from ..store import files
 
-    text = text_of(_problem(source, None), to)
-    with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
-        scratch.write_text(text, encoding="utf-8")
+    files.write_text(out, text_of(load_any(source), to), overwrite=overwrite)
     print(f"file  {out}")
     return 0
-
-
-COMMANDS: dict[str, Any] = {"compare": compare, "fit": fit}

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import math
+import re
 import sys
 from functools import partial
 from pathlib import Path
@@ -13,18 +13,21 @@ from cyclopts import Parameter
 
 from ..figures import drawing
 from ..figures.catalogue import PLAIN, Look
-from .numbers import Whole
+from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, Unit
+from .numbers import Jellett, Routh, Whole, number_in
+from .streams import print_json
 
 
 COMPILING = "the formulas are being compiled"
 MOST_POINTS = 10**7  # of an axis, which is held in memory whole
+Axis = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 
 
 def surface(
     scenario: str,
     *,
-    D: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    lambda_: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    D: Axis = None,
+    lambda_: Axis = None,
     out: Path | None = None,
     figure: Path | None = None,
     overwrite: bool = False,
@@ -38,9 +41,9 @@ def surface(
     scenario
         TOML file, or preset: its body is used.
     D
-        min:max:n of Routh's function [kg m^2/s]; by default across both spinning states, 401 points.
+        min:max:n of Routh's function [kg m^2/s, or with units]; by default across both spinning states, 401 points.
     lambda_
-        min:max:n of Jellett's integral [kg m^3/s]; by default 0 to 4.5 lambda_pi, 401 points.
+        min:max:n of Jellett's integral [kg m^3/s, or with units]; by default 0 to 4.5 lambda_pi, 401 points.
     out
         Store to write or to continue, a zarr folder. Of a finished one there is nothing to do.
     figure
@@ -64,17 +67,16 @@ def surface(
         raise _wrong(f"--threads must be at least 1, but is {threads}.")
     if out is None and figure is None:
         raise _wrong("nothing is to be done: give --out F.zarr, --figure F.png, or both.")
-    if figure is not None:
-        check_picture(figure, "--figure", overwrite)
+    check_picture(figure, "--figure", overwrite)
     lam_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
-    lambdas = _axis("--lambda", lambda_) if lambda_ else np.linspace(0, 4.5 * lam_pi, 401)
+    lambdas = _axis("--lambda", lambda_, JELLETT) if lambda_ else np.linspace(0, 4.5 * lam_pi, 401)
     warn(_far(parameters, float(np.abs(lambdas).max())))
     ends = marked_lines.marked_lines(parameters, lambdas)["D"].values
-    Ds = _axis("--D", D) if D else np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), 401)
+    low, high = 1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9)
+    Ds = _axis("--D", D, ANGULAR_MOMENTUM) if D else np.linspace(low, high, 401)
     minimal = partial(surface.minimal_surface, parameters, system=system, gradient=False, threads=threads)
     if out is not None and overwrite:
         remove_store(out)
-        remove_store(out.with_name(f".{out.name}.part"))
     if out is not None and _is_finished(out, parameters, Ds, lambdas):
         print(f"tippetop: `{out}` is finished: nothing to do (--overwrite makes it anew).", file=sys.stderr)
     elif out is not None:
@@ -114,13 +116,17 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
     import numpy as np
 
     from ..errors import StoreError
-    from ..store import chunks, root, seal, tables
+    from ..store import chunks, files, ledger, root
 
     if not out.exists():
         return False
+    if ledger.is_ledger(out):
+        with files.writing(out):
+            ledger.Ledger.opened(out).release()  # which ends what was interrupted at its end
     attrs = root.attributes(out)
     if attrs.get("content") != "surface":
         raise StoreError(f"`{out}` exists and is not a surface: name another store, or say --overwrite.")
+    finished = attrs["status"] == "finished"
     stored = root.loaded(root.open_group(out, "surface")[["D", "lambda"]], out)
     same = attrs["parameters"] == parameters
     same = same and np.array_equal(stored["D"].values, Ds) and np.array_equal(stored["lambda"].values, lambdas)
@@ -128,16 +134,16 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
         raise StoreError(
             f"`{out}` is the surface of another body or of other axes: name another store, or say --overwrite."
         )
-    if seal.SEAL in attrs:  # earlier releases wrote no chunks of NaN
-        chunks.verify(tables.read_member(out, "surface"))
-    return True
+    if finished:
+        chunks.verify(chunks.read_member(out, "surface"))
+    return finished
 
 
 def potential(
     scenario: str,
     *,
-    D: Annotated[float, Parameter(allow_leading_hyphen=True)],
-    lambda_: Annotated[float, Parameter(allow_leading_hyphen=True)],
+    D: Routh,
+    lambda_: Jellett,
     n: Whole = 1001,
     out: Path | None = None,
     figure: Path | None = None,
@@ -151,9 +157,9 @@ def potential(
     scenario
         TOML file, or preset: its body is used.
     D
-        Routh's function [kg m^2/s].
+        Routh's function [kg m^2/s, or with a unit].
     lambda_
-        Jellett's integral [kg m^3/s].
+        Jellett's integral [kg m^3/s, or with a unit].
     n
         Number of points, evenly spread in theta, poles excluded.
     out
@@ -169,7 +175,6 @@ def potential(
 
     from ..awaiting import awaited
     from ..landscape import potential, recording, surface
-    from ..store import root
     from .overwrite import remove_store
     from .plot import check_picture
     from .text import warn
@@ -180,8 +185,7 @@ def potential(
             raise _wrong(f"{name} must be finite, but is {value}.")
     if not 2 <= n <= MOST_POINTS:
         raise _wrong(f"--n must be at least 2 and at most {MOST_POINTS}, but is {n}.")
-    if figure is not None:
-        check_picture(figure, "--figure", overwrite)
+    check_picture(figure, "--figure", overwrite)
     warn(_far(parameters, lambda_))
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
     V = awaited(lambda: potential.potential(parameters, z, D, lambda_, system), COMPILING)
@@ -206,7 +210,7 @@ def potential(
     if figure is not None:
         drawing.write(_potential(V, least), figure, overwrite=overwrite)
     if as_json:
-        print(json.dumps(root.finite(report), allow_nan=False))
+        print_json(report)
     else:
         print(f"F = {report['F']:.12g} J at theta = {report['theta']:.9g} rad ({report['status'].replace('_', ' ')})")
     return 0
@@ -230,8 +234,7 @@ def picture(store: Path, attrs: dict[str, Any], look: Look) -> Any:
 def describe(attrs: dict[str, Any], as_json: bool) -> int:
     """Prints what the store of `surface` or `potential` holds."""
     if as_json:
-        print(json.dumps(attrs, allow_nan=False))
-        return 0
+        return print_json(attrs)
     from .show import entries, plain
     from .text import heading, table
 
@@ -275,26 +278,21 @@ def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     return {k: float(v) for k, v in problem.parameters.items()}, problem.system.name
 
 
-def _axis(name: str, text: str) -> Any:
-    """min:max:n as an array. Raises InputError."""
+def _axis(name: str, text: str, unit: Unit) -> Any:
+    """Return min:max:n as an array. Raises InputError."""
     import numpy as np
 
-    try:
-        low, high, n = text.split(":")
-        limits, count = (float(low), float(high)), int(n)
-        if not (all(map(math.isfinite, limits)) and limits[0] < limits[1] and count >= 2):
-            raise ValueError
-    except ValueError:
-        raise _wrong(f"{name} must be min:max:n with min < max and n at least 2, but is `{text}`.") from None
+    ends = re.fullmatch(r"([^:]+):([^:]+):\s*(\d+)\s*", text)
+    limits = [number_in(end, name, unit) for end in ends.groups()[:2]] if ends else [math.nan]
+    count = int(ends[3]) if ends else 0
+    if not (all(map(math.isfinite, limits)) and limits[0] < limits[1] and count >= 2):
+        raise _wrong(f"{name} must be min:max:n with min < max and n at least 2, but is `{text}`.")
     if count > MOST_POINTS:
         raise _wrong(f"{name} must have at most {MOST_POINTS} points, but has {count}.")
-    return np.linspace(*limits, count)
+    return np.linspace(limits[0], limits[1], count)
 
 
 def _wrong(sentence: str) -> Exception:
     from ..errors import InputError
 
-    return InputError([sentence])
-
-
-COMMANDS: dict[str, Any] = {"surface": surface, "potential": potential}
+    return InputError(sentence)

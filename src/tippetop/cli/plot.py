@@ -74,7 +74,7 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
     from ..figures.window import in_window
     from ..runs import keyframes
     from ..scenario import build
-    from ..store import chunks, root, skeleton
+    from ..store import chunks, root
 
     if len(stores) == 1 and kind in ("states", "phase") and not stores[0].is_dir():
         return _states(str(stores[0]), look)
@@ -82,11 +82,9 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
     contents = [attrs.get("content", "run") for attrs in attributes]
     if len(stores) > 1 and set(contents) != {"run"}:
         other = next(store for store, content in zip(stores, contents, strict=True) if content != "run")
-        raise InputError([f"several stores are drawn together if all are runs, but `{other}` is not."])
+        raise InputError(f"several stores are drawn together if all are runs, but `{other}` is not.")
     if contents[0] != "run" and window != (None, None):
-        raise InputError([f"--from and --until are for runs, but `{stores[0]}` is a {contents[0]}."])
-    for store, attrs in zip(stores, attributes, strict=True):
-        root.refuse_other_rows(store, attrs)
+        raise InputError(f"--from and --until are for runs, but `{stores[0]}` is a {contents[0]}.")
     if contents[0] == "sweep":
         catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
         return drawing.figure_of_sweep(kind or "class", stores[0], look)
@@ -98,8 +96,8 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
     kind = catalogue.kind_of(kind or "theta")
     parts = []
     for store, attrs in zip(stores, attributes, strict=True):
-        groups = chunks.for_figures(store, attrs, window)
-        if kind == "growth" and skeleton.has_keyframes(attrs):
+        groups = chunks.for_figures(store, window)
+        if kind == "growth" and root.has_keyframes(attrs):
             groups["trajectory"] = keyframes.rows(store, build.stored(attrs))
         parts.append(in_window(groups, attrs, *window))
     if len(stores) > 1:
@@ -131,23 +129,23 @@ def _size(text: str | None) -> tuple[float, float] | None:
     try:
         width, height = (float(side) for side in text.lower().split("x"))
     except ValueError:
-        raise InputError([f"--size must be width x height in inches, such as 8x5, but is `{text}`."]) from None
+        raise InputError(f"--size must be width x height in inches, such as 8x5, but is `{text}`.") from None
     return width, height
 
 
-def check_picture(path: Path, option: str, overwrite: bool = False) -> None:
-    """Raises what there is to say of a picture now rather than after the run. `option`: what the file was given by."""
+def check_picture(path: Path | None, option: str, overwrite: bool = False) -> None:
+    """Refuse a picture before the run rather than after it; `option` gives its file."""
     from ..errors import InputError, StoreError, refuse_without
+
+    if path is None:
+        return
 
     refuse_without("matplotlib")
     if path.suffix.lower() not in catalogue.ENDINGS:
-        raise InputError([f"{option} must end with .png, .svg or .pdf, but is `{path}`."])
+        raise InputError(f"{option} must end with .png, .svg or .pdf, but is `{path}`.")
     if not path.parent.is_dir():
         raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
     if not os.access(path.parent, os.W_OK):
         raise StoreError(f"`{path}` cannot be written: its folder is read-only.")
     if not overwrite and os.path.lexists(path):
         raise StoreError(f"`{path}` exists: name another picture, or say --overwrite.")
-
-
-COMMANDS: dict[str, Any] = {"plot": plot}

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
+
+from .numbers import Seconds
+from .streams import print_json
 
 
 def reconstruct(
     store: Path,
     *,
-    period: float | None = None,
+    period: Seconds | None = None,
     out: Path | None = None,
     overwrite: bool = False,
     as_json: bool = False,
@@ -22,7 +23,7 @@ def reconstruct(
     store
         A run of a tippe top or a heavy top that starts at a turning angle, with some hundred rows per nutation.
     period
-        A guess of the period of nutation [s]; by default twice the first turning time of the run.
+        A guess of the period of nutation [s, or with a unit: 80ms]; by default twice the first turning time of the run.
     out
         Write time, theta of the main equation and theta of the run to this CSV file.
     overwrite
@@ -40,10 +41,9 @@ def reconstruct(
 
     attrs = root.attributes(store)
     if "content" in attrs:
-        raise InputError([f"what is reconstructed must be a run, but `{store}` is a {attrs['content']}."])
+        raise InputError(f"what is reconstructed must be a run, but `{store}` is a {attrs['content']}.")
     if period is not None and not 0 < period < float("inf"):
-        raise InputError([f"--period must be positive and finite, but is {period}."])
-    root.refuse_other_rows(store, attrs)
+        raise InputError(f"--period must be positive and finite, but is {period}.")
     rows = root.loaded(root.open_group(store, "trajectory"), store)
     events = root.loaded(root.open_group(store, "events"), store)
     result = awaited(
@@ -65,8 +65,7 @@ def reconstruct(
             header = "time [s],theta by the main equation [rad],theta of the run [rad]"
             np.savetxt(scratch, table, "%.17g", ",", header=header, comments="")
     if as_json:
-        print(json.dumps(root.finite(report), allow_nan=False))
-        return 0
+        return print_json(report)
     print(f"turnings     {report['turnings']}")
     print(f"rows         {report['rows']} of {report['rows_of_run']}")
     if whole.any():
@@ -75,6 +74,3 @@ def reconstruct(
     if out is not None:
         print(f"file         {out}")
     return 0
-
-
-COMMANDS: dict[str, Any] = {"reconstruct": reconstruct}

@@ -45,11 +45,11 @@ def sections(topic: str) -> list[Section]:
     """The tables of a topic. Raises InputError."""
     known = topics()
     if topic not in known:
-        raise InputError([f"a topic must be of {', '.join(known)}, but is `{topic}`.{suggestion(topic, known)}"])
+        raise InputError(f"a topic must be of {', '.join(known)}, but is `{topic}`.{suggestion(topic, known)}")
     return list(known[topic]())
 
 
-def help_(topic: str | None = None, *, markdown: bool = False) -> int:
+def help(topic: str | None = None, *, markdown: bool = False) -> int:
     """Print what may be written in a scenario or a plan, and what a run says.
 
     Parameters
@@ -132,9 +132,8 @@ def new(system: str = "tippe-top", *, out: Path | None = None, overwrite: bool =
     from ..store import files
 
     if out.suffix != ".toml":
-        raise InputError([f"--out must end with .toml, but is `{out}`."])
-    with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
-        scratch.write_text(text, encoding="utf-8")
+        raise InputError(f"--out must end with .toml, but is `{out}`.")
+    files.write_text(out, text, overwrite=overwrite)
     print(f"file  {out}")
     return 0
 
@@ -147,10 +146,8 @@ def completion(shell: Literal["bash", "zsh", "fish"]) -> int:
     shell
         bash, zsh or fish.
     """
-    from .application import whole
+    from .application import app_of
+    from .overview import COMMANDS
 
-    sys.stdout.write(whole().generate_completion(shell=shell))
+    sys.stdout.write(app_of(COMMANDS).generate_completion(shell=shell))
     return 0
-
-
-COMMANDS: dict[str, Any] = {"new": new, "help": help_, "completion": completion}

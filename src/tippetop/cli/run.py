@@ -9,7 +9,7 @@ from threading import Event
 from typing import Any
 
 from .numbers import Seconds
-from .streams import report
+from .streams import print_json, report
 
 
 def run(
@@ -60,7 +60,7 @@ def run(
 
     check_window(window, "--window")
     if window is not None and not certify:
-        raise InputError(["--window must stand with --certify, whose part it is."])
+        raise InputError("--window must stand with --certify, whose part it is.")
     kept = [] if columns is None else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
     try:
         problem = starting.load(scenario, [*(set_ or []), *kept], until)
@@ -73,7 +73,7 @@ def run(
 
         check_picture(figure, "--figure", overwrite)
         if problem.output == "keyframes":
-            raise InputError(['`run.output` must keep rows to be drawn by --figure, but is "keyframes".'])
+            raise InputError('`run.output` must keep rows to be drawn by --figure, but is "keyframes".')
         require(("theta",), problem.kept_columns, "what --figure draws")
     if out is None:
         from ..runs.run import solve
@@ -117,7 +117,7 @@ def resume(
     as_json
         Print the result as one JSON object.
     """
-    from ..runs.extending import continued
+    from ..runs.resuming import continued
     from .text import following
 
     with following() as progress:
@@ -164,8 +164,7 @@ def replay(
 
     done = into_store(store, from_, until, step, out, overwrite=overwrite, accept_other_version=accept_other_version)
     if as_json:
-        print(json.dumps(done, allow_nan=False))
-        return 0
+        return print_json(done)
     seconds = f"{done['steps']} steps, integrated in {1e3 * done['seconds']:.1f} ms"
     print(f"{done['rows']} rows, t = {from_:.9g} to {until:.9g} s, from t = {done['began']:.9g} s: {seconds}")
     print(f"store  {out}")
@@ -207,7 +206,7 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any], overwrite:
     from ..store.chunks import for_figures
 
     if isinstance(groups, Path):
-        groups = for_figures(groups, attrs)
+        groups = for_figures(groups)
     drawing.write(drawing.figure_of("theta", groups, attrs), figure, overwrite=overwrite)
 
 
@@ -219,7 +218,7 @@ def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any
 
     content = summary_of(attrs)
     if as_json:
-        print(json.dumps(content.to_dict(), allow_nan=False))
+        print_json(content.to_dict())
     else:
         summary(headline_of(attrs), content, seconds, places)
     if attrs["status"] in ("non-finite", "stalled"):
@@ -235,7 +234,7 @@ def _refuse_plan(scenario: str) -> None:
     from ..sweeps.plan import is_plan
 
     if is_plan(reading.read(scenario)):
-        raise InputError([f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it."])
+        raise InputError(f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it.")
 
 
 def _contract(attrs: dict[str, Any]) -> int:
@@ -250,6 +249,3 @@ def _contract(attrs: dict[str, Any]) -> int:
     for sentence in broken:
         report(f"the accuracy contract is broken: {sentence}")
     return 4 if broken else 0
-
-
-COMMANDS: dict[str, Any] = {"run": run, "resume": resume, "replay": replay}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from .numbers import Seconds
+from .streams import print_json
 
 
 def info(store: Path, *, as_json: bool = False, errors: bool = False) -> int:
@@ -40,8 +40,7 @@ def info(store: Path, *, as_json: bool = False, errors: bool = False) -> int:
     content = summary_of(attrs)
     growth = _growth(attrs) if errors else None
     if as_json:
-        print(json.dumps(content.to_dict() | ({"errors": growth} if growth else {}), allow_nan=False))
-        return 0
+        return print_json(content.to_dict() | ({"errors": growth} if growth else {}))
     heading(attrs["title"])
     rows = lines(content)
     if growth:
@@ -115,7 +114,7 @@ def check(
         from . import sweep
 
         if until is not None:
-            raise InputError(["`--until` cannot be used with a plan: give `set.run.until` in it."])
+            raise InputError("`--until` cannot be used with a plan: give `set.run.until` in it.")
         return sweep.examine(tables, Path(scenario).parent, as_json)
     if until is not None:
         tables = build.ending(tables, until)
@@ -127,10 +126,7 @@ def check(
     if try_:
         facts["tried"] = forecast.tried(problem)
     if as_json:
-        from ..store.root import finite
-
-        print(json.dumps(finite(facts), allow_nan=False))
-        return 0
+        return print_json(facts)
     units = units_of(problem)
     rows = []
     for name, value in facts.items():
@@ -179,7 +175,7 @@ def export(
         from . import exchange
 
         if group is not None:
-            raise InputError([f"--group must be left out with --to {to}: a scenario has no tables, but is `{group}`."])
+            raise InputError(f"--group must be left out with --to {to}: a scenario has no tables, but is `{group}`.")
         return exchange.describe(str(store), to, out, overwrite=overwrite)
     write(store, to, out, group, overwrite=overwrite)
     return 0
@@ -213,8 +209,7 @@ def systems(*, as_json: bool = False) -> int:
         for name, s in SYSTEMS.items()
     }
     if as_json:
-        print(json.dumps(listing))
-        return 0
+        return print_json(listing)
     keys = ("forms", "parameters", "friction", "initial", "quantities", "integrals", "events")
     for number, (name, s) in enumerate(listing.items()):
         heading(f"{chr(10) if number else ''}{name}: {s['title']}")
@@ -248,8 +243,7 @@ def presets(*, as_json: bool = False) -> int:
 
     sources = {name: _comment(text) for name, text in texts().items()}
     if as_json:
-        print(json.dumps(sources))
-        return 0
+        return print_json(sources)
     table(sources.items())
     return 0
 
@@ -303,6 +297,3 @@ def _with_unit(entry: Any, unit: str) -> str:
         entry, unit = entry["value"], entry["unit"]
     bare = isinstance(entry, bool) or not isinstance(entry, int | float | list)
     return plain(entry) if bare or unit == "1" else f"{plain(entry)} {unit}"
-
-
-COMMANDS: dict[str, Any] = {"info": info, "check": check, "export": export, "systems": systems, "presets": presets}

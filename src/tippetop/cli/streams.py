@@ -65,6 +65,16 @@ def visible(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
+def print_json(facts: Any) -> int:
+    """Print plain data as one JSON object, in which non-finite numbers are null; return the exit code."""
+    import json
+
+    from ..store.root import finite
+
+    print(json.dumps(finite(facts), allow_nan=False))
+    return 0
+
+
 def report(sentence: str) -> None:
     """Print a sentence on standard error."""
     print(f"tippetop: {visible(sentence)}", file=sys.stderr)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import sys
 from functools import partial
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .numbers import Whole
+from .streams import print_json
 
 
 def sweep(
@@ -75,13 +75,11 @@ def _command(plan: Path, out: Path, workers: int | None, scheduler: str | None) 
 
 def describe(report: dict[str, Any], as_json: bool) -> int:
     """Prints what is in a sweep's store."""
-    from ..store.root import finite
     from ..sweeps.summary import lines
     from .text import heading, table
 
     if as_json:
-        print(json.dumps(finite(report), allow_nan=False))
-        return 0
+        return print_json(report)
     heading(report["title"])
     table(lines(report))
     return 0
@@ -90,7 +88,6 @@ def describe(report: dict[str, Any], as_json: bool) -> int:
 def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
     """Prints what a plan would take."""
     from ..awaiting import awaited
-    from ..store.root import finite
     from ..sweeps import chunk
     from ..sweeps.measuring import measured
     from ..sweeps.plan import Plan
@@ -111,8 +108,7 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
         "plan": plan.document,
     }
     if as_json:
-        print(json.dumps(finite(report), allow_nan=False))
-        return 0
+        return print_json(report)
     units = units_of(plan.base) | {"compiling": "s"}
     facts = report | report.pop("plan")["scenario"]
     table(
@@ -120,6 +116,3 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
         for name, value in facts.items()
     )
     return 0
-
-
-COMMANDS: dict[str, Any] = {"sweep": sweep}

@@ -38,11 +38,11 @@ def view(
     from ..views import pages
 
     if (store is None) != playground:
-        raise InputError(["one thing must be shown: give a store, or --playground."])
+        raise InputError("one thing must be shown: give a store, or --playground.")
     if out is not None and not out.is_dir() and out.suffix.lower() not in (".html", ".htm"):
-        raise InputError([f"--out must end with .html, but is `{out}`."])
+        raise InputError(f"--out must end with .html, but is `{out}`.")
     if playground and (from_, until) != (None, None):
-        raise InputError(["--from and --until are for runs, but the playground has none."])
+        raise InputError("--from and --until are for runs, but the playground has none.")
     place = out if out is not None else Path(f"{store.resolve().stem if store else 'playground'}.html")
     pages.check(place, overwrite=overwrite)
     text = awaited(lambda: _text(store, from_, until), "the page is being made")
@@ -67,12 +67,8 @@ def _text(store: Path | None, start: float | None, until: float | None) -> str:
         from ..views.sweep import page_of_sweep
 
         if (start, until) != (None, None):
-            raise InputError([f"--from and --until are for runs, but `{store}` is a sweep."])
+            raise InputError(f"--from and --until are for runs, but `{store}` is a sweep.")
         return page_of_sweep(store)
     if "content" in attrs:
-        raise InputError([f"a page is made of a run or a sweep, but `{store}` is a {attrs['content']}."])
-    root.refuse_other_rows(store, attrs)
+        raise InputError(f"a page is made of a run or a sweep, but `{store}` is a {attrs['content']}.")
     return page_of_store(store, attrs, start, until)
-
-
-COMMANDS = {"view": view}

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from ..errors import InputError
@@ -93,12 +94,12 @@ def _value(value: Any) -> str:
     return repr(float(value)) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)
 
 
-def marker_of(text: str | None) -> tuple[float, float, float] | None:
-    """Three numbers [m] with commas. Raises InputError."""
-    if text is None:
+def marker_of(given: str | Sequence[float] | None) -> tuple[float, float, float] | None:
+    """Return three numbers [m], which may be a text with commas. Raises InputError."""
+    if given is None:
         return None
     try:
-        x, y, z = (float(part) for part in text.split(","))
-    except ValueError:
-        raise InputError([f"the marker must be three lengths x,y,z [m], but is {text!r:.40}."]) from None
+        x, y, z = (float(part) for part in (given.split(",") if isinstance(given, str) else given))
+    except (TypeError, ValueError):
+        raise InputError(f"the marker must be three lengths x,y,z [m], but is {given!r:.40}.") from None
     return x, y, z

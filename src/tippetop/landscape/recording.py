@@ -1,15 +1,11 @@
-"""Landscapes on disk. Surfaces beyond memory go to zarr chunk by chunk, resumable: the store knows what is done.
+"""Landscapes on disk. Surfaces beyond memory are written chunk by chunk; the ledger lists what is done.
 
-Until the last chunk is written the store is a hidden folder beside its place, `.NAME.part`; a second call with the same
-body and axes continues where the first stopped. A chunk is done when the digest of its files is there: it is written
-last, in the folder `digests`, which goes when the surface is whole.
+A second call with the same body and axes continues a surface that was interrupted.
 """
 
-import hashlib
+import contextlib
 import itertools
 import json
-import os
-import shutil
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,20 +15,19 @@ import numpy as np
 
 from ..columns import Column
 from ..errors import StoreError
-from ..store import files, seal, skeleton, tables
-from ..store.chunks import Appender, chunk_file, readable
-from ..store.lock import LOCK, Lock
+from ..store import files, ledger, zarr3
+from ..store.ledger import Ledger
 from ..store.provenance import provenance
-from ..store.root import finish, new_store
-from ..store.seal import DOCUMENT
+from ..store.root import new_store
 from . import body as bodies
 from . import labels, surface
 
 
 CHUNK = 1024  # rows and columns: 8 MB a variable
 GROUP = "surface"
-OVER_AXES = ("F", "z", "status")
-DIGESTS = "digests"  # the folder of an unfinished store: a file for each chunk that is done
+AXES = "axes/0"  # the chunk of the axes in the ledger
+SAME = ("system", "parameters", "axes", "chunk")  # attributes of a surface that is continued
+BEGUN, FINISHED = {"status": "running"}, {"status": "finished"}
 
 
 @dataclass(frozen=True)
@@ -68,6 +63,7 @@ class Surface:
         return {
             "content": GROUP,
             "title": "minimal surface F = inf V",
+            **BEGUN,
             "system": self.top.system.name,
             "parameters": self.top.parameters,
             "axes": {
@@ -77,6 +73,26 @@ class Surface:
             **provenance(),
         }
 
+    def header(self) -> dict[str, Any]:
+        """The header of the store's ledger: the axes, and F, z and status over them."""
+        from tippetop_kernels.minimise import Status
+
+        axes, dims, none = self.axes(), self.top.momenta, np.zeros((0, 0))
+        flags = {
+            k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in labels.flags(Status, "how F is taken").items()
+        }
+        columns = {
+            "F": Column(dims, none, dict(zip(("units", "long_name"), labels.NAMES["F"], strict=True))),
+            "z": Column(dims, none, {"units": "1", "long_name": "z = cos(theta) where V is least"}),
+            "status": Column(dims, none.astype(np.int8), flags),
+        }
+        sizes = {dim: (n, min(self.chunk, n)) for dim, n in zip(dims, (self.x.size, self.y.size), strict=True)}
+        members = {name: zarr3.array(axis, {}, 0) for name, axis in axes.items()}
+        members |= {name: zarr3.array(c, sizes, -1 if name == "status" else None) for name, c in columns.items()}
+        arrays = {f"{GROUP}/{name}": document for name, document in members.items()}
+        tables = {name: [f"{GROUP}/{column}" for column in of] for name, of in (("axes", axes), (GROUP, columns))}
+        return ledger.header(self.attributes(), {GROUP: zarr3.group({}), **arrays}, tables)
+
 
 def write(
     path: str | Path,
@@ -85,7 +101,7 @@ def write(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Writes F [J], z and status of a surface into the group `surface` of a new store at `path`.
+    """Writes F [J], z and status of a surface into the group `surface` of a store at `path`, or continues it.
 
     Parameters
     ----------
@@ -106,160 +122,88 @@ def write(
     Raises
     ------
     StoreError
-        If `path` exists or cannot be written, or an unfinished store beside it is another surface.
+        If `path` is finished, is another surface or something else, or cannot be written.
 
     Notes
     -----
-    17 bytes a point before compression; memory: some 40 bytes a point of one chunk. progress(done, of) is called after
-    every chunk. Raises StoreError if `path` exists, or cannot be written, or an unfinished store beside it is another
-    surface.
+    17 bytes a point before compression; memory: some 40 bytes a point of one chunk.
     """
-    path = Path(path)
+    path = files.own_folder(path)
     files.refuse_inside(path)
-    if os.path.lexists(path):
-        raise StoreError(f"`{path}` must not exist yet, but does.")
-    scratch = path.with_name(f".{path.name}.part")  # the same name in every process: what one began, another continues
-    with files.writing(path):
-        fresh = not files.own_folder(scratch).exists()
-        scratch.mkdir(parents=True, exist_ok=True)
-        if scratch.lstat().st_uid != os.geteuid():  # its name can be guessed
-            raise StoreError(f"`{scratch}` must be yours, but another user made it.")
-        with Lock(scratch) as lock:
-            arrays = _created(scratch, wanted) if fresh else _opened(scratch, wanted)
-            blocks, whole = list(wanted.blocks()), not fresh and _is_whole(scratch)
-            (scratch / DIGESTS).mkdir(exist_ok=True)
-            for done, (i, j) in enumerate(blocks, 1):
-                if fresh or not (whole or _sound(scratch, arrays, i, j)):
-                    _fill(arrays, wanted, slice(i, i + wanted.chunk), slice(j, j + wanted.chunk), threads)
-                    arrays["F"].store_path.store.sync()  # before it is acknowledged
-                    files.replace_text(_record(scratch, i, j), _digest(arrays, i, j))
-                if progress is not None:
-                    progress(done, len(blocks))
-            files.remove_stale(path)
-            lock.check()
-            finish(scratch, {})
-            shutil.rmtree(scratch / DIGESTS)
-            lock.remove()
-            files.synced(scratch)
-            files.rename_new(scratch, path)
+    with files.writing(path, "The same command continues it."), _opened(path, wanted) as store:
+        blocks = list(wanted.blocks())
+        for done, (i, j) in enumerate(blocks, 1):
+            key = f"{GROUP}/{i // wanted.chunk}.{j // wanted.chunk}"
+            if key not in store.state.chunks:
+                values = _values(wanted, slice(i, i + wanted.chunk), slice(j, j + wanted.chunk), threads=threads)
+                store.check()
+                _put(store, key, values)
+            if progress is not None:
+                progress(done, len(blocks))
+        store.check()
+        store.finish(FINISHED)
     return path
 
 
 def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
     """Writes the Dataset V of `potential` along z into the group `potential` of a new store. Raises StoreError."""
+    group = "potential"
     columns = {
-        str(name): Column(("z",), np.asarray(v), dict(v.attrs)) for name, v in V.variables.items() if v.dims == ("z",)
+        f"{group}/{name}": Column(("z",), np.asarray(v), dict(v.attrs))
+        for name, v in V.variables.items()
+        if v.dims == ("z",)
     }
-    with new_store(path) as scratch:
-        root = tables.create_root(scratch, {"content": "potential", **attrs, **provenance()})
-        table = Appender.created(root, "potential", columns, chunk=65536)
-        table.append(columns)
-        table.flush()
-        table.sync()
-        finish(scratch, {})
+    arrays = {name: zarr3.array(column, {}) for name, column in columns.items()}
+    attributes = {"content": group, **attrs, **BEGUN, **provenance()}
+    header = ledger.header(attributes, {group: zarr3.group({}), **arrays}, {group: list(columns)})
+    with new_store(path) as scratch, Ledger.created(scratch, header) as store:
+        _put(store, f"{group}/0", {name.rpartition("/")[2]: column.values for name, column in columns.items()})
+        store.finish(FINISHED)
 
 
-def _sound(scratch: Path, arrays: dict[str, Any], i: int, j: int) -> bool:
-    """Whether a chunk is done: it can be read, and its files are those of its digest."""
+def _put(store: Ledger, key: str, values: Mapping[str, np.ndarray]) -> None:
+    """Writes a chunk, and acknowledges it."""
+    places = [file.rpartition("/") for file in store.state.files(key)]
+    members = store.state.header["members"]
+    store.put(key, {"".join(p): zarr3.encode(values[p[0].rpartition("/")[2]], members[p[0]]) for p in places})
+    store.commit()
+
+
+def _opened(path: Path, wanted: Surface) -> Ledger:
+    """The store of a surface, new or unfinished. Raises StoreError, OSError."""
+    axes = {name: axis.values for name, axis in wanted.axes().items()}
+    if not path.exists():
+        with contextlib.ExitStack() as held:
+            with new_store(path) as scratch:
+                store = held.enter_context(Ledger.created(scratch, wanted.header()))
+                _put(store, AXES, axes)
+            held.pop_all()
+        store.path = path
+        return store
+    if not ledger.is_ledger(path) or ledger.read(path, chunks=False).seal:
+        raise StoreError(f"`{path}` must not exist yet, but does.")
+    files.refuse_links(path)
+    store, header = Ledger.opened(path), json.loads(json.dumps(wanted.header()))
     try:
-        if _record(scratch, i, j).read_text(encoding="utf-8") != _digest(arrays, i, j):
-            return False
-        for name in OVER_AXES:
-            readable(arrays[name], i, j)
-    except (OSError, ValueError, StoreError):
-        return False
-    return True
-
-
-def _record(scratch: Path, i: int, j: int) -> Path:
-    """Where the digest of a chunk is kept."""
-    return scratch / DIGESTS / f"{i}-{j}"
-
-
-def _digest(arrays: dict[str, Any], i: int, j: int) -> str:
-    """A digest of what of a chunk is on the disk, and of its place. Raises OSError."""
-    whole = hashlib.sha256(f"{i} {j}".encode())
-    for name in OVER_AXES:
-        whole.update(name.encode() + seal.checksum(chunk_file(arrays[name], i, j)))
-    return whole.hexdigest()
-
-
-def _is_whole(scratch: Path) -> bool:
-    """Whether all was done when it was stopped: it has its seal, and what the seal says."""
-    try:
-        return seal.SEAL in skeleton.read(scratch)
-    except StoreError:
-        return False
-
-
-def _created(scratch: Path, wanted: Surface) -> dict[str, Any]:
-    """The arrays of an empty store: the axes, and arrays without a chunk. All that was there goes, but the lock."""
-    for old in scratch.iterdir():
-        if old.is_dir() and not old.is_symlink():
-            shutil.rmtree(old)
-        elif old.name != LOCK:
-            old.unlink()
-    with tables.every_chunk():
-        group = tables.create_root(scratch, wanted.attributes()).create_group(GROUP)
-        arrays: dict[str, Any] = {}
-        for columns, sizes, fill in _tables(wanted):
-            arrays |= tables.create_table(group, columns, sizes, fill=fill)
-        for name, axis in wanted.axes().items():
-            arrays[name][...] = axis.values
-    return arrays
-
-
-def _tables(wanted: Surface) -> list[tuple[dict[str, Column], dict[str, Any], dict[str, Any]]]:
-    """Columns, sizes and fill values of the axes, and of what stands over them; `status` is made last."""
-    from tippetop_kernels.minimise import Status
-
-    axes, dims, none = wanted.axes(), wanted.top.momenta, np.zeros((0, 0))
-    flags = {
-        k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in labels.flags(Status, "how F is taken").items()
-    }
-    columns = {
-        "F": Column(dims, none, dict(zip(("units", "long_name"), labels.NAMES["F"], strict=True))),
-        "z": Column(dims, none, {"units": "1", "long_name": "z = cos(theta) where V is least"}),
-        "status": Column(dims, none.astype(np.int8), flags),
-    }
-    sizes = {dim: (n, min(wanted.chunk, n)) for dim, n in zip(dims, (wanted.x.size, wanted.y.size), strict=True)}
-    return [(axes, {}, dict.fromkeys(axes, 0)), (columns, sizes, {"status": -1})]
-
-
-def _opened(scratch: Path, wanted: Surface) -> dict[str, Any]:
-    """The arrays of an unfinished store of the same surface; what is no whole store of it is made anew."""
-    try:
-        skeleton.refuse_pipes(scratch)
-        stored = json.loads((scratch / DOCUMENT).read_text(encoding="utf-8"))["attributes"]
-        attributes = wanted.attributes()
-        if any(stored[k] != attributes[k] for k in ("system", "parameters", "axes", "chunk", "format_version")):
-            raise _Another
-        expected: dict[str, Any] = {}
-        for columns, sizes, fill in _tables(wanted):
-            expected |= tables.metadata(columns, sizes, fill)
-        skeleton.compare(scratch, GROUP, expected, rows=True)
-        files.remove_scratch(scratch)
-        arrays = tables.open_root(scratch, GROUP)[1][0]
-        for name, axis in wanted.axes().items():
-            if not np.array_equal(readable(arrays[name], 0), axis.values):
-                raise _Another
-        if {**stored, **attributes} != stored:  # words of it were changed, or versions: it is begun again
-            return _created(scratch, wanted)
-    except _Another:
-        raise StoreError(f"`{scratch}` must be the same surface, unfinished, but is another: remove it.") from None
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return _created(scratch, wanted)  # damaged, or killed before it held anything
-    return arrays
-
-
-class _Another(Exception):
-    """What is there is another surface."""
-
-
-def _fill(arrays: dict[str, Any], wanted: Surface, rows: slice, columns: slice, threads: int | None) -> None:
-    """Computes and writes one chunk, the status last."""
-    for name, values in _values(wanted, rows, columns, threads=threads).items():
-        arrays[name][rows, columns] = values
+        unsound, state = store.unsound(), store.state
+        if any(state.header["attributes"].get(key) != header["attributes"][key] for key in SAME):
+            raise StoreError(f"`{path}` must be the same surface, unfinished, but is another: remove it.")
+        known = AXES in state.chunks and AXES not in unsound
+        for file in state.files(AXES) if known else ():
+            place = file.rpartition("/")[0]
+            stored = zarr3.decode(store.folder.read(file), header["members"][place])
+            if not np.array_equal(stored, axes[place.rpartition("/")[2]]):
+                raise StoreError(f"`{path}` must be the same surface, unfinished, but is another: remove it.")
+        if not known or state.header != header:  # of other versions: it is begun again
+            store.restart(header, [])
+        elif unsound:
+            store.forget(unsound)
+        if AXES not in store.state.chunks:
+            _put(store, AXES, axes)
+    except BaseException:
+        store.release()
+        raise
+    return store
 
 
 def _values(wanted: Surface, rows: Any, columns: Any, *, threads: int | None) -> dict[str, np.ndarray]:

@@ -47,7 +47,7 @@ def asymptotic_states(top: TippeTop | Run | Problem | str, lam: float | str) -> 
     try:
         return least.asymptotic_states(number, body)
     except OverflowError:
-        raise InputError([f"`lam` must give energies in the range of a double, but {number:g} does not."]) from None
+        raise InputError(f"`lam` must give energies in the range of a double, but {number:g} does not.") from None
 
 
 def least_energy(
@@ -86,7 +86,7 @@ def least_energy(
         np.broadcast_shapes(np.shape(theta), np.shape(lam))
     except ValueError:
         shapes = f"{np.shape(theta)} and {np.shape(lam)}"
-        raise InputError([f"`theta` and `lam` must have shapes that broadcast, but have {shapes}."]) from None
+        raise InputError(f"`theta` and `lam` must have shapes that broadcast, but have {shapes}.") from None
     return least.least_energy(np.cos(theta), lam, top_of(top, TippeTop).body())
 
 
@@ -138,7 +138,7 @@ def accelerations(
     """
     body, angle = top_of(top, TippeTop).body(), measured("theta", theta, RADIAN)
     if not 0 < angle < math.pi:
-        raise InputError([f"`theta` must lie in (0, pi), but is {theta}."])
+        raise InputError(f"`theta` must lie in (0, pi), but is {theta}.")
     rates = (("theta_dot", theta_dot), ("phi_dot", phi_dot), ("omega3", omega3))
     state = EulerState(angle, *(measured(name, value, RADIAN_PER_SECOND) for name, value in rates))
     pushes = measured("w_x", w_x, METRE_PER_SECOND2), measured("w_y", w_y, METRE_PER_SECOND2)

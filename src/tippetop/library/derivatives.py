@@ -88,10 +88,10 @@ def sensitivities(
 
     wrt = _names(wrt)
     if whole("order", order) > 2:
-        raise InputError([f"`order` must be 1 or 2, but is {order!r:.60}."])
+        raise InputError(f"`order` must be 1 or 2, but is {order!r:.60}.")
     problem = problem_of(source, friction, **arguments)
     if problem.output == "keyframes":
-        raise InputError(['`output` must keep rows for derivatives, but is "keyframes".'])
+        raise InputError('`output` must keep rows for derivatives, but is "keyframes".')
     wrt = tuple(dotted_keys(wrt, problem.rules))
     refuse(problem, wrt)
     solution = solve(problem)
@@ -149,7 +149,7 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     from ..runs.run import solve
 
     if whole("rows", rows) < 2:
-        raise InputError([f"`rows` must be at least 2, but is {rows!r:.60}."])
+        raise InputError(f"`rows` must be at least 2, but is {rows!r:.60}.")
     problem = problem_of(source, friction, **arguments)
     refuse(problem, ())
     result = growth(problem, np.linspace(0.0, float(solve(problem).times[-1]), rows))
@@ -173,5 +173,5 @@ def _names(wrt: Any) -> tuple[str, ...]:
         return (wrt,)
     listed = hasattr(wrt, "__iter__") and not isinstance(wrt, Path) and getattr(wrt, "ndim", 1) == 1
     if not listed or not all(isinstance(name, str) for name in wrt):
-        raise InputError([f"`wrt` must be names such as friction.mu, but is {wrt!r:.60}."])
+        raise InputError(f"`wrt` must be names such as friction.mu, but is {wrt!r:.60}.")
     return tuple(wrt)

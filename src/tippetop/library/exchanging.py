@@ -12,6 +12,7 @@ from ..exchange.fitting import STARTS, names_of
 from ..exchange.motion import Convention
 from ..exchange.verdict import Verdict
 from ..problem import Problem
+from ..runs.starting import load_any
 from .sources import problem_behind
 
 
@@ -80,9 +81,9 @@ def compare(
     """
     files: Any = [others] if isinstance(others, str | os.PathLike) else others
     if not isinstance(files, list | tuple):
-        raise InputError([f"`others` must be a path or a list of paths, but is {others!r:.60}."])
+        raise InputError(f"`others` must be a path or a list of paths, but is {others!r:.60}.")
     if not files:
-        raise InputError(["`others` must name at least one file, but is empty."])
+        raise InputError("`others` must name at least one file, but is empty.")
     problem = _reference(reference)
     convention = Convention(quaternion, up)
     return Comparison(problem, [path_of("others", file) for file in files], convention)
@@ -160,7 +161,7 @@ def fit(
     *,
     loss: str = "linear",
     starts: int = STARTS,
-    marker: Sequence[float] | None = None,
+    marker: Sequence[float] | str | None = None,
     quaternion: str | None = None,
     up: str = "z",
     noise: float | str | None = None,
@@ -183,7 +184,7 @@ def fit(
     starts : int
         Independent searches at most, until three of them have ended in the best minimum. Each begins at eight points
         within 40 % of the scenario.
-    marker : three floats, optional
+    marker : three floats, or text with commas, optional
         Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body axes [m].
     quaternion, up : str
         As for `compare`.
@@ -209,9 +210,8 @@ def fit(
     >>> print(tt.fit("film.csv", "inverting", ["friction.mu", "initial.omega3"]))
     """
     problem = _reference(scenario)
-    place = None if marker is None else fit_text.marker_of(",".join(str(float(part)) for part in marker))
     observation = measured.observation_of(
-        problem, path_of("data", data), names_of(free), Convention(quaternion, up), place, noise
+        problem, path_of("data", data), names_of(free), Convention(quaternion, up), fit_text.marker_of(marker), noise
     )
     return Fitted(problem, observation, measured.fitted(observation, loss, whole("starts", starts), progress))
 
@@ -219,10 +219,8 @@ def fit(
 def _reference(source: Any) -> Any:
     """The problem of a scenario, a run, or the store of one. Raises InputError."""
     if isinstance(source, str | Path) and Path(source).is_dir():
-        from .stored_run import StoredRun
-
-        return StoredRun(source).problem
+        return load_any(source)
     problem = problem_behind(source)
     if problem is None:
-        raise InputError([f"`reference` must be a scenario or a run, but is {source!r:.60}."])
+        raise InputError(f"`reference` must be a scenario or a run, but is {source!r:.60}.")
     return problem

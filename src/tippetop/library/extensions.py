@@ -64,7 +64,7 @@ def _listed(argument: str, given: Any) -> list[Any]:
     """A list of what is given. Raises InputError if it is no collection."""
     if isinstance(given, Iterable) and not isinstance(given, str | bytes | Mapping) and getattr(given, "ndim", 1) == 1:
         return list(given)
-    raise InputError([f"`{argument}` must be a list, but is {given!r:.60}."])
+    raise InputError(f"`{argument}` must be a list, but is {given!r:.60}.")
 
 
 def of_stored(
@@ -78,11 +78,11 @@ def of_stored(
     own_events = [] if events is None else given_events(events)
     own_columns = [] if columns is None else given_columns(columns)
     if named := [each for each in (*own_events, *own_columns) if isinstance(each, str)]:
-        raise InputError([f"the records that a stored run was made with must be given, but `{named[0]}` is a name."])
+        raise InputError(f"the records that a stored run was made with must be given, but `{named[0]}` is a name.")
     if not own_events and not own_columns:
         return None
     if "content" in attrs:
-        raise InputError([f"`events` and `columns` must be those of a run, but the store is a {attrs['content']}."])
+        raise InputError(f"`events` and `columns` must be those of a run, but the store is a {attrs['content']}.")
     return extended(build.system_of(attrs), tuple(own_events), tuple(own_columns))  # type: ignore[arg-type]
 
 

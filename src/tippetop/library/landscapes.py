@@ -166,7 +166,7 @@ def turning_angles(
     parameters, name = _body(top, system)
     x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
     if energy is None:
-        raise InputError(["`energy` must be given, but is missing."])
+        raise InputError("`energy` must be given, but is missing.")
     energy = measured_values("energy", energy, JOULE)
     if theta is not None:
         theta = measured_values("theta", theta, RADIAN)
@@ -201,7 +201,7 @@ def band(
     parameters, name = _body(run, system)
     if trajectory is None:
         if not isinstance(run, Run):
-            raise InputError(["`trajectory` must be given where the first argument is no Run, but is missing."])
+            raise InputError("`trajectory` must be given where the first argument is no Run, but is missing.")
         trajectory = run.trajectory
         require(("theta", *(("phase",) if "contact" in run.attributes else ())), trajectory, "the band along a run")
     return turning.band(parameters, trajectory, name)

@@ -81,7 +81,7 @@ def ensemble(
         raise InputError([f"`{name}` must not be given in an ensemble: it keeps no rows." for name in rows])
     base = problem_of(source, friction, **scenario)
     if not isinstance(variations, Mapping):
-        raise InputError([f"`variations` must be a mapping of names to arrays, but is {variations!r:.60}."])
+        raise InputError(f"`variations` must be a mapping of names to arrays, but is {variations!r:.60}.")
     keys = dotted_keys(variations, base.rules)
     dotted, sentences = {}, []
     for key, (name, values) in zip(keys, variations.items(), strict=True):
@@ -92,7 +92,7 @@ def ensemble(
         raise InputError(sentences)
     threads = None if threads is None else whole("threads", threads)
     if not isinstance(progress, bool) and not callable(progress):
-        raise InputError([f"`progress` must be a function or a bool, but is {progress!r:.60}."])
+        raise InputError(f"`progress` must be a function or a bool, but is {progress!r:.60}.")
     return ensembles.of_problem(
         base, dotted, threads=threads, progress=progress, orientation=orientation, alone=alone, lyapunov=lyapunov
     )

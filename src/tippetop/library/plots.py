@@ -112,20 +112,20 @@ class Plots:
     def _axes(self, kind: str, ax: "Axes | None", look: Look, options: dict[str, Any], beside: "Sequence[Run]") -> Any:
         """Draws; `options` are what is left of them: the window."""
         if ax is not None and not hasattr(ax, "get_figure"):
-            raise InputError([f"`ax` must be Axes of matplotlib, but is {ax!r:.60}."])
+            raise InputError(f"`ax` must be Axes of matplotlib, but is {ax!r:.60}.")
         given = (options.pop("start", None), options.pop("until", None))
         window = (
             None if given[0] is None else measured("start", given[0], SECOND),
             None if given[1] is None else measured("until", given[1], SECOND),
         )
         if options:
-            raise InputError([f"a figure has no option `{next(iter(options))}`."])
+            raise InputError(f"a figure has no option `{next(iter(options))}`.")
         from ..figures.window import in_window
         from .run import Run
 
         others: Any = [beside] if isinstance(beside, Run) else beside
         if not isinstance(others, list | tuple) or not all(isinstance(other, Run) for other in others):
-            raise InputError([f"`beside` must be a list of Runs, but is {beside!r:.60}."])
+            raise InputError(f"`beside` must be a list of Runs, but is {beside!r:.60}.")
         runs = [self._run, *others]
         parts = [in_window(run._for_figures(kind, window), run.attributes, *window) for run in runs]
         if others:
@@ -138,12 +138,12 @@ def _look(options: dict[str, Any]) -> Look:
     """How a figure shall look; takes what says so from the options. Raises InputError."""
     title, size = options.pop("title", None), options.pop("size", None)
     if title is not None and not isinstance(title, str):
-        raise InputError([f"`title` must be text, but is {title!r:.60}."])
+        raise InputError(f"`title` must be text, but is {title!r:.60}.")
     if size is not None:
         try:
             width, height = size
         except (TypeError, ValueError):
-            raise InputError([f"`size` must be two numbers, but is {size!r:.60}."]) from None
+            raise InputError(f"`size` must be two numbers, but is {size!r:.60}.") from None
         size = (float(finite("size", width)), float(finite("size", height)))
     dpi, dark = finite("dpi", options.pop("dpi", 150)), options.pop("dark", False)
     flag("dark", dark)

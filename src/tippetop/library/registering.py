@@ -66,5 +66,5 @@ def register(record: System | type[FrictionLaw]) -> Any:
     elif isinstance(record, type) and issubclass(record, FrictionLaw) and record is not FrictionLaw:
         systems.add_law(record, here=True)
     else:
-        raise InputError([f"`record` must be a System or a class of FrictionLaw, but is {record!r:.60}."])
+        raise InputError(f"`record` must be a System or a class of FrictionLaw, but is {record!r:.60}.")
     return record

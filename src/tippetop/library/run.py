@@ -294,12 +294,11 @@ class Run:
         """
         seconds = None if window is None else measured("window", window, SECOND)
         if seconds is not None and seconds <= 0:
-            raise InputError([f"`window` must be greater than 0, but is {window!r:.60}."])
+            raise InputError(f"`window` must be greater than 0, but is {window!r:.60}.")
         stored = self._so_far()
         if stored is not None:
             seconds = stored if seconds is None else min(seconds, stored)
         result = root.finite(certificate(self.problem, seconds))
-        self._refuse_another_end(result)
         self.attributes["certificate"] = result
         self.__dict__.pop("summary", None)
         return Record(result, "certificate")
@@ -308,9 +307,6 @@ class Run:
         """How far a run that is not finished has come [s]; None where it has come to its end. Raises InputError where
         it has not begun."""
         return None
-
-    def _refuse_another_end(self, result: dict[str, Any]) -> None:
-        """Raises InputError where a certificate is of a run that ended at another time."""
 
     def __repr__(self) -> str:
         attrs = self.attributes

@@ -107,7 +107,7 @@ def run(
         instance("stop", stop, threading.Event, "a threading.Event")
     if out is None:
         if problem.output == "keyframes":
-            raise InputError(['`out` must be given where `output` is "keyframes": a store keeps them.'])
+            raise InputError('`out` must be given where `output` is "keyframes": a store keeps them.')
         with following(bar=progress) as follow:
             return Run(solve(problem, follow))
     place = path_of("out", out)
@@ -209,11 +209,11 @@ def resume(
     Interrupted
         If `stop` was set.
     """
-    from ..runs.extending import continued
+    from ..runs.resuming import continued
 
     end = None if until is None else measured("until", until, SECOND)
     place = path_of("path", path)
-    own = of_stored(root.attributes(place), events, columns)
+    own = of_stored(root.root_of(place), events, columns)
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     with in_python(), _resumable(place):

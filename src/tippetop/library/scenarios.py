@@ -41,7 +41,7 @@ def problem_of(
                  "form": form, "contact": contact, "stem": stem, **options}  # fmt: skip
         if surplus := [f"`{key}`" for key, value in beside.items() if value is not None]:
             words = ", ".join(surplus)
-            raise InputError([f"a Problem must stand alone, but is given beside {words}: change it in `load`."])
+            raise InputError(f"a Problem must stand alone, but is given beside {words}: change it in `load`.")
         return checked(source)
     events, columns = options.pop("events", None), options.pop("columns", None)
     named, own = _named(None if events is None else given_events(events), Event)
@@ -60,19 +60,19 @@ def problem_of(
         for name, numbers in (("parameters", parameters), ("contact", contact), ("stem", stem)):
             _merge(tables, name, numbers)
         if start is not None and initial is not None:
-            raise InputError(["`start` and `initial` are the same argument: one of them must be given, but both are."])
+            raise InputError("`start` and `initial` are the same argument: one of them must be given, but both are.")
         starts: dict[str, Any] = {"start": start, "initial": initial}
         for name, given in starts.items():
             if isinstance(given, str | os.PathLike):
                 given = {"from": os.fspath(given)}
             if given is not None and not isinstance(given, Mapping):
                 words = "a mapping such as dict(theta=0.1), or the store of a run"
-                raise InputError([f"`{name}` must be {words}, but is {given!r:.60}."])
+                raise InputError(f"`{name}` must be {words}, but is {given!r:.60}.")
             _start(tables, given or {}, chosen)
         if form is not None:
             tables["form"] = form
         if isinstance(source, Top) and chosen.frictional and "friction" not in tables:
-            raise InputError([_needs_law(source)])
+            raise InputError(_needs_law(source))
         _options(tables, options | {"events": named, "columns": named_columns})
         chosen = extended(chosen, own, own_columns)
         if own_columns and named_columns is None and "columns" in tables.get("run", {}):
@@ -110,10 +110,8 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
         tables = reading.read(os.fspath(source))
     else:
         raise InputError(
-            [
-                "the first argument must be a body (TippeTop, HeavyTop, Cylinder), the name of a preset, a TOML file, "
-                f"the tables of a scenario or a System, but is {source!r:.60}."
-            ]
+            "the first argument must be a body (TippeTop, HeavyTop, Cylinder), the name of a preset, a TOML file, "
+            f"the tables of a scenario or a System, but is {source!r:.60}."
         )
     if system is not None and not isinstance(source, System):
         tables["system"] = record.name if record else system
@@ -135,7 +133,7 @@ def _assigned(tables: dict[str, Any], assignments: Any) -> dict[str, Any]:
     """The tables with `table.key=value` texts applied."""
     for assignment in assignments:
         if not isinstance(assignment, str):
-            raise InputError([f"the assignments must be texts `table.key=value`, but have {assignment!r:.60}."])
+            raise InputError(f"the assignments must be texts `table.key=value`, but have {assignment!r:.60}.")
     try:
         return reading.override(tables, list(assignments))
     except InputError as error:
@@ -149,7 +147,7 @@ def _merge_dotted(tables: dict[str, Any], given: dict[str, Any]) -> None:
     for key in given.keys() - own.keys():
         table, _, name = key.partition(".")
         if not isinstance(tables.get(table, {}), dict):
-            raise InputError([f"`{key}` must name a key of a table, but `{table}` is not a table."])
+            raise InputError(f"`{key}` must name a key of a table, but `{table}` is not a table.")
         tables[table] = {**tables.get(table, {}), name: given[key]}
     base = tables.get("friction", {})
     keep = isinstance(base, dict) and own.get("law", base.get("law")) == base.get("law")
@@ -163,7 +161,7 @@ def _merge(tables: dict[str, Any], name: str, given: Any) -> None:
     if isinstance(given, Top):
         given = given._asdict()
     if not isinstance(given, Mapping):
-        raise InputError([f"`{name}` must be a mapping of names to numbers, but is {given!r:.60}."])
+        raise InputError(f"`{name}` must be a mapping of names to numbers, but is {given!r:.60}.")
     base = tables.get(name, {})
     if isinstance(base, dict):  # else the check of the scenario says so
         tables[name] = {**base, **plain(given)}
@@ -203,7 +201,7 @@ def table_of(law: Any) -> dict[str, Any]:
             load_entry_points()
             if named(type(law), {name: known for name, (known, _) in systems_of_laws().items()}) is None:
                 kind = type(law).__name__
-                raise InputError([f"the friction law {kind} must be registered: tippetop.extending.register({kind})."])
+                raise InputError(f"the friction law {kind} must be registered: tippetop.extending.register({kind}).")
         return {"law": law.key, **law._asdict()}
     such, value = "Viscous(mu=0.3)", f"{law!r:.60}"
     if isinstance(law, str):
@@ -211,14 +209,14 @@ def table_of(law: Any) -> dict[str, Any]:
         such = f"{LAWS[law].__name__ if law in LAWS else 'Viscous'}(...)"
     elif isinstance(law, type):
         such, value = f"{law.__name__}(...)", "the class itself"
-    raise InputError([f"the friction law must be a record such as {such}, but is {value}."])
+    raise InputError(f"the friction law must be a record such as {such}, but is {value}.")
 
 
 def record_of(law: Any, system: System) -> Any:
     """Return the record of a law, checked, if a system takes it. Raises InputError."""
     known = laws_of(system)
     if (name := table_of(law)["law"]) not in known:
-        raise InputError([f"`{system.name}` must have a law of {', '.join(known)}, but has {name}."])
+        raise InputError(f"`{system.name}` must have a law of {', '.join(known)}, but has {name}.")
     return law._make(law.checked(law._asdict()).values())
 
 

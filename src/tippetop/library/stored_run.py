@@ -15,8 +15,7 @@ from ..runs.phases import tables_of
 from ..runs.run import Solution
 from ..runs.summary import lines
 from ..scenario import build
-from ..store import chunks, root, skeleton
-from ..store.seal import SEAL
+from ..store import chunks, root
 from .run import Run, Window
 
 
@@ -24,9 +23,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..mechanics.system import System
-
-
-SAME_END = 1e-6  # relative: another processor rounds otherwise
 
 
 class StoredRun(Run):
@@ -105,25 +101,15 @@ class StoredRun(Run):
 
         times = [measured(name, value, SECOND) for name, value in (("start", start), ("until", until), ("step", step))]
         columns = replay.columns(self.path, *times, accept_other_version=accept_other_version, known=self._own)
-        return attributes.dataset(columns, {k: v for k, v in self.attributes.items() if k != SEAL})
+        return attributes.dataset(columns, self.attributes)
 
     def _so_far(self) -> float | None:
         attrs = self.attributes
         if attrs["status"] != Status.RUNNING.value:
             return None
         if not attrs["report"]["t_end"] > 0:
-            raise InputError([f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s."])
+            raise InputError(f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s.")
         return attrs["report"]["t_end"]
-
-    def _refuse_another_end(self, result: dict[str, Any]) -> None:
-        """A store of an earlier release does not say which events its run had."""
-        end, status = self.attributes["report"]["t_end"], self.attributes["status"]
-        if status in (Status.FINISHED.value, Status.SETTLED.value, Status.RUNNING.value) or result["against"] is None:
-            return
-        if result["window"][1] > end * (1 + SAME_END):
-            raise InputError(
-                [f"the run must end as that of `{self.path}`, at {end:.9g} s, but does not: give the events it had."]
-            )
 
     def _problem(self) -> Problem | None:
         return None
@@ -132,8 +118,8 @@ class StoredRun(Run):
         return self._own or find(self.attributes["system"])
 
     def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
-        groups = chunks.for_figures(self.path, self.attributes, window)
-        if kind == "growth" and skeleton.has_keyframes(self.attributes):
+        groups = chunks.for_figures(self.path, window)
+        if kind == "growth" and root.has_keyframes(self.attributes):
             groups["trajectory"] = keyframes.rows(self.path, self.problem)
         return groups
 
@@ -147,4 +133,4 @@ class StoredRun(Run):
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
         """A stored run is saved already. Raises InputError."""
-        raise InputError([f"the run is in the store `{self.path}` already: copy that."])
+        raise InputError(f"the run is in the store `{self.path}` already: copy that.")

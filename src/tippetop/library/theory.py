@@ -138,7 +138,7 @@ def linear_modes(
     friction = problem.friction if problem is not None and problem.system.frictional else None
     friction = friction if law is None else record_of(law, SYSTEMS[body.gliding])
     if friction is not None and has_parts(friction):
-        raise InputError(["the friction law must be without mu_r and mu_d: under them no spin lasts."])
+        raise InputError("the friction law must be without mu_r and mu_d: under them no spin lasts.")
     if friction is None:
         rates = modes.rolling_modes(spin, body.body(), inverted=inverted)
     else:
@@ -147,8 +147,8 @@ def linear_modes(
         return rates
     if friction is not None and modes.is_nowhere_linear(spin, friction, inverted=inverted):
         words = "k = |F|/(g_n |v_A|) must be finite as v_A goes to 0, for the motion to be linear there, but is not"
-        raise InputError([f"the friction law's {words}: give Coulomb friction its regularisation speed eps."])
-    raise InputError([f"`omega3` must give rates in the range of a double, but {spin:g} rad/s does not."])
+        raise InputError(f"the friction law's {words}: give Coulomb friction its regularisation speed eps.")
+    raise InputError(f"`omega3` must give rates in the range of a double, but {spin:g} rad/s does not.")
 
 
 def nutation(
@@ -252,5 +252,5 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     instance("run", run, Run, "a Run")
     seconds = None if period is None else measured("period", period, SECOND)
     if seconds is not None and seconds <= 0:
-        raise InputError([f"`period` must be greater than 0, but is {period!r:.60}."])
+        raise InputError(f"`period` must be greater than 0, but is {period!r:.60}.")
     return reconstruction(run.problem, lambda: run.trajectory, lambda: run.events, seconds)

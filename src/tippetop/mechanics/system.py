@@ -101,7 +101,7 @@ class System:
 
     `replace` makes another one from it. What each field is, and must be, says docs/how-to/a-system.md.
 
-    Numbers
+    Parameters
     ----------
     name, title, source : str
         The name in TOML; what it is; where it is published.
@@ -179,7 +179,7 @@ class System:
         """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and _all_are(self.parameters, Number):
-            record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"])
+            record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"], rename=True)
             units = [rule.unit for rule in self.parameters.values()]
             given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
             given["body_units"] = lambda friction: record(*units, friction)
@@ -196,7 +196,7 @@ class System:
         if not self.long_names and _all_are(rules, Number):
             given["long_names"] = {name: rules[name].long_name if name in rules else name for name in fields}
         if not self.tables and _all_are(self.phases, Phase) and self.is_hybrid:
-            ways = [way.event for phase in self.phases.values() for way in phase.exits]
+            ways = [way.event for phase in self.phases.values() for way in phase.exits if isinstance(way, Exit)]
             given["tables"] = {"phases": {"phase": tuple(self.phases), "reason": ("start", *dict.fromkeys(ways))}}
         for name, value in given.items():
             object.__setattr__(self, name, value)
@@ -213,7 +213,7 @@ class System:
     def body_of(self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same) -> Any:
         """The record that formulas take, in SI units: of parameters by name and the record of a friction law.
 
-        Numbers
+        Parameters
         ----------
         parameters
             Numbers or arrays (n,) by name, SI.
@@ -254,7 +254,7 @@ class System:
     def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
         """Sentences on initial data, by name, of which some say the same in two ways.
 
-        Numbers
+        Parameters
         ----------
         initial
             Names of initial data.
@@ -279,7 +279,7 @@ class System:
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
         """Initial data with some changed: a number takes the place of those that say the same in another way.
 
-        Numbers
+        Parameters
         ----------
         initial
             What stands: values by name.
@@ -338,7 +338,7 @@ class System:
     def with_requested(self, columns: Collection[str]) -> "System":
         """The system with those of its quantities on request that are named; the same record for the same names.
 
-        Numbers
+        Parameters
         ----------
         columns
             Names of columns.
@@ -377,7 +377,7 @@ def of_one_phase(
 ) -> System:
     """A system whose contact never changes; `rest` is what else a System has.
 
-    Numbers
+    Parameters
     ----------
     phase
         Its name, such as "gliding".

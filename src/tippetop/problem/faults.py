@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InputError, suggestion
 from ..mechanics.contact.restitution import ContactLaw
-from ..mechanics.friction import SLIP, named
+from ..mechanics.friction import PARTS, SLIP, named
 from ..mechanics.inlining import inlined
 from ..mechanics.moment import moment
 from ..mechanics.system import Form, System
@@ -50,7 +50,7 @@ def key_faults(
     """
     keys, known = list(keys), [*also, *(key for key in base.rules if not key.startswith(without))]
     faults = [
-        f"`{key}` must be one of {', '.join(known)}, but is not.{suggestion(key.rpartition('.')[2], _short(known))}"
+        f"`{key}` must be one of {', '.join(known)}, but is not.{_hint(key, known)}"
         for key in keys
         if key not in base.rules
     ]
@@ -60,6 +60,14 @@ def key_faults(
 
 def _short(keys: Iterable[str]) -> list[str]:
     return [key.rpartition(".")[2] for key in keys]
+
+
+def _hint(key: str, known: list[str]) -> str:
+    """Return what to do about a key that cannot vary."""
+    table, _, name = key.rpartition(".")
+    if table == "friction" and name in PARTS:
+        return f" Give the scenario a `{key}`, 0 at least."
+    return suggestion(name, _short(known))
 
 
 def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:

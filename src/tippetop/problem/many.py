@@ -149,10 +149,8 @@ class Problems:
         numbers = [name for name, value in body._asdict().items() if not isinstance(value, tuple)]
         if strange := [name for name in folds if name not in numbers]:
             raise InputError(
-                [
-                    f"`normalised_to` of `{self.base.system.name}` must name numbers of its body "
-                    f"({', '.join(numbers)}), but has `{strange[0]}`."
-                ]
+                f"`normalised_to` of `{self.base.system.name}` must name numbers of its body "
+                f"({', '.join(numbers)}), but has `{strange[0]}`."
             )
         for name, value in folds.items():
             scaled = getattr(body, name).astype(float)
@@ -160,10 +158,8 @@ class Problems:
             if far.any():
                 wrong = np.atleast_1d(scaled)[np.atleast_1d(far)]
                 raise InputError(
-                    [
-                        f"`normalised_to` of `{self.base.system.name}` must hold in its internal units (`scales`; the "
-                        f"unit of time is a power of two seconds), but `{name}` is {wrong[0]:.6g} there, not {value:g}."
-                    ]
+                    f"`normalised_to` of `{self.base.system.name}` must hold in its internal units (`scales`; the "
+                    f"unit of time is a power of two seconds), but `{name}` is {wrong[0]:.6g} there, not {value:g}."
                 )
 
     @cached_property

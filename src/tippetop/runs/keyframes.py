@@ -62,9 +62,9 @@ def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[
 
 def rows(path: Path, problem: Problem) -> dict[str, Column]:
     """Return the start and the keyframes of a stored run as rows. Raises StoreError."""
-    from ..store import tables
+    from ..store import chunks
 
-    arrays = tables.read_member(path, "keyframes")
+    arrays = chunks.read_member(path, "keyframes")
     start = problem.start()
     times = np.concatenate([[0.0], arrays["time"][:]])
     if not problem.system.is_hybrid:

@@ -1,10 +1,11 @@
-"""A run becomes a store as it goes: rows and events in whole chunks, a checkpoint that acknowledges them, a lock."""
+"""A run becomes a store as it goes: full chunks, a tail of what waits, and records that acknowledge both."""
 
 import contextlib
+import json
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -17,21 +18,22 @@ from ..columns import Column
 from ..engine.observables import Observables
 from ..errors import Interrupted
 from ..problem import Problem
-from ..store import checkpoint, files, provenance, skeleton, tables
-from ..store.checkpoint import CHECKPOINT, END, ROWS
-from ..store.chunks import Appender
-from ..store.lock import LOCK, Lock
-from ..store.root import finish, finite, new_store
+from ..store import files, ledger, provenance, zarr3
+from ..store.ledger import Ledger
+from ..store.root import finite, new_store
+from ..store.table import LATE, Table
 from . import attributes, keyframes, phases, reporting, sensitivities
 from .events import EventTable, event_columns
 from .integration import Integration
 from .reporting import RunProgress
 
 
-MOST_ROWS, FEWEST_ROWS = 1 << 18, 1 << 10  # of a chunk: 2 MiB a column take a third less than twice 1 MiB
-EVENTS_PER_CHUNK = 16_384
+ROWS_PER_CHUNK = 1 << 16  # of the trajectory: 512 KiB a column
+EVENTS_PER_CHUNK = 1 << 14
+SIGNIFICANT = "significant"  # a column of events that may change in any row until the end of a run
 COMMIT_EVERY = 5.0  # [s] of the clock: what an interruption can cost; when commits happen does not show in the store
 PATIENCE = 2.0  # [s] after which a stop does not wait for the end of a slice: its rows are made again
+
 FINISHED = "The run is finished and whole; only temporary files are left in it."
 
 Progress = Callable[[RunProgress], None]
@@ -45,16 +47,11 @@ class Recorder:
 
     keeps_rows = True
 
-    def __init__(
-        self,
-        problem: Problem,
-        appenders: dict[str, Appender],
-        lock: Lock,
-        stop: threading.Event | None = None,
-    ):
+    def __init__(self, problem: Problem, store: Ledger, stop: threading.Event | None = None):
         self.problem, self.view = problem, Observables(problem)
-        self.appenders, self.lock, self.stop = appenders, lock, stop
-        self.of = checkpoint.digest(skeleton.root_of(lock.folder))
+        self.store, self.stop = store, stop
+        names = (name for name in store.state.header["tables"] if not name.endswith(LATE))
+        self.growing = {name: Table(store, name) for name in names}
         self.begun_with: list[dict[str, Any]] = []  # versions and processors of those that wrote it before
         self.behind: deque[Future] = deque()
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
@@ -66,24 +63,28 @@ class Recorder:
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
                 raise Interrupted
-        self._later(lambda: self.appenders["trajectory"].append(self.view.columns(times, states())))
+        self._later(lambda: self.append("trajectory", self.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes rows of the event log."""
         if len(table.time):
-            self._later(lambda: self.appenders["events"].append(event_columns(table)))
+            self._later(lambda: self.append("events", event_columns(table)))
         if marks:
-            self._later(lambda: self.appenders["events"].mark("significant", marks))
+            self._later(lambda: self.growing["events"].mark(SIGNIFICANT, marks))
 
     def keyframe(self, row: dict[str, Column]) -> None:
         """Take a keyframe."""
-        self._later(lambda: self.appenders["keyframes"].append(row))
+        self._later(lambda: self.append("keyframes", row))
 
     def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
         """Takes rows of further tables."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
-                self._later(partial(self.appenders[name].append, phases.columns(self.problem.system, name, table)))
+                self._later(partial(self.append, name, phases.columns(self.problem.system, name, table)))
+
+    def append(self, name: str, columns: dict[str, Column]) -> None:
+        """Append rows to a table."""
+        self.growing[name].append({key: column.values for key, column in columns.items()})
 
     def derivatives(self) -> None:
         """Makes the tables of derivatives, where the run has come to its end, from its rows and its log there."""
@@ -91,13 +92,13 @@ class Recorder:
         if not problem.sensitivities:
             return
         self._now(lambda: None)
-        arrays, log = self.appenders["events"].arrays, EventTable.empty(problem.system.kinds)
-        events = EventTable(log.kinds, *(arrays[name][:] for name in log.columns()))
-        times = problem.times[: self.appenders["trajectory"].rows]
-        make = partial(sensitivities.tables, problem, times, events)
+        log, events = EventTable.empty(problem.system.kinds), self.growing["events"]
+        table = EventTable(log.kinds, *(events.values(name) for name in log.columns()))
+        times = problem.times[: self.growing["trajectory"].rows]
+        make = partial(sensitivities.tables, problem, times, table)
         derived = awaited(make, "the derivatives of the run are being computed", self.stop)
         for name, columns in derived.items():
-            self._later(partial(self.appenders[name].append, columns))
+            self._later(partial(self.append, name, columns))
 
     def _later(self, work: Callable[[], None]) -> None:
         """Queues work for the writing thread, not more than a few slices ahead; raises what went wrong there."""
@@ -106,19 +107,16 @@ class Recorder:
         self.behind.append(self.thread.submit(work))
 
     def _now(self, work: Callable[[], None]) -> None:
-        """Does work in the writing thread once all that was queued is on the disk; returns when it is done. Where
-        anything went wrong before, that is raised, and the work is not begun."""
+        """Does work in the writing thread once all that was queued is done; returns when it is done. Where anything
+        went wrong before, that is raised, and the work is not begun."""
         while self.behind:
             self.behind.popleft().result()
 
-        def flushed() -> None:
-            self.lock.check()
-            for appender in self.appenders.values():
-                appender.flush()
-                appender.sync()
+        def checked() -> None:
+            self.store.check()
             work()
 
-        self.thread.submit(flushed).result()
+        self.thread.submit(checked).result()
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
         """Commit now and then; stop at a commit if asked to."""
@@ -129,65 +127,66 @@ class Recorder:
             raise Interrupted
 
     def commit(self, progress: RunProgress, snapshot: dict[str, Any]) -> None:
-        """Write data first, then the record that acknowledges it."""
-        state = {
-            "integration": snapshot,
-            "report": finite(reporting.report(progress)),
-            "reason": reporting.reason(progress),
-        }
-        self._now(lambda: self._acknowledge(state))
+        """Acknowledge all rows, and the state from which the run can be continued."""
+        changed = {"report": finite(reporting.report(progress)), "reason": reporting.reason(progress)}
+
+        def work() -> None:
+            self.store.commit(self.tail(snapshot), rows=self.counts(), changed=changed)
+            self.derive()
+
+        self._now(work)
         self.committed_at = time.monotonic()
 
-    def _acknowledge(self, state: dict[str, Any]) -> None:
-        record = {
-            "format_version": provenance.FORMAT_VERSION,
+    def tail(self, snapshot: dict[str, Any]) -> bytes:
+        """Return the rows that no chunk holds, and the state of the run."""
+        parts = {name: table.tail() for name, table in self.growing.items()}
+        state = {
             **here(),
             "begun_with": self.begun_with,
-            **{count: self.appenders[name].rows if name in self.appenders else 0 for name, count in ROWS.items()},
-            "digests": {name: appender.digest() for name, appender in self.appenders.items()},
-            **state,
+            "integration": snapshot,
+            "tables": {name: about for name, (about, _) in parts.items()},
         }
-        checkpoint.write(self.lock.folder, record, self.of)
+        head = json.dumps(state, allow_nan=False).encode() + b"\n"
+        return head + b"".join(data for _, data in parts.values())
 
-    def finish(self, progress: RunProgress, ending: dict[str, Any]) -> dict[str, Any]:
-        """Write waiting rows and the root attributes, remove the checkpoint; return the attributes."""
-        attrs = finite(attributes.attributes(progress))
-        if self.begun_with:
-            attrs["begun_with"] = self.begun_with
-        self._now(lambda: self._close(attrs, ending))
-        return attrs
+    def restore(self, tail: bytes) -> None:
+        """Take back the rows of a tail."""
+        head, _, data = tail.partition(b"\n")
+        state = json.loads(head)
+        for name, about in state["tables"].items():
+            data = self.growing[name].restore(about, data)
 
-    def _close(self, attrs: dict[str, Any], ending: dict[str, Any]) -> None:
-        of = checkpoint.digest_of_finished({**skeleton.root_of(self.lock.folder), **attrs})
-        finish(self.lock.folder, {**attrs, END: checkpoint.bound(ending, of)})
-        with files.writing(self.lock.folder, FINISHED):
-            _tidy(self.lock)
+    def derive(self) -> None:
+        """Write what readers of an unfinished store need, and nobody else."""
+        self.store.derive({file: data for table in self.growing.values() for file, data in table.derived().items()})
+
+    def counts(self) -> dict[str, int]:
+        """Return the rows of all tables, by the names that the ledger has."""
+        return {key: rows for table in self.growing.values() for key, rows in table.counts().items()}
+
+    def finish(self, attrs: dict[str, Any], ending: dict[str, Any]) -> dict[str, Any]:
+        """Write waiting rows, and close the store with its last root attributes; return them."""
+        attrs = finite(attrs) | ({"begun_with": self.begun_with} if self.begun_with else {})
+
+        def work() -> None:
+            for table in self.growing.values():
+                table.finish()
+            begun = self.store.state.header["attributes"]
+            changed = {key: value for key, value in attrs.items() if key not in begun or begun[key] != value}
+            try:
+                self.store.finish(changed, rows=self.counts(), end=ending)
+            except OSError:
+                with files.writing(self.store.path, FINISHED if self.store.state.closing else ""):
+                    raise
+
+        self._now(work)
+        return self.store.state.attributes
 
     def __enter__(self) -> "Recorder":
         return self
 
     def __exit__(self, *_: object) -> None:
         self.thread.shutdown(cancel_futures=True)
-
-
-def tidy(folder: Path) -> None:
-    """Remove the temporary files that a killed writer left in a finished run. Raises StoreError."""
-    if any((folder / left).exists() for left in (CHECKPOINT, LOCK)):
-        with files.writing(folder), Lock(folder) as lock:
-            _tidy(lock)
-
-
-def _tidy(lock: Lock) -> None:
-    """Remove the temporary files of a finished run, the lock last. Raises OSError."""
-    files.remove_scratch(lock.folder)
-    (lock.folder / CHECKPOINT).unlink(missing_ok=True)
-    lock.remove()
-
-
-def rows_per_chunk(problem: Problem) -> int:
-    """The rows of a chunk of the trajectory: all that are asked for, up to `MOST_ROWS`."""
-    asked = len(problem.times) if problem.output == "times" else MOST_ROWS // 4
-    return min(MOST_ROWS, max(FEWEST_ROWS, 1 << (asked - 1).bit_length()))
 
 
 def record(
@@ -230,21 +229,34 @@ def record(
     with contextlib.ExitStack() as held:
         with new_store(target, overwrite=overwrite) as scratch:
             integration = Integration(problem, stop)
-            root = tables.create_root(scratch, finite(attributes.attributes(integration.progress())))
-            lock = held.enter_context(Lock(scratch))
-            with tables.every_chunk():
-                appenders = {table[0]: Appender.created(root, *table) for table in tables_of_run(integration)}
-            with Recorder(problem, appenders, lock) as recorder:
-                recorder.commit(integration.progress(), integration.snapshot())
-        lock.folder = Path(target)
-        tables.moved(root, lock.folder)
-        return run_into(integration, lock, progress, stop, appenders=appenders)
+            store = held.enter_context(Ledger.created(scratch, header(integration), bare=True))
+        store.path = Path(target)
+        return run_into(integration, store, progress, stop)
+
+
+def header(integration: Integration) -> dict[str, Any]:
+    """Return the header of the ledger of a run, from an integration at its start."""
+    return header_of(finite(attributes.attributes(integration.progress())), tables_of_run(integration))
+
+
+def header_of(
+    attrs: dict[str, Any], tables: Iterable[tuple[str, dict[str, Column], int]], late: str = SIGNIFICANT
+) -> dict[str, Any]:
+    """Return the header of a ledger with these tables: name, columns without rows, rows of a chunk."""
+    members: dict[str, Any] = {}
+    chunked: dict[str, list[str]] = {}
+    for name, columns, chunk in tables:
+        members[name] = zarr3.group({})
+        for key, column in columns.items():
+            members[f"{name}/{key}"] = zarr3.array(column, {column.dims[0]: (0, chunk)})
+            chunked.setdefault(name + LATE if key == late else name, []).append(f"{name}/{key}")
+    return ledger.header(attrs, members, chunked)
 
 
 def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
     """The groups of a run: name, columns without rows, rows of a chunk."""
     empty = integration.view.columns(np.zeros(0), integration.first[:0])
-    yield "trajectory", empty, rows_per_chunk(integration.problem)
+    yield "trajectory", empty, ROWS_PER_CHUNK
     yield "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK
     for name, columns in phases.empty(integration.problem.system).items():
         yield name, columns, phases.PER_CHUNK
@@ -261,24 +273,19 @@ def here() -> dict[str, Any]:
 
 def run_into(
     integration: Integration,
-    lock: Lock,
+    store: Ledger,
     progress: Progress | None,
     stop: threading.Event | None,
     begin: Callable[[Recorder], None] | None = None,
-    appenders: dict[str, Appender] | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
-    """Integrates into a store that is there, whose lock is held: from its start, where it has just been made with these
-    tables, or from where `begin` puts it."""
-    folder = lock.folder
-    with files.writing(folder, f"Nothing acknowledged is lost: tippetop resume {folder}"), lock.guarded():
-        if appenders is None:
-            names = [name for name, *_ in tables_of_run(integration)]
-            appenders = dict(zip(names, map(Appender, tables.open_root(folder, *names)[1]), strict=True))
-        with Recorder(integration.problem, appenders, lock, stop) as recorder:
-            if begin is not None:
-                begin(recorder)
-            if stop is not None and stop.is_set():
-                raise Interrupted
-            integration.run(recorder, progress)
-            recorder.derivatives()
-            return integration, recorder.finish(integration.progress(), integration.ending())
+    """Integrates into an open store: from its start, or from where `begin` puts it."""
+    remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
+    with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
+        if begin is not None:
+            begin(recorder)
+        if stop is not None and stop.is_set():
+            raise Interrupted
+        integration.run(recorder, progress)
+        recorder.derivatives()
+        attrs = attributes.attributes(integration.progress())
+        return integration, recorder.finish(attrs, integration.ending())

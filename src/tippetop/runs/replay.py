@@ -18,8 +18,9 @@ from ..mechanics.system import System
 from ..problem.options import MOST_ROWS
 from ..sampling import EvenTimes
 from ..scenario import build
-from ..store import chunks, root, skeleton, tables
-from ..store.chunks import Appender
+from ..store import chunks, root
+from ..store.ledger import Ledger
+from ..store.table import Table
 from . import keyframes, phases, recording, resuming
 from .events import EventTable, event_columns
 from .integration import Integration
@@ -92,30 +93,30 @@ def into_store(
     began, steps, clock = integration.t_end, integration.monitor.steps, time.perf_counter()
     attrs = root.attributes(path)
     about = {"from": start, "until": until, "step": step, "of": str(path)}
-    with root.new_store(out, overwrite=overwrite) as scratch:
-        group = tables.create_root(scratch, attrs | {"replay": about})
-        empty = integration.view.columns(np.zeros(0), integration.first[:0])
-        log = event_columns(integration.log.empty)
-        rows_per_chunk = recording.rows_per_chunk(integration.problem)
-        with tables.every_chunk():
-            trajectory = Appender.created(group, "trajectory", empty, rows_per_chunk)
-            events = Appender.created(group, "events", log, recording.EVENTS_PER_CHUNK)
-        _make(integration, lambda times, states: trajectory.append(integration.view.columns(times, states)))
-        for piece in chunks.pieces(path, "events", list(log)):
-            within = (piece["time"] >= start) & (piece["time"] <= until)
-            events.append({name: log[name]._replace(values=values[within]) for name, values in piece.items()})
-        appenders = [trajectory, events]
-        for name, empty in phases.empty(integration.problem.system).items():
-            with tables.every_chunk():
-                appenders.append(Appender.created(group, name, empty, phases.PER_CHUNK))
-            for piece in chunks.pieces(path, name, list(empty)):
+    empty = {
+        "trajectory": integration.view.columns(np.zeros(0), integration.first[:0]),
+        "events": event_columns(integration.log.empty),
+        **phases.empty(integration.problem.system),
+    }
+    kinds = {name: (columns, recording.EVENTS_PER_CHUNK) for name, columns in empty.items()}
+    kinds["trajectory"] = (empty["trajectory"], recording.ROWS_PER_CHUNK)
+    header = recording.header_of(attrs | {"replay": about}, ((name, *kind) for name, kind in kinds.items()), late="")
+    with root.new_store(out, overwrite=overwrite) as scratch, Ledger.created(scratch, header) as store:
+        tables = {name: Table(store, name) for name in empty}
+
+        def take(times: np.ndarray, states: np.ndarray) -> None:
+            columns = integration.view.columns(times, states)
+            tables["trajectory"].append({name: column.values for name, column in columns.items()})
+
+        _make(integration, take)
+        for name in empty.keys() - {"trajectory"}:
+            for piece in chunks.pieces(path, name, list(empty[name])):
                 begin, end = (piece["start"], piece["end"]) if name == "phases" else (piece["time"], piece["time"])
                 within = (end >= start) & (begin <= until)
-                appenders[-1].append({key: empty[key]._replace(values=v[within]) for key, v in piece.items()})
-        for appender in appenders:
-            appender.flush()
-            appender.sync()
-        root.finish(scratch, {})
+                tables[name].append({key: values[within] for key, values in piece.items()})
+        for table in tables.values():
+            table.finish()
+        store.finish({}, rows={name: table.rows for name, table in tables.items()})
     return {
         "rows": len(integration.problem.times),
         "began": began,
@@ -139,7 +140,7 @@ def _integration(path: Path, times: EvenTimes, accept_other_version: bool, known
     problem = build.stored(attrs, known=known)
     _refuse(times, max(attrs["report"]["t_end"], problem.until if attrs["status"] == Status.FINISHED.value else 0.0))
     integration = Integration(replace(problem, output="times", times=times))
-    if skeleton.has_keyframes(attrs):
+    if root.has_keyframes(attrs):
         _take_up(path, integration, times.start)
     else:
         _refuse_far(path, attrs["report"], times)
@@ -175,7 +176,7 @@ def _refuse_far(path: Path, report: dict[str, Any], times: EvenTimes) -> None:
 
 def _take_up(path: Path, integration: Integration, start: float) -> None:
     """Takes a run up at its last keyframe before `start` [s], or leaves it at its start."""
-    arrays = tables.read_member(path, "keyframes")
+    arrays = chunks.read_member(path, "keyframes")
     if arrays.keys() != keyframes.empty(integration.problem, integration.driver).keys():
         raise StoreError(f"`{path}` must have the columns of keyframes, but has {', '.join(sorted(arrays))}.")
     chunks.verify({"clock": arrays["clock"]})

@@ -20,6 +20,10 @@ from ..scenario.own_records import is_users
 from .event_log import LogReport
 
 
+STILL = 1e-5
+"""Internal velocity of a body that torques have brought to rest: they are smooth below 1e-6."""
+
+
 @dataclass(frozen=True)
 class RunProgress:
     """How far a run has come: the record that sinks, progress callbacks and reports take.
@@ -127,9 +131,9 @@ def outcome(progress: RunProgress) -> dict[str, str]:
     second = float(progress.problem.scales.of(SECOND))
     kinds = classes_of(system, theta, omega3 / second, settled, progress.problem.body())
     name = CLASSES[with_phases(kinds, theta, values)[0]]
-    if has_parts(progress.problem.friction) and name in ("under-way", "rolling"):
-        return {}  # it may be at rest
-    return {"outcome": name}
+    speeds = [values[one] for one in ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y") if one in values]
+    at_rest = np.nanmax(np.abs(np.array(speeds, float))) < STILL
+    return {} if at_rest and has_parts(progress.problem.friction) else {"outcome": name}
 
 
 def reason(progress: RunProgress) -> str:

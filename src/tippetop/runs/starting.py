@@ -1,5 +1,7 @@
 """A run starts where another has ended: exactly, and the store says from which."""
 
+import hashlib
+import json
 import os
 from pathlib import Path
 from typing import Any
@@ -14,8 +16,7 @@ from ..mechanics.system import System
 from ..problem import Problem
 from ..scenario import build, reading
 from ..scenario.own_records import OWN
-from ..store import checkpoint, root, skeleton
-from ..store.checkpoint import DIGEST, END
+from ..store import ledger, root
 
 
 SAME = ("system", "form", "parameters")  # tables that a run shares with the one where it starts
@@ -51,6 +52,18 @@ def load(source: str | Path, assignments: list[str] | None = None, until: float 
     return problem(tables if until is None else build.ending(tables, until), source)
 
 
+def load_any(source: str | Path, assignments: list[str] | None = None) -> Problem:
+    """Return the Problem of a TOML file, a preset or the store of a run. Raises InputError."""
+    if not Path(source).is_dir():
+        return load(source, assignments)
+    attrs = root.attributes(source)
+    if "content" in attrs:
+        raise InputError(f"the reference must be a scenario or a run, but `{source}` is a {attrs['content']}.")
+    if not assignments:
+        return build.stored(attrs)
+    return build.problem(reading.override(build.tables_of(attrs), assignments))
+
+
 def _folder_of(source: Any) -> Path:
     """Return the folder in which the paths of a scenario are to be read: that of its file."""
     beside = isinstance(source, str | os.PathLike) and Path(source).is_file()
@@ -83,7 +96,7 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
     if tables["form"] == "auto":
         tables["form"] = attrs["form"]
     before = build.stored(_without_own(attrs))
-    end = _end(path)
+    end = ledger.read(path).end
     parts = [[float.fromhex(part) for part in text.split()] for text in end["end"]["state"]]  # doubles to be added
     state = np.array([[sum(map(before.number, each)) for each in parts]], dtype=before.number)
     run = build.problem(tables | {"initial": _rounded(before, state)}, known)
@@ -99,7 +112,7 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
         known,
         {
             "from": str(initial["from"]),
-            "digest": end[DIGEST],
+            "digest": hashlib.sha256(json.dumps(end, sort_keys=True).encode()).hexdigest(),
             "t_end": attrs["report"]["t_end"],
             "form": attrs["form"],
             "state": dict(zip(before.variables.names, parts, strict=True)),
@@ -125,13 +138,6 @@ def _ended(path: Path) -> dict[str, Any]:
     if attrs["status"] not in [status.value for status in Status if status.ordinary]:
         raise StoreError(f"`{path}` must have come to its end to start from, but: {attrs['reason']}.")
     return attrs
-
-
-def _end(path: Path) -> dict[str, Any]:
-    try:
-        return checkpoint.read(path, skeleton.root_of(path), END)
-    except FileNotFoundError:
-        raise StoreError(f"`{path}` must have the root attribute `{END}` to start from, but has none.") from None
 
 
 def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:

@@ -27,6 +27,7 @@ from ..problem import (
 )
 from ..problem.options import KEYFRAME_STEPS, NUMBERS, RunOptions
 from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
+from .law_change import law_name
 from .own_records import other_records, own_records
 from .reading import override, read, times_until
 from .schema import scenario_model
@@ -46,8 +47,8 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
     `known` is the record of the system, where it is not the registered one of that name; `origin` the exact state in
     which the run starts, where that is the end of another."""
     system = system_with_contact(known or system_of(tables), tables)
-    law = tables["friction"].get("law") if isinstance(tables.get("friction"), dict) else None
-    if isinstance(law, str) and law not in system.laws:
+    name = law_name(tables)
+    if name is not None and name not in system.laws:
         load_entry_points()
     tables = worked_out(tables, units_of(system, tables))
     shape = scenario_model(system)
@@ -128,9 +129,7 @@ def _columns(
 
 def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit]]:
     """What the numbers of a scenario measure, by table and key: where a text may stand for one."""
-    friction = tables.get("friction")
-    given = friction.get("law") if isinstance(friction, dict) else None
-    law = system.laws.get(given) if isinstance(given, str) else None
+    law = system.laws.get(law_name(tables) or "")
     rules = {
         "parameters": system.parameters,
         "friction": law.parameters if law else {},
@@ -149,7 +148,7 @@ def system_of(tables: dict[str, Any]) -> System:
     if system is None:
         given = "is missing" if name is None else f"is {name!r}"
         near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
-        raise InputError([f"`system` must be one of {', '.join(SYSTEMS)}, but {given}.{near}"])
+        raise InputError(f"`system` must be one of {', '.join(SYSTEMS)}, but {given}.{near}")
     return system
 
 
@@ -186,7 +185,7 @@ def stored(attrs: dict[str, Any], until: float | None = None, known: System | No
         result = problem(tables if until is None else ending(tables, until), known, origin=attrs.get("start"))
     except InputError:
         if own := own_names(attrs, known):
-            raise InputError([_give(own, attrs["system"])]) from None
+            raise InputError(_give(own, attrs["system"])) from None
         raise
     if faults := other_records(attrs, result, known):
         raise InputError(faults)

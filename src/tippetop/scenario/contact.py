@@ -14,6 +14,7 @@ from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of, that_open
 from ..problem import Problem
+from .law_change import law_name
 from .own_records import own_records, with_records
 
 
@@ -21,7 +22,7 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     """The system of a scenario: one whose contact may open where the scenario says so, by `[contact]`, `[stem]`, a
     Coulomb law without `eps`, or `on_liftoff = "fly"`. Raises InputError where it cannot."""
     friction, run = tables.get("friction"), tables.get("run")
-    name = friction.get("law") if isinstance(friction, dict) else None
+    name = law_name(tables)
     law = system.laws.get(name, LAWS.get(name)) if isinstance(name, str) else None
     law = law and law.given(friction)
     law = law or LAWS["none"]  # an unknown law is refused later
@@ -38,32 +39,30 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
         above = [name for name in ABOVE if isinstance(initial, dict) and name in initial]
         if above and opening:
             raise InputError(
-                [
-                    f"`initial.{above[0]}` must stand with a contact that may open: give [contact], [stem], Coulomb's "
-                    'law without eps, or run.on_liftoff = "fly".'
-                ]
+                f"`initial.{above[0]}` must stand with a contact that may open: give [contact], [stem], Coulomb's "
+                'law without eps, or run.on_liftoff = "fly".'
             )
         return system
     bodies = that_open()
     spheres = [name for name, one in bodies.items() if one.opening and one.opening.sphere]
     if "stem" in tables and not (opening and opening.sphere):
-        raise InputError([f"`stem` must be of a {' or '.join(spheres)}, but the system is {system.name}."])
+        raise InputError(f"`stem` must be of a {' or '.join(spheres)}, but the system is {system.name}.")
     what = asked[0] if asked else f'`friction.law = "{name}"` without eps'
     if opening is None:
-        raise InputError([f"{what} must be of a {' or '.join(bodies)}, but the system is {system.name}."])
+        raise InputError(f"{what} must be of a {' or '.join(bodies)}, but the system is {system.name}.")
     if not any(kind_of(law)):
-        raise InputError([f'`friction.law` must not be "{name}" where the contact may open, by {what}.'])
+        raise InputError(f'`friction.law` must not be "{name}" where the contact may open, by {what}.')
     must = " or ".join(spheres)
     if parts and not opening.sphere:
-        raise InputError([f"{parts[0]} must be of a {must}, but the system is {system.name}."])
+        raise InputError(f"{parts[0]} must be of a {must}, but the system is {system.name}.")
     if law.regions and name not in laws_of(system):
-        raise InputError([f'`friction.law = "{name}"` must be of a {must}, but the system is {system.name}.'])
+        raise InputError(f'`friction.law = "{name}"` must be of a {must}, but the system is {system.name}.')
     own = own_records(system)
     contact = opened(bodies[system.name], law, 2 if "stem" in tables else 1)
     taken = {event.name for event in contact.events} | {quantity.name for quantity in contact.quantities}
     names = [*(event.name for event in own[0]), *(quantity.name for quantity in own[1])]
     if clash := [name for name in names if name in taken]:
-        raise InputError([f"`{clash[0]}` must be a new name, but `{system.name}` with {what} has it."])
+        raise InputError(f"`{clash[0]}` must be a new name, but `{system.name}` with {what} has it.")
     if isinstance(run, dict) and run.get("stop_when") == "settled":
         contact = with_records(contact, (SETTLED,), ())
     return with_records(contact, *own)

@@ -26,7 +26,7 @@ def change_law(before: Mapping[str, Any], after: dict[str, Any], given: Collecti
     InputError
         One sentence for each such number.
     """
-    names = _law_name(before), _law_name(after)
+    names = law_name(before), law_name(after)
     if None in names or names[0] == names[1]:
         return
     old, new = _law(before, names[0]), _law(after, names[1])
@@ -48,7 +48,8 @@ def change_law(before: Mapping[str, Any], after: dict[str, Any], given: Collecti
         raise InputError(faults)
 
 
-def _law_name(tables: Mapping[str, Any]) -> str | None:
+def law_name(tables: Mapping[str, Any]) -> str | None:
+    """Return the name of the law that tables give; None where there is none, or no text."""
     friction = tables.get("friction")
     name = friction.get("law") if isinstance(friction, dict) else None
     return name if isinstance(name, str) else None

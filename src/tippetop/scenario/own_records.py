@@ -28,8 +28,7 @@ def own_of(problem: Problem) -> dict[str, dict[str, str]]:
 
 
 def other_records(attrs: dict[str, Any], problem: Problem, known: System | None) -> list[str]:
-    """Sentences on events and columns of a problem that are not those with which a store says that it was made. What an
-    earlier release wrote says nothing of their formulas.
+    """Return sentences on events and columns of a problem that are not those of the run in a store.
 
     Parameters
     ----------
@@ -41,8 +40,8 @@ def other_records(attrs: dict[str, Any], problem: Problem, known: System | None)
         The system with events and columns of one's own that was given for it.
     """
     faults = []
-    for kind, now in own_of(problem).items() if OWN in attrs else ():
-        before = attrs[OWN].get(kind, {})
+    for kind, now in own_of(problem).items():
+        before = attrs.get(OWN, {}).get(kind, {})
         faults += [
             f"the {kind} `{name}` must be the record that the run was made with, but is another: its formula, its "
             "words or what it keeps differ."

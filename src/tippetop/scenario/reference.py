@@ -1,13 +1,9 @@
 """What a scenario may hold and what a run says, as tables made from the records: for `tippetop help` and the manual."""
 
-import types
-import typing
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, get_args, get_origin
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
-from annotated_types import Ge, Gt, Lt
 from pydantic import BaseModel
-from pydantic_core import PydanticUndefined
 
 from ..mechanics.contact.opening import ABOVE, opened
 from ..mechanics.contact.restitution import CONTACT, STEM
@@ -32,7 +28,8 @@ class Section(NamedTuple):
 
 
 KEYS = ("key", "unit", "what it must be", "what it is")
-KINDS = {float: "a number", int: "a whole number", str: "text", bool: "true or false"}
+KINDS = {"number": "a number", "integer": "a whole number", "string": "text", "boolean": "true or false"}
+BOUNDS = {"exclusiveMinimum": "greater than", "minimum": "at least", "exclusiveMaximum": "less than"}
 FLAGS = "true, or left out"
 
 
@@ -52,41 +49,16 @@ def _numbers(rules: Mapping[str, Number], *, optional: bool = False) -> list[tup
     return [_number(name, rule, optional=optional) for name, rule in rules.items()]
 
 
-def allowed(annotation: Any, metadata: Iterable[Any] = ()) -> str:
-    """What a value of a type must be, in words.
-
-    Parameters
-    ----------
-    annotation
-        The type of a key of a table.
-    metadata
-        Its bounds.
-
-    Returns
-    -------
-    str
-        Such as "a number greater than 0", "a list of text", "one of double, longdouble, quad".
-    """
-    if get_origin(annotation) is typing.Annotated:
-        annotation, *more = get_args(annotation)
-        return allowed(annotation, [*metadata, *(m for part in more for m in getattr(part, "metadata", [part]))])
-    if get_origin(annotation) is Literal:
-        return f"one of {', '.join(get_args(annotation))}"
-    parts = [part for part in get_args(annotation) if part is not type(None)]
-    if get_origin(annotation) is list:
-        return f"a list, each {allowed(parts[0])}"
-    if get_origin(annotation) in (types.UnionType, typing.Union):
-        return " or ".join(allowed(part, metadata) for part in parts)
-    words = []
-    for bound in metadata:
-        match bound:
-            case Gt(gt=limit):
-                words.append(f"greater than {limit:g}")
-            case Ge(ge=limit):
-                words.append(f"at least {limit:g}")
-            case Lt(lt=limit):
-                words.append(f"less than {limit:g}")
-    return " ".join([KINDS.get(annotation, "a table"), ", ".join(words)]).strip()
+def allowed(schema: Mapping[str, Any]) -> str:
+    """Return in words what a value must be, such as "a number greater than 0", of its JSON schema."""
+    if "anyOf" in schema:
+        return " or ".join(allowed(part) for part in schema["anyOf"] if part.get("type") != "null")
+    if "enum" in schema:
+        return f"one of {', '.join(schema['enum'])}"
+    if schema.get("type") == "array":
+        return f"a list, each {allowed(schema['items'])}"
+    bounds = ", ".join(f"{words} {schema[bound]:g}" for bound, words in BOUNDS.items() if bound in schema)
+    return f"{KINDS.get(schema.get('type', ''), 'a table')} {bounds}".strip()
 
 
 def keys_of(
@@ -108,18 +80,19 @@ def keys_of(
     list of (key, unit, what it must be, what it is)
     """
     rows: list[tuple[str, ...]] = []
-    for name, field in table.model_fields.items():
+    schema = table.model_json_schema()
+    for name, field in schema["properties"].items():
         if name in rules:
             rule = rules[name]
             must = rule.must().removeprefix("must be ")
-            text, unit = field.description or rule.long_name, rule.unit.symbol
+            text, unit = field.get("description", rule.long_name), rule.unit.symbol
         else:
-            must, text = allowed(field.annotation, field.metadata), field.description or ""
+            must, text = allowed(field), field.get("description", "")
             unit = (units or {})[name].symbol if name in (units or {}) else ""
-        if field.is_required():
+        if name in schema.get("required", ()):
             must += "; must be given"
-        elif field.default is not None and field.default is not PydanticUndefined:
-            must += f"; {_plain(field.default)} where it is left out"
+        elif field.get("default") is not None:
+            must += f"; {_plain(field['default'])} where it is left out"
         rows.append((name, unit, must, text))
     return rows
 

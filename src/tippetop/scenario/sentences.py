@@ -9,6 +9,7 @@ from ..mechanics.contact.restitution import CONTACT, STEM
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of
+from .law_change import law_name
 
 
 def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape: type[BaseModel]) -> str:
@@ -50,9 +51,7 @@ def _all_keys(system: System, tables: dict[str, Any], shape: type[BaseModel]) ->
         model = _model(shape, name)
         if model is not None:
             keys += [f"{name}.{key}" for key in model.model_fields]
-    friction = tables.get("friction")
-    given = friction.get("law") if isinstance(friction, dict) else None
-    law = system.laws.get(given) if isinstance(given, str) else None
+    law = system.laws.get(law_name(tables) or "")
     if system.opening:  # tables that a scenario may have, whether or not it has one
         keys += ["contact.restitution", *(f"contact.{key}" for key in CONTACT)]
         keys += [f"stem.{key}" for key in STEM] if system.opening.sphere else []

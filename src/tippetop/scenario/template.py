@@ -38,10 +38,10 @@ def template(name: str) -> str:
     if name not in texts:
         known = {**dict.fromkeys(SYSTEMS), **dict.fromkeys(texts)}
         if name not in SYSTEMS:
-            raise InputError([f"a system or a preset must be named, but `{name}` is none.{suggestion(name, known)}"])
+            raise InputError(f"a system or a preset must be named, but `{name}` is none.{suggestion(name, known)}")
         of_system = [preset for preset in texts if reading.read(preset)["system"] == name]
         if not of_system:
-            raise InputError([f"{name} has no preset to begin with: tippetop help scenario lists its keys."])
+            raise InputError(f"{name} has no preset to begin with: tippetop help scenario lists its keys.")
         name = "inverting" if "inverting" in of_system else of_system[0]
     tables = reading.read(name)
     return "\n".join(_lines(name, tables, system_with_contact(system_of(tables), tables)))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError, StoreError, missing_extra
-from . import chunks, files, root, skeleton, tables
+from . import chunks, files, root
 
 
 DIMENSIONS = {"trajectory": "time", "events": "event", "phases": "interval", "impacts": "impact", "sweep": "top",
@@ -27,8 +27,7 @@ def export(store: Path, to: str, out: Path, group: str | None = None, *, overwri
     if to not in FORMATS:
         raise InputError([f"--to must be one of {', '.join(FORMATS)}, or for a body mjcf, urdf, but is `{to}`."])
     attrs = root.attributes(store)
-    root.refuse_other_rows(store, attrs)
-    groups = [name for name in skeleton.groups_of(attrs) if name != "keyframes"]
+    groups = [name for name in root.groups_of(store) if name != "keyframes"]
     if not DIMENSIONS.keys() >= set(groups):
         raise StoreError(f"`{store}` must be a run or a sweep to be exported, but is a {groups[0]}.")
     if group not in (None, *groups):
@@ -52,7 +51,7 @@ def export(store: Path, to: str, out: Path, group: str | None = None, *, overwri
 
 def _has_rows(store: Path) -> bool:
     """Whether the trajectory of a run has any."""
-    return all(array.shape[0] for array in tables.read_member(store, "trajectory").values())
+    return all(array.shape[0] for array in chunks.read_member(store, "trajectory").values())
 
 
 def _netcdf_apart(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
@@ -83,7 +82,7 @@ def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -
     with h5netcdf.File(path, "w") as file:
         file.attrs.update({name: _plain(value) for name, value in attrs.items() if value is not None})
         for name in groups:
-            arrays = tables.read_member(store, name)
+            arrays = chunks.read_member(store, name)
             group, dim = file.create_group(name), DIMENSIONS[name]
             group.dimensions[dim] = min(array.shape[0] for array in arrays.values())
             for array in arrays.values():
@@ -105,7 +104,7 @@ def _netcdf(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -
 
 
 def _csv(store: Path, groups: list[str], attrs: dict[str, Any], path: Path) -> None:
-    arrays = tables.read_member(store, groups[0])
+    arrays = chunks.read_member(store, groups[0])
     heads = {part: head for name, array in arrays.items() for part, head in _heads(name, array)}
     for i, table in enumerate(_tables(store, groups[0], attrs)):
         header = False if i else [heads[name] for name in table]
@@ -141,7 +140,7 @@ def _tables(store: Path, group: str, attrs: dict[str, Any]) -> Iterator[Any]:
     """The rows as pandas tables, vectors by their components, flags by their meanings; at least one table."""
     import pandas as pd
 
-    arrays = tables.read_member(store, group)
+    arrays = chunks.read_member(store, group)
     parts = {name: _parts(name, array) for name, array in arrays.items() if array.ndim > 1}
     meanings = {name: str(array.attrs.get("flag_meanings", "")).split() for name, array in arrays.items()}
     first = attrs["coordinates"] + attrs["columns"] if group == "sweep" else ["time", "start", "end"]

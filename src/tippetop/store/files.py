@@ -19,10 +19,7 @@ from pathlib import Path
 from ..arguments import flag
 from ..errors import StoreError
 from . import renaming
-from .lock import LOCK, Lock
-
-
-SCRATCH = ("*.partial", ".*.part", ".*.part-*")  # what a killed writer leaves: zarr's files, and ours
+from .ledger import Ledger, is_ledger
 
 
 @contextlib.contextmanager
@@ -109,16 +106,15 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
     if replaced and not overwrite:
         raise _exists(path)
     with contextlib.ExitStack() as stack:
-        lock = stack.enter_context(Lock(path)) if replaced else None
-        if lock is not None and lock.made:
-            stack.callback(lock.remove)  # a store that stays has no lock that it had not before
+        lock = stack.enter_context(lock_of(path)) if replaced else None
         remove_stale(path)
         scratch = stack.enter_context(_scratch_folder(path))
         yield scratch
-        if lock is None:
+        if not replaced:
             rename_new(scratch, path)
             return
-        lock.check()
+        if lock is not None:
+            lock.check()
         if renaming.exchange(scratch, path):  # what was there is now the scratch folder, and goes with it
             synced(path.parent)
             return
@@ -130,6 +126,11 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
             old.rename(path)
             raise
         shutil.rmtree(old, ignore_errors=True)
+
+
+def lock_of(path: Path) -> contextlib.AbstractContextManager[Ledger | None]:
+    """The lock of a store. Raises StoreError: another process writes it."""
+    return Ledger.locked(path) if is_ledger(path) else contextlib.nullcontext()
 
 
 @contextlib.contextmanager
@@ -164,15 +165,13 @@ def _held(folder: Path) -> int:
 def remove_stale(path: Path) -> None:
     """Removes the scratch folders that killed writers of `path` left beside it, and warns, naming them.
 
-    Only what is ours beyond doubt: a folder of this user whose name `scratch_name` made, or a `.NAME.old` of earlier
-    releases while `path` itself is there; neither it nor a `run.lock` in it held by anybody.
+    Only what is ours beyond doubt: a folder of this user whose name `scratch_name` made, and which no process holds.
     """
     pattern = re.compile(re.escape(f".{path.name}.part-") + "[0-9a-f]{32}")
     with contextlib.suppress(OSError):
         for name in sorted(os.listdir(path.parent)):
             old = path.with_name(name)
-            earlier = name == f".{path.name}.old" and path.is_dir() and (old / "zarr.json").is_file()
-            if (earlier or pattern.fullmatch(name)) and _removed(old):
+            if pattern.fullmatch(name) and _removed(old):
                 warnings.warn(f"`{old}` is removed: a killed run left it.", stacklevel=2)
 
 
@@ -184,8 +183,7 @@ def _removed(old: Path) -> bool:
             return False
         with contextlib.ExitStack() as stack:
             stack.callback(os.close, _held(old))
-            if os.path.lexists(old / LOCK):
-                stack.enter_context(Lock(old))
+            stack.enter_context(lock_of(old))
             shutil.rmtree(old)
     except (OSError, StoreError):
         return False
@@ -214,6 +212,12 @@ def _rename_new_file(scratch: Path, path: Path) -> None:
         os.rename(scratch, path)
 
 
+def write_text(path: Path, text: str, *, overwrite: bool) -> None:
+    """Write a file of the user whole or not at all. Raises StoreError."""
+    with writing(path), replacing(path, overwrite=overwrite) as scratch:
+        scratch.write_text(text, encoding="utf-8")
+
+
 def _exists(path: Path) -> StoreError:
     return StoreError(f"`{path}` must not exist yet, but does.")
 
@@ -221,12 +225,6 @@ def _exists(path: Path) -> StoreError:
 def scratch_name(path: Path) -> Path:
     """A hidden name beside `path` that nobody can guess."""
     return path.with_name(f".{path.name}.part-{uuid.uuid4().hex}")
-
-
-def replace_text(path: Path, text: str) -> None:
-    """Writes a file whole or not at all, also if the machine loses power. Raises OSError."""
-    with _replacing(path, overwrite=True) as scratch:
-        scratch.write_text(text, encoding="utf-8")
 
 
 def synced(path: Path) -> None:
@@ -239,16 +237,6 @@ def synced(path: Path) -> None:
             raise
     finally:
         os.close(descriptor)
-
-
-def remove_scratch(folder: Path) -> None:
-    """Removes what a killed writer leaves in a store."""
-    for pattern in SCRATCH:
-        for path in folder.rglob(pattern):
-            if path.is_dir() and not path.is_symlink():
-                shutil.rmtree(path)
-            else:
-                path.unlink(missing_ok=True)
 
 
 def own_folder(path: str | Path) -> Path:

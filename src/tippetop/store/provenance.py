@@ -9,7 +9,7 @@ from typing import Any
 
 
 FORMAT = "tippetop"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 @lru_cache

@@ -1,8 +1,9 @@
 """The root attributes of a store: what it holds, and whether tippetop wrote it."""
 
 import contextlib
+import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,10 @@ import numpy as np
 from ..arguments import flag, path_of
 from ..columns import with_coordinates
 from ..errors import StoreError
-from . import checkpoint, files, seal, skeleton
+from . import files, ledger
+from .ledger import Ledger
+from .provenance import FORMAT
+from .zarr3 import DOCUMENT
 
 
 if TYPE_CHECKING:
@@ -33,77 +37,70 @@ def finite(value: Any) -> Any:
 
 
 def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
-    """Root attributes of a store whose skeleton is sound, without what only a longer run needs; of a run that is not
-    finished, with what its checkpoint says of its end. Raises StoreError; see `skeleton.read`."""
-    stored = skeleton.read(path, whole=whole)
-    if "content" in stored or stored["status"] != "running":
-        return {name: value for name, value in stored.items() if name != checkpoint.END}
+    """Return the root attributes of a store that is what its ledger acknowledges.
+
+    With `whole=False` only the ledger is read. Raises StoreError; see `ledger.read`.
+    """
+    place = Path(path)
+    if ledger.is_ledger(place):
+        return ledger.read(place, chunks=whole).attributes
+    if _is_preview(place):
+        raise StoreError(
+            f"`{path}` was written by a preview of tippetop (format 1): make it again, or read its numbers "
+            "with xarray.open_zarr."
+        )
+    raise StoreError(f"`{path}` {_no_store(place)}.")
+
+
+def root_of(path: str | Path) -> dict[str, Any]:
+    """Return the root attributes as the ledger has them. Raises StoreError."""
+    return attributes(path, whole=False)
+
+
+def refuse_foreign(path: Path) -> None:
+    """Raise StoreError if tippetop did not write what is there; what is damaged is not refused."""
+    if not ledger.is_ledger(path) and not _is_preview(path):
+        attributes(path)
+
+
+def _is_preview(place: Path) -> bool:
+    """Whether a folder is a store from before there was a ledger."""
     try:
-        record = checkpoint.read(Path(path), stored)
-    except FileNotFoundError:  # it just finished, or never began: the root attributes stand
-        return stored
-    return stored | {"report": record["report"], "reason": record["reason"]}
+        return json.loads((place / DOCUMENT).read_text(encoding="utf-8"))["attributes"]["format"] == FORMAT
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return False
 
 
-def refuse_other_rows(path: str | Path, attrs: dict[str, Any]) -> None:
-    """Raises StoreError if rows that the checkpoint of an unfinished run acknowledges are others; a finished store has
-    its seal."""
-    if "content" in attrs or attrs["status"] != "running":
-        return
+def _no_store(place: Path) -> str:
+    """Why a path is not a store of ours."""
     try:
-        record = checkpoint.read(Path(path), skeleton.root_of(path))
-    except FileNotFoundError:  # it just finished, or never began
-        return
-    for group, digest in record["digests"].items():
-        rows = record[checkpoint.ROWS[group]]
-        if digest_of_rows(path, group, rows) != digest:
-            raise StoreError(f"`{path}` must hold the {rows} acknowledged rows of `{group}`, but some are others.")
+        (place / DOCUMENT).stat()
+    except FileNotFoundError:
+        if not place.exists():
+            return "does not exist"
+    except NotADirectoryError:
+        return "is a file, not a store: a store is a folder that `tippetop run --out` writes"
+    except OSError as error:
+        return f"must be a store of tippetop, but cannot be read: {error.strerror or error}"
+    return "must be a store of tippetop, but is another folder"
 
 
-def digest_of_rows(path: str | Path, group: str, rows: int) -> str:
-    """The digest of so many rows of a group, as a checkpoint keeps it. Raises StoreError."""
-    from . import chunks, tables  # zarr: a run that is not stored does without
+def has_keyframes(attrs: Mapping[str, Any]) -> bool:
+    """Whether a store with these root attributes is that of a run with keyframes; the rows of a replay are none."""
+    return "content" not in attrs and attrs["run"].get("output") == "keyframes" and "replay" not in attrs
 
-    try:
-        return chunks.digest_of_rows(tables.read_member(path, group), rows)
-    except Exception as error:  # codecs raise what they like
-        raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
+
+def groups_of(path: str | Path) -> list[str]:
+    """Return the groups of a store, as its ledger lists them. Raises StoreError."""
+    members = ledger.read(Path(path), chunks=False).header["members"]
+    return [name for name in members if "/" not in name and name != RUNS]
 
 
 def annotate(path: str | Path, more: dict[str, Any]) -> None:
-    """Adds root attributes to a finished store, whose seal then is another one. Raises StoreError."""
-    skeleton.read(path)
-    with files.writing(Path(path) / seal.DOCUMENT):
-        finish(path, more)
-
-
-def finish(path: str | Path, more: dict[str, Any]) -> None:
-    """Gives a store that is whole its last root attributes, and its seal, in one step. Raises OSError."""
-    seal.put(Path(path), skeleton.sealed_members(skeleton.root_of(path)), finite(more))
-
-
-def replace_attributes(path: str | Path, attrs: dict[str, Any]) -> None:
-    """Gives a store other root attributes, in one step; a seal goes with those that it had. Raises StoreError."""
-    with files.writing(Path(path) / seal.DOCUMENT):
-        seal.replace_attributes(Path(path), finite(attrs))
-
-
-@contextlib.contextmanager
-def unsealed(path: str | Path) -> Iterator[None]:
-    """A block that may change the chunks of a finished store: it has no seal until the block ends, however it ends.
-    A process that is killed in it leaves a whole store without one. Raises StoreError."""
-    attrs = skeleton.root_of(path)
-    if seal.SEAL not in attrs:
-        yield
-        return
-    place = Path(path) / seal.DOCUMENT
-    with files.writing(place):
-        seal.remove(Path(path))
-    try:
-        yield
-    finally:
-        with files.writing(place):
-            finish(path, {})
+    """Adds root attributes to a finished store. Raises StoreError."""
+    place = Path(path)
+    with files.writing(place), Ledger.opened(place) as store:
+        store.finish(store.state.changed | finite(more))
 
 
 def open_group(path: str | Path, group: str) -> "xr.Dataset":
@@ -124,26 +121,16 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
     Raises
     ------
     StoreError
-        If there is no such store or group; or, when data are read, if a part of a finished store is gone by then.
+        If there is no such store or group.
     """
     import xarray as xr
 
     attrs = attributes(path_of("path", path))
-    refuse_other_rows(path, attrs)
-    place: Any = _sealed(path) if seal.SEAL in attrs else Path(path)
-    attrs = {name: value for name, value in attrs.items() if name != seal.SEAL}  # it says nothing of the data
     try:
-        table = xr.open_zarr(place, group=group, consolidated=False, chunks=None).assign_attrs(attrs)
+        table = xr.open_zarr(Path(path), group=group, chunks=None).assign_attrs(attrs)
         return with_coordinates(table)
     except (OSError, ValueError, KeyError, TypeError, MemoryError) as error:
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
-
-
-def _sealed(path: str | Path) -> Any:
-    """A finished store for zarr, which is read when data are asked for: of one that is gone by then, an error."""
-    from .sealed import SealedStore  # zarr: a run that is not stored does without
-
-    return SealedStore(Path(path).absolute(), read_only=True)
 
 
 def loaded(dataset: Any, path: str | Path) -> Any:
@@ -168,6 +155,6 @@ def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     if target.exists() and not target.is_symlink():
         if not overwrite:
             raise StoreError(f"`{target}` must not exist yet, but does: remove it, or say --overwrite.")
-        skeleton.root_of(target)  # a damaged one may be overwritten
+        refuse_foreign(target)  # a damaged one may be overwritten
     with files.writing(target), files.replacing_folder(target, overwrite=overwrite) as scratch:
         yield scratch

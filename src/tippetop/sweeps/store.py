@@ -1,14 +1,10 @@
-"""A sweep on disk: columns with a row per top, written chunk by chunk; the store knows what is done.
+"""A sweep on disk: columns with a row per top, written chunk by chunk; the ledger lists what is done.
 
-A chunk's columns are written first, then a number made of the checksums of their files, then its status. What is opened
-again is read once: a chunk whose files are damaged, missing or others is to be done again. Nothing in the store tells
-who computed what or when: equal sweeps make equal files.
+Nothing in a finished store depends on who computed what or when: equal sweeps make equal files.
 """
 
 import contextlib
-import hashlib
 import json
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -18,10 +14,9 @@ import numpy as np
 
 from ..columns import Column
 from ..errors import StoreError
-from ..store import files, provenance, seal, skeleton, tables
-from ..store.chunks import chunk_file, readable
-from ..store.lock import Lock
-from ..store.root import RUNS, finish, finite, new_store
+from ..store import files, ledger, provenance, zarr3
+from ..store.ledger import Ledger
+from ..store.root import RUNS, finite, new_store
 from ..store.root import attributes as read_attributes
 from . import chunk, derived
 from .chunk import Rows
@@ -29,13 +24,8 @@ from .plan import Plan
 
 
 GROUP = "sweep"
-CHUNK_STATUS, CHUNK_CHECKSUM = "chunk_status", "chunk_checksum"
-FAILED = "failed.json"  # while there are failed chunks: number -> sentence
-TODO, DONE, BROKEN = 0, 1, 2
 BEGUN = {"status": "running", "reason": "tops are still to be run"}
-CHUNK_STATUSES = ("todo", "done", "failed")
-STATUSES_PER_FILE = 4096  # of chunks
-SYNC_EVERY = 5.0  # [s] of the clock: what a power failure can cost
+FINISHED = {"status": "finished", "reason": "every top was run"}
 
 
 class SweepStore:
@@ -44,122 +34,75 @@ class SweepStore:
     All writing is done in one thread of its own, which no KeyboardInterrupt enters: a chunk is written whole.
     """
 
-    def __init__(self, plan: Plan, lock: Lock):
-        self.folder, self.plan, self.lock = lock.folder, plan, lock
-        members = (GROUP, CHUNK_STATUS, CHUNK_CHECKSUM)
-        self.root, (self.arrays, self.chunk_status, self.checksums) = tables.open_root(self.folder, *members)
+    def __init__(self, plan: Plan, ledger: Ledger):
+        self.folder, self.plan, self.ledger = ledger.path, plan, ledger
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
-        self.synced_at = time.monotonic()
 
     def __enter__(self) -> "SweepStore":
         return self
 
     def __exit__(self, *_: object) -> None:
         self.thread.shutdown()
+        self.ledger.release()
 
     def _now(self, work: Callable[[], None]) -> None:
         """Does work in the writing thread; returns when it is done. Raises StoreError."""
 
         def checked() -> None:
-            self.lock.check()
+            self.ledger.check()
             work()
 
         with storing(self.folder):
             self.thread.submit(checked).result()
 
     def check(self) -> None:
-        """Clears what a killed writer leaves, and marks chunks that cannot be read as not done."""
-        self._now(self._check)
+        """Read every chunk that is done; those that are damaged are to be done again."""
 
-    def _check(self) -> None:
-        files.remove_scratch(self.folder)
-        try:
-            status = self.chunk_status[:]
-        except Exception:  # codecs raise what they like; a chunk whose files are all whole is done
-            status = np.full(self.plan.chunks, DONE)
-        try:
-            self.checksums[:]
-        except Exception:  # then none is known to be whole
-            self.checksums[:] = 0
-        sound = np.where([s == DONE and self._sound(k) for k, s in enumerate(status)], DONE, TODO)
-        self.chunk_status[:] = sound
-        if not sound.all():
-            self.root.update_attributes(BEGUN)
-        (self.folder / FAILED).unlink(missing_ok=True)
+        def work() -> None:
+            if unsound := self.ledger.unsound():
+                self.ledger.forget(unsound)
 
-    def _sound(self, chunk: int) -> bool:
-        try:
-            for array in self.arrays.values():
-                readable(array, chunk * self.plan.chunk)
-            return checksum(self.arrays, chunk * self.plan.chunk) == self.checksums[chunk]
-        except (StoreError, OSError):
-            return False
+        self._now(work)
 
     def todo(self) -> list[int]:
         """Chunks that are not done."""
-        return np.flatnonzero(self.chunk_status[:] != DONE).tolist()
+        return [k for k in range(self.plan.chunks) if f"{GROUP}/{k}" not in self.ledger.state.chunks]
 
     def write(self, chunk: int, rows: Rows) -> None:
-        """Data first, then status."""
-        tops = self.plan.tops(chunk)
+        """Writes the columns of a chunk; it is done from then on."""
+        tops, state = self.plan.tops(chunk), self.ledger.state
         values = {**self.plan.design.numbers(tops), **self.plan.columns(tops), **rows.columns}
+        more = {"steps_by": rows.steps_by} if rows.steps_by and "steps_by" not in state.attributes else {}
 
         def work() -> None:
-            for name, array in self.arrays.items():
-                array[tops[0] : tops[-1] + 1] = values[name]
-            if rows.steps_by and "steps_by" not in self.root.attrs:
-                self.root.update_attributes({"steps_by": rows.steps_by})
-            self.checksums[chunk] = checksum(self.arrays, tops[0])
-            self.chunk_status[chunk] = DONE
-            if time.monotonic() - self.synced_at > SYNC_EVERY:
-                self.root.store.sync()
-                self.synced_at = time.monotonic()
+            key, encoded = f"{GROUP}/{chunk}", {}
+            for file in state.files(key):
+                document = state.header["members"][file.rpartition("/")[0]]
+                encoded[file] = zarr3.encode(values[file.split("/")[1]], document)
+            self.ledger.put(key, encoded)
+            self.ledger.commit(changed=more)
+            if more:
+                self.ledger.derive({})
 
         self._now(work)
 
     def fail(self, chunk: int, sentence: str) -> None:
         """Marks a chunk that could not be computed, and why."""
-        sentences = failures(self.folder) | {str(chunk): sentence}
-
-        def work() -> None:
-            files.replace_text(self.folder / FAILED, json.dumps(sentences, indent=2))
-            self.chunk_status[chunk] = BROKEN
-
-        self._now(work)
+        self._now(lambda: self.ledger.commit(failed={f"{GROUP}/{chunk}": sentence}))
 
     def finish(self) -> None:
-        """Says that the sweep is whole."""
-
-        def work() -> None:
-            self.root.store.sync()
-            finish(self.folder, {"status": "finished", "reason": "every top was run"})
-            files.remove_scratch(self.folder)
-            self.lock.remove()
-
-        self._now(work)
+        """Marks the sweep as whole."""
+        if not self.ledger.state.seal:
+            self._now(lambda: self.ledger.finish(self.ledger.state.changed | FINISHED))
 
 
-def checksum(arrays: dict[str, Any], first: int) -> int:
-    """A number made of the checksums of the files of the chunk that begins with top `first`. Raises OSError."""
-    whole = hashlib.sha256()
-    for name, array in sorted(arrays.items()):
-        whole.update(name.encode() + seal.checksum(chunk_file(array, first)))
-    return int.from_bytes(whole.digest()[:8], "little", signed=True)
-
-
-def refuse_damage(folder: Path, attrs: dict[str, Any]) -> None:
-    """Raises StoreError if a chunk of an unfinished sweep is not what was written; a finished one has its seal."""
-    if attrs["status"] != BEGUN["status"]:
-        return
-    status, known, arrays = (tables.read_member(folder, name) for name in (CHUNK_STATUS, CHUNK_CHECKSUM, GROUP))
-    try:
-        for k in np.flatnonzero(status[:] == DONE):
-            if checksum(arrays, int(k) * attrs["chunk"]) != known[int(k)]:
-                raise OSError(f"chunk {k} is another")
-    except Exception as error:  # codecs raise what they like
-        raise StoreError(
-            f"`{folder}` must be a whole store, but is damaged: {error}. The sweep's own command computes it again."
-        ) from None
+def chunk_counts(path: Path, attrs: dict[str, Any]) -> tuple[dict[str, int], dict[str, str]]:
+    """How many chunks are todo, done and failed; and why chunks failed, by number."""
+    state = ledger.read(path, chunks=False)
+    failed = {key.rpartition("/")[2]: sentence for key, sentence in state.failed.items()}
+    done = len(state.chunks)
+    todo = -(-attrs["tops"] // attrs["chunk"]) - done - len(failed)
+    return {"todo": todo, "done": done, "failed": len(failed)}, failed
 
 
 @contextlib.contextmanager
@@ -169,29 +112,33 @@ def opened(path: str | Path, plan: Plan) -> Iterator[SweepStore]:
     folder = files.own_folder(path)
     with contextlib.ExitStack() as held:
         with storing(folder):
-            lock = held.enter_context(Lock(_there(folder, plan)) if folder.exists() else _created(folder, plan))
-            store = held.enter_context(SweepStore(plan, lock))
+            if folder.exists():
+                _refuse_another(folder, plan)
+                files.refuse_links(folder)
+                locked = Ledger.opened(folder)
+            else:
+                with new_store(folder) as scratch:
+                    locked = held.enter_context(Ledger.created(scratch, _header(plan)))
+                locked.path = folder
+            store = held.enter_context(SweepStore(plan, locked))
         store.check()
         yield store
 
 
 @contextlib.contextmanager
 def storing(folder: Path) -> Iterator[None]:
-    """A block in which what goes wrong with the disk or the store becomes a StoreError."""
+    """A block in which what goes wrong with the disk becomes a StoreError."""
     kept = "What is stored is kept: the same command continues it." if (folder / GROUP).exists() else ""
-    try:
-        with files.writing(folder, kept):
-            yield
-    except (tables.ZarrError, KeyError, ValueError) as error:
-        raise StoreError(f"`{folder}` must be readable, but: {error}: remove it.") from error
+    with files.writing(folder, kept):
+        yield
 
 
-def failures(folder: Path) -> dict[str, str]:
-    """Why chunks failed, by number."""
-    try:
-        return json.loads((folder / FAILED).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return {}
+def _header(plan: Plan) -> dict[str, Any]:
+    sizes = {"top": (plan.n, plan.chunk)}
+    columns = {**_coordinates(plan), **chunk.column_schema(plan.base, plan.keep)}
+    arrays = {f"{GROUP}/{name}": zarr3.array(column, sizes) for name, column in columns.items()}
+    runs = {RUNS: zarr3.group({})} if plan.runs else {}
+    return ledger.header(_attributes(plan), {GROUP: zarr3.group({}), **arrays, **runs}, {GROUP: list(arrays)})
 
 
 def _attributes(plan: Plan) -> dict[str, Any]:
@@ -212,8 +159,8 @@ def _attributes(plan: Plan) -> dict[str, Any]:
     )
 
 
-def _there(folder: Path, plan: Plan) -> Path:
-    """The folder of a sweep that was begun, if it is this one."""
+def _refuse_another(folder: Path, plan: Plan) -> None:
+    """Raises StoreError if what is there is not this sweep."""
     stored, wanted = read_attributes(folder, whole=False), json.loads(json.dumps(_attributes(plan)))
     if stored.get("content") != GROUP:
         raise StoreError(f"`{folder}` must be a sweep to be continued, but is something else.")
@@ -229,34 +176,6 @@ def _there(folder: Path, plan: Plan) -> Path:
                 f"`{folder}` must be continued by the same {key}, but was begun with {stored[key]}, "
                 f"and here is {wanted[key]}."
             )
-    skeleton.compare(folder, GROUP, tables.metadata(_columns(plan), {"top": (plan.n, plan.chunk)}))
-    if (folder / RUNS / "zarr.json").exists():  # it is made with the first of them
-        skeleton.group(folder / RUNS)
-    return folder
-
-
-def _columns(plan: Plan) -> dict[str, Column]:
-    return {**_coordinates(plan), **chunk.column_schema(plan.base, plan.keep)}
-
-
-def _created(folder: Path, plan: Plan) -> Lock:
-    """A store without a row; gives its lock."""
-    with new_store(folder) as scratch:
-        root = tables.create_root(scratch, _attributes(plan))
-        lock = Lock(scratch)
-        tables.create_table(root.create_group(GROUP), _columns(plan), {"top": (plan.n, plan.chunk)})
-        if plan.runs:
-            root.create_group(RUNS)
-        flags = {"flag_values": list(range(3)), "flag_meanings": " ".join(CHUNK_STATUSES), "units": "1"}
-        status = Column(("chunk",), np.zeros(0, np.int8), {"long_name": "state of a chunk of tops", **flags})
-        sizes = {"chunk": (plan.chunks, min(plan.chunks, STATUSES_PER_FILE))}
-        tables.create_table(root, {CHUNK_STATUS: status}, sizes)[CHUNK_STATUS][:] = TODO
-        words = {"long_name": "made of the checksums of the chunk's files", "units": "1"}
-        checksums = {CHUNK_CHECKSUM: Column(("chunk",), np.zeros(0, np.int64), words)}
-        tables.create_table(root, checksums, sizes)[CHUNK_CHECKSUM][:] = 0
-        root.store.sync()
-    lock.folder = folder
-    return lock
 
 
 def _coordinates(plan: Plan) -> dict[str, Column]:

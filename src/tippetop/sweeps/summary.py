@@ -8,9 +8,9 @@ import numpy as np
 from ..engine.status import Status
 from ..ensembles import ensemble, singly
 from ..errors import InputError, StoreError
-from ..store import root, tables
+from ..store import root
 from .plan import Plan
-from .store import CHUNK_STATUSES, GROUP, RUNS, failures, refuse_damage
+from .store import GROUP, RUNS, chunk_counts
 
 
 FAULTS = 5  # invalid tops whose faults are printed
@@ -20,7 +20,7 @@ LABELS = {"status": "ends"}  # of counts: `status` is that of the sweep
 def open_sweep(path: str | Path) -> Any:
     """The table of a sweep, dimension `top`, read when needed; what varies is its coordinates. Raises StoreError."""
     table = root.open_group(path, GROUP)
-    refuse_damage(Path(path), table.attrs)
+    table.attrs["chunks"] = chunk_counts(Path(path), table.attrs)[0]
     return table.set_coords(table.attrs["coordinates"])[table.attrs["columns"]]
 
 
@@ -56,7 +56,7 @@ def report(path: str | Path) -> dict[str, Any]:
     """What `info --json` says of a sweep."""
     table, attrs, folder = open_sweep(path), root.attributes(path), Path(path)
     status = column(path, table, "status")
-    chunks = _chunks(path)
+    chunks, failed = chunk_counts(folder, attrs)
     done = status != Status.TODO.code
     runs = sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit())
     for top in runs:
@@ -64,7 +64,7 @@ def report(path: str | Path) -> dict[str, Any]:
     return {
         **{key: attrs[key] for key in ("content", "title", "status", "reason", "tops")},
         "tops_done": int(done.sum()),
-        "chunks": {name: int((chunks == i).sum()) for i, name in enumerate(CHUNK_STATUSES)},
+        "chunks": chunks,
         "counts": {
             name: _counts(column(path, table, name), table[name].attrs) for name in ("status", "class") if name in table
         },
@@ -74,7 +74,7 @@ def report(path: str | Path) -> dict[str, Any]:
             if str(name).startswith("drift_")
         },
         "faults": _faults(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
-        "failed": failures(folder),
+        "failed": failed,
         "runs": runs,
         **({"steps_by": attrs["steps_by"]} if "steps_by" in attrs else {}),
         **{key: attrs[key] for key in ("dimensions", "shape", "chunk", "plan", "versions", "cpu")},
@@ -115,13 +115,6 @@ def column(path: str | Path, table: Any, name: str) -> np.ndarray:
         return table[name].values
     except Exception as error:  # codecs raise what they like
         raise StoreError(f"`{path}` must hold a readable column `{name}`, but: {error}.") from None
-
-
-def _chunks(path: str | Path) -> np.ndarray:
-    try:
-        return np.asarray(tables.read_member(path, "chunk_status"))
-    except Exception as error:  # codecs raise what they like
-        raise StoreError(f"`{path}` must hold a readable `chunk_status`, but: {error}.") from None
 
 
 def _counts(values: np.ndarray, attrs: dict[str, Any]) -> dict[str, int]:

@@ -15,12 +15,12 @@ from ..problem import Problem
 from ..progress import reporting
 from ..runs import recording, resuming
 from ..scenario import build
-from ..store import chunks, files, provenance, root, tables
+from ..store import files, provenance, root
 from .chunk import Task
 from .plan import Plan
 from .store import RUNS, SweepStore, opened
 from .summary import open_sweep
-from .workers import Outcome, SchedulerLost, connect, in_process, local_cluster, on_client, processes_can_be
+from .workers import Outcome, SchedulerLost, connect, in_process, in_processes, on_client
 
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def sweep(
     checked = plan if isinstance(plan, Plan) else Plan.from_toml(plan)
     workers = None if workers is None else whole("workers", workers)
     if scheduler is not None and not find_spec("distributed"):
-        raise InputError(["`scheduler` must find dask, but it is not installed: install tippetop[sweep]."])
+        raise InputError(["`scheduler` must find dask, but it is not installed: install tippetop[cluster]."])
     here = _known_here(checked.base)
     if here and (scheduler is not None or (workers or 1) > 1):
         raise InputError([f"{here} must come from an installed package for workers to know it: take workers=1."])
@@ -146,19 +146,17 @@ def _computed(tasks: Iterator[Task], workers: int | None, client: Any, small: bo
     threads = workers or len(os.sched_getaffinity(0))
     if client is not None:
         yield from on_client(client, tasks)
-    elif small or threads == 1 or not processes_can_be():
+    elif small or threads == 1:
         yield from in_process(tasks, threads)
     else:
-        with local_cluster(threads) as ours:
-            yield from on_client(ours, tasks)
+        yield from in_processes(tasks, threads)
 
 
 def whole_run(place: Path, problem: Problem) -> None:
     """Reads every chunk of a finished run in a sweep. Raises StoreError, which says what to do."""
     try:
         _refuse_another(place, problem)
-        for group in ("trajectory", "events"):
-            chunks.verify(tables.read_member(place, group))
+        resuming.opened(place).release()
     except StoreError as error:
         raise StoreError(
             f"`{place}` is not as it was made: {error} Remove it: the same command runs that top again."
@@ -169,22 +167,19 @@ def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
     """Runs the tops that the plan wants whole, each into a store of its own."""
     for top in store.plan.runs:
         runs, problem = files.own_folder(store.folder / RUNS), store.plan.problem(top)
-        if not runs.exists():
-            tables.create_root(runs, {}).store.sync()
         place = runs / str(top)
         if not place.exists():
             recording.record(problem, place, stop=stop)
-        elif root.attributes(place)["status"] == "running":
+        elif root.root_of(place)["status"] == "running":
             _refuse_another(place, problem)
             resuming.resume(place, stop=stop)
         else:
             whole_run(place, problem)
-            recording.tidy(place)
 
 
 def _refuse_another(place: Path, problem: Problem) -> None:
     """Raises StoreError if a run is not the one that the plan makes."""
-    scenario, attrs = root.finite(build.resolved(problem)), root.attributes(place)
+    scenario, attrs = root.finite(build.resolved(problem)), root.root_of(place)
     for name, value in scenario.items():
         if attrs.get(name) != value:
             raise StoreError(f"`{place}` must be the run that the plan makes, but has another `{name}`.")

@@ -1,15 +1,21 @@
-"""Where the chunks of a sweep are computed: in this process or by the workers of dask. Results come in any order.
+"""Where chunks are computed: in this process, in processes of this machine, or by workers of dask.
 
-The results travel to the one process that holds the store's lock, which writes them: workers need no file system in
-common, two writers cannot meet, and a worker that dies leaves nothing half-written.
+Results come in any order. They travel to the one process that holds the store's lock, which writes
+them: workers need no file system in common, two writers cannot meet, and a worker that dies leaves
+nothing half-written.
 """
 
 import contextlib
+import itertools
 import logging
+import multiprocessing
+import os
 import signal
 import threading
 from collections.abc import Iterator
-from importlib.util import find_spec
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from multiprocessing.connection import Connection
 from typing import Any
 
 from ..engine import taylor
@@ -21,7 +27,6 @@ from .chunk import Rows, Task
 Outcome = tuple[Task, Rows | str]  # rows, or why there are none
 AHEAD = 2  # chunks in flight for each thread of the workers: one that computes, one that waits
 CONNECT_FOR = "10 s"
-GONE_FOR, LOOK = 60.0, 1.0  # [s] without any process of ours until there is none, and between two looks
 
 
 class SchedulerLost(Exception):
@@ -54,79 +59,90 @@ def connect(scheduler: str) -> Iterator[Any]:
         yield client
 
 
-def processes_can_be() -> bool:
-    """Whether what processes of our own take is installed: dask, and keys for what they say to each other."""
-    return all(find_spec(name) for name in ("distributed", "cryptography"))
+def in_processes(tasks: Iterator[Task], count: int) -> Iterator[Outcome]:
+    """Compute in processes of this machine, one thread each.
 
+    A process that dies breaks the pool: the chunks in flight are computed in a new pool, each alone, once
+    all others are computed. So a chunk that kills its process takes no other with it.
 
-@contextlib.contextmanager
-def local_cluster(workers: int) -> Iterator[Any]:
-    """A client of processes of our own on this machine, one thread each.
-
-    They talk over TLS with keys that are made here and live in memory only: who reaches a port of 127.0.0.1, as any
-    user of the machine does, gets no further without them.
+    Raises InputError if a process cannot start.
     """
-    import dask
-    from distributed import Client, LocalCluster, Security, WorkerPlugin
+    suspects: list[Task] = []
 
-    class Quiet(WorkerPlugin):
-        """In those processes, which are ours alone: Ctrl-C is for the one that waits for them, and so is what they have
-        to say: it comes back as the sentence of a chunk."""
+    def submit(pool: ProcessPoolExecutor, most: int) -> None:
+        for task in itertools.islice(tasks, most):
+            try:
+                flying[pool.submit(chunk.compute_chunk, task)] = task
+            except BrokenProcessPool:
+                suspects.append(task)
+                raise
 
-        def setup(self, worker: Any) -> None:
-            signal.signal(signal.SIGINT, signal.SIG_IGN)
-            logging.disable(logging.ERROR)
-            taylor.silence()
-
-    settings = {
-        "distributed.worker.profile.enabled": False,  # it looks at every thread each 10 ms
-        "distributed.scheduler.http.routes": [],  # what they answer needs no key: nothing is served
-        "distributed.worker.http.routes": [],
-    }
-    options: dict[str, Any] = {
-        "protocol": "tls://",
-        "security": Security.temporary(),
-        "n_workers": workers,
-        "threads_per_worker": 1,
-        "processes": True,
-        "host": "127.0.0.1",
-        "dashboard_address": "127.0.0.1:0",  # None would still open port 8787
-        "scheduler_kwargs": {"dashboard": False},
-        "memory_limit": 0,
-    }
-    with dask.config.set(settings), contextlib.ExitStack() as held:
+    while True:
+        flying: dict[Any, Task] = {}
         try:
-            cluster = held.enter_context(LocalCluster(**options))
-            client = held.enter_context(Client(cluster, set_as_default=False))
-            client.register_plugin(Quiet())
-        except (OSError, RuntimeError) as error:  # a process of ours was killed before it could answer
-            raise SchedulerLost from error
-        held.enter_context(_watched(client))
-        yield client
+            with _pool(count, again=bool(suspects)) as pool:
+                submit(pool, count + 1)
+                while flying:
+                    for future in wait(flying, return_when=FIRST_COMPLETED).done:
+                        result = _result(future)
+                        yield flying.pop(future), result
+                        submit(pool, 1)
+                break
+        except BrokenProcessPool:
+            suspects += flying.values()
+    for task in suspects:
+        with _pool(1, again=True) as pool:
+            try:
+                result = _result(pool.submit(chunk.compute_chunk, task))
+            except BrokenProcessPool:
+                result = "every worker that tried it died"
+        yield task, result
+
+
+def _result(future: Any) -> Rows | str:
+    """Return the rows of a chunk, or why there are none. Raises BrokenProcessPool."""
+    try:
+        return future.result()
+    except BrokenProcessPool:
+        raise
+    except Exception as error:  # whatever it is, the other chunks are computed
+        return _sentence(error)
 
 
 @contextlib.contextmanager
-def _watched(client: Any) -> Iterator[None]:
-    """A block in which a client is closed when all of its workers are gone for long: dask gives up to begin a process
-    again that dies at its start, and would wait for it for ever."""
-    over = threading.Event()
+def _pool(count: int, *, again: bool) -> Iterator[ProcessPoolExecutor]:
+    """A pool of processes. They end with the block, however it ends, and with this process.
+
+    Raises InputError if one must be made again because processes cannot start at all.
+    """
+    reader, writer = multiprocessing.Pipe(duplex=False)
+    pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _begin, (reader,))
+    try:
+        try:
+            if again:
+                pool.submit(os.getpid).result()
+        except BrokenProcessPool:
+            guard = 'a script needs `if __name__ == "__main__":`'
+            raise InputError([f"`workers` must be processes that can start: {guard}."]) from None
+        yield pool
+        pool.shutdown()
+    finally:
+        writer.close()
+        pool.shutdown(cancel_futures=True)
+        reader.close()
+
+
+def _begin(alive: Connection) -> None:
+    """Prepare a worker: Ctrl-C is for the process that waits for it, and so is what it reports."""
 
     def watch() -> None:
-        gone = 0.0
-        with contextlib.suppress(Exception):  # it is being closed
-            while not over.wait(LOOK):
-                gone = 0.0 if client.nthreads() else gone + LOOK
-                if gone >= GONE_FOR:
-                    client.close()
-                    return
+        alive.poll(None)  # until the other end is closed, or its process is gone
+        os._exit(1)
 
-    thread = threading.Thread(target=watch, daemon=True, name="workers")
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    logging.disable(logging.ERROR)
+    taylor.silence()
+    threading.Thread(target=watch, daemon=True, name="parent").start()
 
 
 def on_client(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:

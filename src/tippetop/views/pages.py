@@ -11,7 +11,7 @@ from typing import Any
 
 from ..arguments import flag, in_python, path_of
 from ..errors import StoreError
-from ..store.files import replacing, writing
+from ..store.files import write_text
 from . import rotations
 
 
@@ -170,5 +170,4 @@ class Page:
 def write(text: str, path: Path, *, overwrite: bool) -> None:
     """Writes a page whole or not at all. Raises StoreError: it exists and may not be overwritten; the disk."""
     check(path, overwrite=overwrite)
-    with writing(path), replacing(path, overwrite=overwrite) as scratch:
-        scratch.write_text(text, encoding="utf-8")
+    write_text(path, text, overwrite=overwrite)

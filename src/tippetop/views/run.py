@@ -30,7 +30,7 @@ def page_of_store(path: Path, attrs: dict[str, Any], start: float | None = None,
     """The page of a stored run, or of a part of it. Raises InputError, StoreError."""
     refuse(attrs, str(path))
     names = needed(attrs)
-    groups = chunks.for_figures(path, attrs)
+    groups = chunks.for_figures(path)
     return page(chunks.pieces(path, "trajectory", names), groups, attrs, start, until)
 
 

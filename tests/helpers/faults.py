@@ -1,0 +1,125 @@
+"""Faults of a real disk, on purpose: one operation on a file below a folder fails, or is the last one.
+
+Ways: "once" (an error), "full" (half a write, and no room from then on), "killed" (half a write, and nothing more),
+"power" (the same, and all that was not synced is gone), "names" (the same, but names are kept: their files are empty).
+"""
+
+import errno
+import os
+import shutil
+import stat
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+
+WAYS = ("once", "full", "killed", "power", "names")
+GROWS = ("open", "write", "mkdir", "link")
+
+
+class Over(BaseException):
+    """The process is gone: nothing that it does reaches the disk any more."""
+
+
+class Faults:
+    """The disk below a folder; all that is there at first is durable."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, root: Path):
+        self.root, self.count, self.at, self.way = root, 0, 0, ""
+        self.durable: dict[int, Any] = {}  # by inode: the content of a file, the names and inodes in a folder
+        self.held: list[int] = []  # so that no inode is used again
+        self.arm(0, "")
+        for name in ("open", "write", "fsync", "rename", "replace", "mkdir", "unlink", "remove", "rmdir", "link"):
+            monkeypatch.setattr(os, name, self._watched(name, getattr(os, name)))
+        monkeypatch.setattr("tippetop.store.renaming._renameat2", self._exchanging())
+
+    def arm(self, at: int, way: str) -> None:
+        """Let operation `at` from here on be the one with the fault."""
+        self.durable, self.count = {}, 0
+        self.at, self.way = 0, ""
+        for descriptor in self.held:
+            os.close(descriptor)
+        self.held = []
+        for place in (self.root, *self.root.rglob("*")):
+            descriptor = os.open(place, os.O_RDONLY)
+            self._sync(descriptor)
+            os.close(descriptor)
+        self.at, self.way = at, way
+
+    def disarm(self) -> None:
+        """Begin anew without faults, as another process does; after a power failure, with what is durable."""
+        way, self.way = self.way, ""
+        if way in ("power", "names") and self.count >= self.at:
+            tree = {str(p.relative_to(self.root)): self._kept(p) for p in self.root.rglob("*")}
+            if way == "power":
+                tree = dict(self._below(self.root.stat().st_ino, ""))
+            shutil.rmtree(self.root)
+            self.root.mkdir()
+            for name, data in tree.items():
+                place = self.root / name
+                place.mkdir(parents=True, exist_ok=True) if data is None else place.write_bytes(data)
+
+    def _kept(self, place: Path) -> bytes | None:
+        return None if place.is_dir() else self.durable.get(place.stat().st_ino, b"")
+
+    def _below(self, inode: int, path: str) -> Any:
+        for name, (child, folder) in self.durable.get(inode, {}).items():
+            yield f"{path}{name}", None if folder else self.durable.get(child, b"")
+            if folder:
+                yield from self._below(child, f"{path}{name}/")
+
+    def _sync(self, descriptor: int) -> None:
+        status = os.fstat(descriptor)
+        self.held.append(os.dup(descriptor))
+        if stat.S_ISDIR(status.st_mode):
+            with os.scandir(descriptor) as entries:
+                self.durable[status.st_ino] = {e.name: (e.inode(), e.is_dir(follow_symlinks=False)) for e in entries}
+        else:
+            self.durable[status.st_ino] = Path(f"/proc/self/fd/{descriptor}").read_bytes()
+
+    def _is_below(self, place: Any, how: dict[str, Any]) -> bool:
+        if isinstance(place, int):
+            return Path(os.readlink(f"/proc/self/fd/{place}")).is_relative_to(self.root)
+        folder = how.get("dir_fd", how.get("src_dir_fd"))
+        base = "." if folder is None else os.readlink(f"/proc/self/fd/{folder}")
+        return Path(os.path.abspath(os.path.join(base, place))).is_relative_to(self.root)
+
+    def _judge(self, name: str, half: Callable[[], object] = lambda: None) -> None:
+        self.count += 1
+        if not self.way or self.count < self.at or (self.way == "once" and self.count > self.at):
+            return
+        if self.count == self.at and self.way != "once":
+            half()
+        if self.way == "once":
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        if self.way != "full":
+            raise Over
+        if name in GROWS:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def _watched(self, name: str, real: Callable[..., Any]) -> Callable[..., Any]:
+        def operation(*given: Any, **how: Any) -> Any:
+            changes = name != "open" or given[1] & (os.O_CREAT | os.O_WRONLY)
+            watched = changes and self._is_below(given[0], how)
+            if watched:
+                half = (lambda: real(given[0], given[1][: len(given[1]) // 2])) if name == "write" else lambda: None
+                self._judge(name, half)
+            result = real(*given, **how)
+            if watched and name == "fsync":
+                self._sync(given[0])
+            return result
+
+        return operation
+
+    def _exchanging(self) -> Callable[..., bool]:
+        from tippetop.store import renaming
+
+        real = renaming._renameat2
+
+        def operation(*given: Any) -> bool:
+            self._judge("rename")
+            return real(*given)
+
+        return operation

@@ -1,0 +1,138 @@
+"""A store that was damaged, or that no release writes, is refused with a sentence."""
+
+import json
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+import zarr
+
+import tippetop
+from tippetop.cli import outcome
+from tippetop.errors import StoreError
+from tippetop.store import ledger, root
+from tippetop.store.ledger import LEDGER
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The store of a short run."""
+    path = tmp_path_factory.mktemp("made") / "run.zarr"
+    tippetop.run("inverting", until=0.1, out=path)
+    return path
+
+
+def test_nothing_warns_of_a_whole_store_and_its_datasets_are_bare_of_what_only_we_need(made: Path) -> None:
+    """zarr warns of every file that is no member of a hierarchy; a warning fails a test."""
+    whole = xr.open_datatree(made, engine="zarr")
+    assert set(whole.children) == {"trajectory", "events"}
+    assert xr.open_zarr(made).attrs == whole.attrs
+    assert len(list(zarr.open_group(made, mode="r").members(max_depth=None))) > 20
+    run = tippetop.open(made)
+    for attrs in (run.attributes, run.trajectory.attrs, root.open_group(made, "events").attrs):
+        assert "end" not in attrs
+        assert attrs["status"] == "finished"
+
+
+@pytest.fixture
+def store(made: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(made, tmp_path / "run.zarr"))
+
+
+def edited(place: Path, edit: Callable[[dict[str, Any]], Any]) -> None:
+    document = json.loads(place.read_text())
+    edit(document)
+    place.write_text(json.dumps(document))
+
+
+def of_theta(edit: Callable[[dict[str, Any]], Any]) -> Callable[[list[dict[str, Any]]], Any]:
+    return lambda records: edit(records[0]["members"]["trajectory/theta"])
+
+
+FORGED: dict[str, Callable[[list[dict[str, Any]]], Any]] = {
+    "no attributes": lambda r: r[0].pop("attributes"),
+    "no members": lambda r: r[0].pop("members"),
+    "a shape of another kind": of_theta(lambda d: d.update(shape=3)),
+    "no grid": of_theta(lambda d: d.update(chunk_grid=None)),
+    "no key": of_theta(lambda d: d.pop("chunk_key_encoding")),
+    "rows of another table": lambda r: r[1].update(rows={"other": 3}),
+    "chunks of another table": lambda r: r[1].update(chunks={"other/0": "0" * 16}),
+    "more rows than chunks": lambda r: r[1]["rows"].update(trajectory=10**15),
+    "a path outside": lambda r: r[0]["tables"]["trajectory"].append("../x"),
+}
+
+
+@pytest.mark.parametrize("forged", FORGED)
+def test_a_ledger_that_cannot_be_ours_is_refused(forged: str, store: Path) -> None:
+    """Its digests fit, as somebody made it."""
+    place, before, whole = store / LEDGER, "", b""
+    records = ledger.records_of(place.read_bytes())
+    FORGED[forged](records)
+    for record in records:
+        before, line = ledger._line(before, record)
+        whole += line
+    place.write_bytes(whole)
+    with pytest.raises(StoreError, match="must be a whole store, but is damaged"):
+        root.attributes(store)
+    assert outcome(["resume", str(store), "--until", "0.2"]) in (0, 5)  # what is derived is made again
+
+
+@pytest.mark.parametrize("part", ["trajectory/theta/c.0", "trajectory/time", "trajectory/zarr.json", "events"])
+def test_what_is_missing_is_named(part: str, store: Path) -> None:
+    place = store / part
+    shutil.rmtree(place) if place.is_dir() else place.unlink()
+    with pytest.raises(StoreError, match=r"must be a whole store, but is damaged: .*(theta|time|trajectory|events)"):
+        root.attributes(store)
+
+
+# --- what ties a store together -------------------------------------------------------------------------------------
+
+
+def exchange(one: Path, other: Path) -> None:
+    mine, yours = one.read_bytes(), other.read_bytes()
+    one.write_bytes(yours)
+    other.write_bytes(mine)
+
+
+SEALED: dict[str, Callable[[Path], Any]] = {
+    "chunks of two columns": lambda s: exchange(s / "trajectory/theta/c.0", s / "trajectory/phi/c.0"),
+    "columns": lambda s: [exchange(s / "trajectory/theta" / f, s / "trajectory/phi" / f) for f in ("zarr.json", "c.0")],
+    "a number": lambda s: edited(s / "zarr.json", lambda d: d["attributes"]["parameters"].update(alpha=0.31)),
+    "a word": lambda s: edited(s / "zarr.json", lambda d: d["attributes"].update(cpu="abacus")),
+    "a unit": lambda s: edited(s / "trajectory/theta/zarr.json", lambda d: d["attributes"].update(units="deg")),
+    "a missing column": lambda s: shutil.rmtree(s / "trajectory/theta"),
+    "a missing chunk": lambda s: (s / "trajectory/theta/c.0").unlink(),
+}
+
+
+@pytest.mark.parametrize("damage", SEALED)
+def test_what_was_changed_after_a_store_was_finished_is_refused(damage: str, store: Path) -> None:
+    """Before, all of these were read with exit code 0: each file by itself is sound."""
+    root.attributes(store)
+    SEALED[damage](store)
+    with pytest.raises(StoreError, match="must be a whole store, but is damaged"):
+        root.attributes(store)
+
+
+def test_a_store_that_is_annotated_is_read(store: Path) -> None:
+    root.annotate(store, {"note": 1})
+    assert root.attributes(store)["note"] == 1
+
+
+@pytest.mark.parametrize("place", ["zarr.json", "trajectory/zarr.json", "trajectory/theta/c.0", "trajectory/x"])
+@pytest.mark.parametrize("what", ["pipe", "device", "nowhere", "itself"])
+def test_what_a_reader_would_wait_for_is_refused(what: str, place: str, store: Path) -> None:
+    """Before, a pipe was waited for and /dev/zero was read for ever."""
+    if (store / place).is_dir():
+        shutil.rmtree(store / place)
+    else:
+        (store / place).unlink()
+    if what == "pipe":
+        os.mkfifo(store / place)
+    else:
+        (store / place).symlink_to({"device": "/dev/zero", "nowhere": "nowhere", "itself": store}[what])
+    assert outcome(["info", str(store)]) == 5

@@ -1,0 +1,194 @@
+"""Every operation on the disk fails, or is the last one: what was acknowledged is there, and can be continued."""
+
+import contextlib
+import shutil
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from faults import WAYS, Faults, Over
+from stores import files, state_of
+
+import tippetop as tt
+from tippetop.errors import InputError, StoreError
+from tippetop.landscape import recording as surfaces
+from tippetop.runs import replay
+from tippetop.scenario import build
+from tippetop.store.folder import Folder
+from tippetop.store.ledger import LEDGER, Ledger
+
+
+PLAN = """
+scenario = "inverting"
+set.run.until = 0.05
+chunk = 2
+keep = ["theta_max"]
+[[axis]]
+of = "initial.omega3"
+values = [100.0, 120.0, 140.0, 160.0]
+"""
+CHANGES = ["run.output_step=0.001", "run.columns=['theta']"]
+
+
+def run(place: Path, **how: Any) -> None:
+    tt.run("inverting", CHANGES, until=0.1, out=place, **how)
+
+
+def resume(place: Path) -> None:
+    """Continue a run, or begin it."""
+    if not place.exists():
+        run(place)
+    else:
+        unless("must be unfinished", lambda: tt.resume(place))
+
+
+def unless(finished: str, work: Callable[[], object]) -> None:
+    """Do some work, unless it is done."""
+    try:
+        work()
+    except (StoreError, InputError) as error:
+        if finished not in str(error):
+            raise
+
+
+def extend(place: Path) -> None:
+    unless("must be later", lambda: tt.resume(place, until=0.2))
+
+
+def surface(place: Path) -> None:
+    wanted = surfaces.Surface.over(
+        build.load("inverting").parameters, np.linspace(-1e-4, 1e-4, 6), [0.0, 1e-5], chunk=4
+    )
+    unless("must not exist yet", lambda: surfaces.write(place, wanted))
+
+
+def sweep(place: Path) -> None:
+    (place.parents[1] / "PLAN.toml").write_text(PLAN)
+    tt.sweep(place.parents[1] / "PLAN.toml", place, workers=1)
+
+
+def replayed(place: Path) -> None:
+    replay.into_store(place.parents[1] / "K.zarr", 0.02, 0.04, 0.001, place, overwrite=True)
+
+
+class Target(NamedTuple):
+    work: Callable[[Path], object]
+    again: Callable[[Path], object]
+    before: Callable[[Path], object] = lambda _: None
+
+
+TARGETS = {
+    "run": Target(run, resume),
+    "extend": Target(extend, extend, run),
+    "overwrite": Target(lambda p: run(p, overwrite=True), lambda p: run(p, overwrite=True), surface),
+    "sweep": Target(sweep, sweep),
+    "surface": Target(surface, surface),
+    "replay": Target(replayed, replayed),
+}
+
+
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Short slices, small chunks, a commit after each slice."""
+    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 8)
+    for name, value in (("COMMIT_EVERY", 0.0), ("ROWS_PER_CHUNK", 32), ("EVENTS_PER_CHUNK", 4)):
+        monkeypatch.setattr(f"tippetop.runs.recording.{name}", value)
+
+
+@pytest.fixture
+def acknowledged(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """What the last commit acknowledged: rows and chunks."""
+    known, commit = [0], Ledger.commit
+
+    def noted(store: Ledger, *given: Any, **record: Any) -> None:
+        commit(store, *given, **record)
+        known[0] = extent(store.state)
+
+    monkeypatch.setattr(Ledger, "commit", noted)
+    return known
+
+
+def extent(state: Any) -> int:
+    return sum(state.rows.values()) + len(state.chunks)
+
+
+@contextlib.contextmanager
+def quietly() -> Iterator[None]:
+    """A block in which scratch folders of killed processes are removed without a warning that fails the test."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message=".*a killed run left it")
+        yield
+
+
+def campaign(
+    target: Target, ways: tuple[str, ...], stride: int, known: list[int], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> int:
+    """Faults at every `stride`-th operation; their number."""
+    root = folder / "disk"
+    place, tried = root / "S.zarr", 0
+    run(folder / "K.zarr")
+
+    def prepare() -> None:
+        shutil.rmtree(root, ignore_errors=True)
+        root.mkdir()
+        target.before(place)
+
+    prepare()
+    faults = Faults(monkeypatch, root)
+    target.work(place)
+    count, whole = faults.count, files(root)
+    for way in ways:
+        for at in range(1 + tried % stride, count + 2, stride):  # the last one is after the end
+            faults.way = ""
+            prepare()
+            known[0] = 0
+            faults.arm(at, way)
+            with quietly(), contextlib.suppress(StoreError, Over):
+                target.work(place)
+            faults.disarm()
+            if (known[0] and target.again is not target.work) or at > count:
+                assert extent(state_of(place)) >= known[0], (way, at)
+            with quietly():
+                target.again(place)
+            found = files(root)
+            assert sorted(found) == sorted(whole), (way, at)
+            assert [name for name in found if found[name] != whole[name]] == [], (way, at)
+            tried += 1
+    return tried
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_what_was_acknowledged_survives_a_fault(
+    name: str, small: None, acknowledged: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert campaign(TARGETS[name], WAYS, 29, acknowledged, tmp_path, monkeypatch) > 10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TARGETS)
+def test_what_was_acknowledged_survives_a_fault_anywhere(
+    name: str, small: None, acknowledged: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert campaign(TARGETS[name], WAYS, 1, acknowledged, tmp_path, monkeypatch) > 300
+
+
+@pytest.mark.parametrize("left_out", ["ledger", "names", "place"])
+def test_a_sync_that_is_left_out_is_found(
+    left_out: str, small: None, acknowledged: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The campaign can fail: of the ledger, of the names in a store, of the name of the store."""
+    sync_one = Folder.sync_one
+
+    def less(folder: Folder, name: str) -> None:
+        if name != {"ledger": LEDGER, "names": ""}[left_out]:
+            sync_one(folder, name)
+
+    if left_out == "place":
+        monkeypatch.setattr("tippetop.store.files.synced", lambda _: None)
+    else:
+        monkeypatch.setattr(Folder, "sync_one", less)
+    with pytest.raises((AssertionError, StoreError, FileNotFoundError)):
+        campaign(TARGETS["run"], ("power",), 5, acknowledged, tmp_path, monkeypatch)
