@@ -105,15 +105,15 @@ def _of_poles(system: System, body: Any) -> list[str]:
     """Return a sentence on each form whose scalars lack what rows at a pole read."""
     faults = []
     for form in system.forms.values() if system.undefined_at_poles else ():
-        found: list[Any] = []
+        results: list[Any] = []
 
-        def scalars(form: Form = form, found: list[Any] = found) -> None:
-            found.append(form.scalars(_state(form), body))
+        def scalars(form: Form = form, results: list[Any] = results) -> None:
+            results.append(form.scalars(_state(form), body))
 
         must = f"`scalars` of the form `{form.name}` of `{system.name}` must have `s2` and `axis_speed2`, which the"
         if fault := _failure(scalars):
             faults.append(f"{must} angles of `undefined_at_poles` need, but fail: {fault}.")
-        elif lacking := [f"`{name}`" for name in ("s2", "axis_speed2") if not hasattr(found[0], name)]:
+        elif lacking := [f"`{name}`" for name in ("s2", "axis_speed2") if not hasattr(results[0], name)]:
             faults.append(f"{must} angles of `undefined_at_poles` need, but lack {' and '.join(lacking)}.")
     return faults
 
