@@ -64,7 +64,7 @@ def path_of(name: str, value: Any) -> Path:
     return Path(value)
 
 
-def instance(name: str, value: Any, kind: type, words: str) -> None:
+def instance(name: str, value: Any, kind: Any, words: str) -> None:
     """Raises InputError if the argument is not of this kind; `words` say what it must be."""
     if not isinstance(value, kind):
         raise InputError(f"`{name}` must be {words}, but is {value!r:.60}.")
@@ -80,6 +80,13 @@ def measured(name: str, value: Any, unit: "Unit") -> float:
     from .mechanics.quantity import number_of
 
     return number_of(value, name, unit) if isinstance(value, str) else finite(name, value)
+
+
+def seconds(name: str, value: Any) -> float | None:
+    """Return a time [s] that may be left out, as `measured` does. Raises InputError."""
+    from .mechanics.units import SECOND
+
+    return None if value is None else measured(name, value, SECOND)
 
 
 def measured_values(name: str, values: Any, unit: "Unit") -> Any:

@@ -14,7 +14,7 @@ from tippetop.mechanics import friction, systems
 from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.form import Integral
 from tippetop.mechanics.operand import Vector, atan2, formula, sqrt
-from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, NEWTON, ONE, SECOND_PER_METRE
+from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, NEWTON, ONE, PER_SECOND, SECOND_PER_METRE
 
 
 BASE = tt.extending.SYSTEMS["tippe-top"]
@@ -180,9 +180,17 @@ class Spin(NamedTuple):
 PHASE = BASE.phase
 UP = tt.extending.Event("up", "z = 1/2", formula(lambda s, b: s.z - 0.5))
 VECTORIAL = dataclasses.replace(PHASE.forms["vector"], units=Spin(Vector(ONE, ONE, ONE)))
+WITHOUT_POLES = dataclasses.replace(PHASE.forms["vector"], scalars=lambda q, b: Spin(q.uz))
 LIFTOFF = next(event for event in BASE.events if event.name == "liftoff")
 WITHOUT_WORK = namedtuple("WithoutWork", [n for n in BASE.angles._fields if n != "work"])
 WITHOUT_RATE = namedtuple("WithoutRate", [n for n in BASE.angles._fields if n != "theta_dot"])
+
+
+def test_quantities_of_a_top_are_columns_of_runs_whose_contact_changes() -> None:
+    rate = tt.extending.Quantity("z_rate", "z'", PER_SECOND, "rate of cos(theta)", lambda s, b: s.z_dot)
+    name = registered(quantities=(*BASE.quantities, rate))
+    rows = tt.run("inverting", {"law": "coulomb", "mu": 0.3}, system=name, until=0.05).trajectory
+    np.testing.assert_allclose(rows.z_rate, -rows.theta_dot * np.sin(rows.theta), rtol=1e-9, atol=1e-12)
 
 
 def without(record: Any) -> Any:
@@ -204,6 +212,8 @@ def without(record: Any) -> Any:
         ({"contact": ()}, r"`contact` of `own-top` must be None, but is \(\)"),
         ({"vectors": None}, "`vectors` of `own-top` must be names of variables by name, but is None"),
         ({"on_request": None}, "`on_request` of `own-top` must be a tuple of Quantity records, but is None"),
+        ({"undefined_at_poles": ("phi", "twist")}, "must name fields of `angles`, but has `twist`"),
+        ({"forms": {"vector": WITHOUT_POLES}}, "need, but lack `s2` and `axis_speed2`"),
         ({"motion": ()}, r"`motion` of `own-top` must be a function or None, but is \(\)"),
     ],
 )

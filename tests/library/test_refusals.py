@@ -309,3 +309,9 @@ def test_every_list_of_laws_is_the_same() -> None:
             tt.run("inverting", system=name, friction={"law": "nosuch"})
         sentence = next(s for s in refused.value.sentences if "`friction.law`" in s)
         assert sorted(sentence.partition(" one of ")[2].partition(", but")[0].split(", ")) == sorted(laws)
+
+
+def test_a_start_of_none_is_no_number() -> None:
+    """It was a top that stood upright."""
+    with pytest.raises(tt.InputError, match=r"`initial\.theta` must be a number, but is None"):
+        tt.run("inverting", start={"theta": None}, until=0.1)

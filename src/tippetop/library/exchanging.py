@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import path_of, whole
+from ..arguments import instance, path_of, whole
 from ..errors import InputError
 from ..exchange import fit_text, measured
 from ..exchange.fitting import STARTS, names_of
@@ -36,14 +36,9 @@ class Comparison(Verdict):
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """theta of both, the differences, and what must be conserved, as a figure; saved where a path is given, over a
         file that is there if it may be overwritten."""
-        from ..figures import catalogue, drawing
         from ..figures.comparison import comparison
 
-        figure = comparison(self.motions, self.title)
-        if path is not None:
-            catalogue.check_format(path_of("path", path))
-            drawing.write(figure, path_of("path", path), overwrite=overwrite)
-        return figure
+        return _saved(comparison(self.motions, self.title), path, overwrite)
 
 
 def compare(
@@ -80,8 +75,7 @@ def compare(
     >>> print(tt.compare("mine.csv", "inverting"))
     """
     files: Any = [others] if isinstance(others, str | os.PathLike) else others
-    if not isinstance(files, list | tuple):
-        raise InputError(f"`others` must be a path or a list of paths, but is {others!r:.60}.")
+    instance("others", files, list | tuple, "a path or a list of paths")
     if not files:
         raise InputError("`others` must name at least one file, but is empty.")
     problem = _reference(reference)
@@ -132,7 +126,6 @@ class Fitted:
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """Data, fit and residuals as a figure; saved where a path is given."""
-        from ..figures import catalogue, drawing
         from ..figures.fit import fit as draw_fit
 
         figure = draw_fit(
@@ -142,10 +135,7 @@ class Fitted:
             self.residuals,
             str(self).split("\n"),
         )
-        if path is not None:
-            catalogue.check_format(path_of("path", path))
-            drawing.write(figure, path_of("path", path), overwrite=overwrite)
-        return figure
+        return _saved(figure, path, overwrite)
 
     def __str__(self) -> str:
         return "\n".join(fit_text.lines(self._fit, self._observation))
@@ -214,6 +204,17 @@ def fit(
         problem, path_of("data", data), names_of(free), Convention(quaternion, up), fit_text.marker_of(marker), noise
     )
     return Fitted(problem, observation, measured.fitted(observation, loss, whole("starts", starts), progress))
+
+
+def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
+    """Return a figure, which is written where a path is given."""
+    from ..figures import catalogue, drawing
+
+    if path is not None:
+        place = path_of("path", path)
+        catalogue.check_format(place)
+        drawing.write(figure, place, overwrite=overwrite)
+    return figure
 
 
 def _reference(source: Any) -> Any:

@@ -38,33 +38,17 @@ RESERVED = tuple(s.value for s in Status if s not in (Status.LIFTOFF, Status.FAL
 """Statuses that are no event's to give."""
 
 
-def given_events(events: Any) -> list[str | Event]:
-    """The argument `events` as a list. Raises InputError."""
-    given: list[Any] = [events] if isinstance(events, str | Event) else _listed("events", events)
-    wrong = [item for item in given if not isinstance(item, str | Event)]
-    if wrong:
-        raise InputError(
-            [f"`events` must be names of events or Event records, but has {item!r:.60}." for item in wrong]
-        )
-    return given
-
-
-def given_columns(columns: Any) -> list[str | Quantity]:
-    """The argument `columns` as a list. Raises InputError."""
-    given: list[Any] = [columns] if isinstance(columns, str | Quantity) else _listed("columns", columns)
-    wrong = [item for item in given if not isinstance(item, str | Quantity)]
-    if wrong:
-        raise InputError(
-            [f"`columns` must be names of columns or Quantity records, but has {item!r:.60}." for item in wrong]
-        )
-    return given
-
-
-def _listed(argument: str, given: Any) -> list[Any]:
-    """A list of what is given. Raises InputError if it is no collection."""
-    if isinstance(given, Iterable) and not isinstance(given, str | bytes | Mapping) and getattr(given, "ndim", 1) == 1:
-        return list(given)
-    raise InputError(f"`{argument}` must be a list, but is {given!r:.60}.")
+def given_records(argument: str, given: Any, kind: type[Event] | type[Quantity]) -> list[Any]:
+    """Return the argument `events` or `columns` as a list of names and records. Raises InputError."""
+    words = f"names of {argument} or {kind.__name__} records"
+    if isinstance(given, str | kind):
+        return [given]
+    if not isinstance(given, Iterable) or isinstance(given, bytes | Mapping) or getattr(given, "ndim", 1) != 1:
+        raise InputError(f"`{argument}` must be a list, but is {given!r:.60}.")
+    listed = list(given)
+    if wrong := [item for item in listed if not isinstance(item, str | kind)]:
+        raise InputError([f"`{argument}` must be {words}, but has {item!r:.60}." for item in wrong])
+    return listed
 
 
 def of_stored(
@@ -75,15 +59,15 @@ def of_stored(
     """The system of a stored run with the events and columns that are its maker's own; None where none are given.
 
     Raises InputError."""
-    own_events = [] if events is None else given_events(events)
-    own_columns = [] if columns is None else given_columns(columns)
+    own_events = [] if events is None else given_records("events", events, Event)
+    own_columns = [] if columns is None else given_records("columns", columns, Quantity)
     if named := [each for each in (*own_events, *own_columns) if isinstance(each, str)]:
         raise InputError(f"the records that a stored run was made with must be given, but `{named[0]}` is a name.")
     if not own_events and not own_columns:
         return None
     if "content" in attrs:
         raise InputError(f"`events` and `columns` must be those of a run, but the store is a {attrs['content']}.")
-    return extended(build.system_of(attrs), tuple(own_events), tuple(own_columns))  # type: ignore[arg-type]
+    return extended(build.system_of(attrs), tuple(own_events), tuple(own_columns))
 
 
 def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:

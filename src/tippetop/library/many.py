@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, measured_values, takes, whole
+from ..arguments import dotted_keys, instance, measured_values, takes, whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
 from ..mechanics.contact.body import Top
@@ -80,8 +80,7 @@ def ensemble(
     if rows := [name for name in OF_ROWS if scenario.get(name) is not None]:
         raise InputError([f"`{name}` must not be given in an ensemble: it keeps no rows." for name in rows])
     base = problem_of(source, friction, **scenario)
-    if not isinstance(variations, Mapping):
-        raise InputError(f"`variations` must be a mapping of names to arrays, but is {variations!r:.60}.")
+    instance("variations", variations, Mapping, "a mapping of names to arrays")
     keys = dotted_keys(variations, base.rules)
     dotted, sentences = {}, []
     for key, (name, values) in zip(keys, variations.items(), strict=True):
@@ -91,8 +90,7 @@ def ensemble(
     if sentences:
         raise InputError(sentences)
     threads = None if threads is None else whole("threads", threads)
-    if not isinstance(progress, bool) and not callable(progress):
-        raise InputError(f"`progress` must be a function or a bool, but is {progress!r:.60}.")
+    instance("progress", progress, bool | Callable, "a function or a bool")
     return ensembles.of_problem(
         base, dotted, threads=threads, progress=progress, orientation=orientation, alone=alone, lyapunov=lyapunov
     )

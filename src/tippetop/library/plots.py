@@ -4,11 +4,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, flag, measured, path_of
+from ..arguments import finite, flag, instance, path_of, seconds
 from ..errors import InputError
 from ..figures import catalogue, drawing
 from ..figures.catalogue import FIGURES, Look
-from ..mechanics.units import SECOND
 
 
 if TYPE_CHECKING:
@@ -113,11 +112,8 @@ class Plots:
         """Draws; `options` are what is left of them: the window."""
         if ax is not None and not hasattr(ax, "get_figure"):
             raise InputError(f"`ax` must be Axes of matplotlib, but is {ax!r:.60}.")
-        given = (options.pop("start", None), options.pop("until", None))
-        window = (
-            None if given[0] is None else measured("start", given[0], SECOND),
-            None if given[1] is None else measured("until", given[1], SECOND),
-        )
+        start, until = options.pop("start", None), options.pop("until", None)
+        window = seconds("start", start), seconds("until", until)
         if options:
             raise InputError(f"a figure has no option `{next(iter(options))}`.")
         from ..figures.window import in_window
@@ -137,8 +133,7 @@ class Plots:
 def _look(options: dict[str, Any]) -> Look:
     """How a figure shall look; takes what says so from the options. Raises InputError."""
     title, size = options.pop("title", None), options.pop("size", None)
-    if title is not None and not isinstance(title, str):
-        raise InputError(f"`title` must be text, but is {title!r:.60}.")
+    instance("title", title, str | None, "text")
     if size is not None:
         try:
             width, height = size

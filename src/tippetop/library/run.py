@@ -4,10 +4,9 @@ import html
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import in_python, measured, path_of
+from ..arguments import in_python, path_of, seconds
 from ..errors import InputError, StoreError
 from ..mechanics.caching import cached_property
-from ..mechanics.units import SECOND
 from ..mechanics.variables import LONG_NAMES, Variables
 from ..problem import Problem
 from ..runs import attributes, results, sensitivities
@@ -263,9 +262,8 @@ class Run:
         """
         from ..views.pages import Page
 
-        span = [None if t is None else measured(name, t, SECOND) for name, t in (("start", start), ("until", until))]
         with in_python():
-            return Page(self._page(*span))
+            return Page(self._page(seconds("start", start), seconds("until", until)))
 
     def _page(self, start: float | None, until: float | None) -> str:
         from ..views.run import page, refuse
@@ -292,13 +290,13 @@ class Run:
             whether both end the same way, of the times of shared turnings [s], of every column (`columns`), and of
             shared `phases` and `impacts`, in SI units. It joins the summary.
         """
-        seconds = None if window is None else measured("window", window, SECOND)
-        if seconds is not None and seconds <= 0:
+        span = seconds("window", window)
+        if span is not None and span <= 0:
             raise InputError(f"`window` must be greater than 0, but is {window!r:.60}.")
         stored = self._so_far()
         if stored is not None:
-            seconds = stored if seconds is None else min(seconds, stored)
-        result = root.finite(certificate(self.problem, seconds))
+            span = stored if span is None else min(span, stored)
+        result = root.finite(certificate(self.problem, span))
         self.attributes["certificate"] = result
         self.__dict__.pop("summary", None)
         return Record(result, "certificate")

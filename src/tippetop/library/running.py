@@ -4,15 +4,14 @@ import contextlib
 import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from ..arguments import flag, in_python, instance, measured, path_of, takes
+from ..arguments import flag, in_python, instance, path_of, seconds, takes
 from ..errors import InputError, Interrupted
 from ..mechanics.contact.body import Top
 from ..mechanics.events import Event
 from ..mechanics.friction import FrictionLaw
 from ..mechanics.system import Quantity, System
-from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..problem.options import documentation
 from ..runs.cost import Patience, following, warn
@@ -22,10 +21,6 @@ from .extensions import of_stored
 from .run import Run
 from .scenarios import problem_of
 from .stored_run import StoredRun
-
-
-if TYPE_CHECKING:
-    pass
 
 
 @takes(problem_of, documentation)
@@ -211,7 +206,7 @@ def resume(
     """
     from ..runs.resuming import continued
 
-    end = None if until is None else measured("until", until, SECOND)
+    end = seconds("until", until)
     place = path_of("path", path)
     own = of_stored(root.root_of(place), events, columns)
     if stop is not None:

@@ -1,12 +1,13 @@
 """Python arguments become the tables of a scenario, and a checked Problem."""
 
+import contextlib
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..arguments import measured_values, plain, takes
+from ..arguments import instance, measured_values, plain, takes
 from ..errors import InputError
 from ..mechanics.contact.body import Top
 from ..mechanics.events import Event
@@ -18,7 +19,7 @@ from ..problem import Problem
 from ..problem.options import run_options
 from ..runs import starting
 from ..scenario import build, reading
-from .extensions import extended, given_columns, given_events
+from .extensions import extended, given_records
 
 
 @takes(run_options)
@@ -43,12 +44,11 @@ def problem_of(
             words = ", ".join(surplus)
             raise InputError(f"a Problem must stand alone, but is given beside {words}: change it in `load`.")
         return checked(source)
-    events, columns = options.pop("events", None), options.pop("columns", None)
-    named, own = _named(None if events is None else given_events(events), Event)
-    named_columns, own_columns = _named(None if columns is None else given_columns(columns), Quantity)
+    named, own = _named("events", options.pop("events", None), Event)
+    named_columns, own_columns = _named("columns", options.pop("columns", None), Quantity)
     if named_columns and len(own_columns) == len(named_columns):  # they are added to all columns
         named_columns = None
-    try:
+    with _in_python():
         tables, record = _tables(source, system, friction)
         chosen = record or build.system_of(tables)
         if isinstance(friction, list | tuple) and not hasattr(friction, "_fields"):
@@ -65,9 +65,8 @@ def problem_of(
         for name, given in starts.items():
             if isinstance(given, str | os.PathLike):
                 given = {"from": os.fspath(given)}
-            if given is not None and not isinstance(given, Mapping):
-                words = "a mapping such as dict(theta=0.1), or the store of a run"
-                raise InputError(f"`{name}` must be {words}, but is {given!r:.60}.")
+            if given is not None:
+                instance(name, given, Mapping, "a mapping such as dict(theta=0.1), or the store of a run")
             _start(tables, given or {}, chosen)
         if form is not None:
             tables["form"] = form
@@ -78,16 +77,12 @@ def problem_of(
         if own_columns and named_columns is None and "columns" in tables.get("run", {}):
             tables["run"]["columns"] = [*tables["run"]["columns"], *(q.name for q in own_columns)]
         return starting.problem(tables, source, chosen)
-    except InputError as error:
-        raise InputError([_in_python(sentence) for sentence in error.sentences]) from error.__cause__
 
 
 def checked(problem: Problem) -> Problem:
     """A problem that was checked, or is now. Raises InputError."""
-    try:
+    with _in_python():
         return build.checked(problem)
-    except InputError as error:
-        raise InputError([_in_python(sentence) for sentence in error.sentences]) from error.__cause__
 
 
 def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[dict[str, Any], System | None]:
@@ -123,10 +118,13 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
     return tables, record
 
 
-def _named(given: list[Any] | None, record: type) -> tuple[list[str] | None, tuple[Any, ...]]:
+def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tuple[Any, ...]]:
     """Return the names of the events to log or the columns to keep, None for all, and the user's records of them."""
-    own = tuple(each for each in given or () if isinstance(each, record))
-    return given and [each if isinstance(each, str) else each.name for each in given], own
+    if given is None:
+        return None, ()
+    records = given_records(argument, given, kind)
+    own = tuple(each for each in records if isinstance(each, kind))
+    return [each if isinstance(each, str) else each.name for each in records], own
 
 
 def _assigned(tables: dict[str, Any], assignments: Any) -> dict[str, Any]:
@@ -160,8 +158,7 @@ def _merge(tables: dict[str, Any], name: str, given: Any) -> None:
         return
     if isinstance(given, Top):
         given = given._asdict()
-    if not isinstance(given, Mapping):
-        raise InputError(f"`{name}` must be a mapping of names to numbers, but is {given!r:.60}.")
+    instance(name, given, Mapping, "a mapping of names to numbers")
     base = tables.get(name, {})
     if isinstance(base, dict):  # else the check of the scenario says so
         tables[name] = {**base, **plain(given)}
@@ -228,8 +225,13 @@ def _needs_law(top: Top) -> str:
     )
 
 
-def _in_python(sentence: str) -> str:
-    """A sentence about a scenario in the words of the call: options of the run are arguments, hints for the command
+@contextlib.contextmanager
+def _in_python() -> Iterator[None]:
+    """A block whose InputErrors are in the words of a call: options of the run are arguments, hints for the command
     line go."""
-    sentence = re.sub(r" \(--set [^)]*\)", "", sentence)
-    return re.sub(r"`run\.(\w+)", r"`\1", sentence.replace("run.until =", "until ="))
+    try:
+        yield
+    except InputError as error:
+        without_hints = [re.sub(r" \(--set [^)]*\)", "", sentence) for sentence in error.sentences]
+        words = [re.sub(r"`run\.(\w+)", r"`\1", s.replace("run.until =", "until =")) for s in without_hints]
+        raise InputError(words) from error.__cause__

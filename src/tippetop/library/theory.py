@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import instance, measured, within
+from ..arguments import instance, measured, seconds, within
 from ..errors import InputError
 from ..landscape.reconstruction import reconstruction
 from ..mechanics.contact.body import Top
@@ -21,7 +21,7 @@ from ..mechanics.theory import thresholds as limits
 from ..mechanics.theory.nutation import Nutation
 from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
-from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND, SECOND
+from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND
 from ..problem import Problem
 from .run import Run
 from .scenarios import record_of
@@ -250,7 +250,7 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     Rutstam (2010), eqs. 4.40 and 5.26; what bounds it stands in the atlas, chapter 4.
     """
     instance("run", run, Run, "a Run")
-    seconds = None if period is None else measured("period", period, SECOND)
-    if seconds is not None and seconds <= 0:
+    guess = seconds("period", period)
+    if guess is not None and guess <= 0:
         raise InputError(f"`period` must be greater than 0, but is {period!r:.60}.")
-    return reconstruction(run.problem, lambda: run.trajectory, lambda: run.events, seconds)
+    return reconstruction(run.problem, lambda: run.trajectory, lambda: run.events, guess)

@@ -102,6 +102,8 @@ def unmet_requirements(system: System) -> list[str]:
                 f"`angles` {of} must have the field `work`, which the energy balance reads, for the form "
                 f"`{form.name}` integrates it."
             )
+    if unknown := [f"`{name}`" for name in system.undefined_at_poles if name not in named]:
+        faults.append(f"`undefined_at_poles` {of} must name fields of `angles`, but has {', '.join(unknown)}.")
     components = {name for names in system.vectors.values() for name in names}
     known = phase.forms["vector"].units._fields if "vector" in phase.forms else ()
     missing = ", ".join(sorted(components.difference(known)))

@@ -84,6 +84,7 @@ class Opening(NamedTuple):
     sphere: bool = False  # whether its ball has a radius: there may be a stem, and a contact disc
     routh: Callable | None = None  # Routh's function of the gliding body, if it has one
     outlook: Callable | None = None  # outlook(b, start, rules) -> Outlook
+    without: tuple[str, ...] = ()  # quantities of the gliding body that are no columns of its phases
 
 
 def _all_are(records: Any, kind: type) -> bool:

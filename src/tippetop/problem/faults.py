@@ -145,7 +145,7 @@ def at_start(problems: "Problems") -> list[tuple[str, np.ndarray]]:
     """What may be wrong with a start, and where it is, (n,): numbers that are finite one by one may overflow
     together, or the model may have no solution."""
     base = problems.base
-    if problems.n == 1 and base.precision == "double" and _is_sound(problems):
+    if not problems.columns and base.precision == "double" and _is_sound(problems):
         return []
     plain = np.float64 if base.precision == "double" else np.longdouble
     pars, start = problems.pars.astype(float), problems.start.astype(float)

@@ -79,11 +79,10 @@ def rules_of(scenario: Any, system: System) -> ContactLaw | None:
 
 def contact_tables(problem: Problem) -> dict[str, dict[str, Any]]:
     """The tables of a resolved scenario that say how the contact opens and closes."""
-    rules = problem.contact
-    if rules is None:
-        return {}
-    contact = {"restitution": rules.restitution, "e_n": rules.e_n}
-    return {"contact": contact, **({"stem": {"r": rules.r, "h": rules.h}} if rules.stem else {})}
+    tables: dict[str, Any] = {n: dict(problem.tables[n]) for n in ("contact", "stem") if n in problem.tables}
+    if problem.contact is not None:
+        tables["contact"] = {"restitution": problem.contact.restitution, **tables["contact"]}
+    return tables
 
 
 HIGHEST = 1e6  # gap of a start, by the radius: beyond it a landing has no digits

@@ -53,19 +53,13 @@ def other_records(attrs: dict[str, Any], problem: Problem, known: System | None)
 
 def _more(attrs: dict[str, Any], known: System | None) -> list[str]:
     """Sentences on events and columns that were given, and the run has not."""
-    registered = None if known is None else registered_as(known)
-    if known is None or registered is None:
-        return []
-    has = {"event": attrs["run"]["events"], "column": attrs["run"].get("columns", ())}
-    given = {
-        "event": {event.name for event in known.events} - {event.name for event in registered.events},
-        "column": {q.name for q in known.quantities} - {q.name for q in registered.quantities},
-    }
+    given: Any = own_records(known) if known is not None else ((), ())
+    has = attrs["run"]["events"], attrs["run"].get("columns", ())
     return [
         f"the {kind} `{name}` must be one that the run was made with, but the run has none of this name."
-        for kind, names in given.items()
-        for name in sorted(names)
-        if name not in has[kind]
+        for kind, records, names in zip(("event", "column"), given, has, strict=True)
+        for name in sorted(record.name for record in records)
+        if name not in names
     ]
 
 

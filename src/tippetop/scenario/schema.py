@@ -70,8 +70,7 @@ class ContactTable(Table):
 
 def table_model(name: str, parameters: dict[str, Number], *, required: bool, **extra: Any) -> type[BaseModel]:
     fields: dict[str, Any] = {
-        n: (_number(p), ... if p.default is None else p.default) if required else (_number(p) | None, None)
-        for n, p in parameters.items()
+        n: (_number(p), (... if p.default is None else p.default) if required else None) for n, p in parameters.items()
     }
     return create_model(name, __base__=Table, **extra, **fields)
 

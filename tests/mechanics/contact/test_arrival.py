@@ -66,9 +66,9 @@ def test_what_arrives_is_the_velocity_of_the_contact_in_its_frame(body: Body) ->
 def test_an_impulse_and_a_twist_change_the_body_so(body: Body, rng: np.random.Generator) -> None:
     u, L, V = Vector(*body.u), Vector(*body.L), Vector(*body.V)
     a = arrival(u, L, V, body.ball)
-    p_e, p_2, p_z, *twist = rng.normal(size=6)
-    made = after_impact(u, L, V, a, p_e, p_2, p_z, Vector(*twist), body.ball)
-    p = p_e * np.array(a.e) + p_2 * np.cross(Z, a.e) + p_z * Z
+    components = rng.normal(size=(2, 3))
+    made = after_impact(u, L, V, a, *(Vector(*x) for x in components), body.ball)
+    p, twist = components @ [a.e, np.cross(Z, a.e), Z]
     L_end, V_end = body.L + np.cross(body.a, p) + twist, body.V + p / body.ball.m
     assert np.array(made.p) == pytest.approx(p, rel=1e-12, abs=1e-14)
     assert np.array(made.L) == pytest.approx(L_end, rel=1e-12, abs=1e-14)

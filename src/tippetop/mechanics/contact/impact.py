@@ -60,11 +60,23 @@ class Struck(NamedTuple):
     gained: Operand
 
 
+@formula
+def from_frame(e, x):
+    """A vector of space, by its components along e, 2hat, zhat."""
+    return Vector(x.x * e.x - x.y * e.y, x.x * e.y + x.y * e.x, x.z)
+
+
+@formula
+def to_frame(e, x):
+    """The components of a vector along e, 2hat, zhat."""
+    return Vector(x.x * e.x + x.y * e.y, x.y * e.x - x.x * e.y, x.z)
+
+
 @inlined
 @formula
-def after_impact(u, L, velocity, a, p_e, p_2, p_z, twist, b):
-    """The body after an impulse at its contact and one of a torque, (3,)."""
-    p = Vector(p_e * a.e.x - p_2 * a.e.y, p_e * a.e.y + p_2 * a.e.x, p_z)
+def after_impact(u, L, velocity, a, p, twist, b):
+    """The body after an impulse at its contact and one of a torque, by components along e, 2hat, zhat."""
+    p, twist = from_frame(a.e, p), from_frame(a.e, twist)
     pushed, turned = jumps(u, p, b)
     velocity, newer = plus(velocity, pushed), plus(plus(L, turned), twist)
     v = contact_velocity(u, newer, velocity, b)

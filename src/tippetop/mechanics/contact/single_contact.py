@@ -302,12 +302,12 @@ def patch_speed2(omega, b):
     return turn * turn + STILL**2
 
 
-def disc_friction(drag: Callable, torque: Callable) -> Callable:
+def disc_friction(drag: Callable, torque: Callable, edge_speed2: Callable = patch_speed2) -> Callable:
     """Return friction(omega, v, z, b) of a disc: minus the horizontal force, and the torque, per
     normal force."""
 
     def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-        by = drag(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
+        by = drag(v.x * v.x + v.y * v.y, edge_speed2(omega, b))
         force = drilling_force(1, v, by, b.friction.mu)
         return Vector(-force.x, -force.y, 0 * omega.z), torque(by, omega, b.friction)
 
@@ -384,18 +384,22 @@ def disc_slip(region: Region, torque: Callable) -> Phase:
 
 
 def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tuple[str, ...]:
-    """Return the regions of a body's sliding on balls; empty under a law that has none.
-
-    A region is the first, by rising x, whose end is not reached."""
+    """Return the regions of a body's sliding on balls; empty under a law that has none."""
     names = []
     for b in bodies if regions else ():
         v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
         s = Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
-        for name, region in regions.items():
-            if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
-                names.append(name)
-                break
+        names.append(region_of(s, regions, b))
     return tuple(names)
+
+
+def region_of(s: Any, regions: Mapping[str, Region], b: Touch) -> str:
+    """Return the region of sliding at these speeds: the first, by rising x, whose end is not
+    reached; or "", of speeds that are not finite."""
+    for name, region in regions.items():
+        if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
+            return name
+    return ""
 
 
 # --- a disc at rest, which rolls without turning --------------------------------------------------

@@ -10,7 +10,7 @@ import math
 from operator import mul
 from typing import Any, NamedTuple
 
-from ..operand import rounding
+from ..operand import Vector, rounding
 from .response import Mobility
 
 
@@ -30,7 +30,7 @@ class Impact(NamedTuple):
     work_t: Any  # of friction, never positive
     compression: Any  # work of the normal impulse until v_n = 0
     mode: str  # "slip": it never stopped; "stick" or "reverse": what followed the stop
-    twist: Any = 0  # impulse of the torque of a contact disc [N m s]
+    twist: Any = Vector(0.0, 0.0, 0.0)  # impulse of the torque [N m s]
     Omega_z: Any = 0  # of a disc after it [rad/s]
 
     @property

@@ -9,7 +9,7 @@ import numpy as np
 from .. import friction
 from ..number import Number
 from ..operand import leaves
-from ..system import Phase, System
+from ..system import Form, Phase, System
 
 
 def allowed(rule: Number) -> float:
@@ -47,7 +47,7 @@ def wrong_answers(system: System) -> list[str]:
             f"`scales` of `{system.name}` must give a mass and a length, finite and greater than 0, but gives "
             f"{scales!r:.60}."
         ]
-    return _of_checks(system, numbers) or _of_start(system, body) or _of_phases(system, body)
+    return _of_checks(system, numbers) or _of_start(system, body) or _of_phases(system, body) or _of_poles(system, body)
 
 
 def _of_checks(system: System, numbers: dict[str, float]) -> list[str]:
@@ -81,8 +81,8 @@ def _of_phases(system: System, body: Any) -> list[str]:
         states: list[Any] = []
 
         def enter_and_leave(phase: Phase = phase, states: list[Any] = states) -> None:
-            b, units = phase.parameters(body), phase.form.units
-            states.append(phase.leave(type(units)(*(0.5 + k / 64 for k in range(len(units)))), b))
+            b = phase.parameters(body)
+            states.append(phase.leave(_state(phase.form), b))
             states.append(phase.leave(phase.enter(states[0], b), b))
 
         def leave_rows(phase: Phase = phase) -> None:
@@ -99,6 +99,28 @@ def _of_phases(system: System, body: Any) -> list[str]:
                 f"`leave` of phase `{name}` of `{system.name}` must take arrays, of rows, but fails: {fault}."
             )
     return faults
+
+
+def _of_poles(system: System, body: Any) -> list[str]:
+    """Return a sentence on each form whose scalars lack what rows at a pole read."""
+    faults = []
+    for form in system.forms.values() if system.undefined_at_poles else ():
+        results: list[Any] = []
+
+        def scalars(form: Form = form, results: list[Any] = results) -> None:
+            results.append(form.scalars(_state(form), body))
+
+        must = f"`scalars` of the form `{form.name}` of `{system.name}` must have `s2` and `axis_speed2`, which the"
+        if fault := _failure(scalars):
+            faults.append(f"{must} angles of `undefined_at_poles` need, but fail: {fault}.")
+        elif lacking := [f"`{name}`" for name in ("s2", "axis_speed2") if not hasattr(results[0], name)]:
+            faults.append(f"{must} angles of `undefined_at_poles` need, but lack {' and '.join(lacking)}.")
+    return faults
+
+
+def _state(form: Form) -> Any:
+    """Return a state without poles or zeros."""
+    return type(form.units)(*(0.5 + k / 64 for k in range(len(form.units))))
 
 
 def _failure(call: Callable[[], Any]) -> str:

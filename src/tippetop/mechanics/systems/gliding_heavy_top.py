@@ -166,6 +166,6 @@ GLIDING_HEAVY_TOP = of_one_phase(
     long_names=gliding.LONG_NAMES,
     laws=LAWS,
     outlook=outlook.gliding_heavy_top,
-    opening=Opening(),
+    opening=Opening(without=("L3", "Lz")),
     **heavy_top.COMMON,
 )
