@@ -68,7 +68,7 @@ def test_each_chunk_of_a_row_must_be_there(tmp_path: Path) -> None:
     np.testing.assert_array_equal(chunks.rows(array, 1, 3), array[1:3])
     (tmp_path / "a/values/c/1/1").unlink()
     np.testing.assert_array_equal(chunks.rows(array, 0, 2), array[:2])
-    with pytest.raises(StoreError, match="a chunk of `values` is missing"):
+    with pytest.raises(StoreError, match="values` must be readable in rows 1 to 3, but: a chunk is missing"):
         chunks.rows(array, 1, 3)
 
 
@@ -120,7 +120,7 @@ def test_a_damaged_chunk_is_named(harm: str, tmp_path: Path) -> None:
         content[len(content) // 2] ^= 1
         victim.write_bytes(content if harm == "flipped" else content[:-3])
     chunks.rows(axis, 0, 16)
-    with pytest.raises(StoreError, match="a` must be readable in rows 16 to 24"):
+    with pytest.raises(StoreError, match="axis` must be readable in rows 16 to 24"):
         chunks.rows(axis, 16, 24)
 
 

@@ -256,6 +256,17 @@ def test_a_changed_byte_within_a_chunk_is_found_by_its_writer(tmp_path: Path) ->
         assert store.unsound() == ["trajectory/1"]
 
 
+@pytest.mark.parametrize("torn", [b"\xe8", b"0123 {"])
+def test_a_torn_line_does_not_spoil_what_is_appended(torn: bytes, tmp_path: Path) -> None:
+    go(Folder(tmp_path), tmp_path, random.Random(5))
+    whole = (tmp_path / LEDGER).read_bytes()
+    (tmp_path / LEDGER).write_bytes(whole + torn)
+    with Ledger.opened(tmp_path) as store:
+        assert (tmp_path / LEDGER).read_bytes() == whole
+        store.commit(changed={"more": 1})
+    assert ledger.read(tmp_path, chunks=False).attributes["more"] == 1
+
+
 def test_a_ledger_names_nothing_outside_its_store(tmp_path: Path) -> None:
     head = header()
     head["tables"]["trajectory"].append("../other")

@@ -31,15 +31,15 @@ def rows(array: Any, start: int, end: int) -> np.ndarray:
     """Return rows of an array. Raises StoreError where a chunk is damaged, or missing, which zarr would fill."""
     begins = start // array.chunks[0] * array.chunks[0]
     further = (range(0, n, c) for n, c in zip(array.shape[1:], array.chunks[1:], strict=True))
-    store = array.store_path.store.root
+    place = array.store_path.store.root / array.path
     try:
         for first in itertools.product(range(begins, end, array.chunks[0]), *further):
             key = array.metadata.encode_chunk_key(tuple(i // c for i, c in zip(first, array.chunks, strict=True)))
-            if not store.joinpath(array.store_path.path, key).is_file():
-                raise OSError(f"a chunk of `{array.basename}` is missing")
+            if not (place / key).is_file():
+                raise OSError("a chunk is missing")
         return array[start:end]
     except Exception as error:  # codecs raise what they like
-        raise StoreError(f"`{store}` must be readable in rows {start} to {end}, but: {error}.") from None
+        raise StoreError(f"`{place}` must be readable in rows {start} to {end}, but: {error}.") from None
 
 
 def pieces(

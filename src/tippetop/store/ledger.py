@@ -230,11 +230,14 @@ class Ledger:
         with self._released_on_failure():
             self._lock()
             with sound(path):
-                self.state = acknowledged(raw := self.folder.read(LEDGER))
-            self.before = raw.splitlines()[-1][:DIGITS].decode()
+                self.state = acknowledged(self.folder.read(LEDGER))
             self._lay_out()
-            if not self.state.seal:
-                self._complete() if self.state.closing else self._compact()
+            if self.state.seal:
+                self._seal()
+            elif self.state.closing:
+                self._complete()
+            else:
+                self._compact()
             self._tidy()
         return self
 
@@ -315,6 +318,8 @@ class Ledger:
         for record in records:
             self.before, line = _line(self.before, record)
             whole += line
+        if self.held is not None and self.folder.read(LEDGER) == whole:
+            return
         self.folder.put(LEDGER + NEW, whole)
         self.folder.sync_one(LEDGER + NEW)
         held = self.folder.lock(LEDGER + NEW)
