@@ -246,6 +246,15 @@ def test_damage_is_found_when_a_store_is_opened(damage: str, tmp_path: Path) -> 
         ledger.read(tmp_path)
 
 
+@pytest.mark.parametrize("torn", [b"\xab\xcd", b"junk\n", b"\0" * 9, b'0123456789abcdef {"ro'])
+def test_the_beginning_of_a_record_is_removed_before_the_next(torn: bytes, tmp_path: Path) -> None:
+    go(Folder(tmp_path), tmp_path, random.Random(5))
+    whole = (tmp_path / LEDGER).read_bytes()
+    (tmp_path / LEDGER).write_bytes(whole + torn)
+    Ledger.opened(tmp_path).release()
+    assert (tmp_path / LEDGER).read_bytes() == whole
+
+
 def test_a_changed_byte_within_a_chunk_is_found_by_its_writer(tmp_path: Path) -> None:
     go(Folder(tmp_path), tmp_path, random.Random(5))
     chunk = tmp_path / "trajectory/theta/c.1"

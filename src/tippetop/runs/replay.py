@@ -134,6 +134,8 @@ def _make(integration: Integration, take: Callable[[np.ndarray, np.ndarray], Non
 def _integration(path: Path, times: EvenTimes, accept_other_version: bool, known: System | None = None) -> Integration:
     """A stored run where it has to be taken up to make its rows at these times. Raises InputError, StoreError."""
     attrs = root.attributes(path)
+    if "content" in attrs:
+        raise StoreError(f"`{path}` must be the store of a run to be replayed, but is another.")
     if attrs["status"] == Status.RUNNING.value:
         raise StoreError(f"`{path}` must be finished to be replayed, but is not: tippetop resume {path}.")
     resuming.same_here(path, attrs, accept_other_version, "replayed")

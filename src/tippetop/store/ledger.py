@@ -127,6 +127,15 @@ def _line(before: str, record: dict[str, Any]) -> tuple[str, bytes]:
     return digest, digest.encode() + b" " + body + b"\n"
 
 
+def _lines(records: list[dict[str, Any]]) -> tuple[str, bytes]:
+    """Return the digest of the last record, and the lines of a ledger."""
+    before, whole = "", b""
+    for record in records:
+        before, line = _line(before, record)
+        whole += line
+    return before, whole
+
+
 def records_of(raw: bytes) -> list[dict[str, Any]]:
     """Return the records of a ledger. A last line that is not whole was never acknowledged. Raises Damaged."""
     records: list[dict[str, Any]] = []
@@ -230,14 +239,14 @@ class Ledger:
         with self._released_on_failure():
             self._lock()
             with sound(path):
-                self.state = acknowledged(self.folder.read(LEDGER))
+                self.state = acknowledged(raw := self.folder.read(LEDGER))
+            records = records_of(raw)
+            self.before, whole = _lines(records)
+            if whole != raw:  # after the last record: the beginning of one that was never acknowledged
+                self._replace(records)
             self._lay_out()
-            if self.state.seal:
-                self._seal()
-            elif self.state.closing:
-                self._complete()
-            else:
-                self._compact()
+            if not self.state.seal:
+                self._complete() if self.state.closing else self._compact()
             self._tidy()
         return self
 
@@ -314,12 +323,7 @@ class Ledger:
 
     def _replace(self, records: list[dict[str, Any]]) -> None:
         """Give the ledger these records, in one step; the new file is locked before it has its name."""
-        self.before, whole = "", b""
-        for record in records:
-            self.before, line = _line(self.before, record)
-            whole += line
-        if self.held is not None and self.folder.read(LEDGER) == whole:
-            return
+        self.before, whole = _lines(records)
         self.folder.put(LEDGER + NEW, whole)
         self.folder.sync_one(LEDGER + NEW)
         held = self.folder.lock(LEDGER + NEW)
