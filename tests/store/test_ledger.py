@@ -246,6 +246,13 @@ def test_damage_is_found_when_a_store_is_opened(damage: str, tmp_path: Path) -> 
         ledger.read(tmp_path)
 
 
+def test_a_link_to_a_store_is_read(tmp_path: Path) -> None:
+    go(Folder(tmp_path), tmp_path, random.Random(5))
+    link = tmp_path.with_name("link")
+    link.symlink_to(tmp_path)
+    assert ledger.read(link).attributes["status"] == "finished"
+
+
 @pytest.mark.parametrize("torn", [b"\xab\xcd", b"junk\n", b"\0" * 9, b'0123456789abcdef {"ro'])
 def test_the_beginning_of_a_record_is_removed_before_the_next(torn: bytes, tmp_path: Path) -> None:
     go(Folder(tmp_path), tmp_path, random.Random(5))

@@ -494,7 +494,7 @@ def read(path: Path, *, chunks: bool = True) -> Acknowledged:
     """
     with sound(path):
         try:
-            folder = Folder(path)
+            folder = Folder(path.resolve())
             state = acknowledged(folder.read(LEDGER))
             if chunks:
                 _compare(folder, state)
