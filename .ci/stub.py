@@ -6,6 +6,7 @@ Usage: ``python .ci/stub.py``. Functions that take the options of a run get thei
 import inspect
 import re
 import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -72,8 +73,20 @@ def stub(home: Any) -> str:
             imports.add(f"from {public.__module__.removeprefix('tippetop')} import {name} as {name}")
     version = ["__version__: str"] if "__version__" in home.__all__ else []
     text = "\n\n".join([HEAD + "\n".join(sorted(imports)), *version, *functions]) + "\n"
-    command = ["ruff", "format", "--stdin-filename", "stub.pyi", "-"]
-    ordered = ["ruff", "check", "--select", "I", "--fix", "--quiet", "--stdin-filename", "stub.pyi", "-"]
+    command = [sys.executable, "-m", "ruff", "format", "--stdin-filename", "stub.pyi", "-"]
+    ordered = [
+        sys.executable,
+        "-m",
+        "ruff",
+        "check",
+        "--select",
+        "I",
+        "--fix",
+        "--quiet",
+        "--stdin-filename",
+        "stub.pyi",
+        "-",
+    ]
     for line in (ordered, command):
         text = subprocess.run(line, input=text, capture_output=True, text=True, check=True).stdout
     return text

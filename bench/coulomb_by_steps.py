@@ -40,7 +40,7 @@ def inversion(problem: Problem, step: float, until: float = UNTIL) -> tuple[floa
         SI.
     """
     form, body = catalogue.VECTOR, problem.body()
-    body = body._replace(friction=Coulomb(body.friction.mu, 0.0))  # v/sqrt(v^2 + 0)
+    body = body._replace(friction=Coulomb._make((body.friction.mu, 0.0)))  # v/sqrt(v^2 + 0)
     start = load("cohen")  # the same body and start under the regularised law
     angles = start.system.start(start.initial, np.sin(start.initial["theta"]), np.cos(start.initial["theta"]), body)
     s, z = np.sin(start.initial["theta"]), np.cos(start.initial["theta"])
