@@ -74,16 +74,23 @@ def replayed(place: Path) -> None:
     replay.into_store(place.parents[1] / "K.zarr", 0.02, 0.04, 0.001, place, overwrite=True)
 
 
+def refused(place: Path) -> None:
+    """Neither the old store nor the new one is lost: there is something to overwrite."""
+    with pytest.raises(StoreError, match="must not exist yet"):
+        run(place)
+
+
 class Target(NamedTuple):
     work: Callable[[Path], object]
     again: Callable[[Path], object]
     before: Callable[[Path], object] = lambda _: None
+    check: Callable[[Path], object] = lambda _: None
 
 
 TARGETS = {
     "run": Target(run, resume),
     "extend": Target(extend, extend, run),
-    "overwrite": Target(lambda p: run(p, overwrite=True), lambda p: run(p, overwrite=True), surface),
+    "overwrite": Target(lambda p: run(p, overwrite=True), lambda p: run(p, overwrite=True), surface, refused),
     "sweep": Target(sweep, sweep),
     "surface": Target(surface, surface),
     "replay": Target(replayed, replayed),
@@ -119,7 +126,7 @@ def extent(state: Any) -> int:
 def quietly() -> Iterator[None]:
     """A block in which scratch folders of killed processes are removed without a warning that fails the test."""
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message=".*a killed run left it")
+        warnings.filterwarnings("ignore", message=".*a killed run")
         yield
 
 
@@ -153,6 +160,7 @@ def campaign(
             if known[0] or at > count:
                 assert extent(state_of(place)) >= known[0], (way, at)
             with quietly():
+                target.check(place)
                 target.again(place)
             found = files(root)
             assert sorted(found) == sorted(whole), (way, at)

@@ -92,6 +92,7 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
         The disk; see `writing`.
     """
     path = own_folder(path)
+    put_back(path)
     replaced = path.exists()
     if replaced and not overwrite:
         raise _exists(path)
@@ -105,7 +106,7 @@ def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[P
             return
         if lock is not None:
             lock.check()
-        old = scratch_name(path)
+        old = _name_aside(path)
         path.rename(old)
         try:
             rename_new(scratch, path)
@@ -147,6 +148,20 @@ def _held(folder: Path) -> int:
         os.close(descriptor)
         raise
     return descriptor
+
+
+def put_back(path: Path) -> None:
+    """Put back a store that a killed writer moved aside, and warn; remove it if its successor took its place."""
+    old = _name_aside(path)
+    if not old.exists():
+        return
+    if path.exists():
+        _removed(old)
+        return
+    with contextlib.suppress(OSError, StoreError), lock_of(old):  # the lock is held while a writer is at work
+        old.rename(path)
+        synced(path.parent)
+        warnings.warn(f"`{path}` is put back: a killed run had not replaced it yet.", stacklevel=2)
 
 
 def remove_stale(path: Path) -> None:
@@ -207,6 +222,11 @@ def write_text(path: Path, text: str, *, overwrite: bool) -> None:
 
 def _exists(path: Path) -> StoreError:
     return StoreError(f"`{path}` must not exist yet, but does.")
+
+
+def _name_aside(path: Path) -> Path:
+    """Return the hidden name that a store has while another takes its place."""
+    return path.with_name(f".{path.name}.replaced")
 
 
 def scratch_name(path: Path) -> Path:
