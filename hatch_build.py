@@ -36,7 +36,10 @@ def build() -> None:
 
 
 def platform() -> str:
-    """Return the platform of the wheel. On Linux, the newest version of glibc that the loop requires decides."""
+    """Return the platform of the wheel.
+
+    On Linux, the newest version of glibc that the loop requires decides.
+    """
     name = sysconfig.get_platform().replace("-", "_").replace(".", "_")
     versions = [int(version) for version in re.findall(rb"GLIBC_2\.(\d+)", BUILT.read_bytes())]
     return name.replace("linux", f"manylinux_2_{max(17, *versions)}") if versions else name

@@ -1,6 +1,8 @@
-"""Write the stubs of `tippetop` and `tippetop.derivatives`: what type checkers and editors read about the public names.
+"""Write the stubs of `tippetop` and `tippetop.derivatives`: what type checkers and editors read
+about the public names.
 
-Usage: ``python .ci/stub.py``. Functions that take the options of a run get their full signature, the rest is imported.
+Usage: ``python .ci/stub.py``. Functions that take the options of a run get their full signature,
+the rest is imported.
 """
 
 import inspect
@@ -56,7 +58,10 @@ def signature(function: Any, imports: set[str], home: Any) -> str:
         default = "" if parameter.default is parameter.empty else " = ..."
         lines.append(f"{parameter.name}: {written(parameter.annotation, imports, home)}{default}")
     arguments = "".join(f"    {line},\n" for line in lines)
-    return f"def {function.__name__}(\n{arguments}) -> {written(found.return_annotation, imports, home)}: ..."
+    return (
+        f"def {function.__name__}(\n{arguments}) -> "
+        f"{written(found.return_annotation, imports, home)}: ..."
+    )
 
 
 def stub(home: Any) -> str:
@@ -70,7 +75,9 @@ def stub(home: Any) -> str:
         elif inspect.ismodule(public):
             imports.add(f"from . import {name} as {name}")
         elif name != "__version__":
-            imports.add(f"from {public.__module__.removeprefix('tippetop')} import {name} as {name}")
+            imports.add(
+                f"from {public.__module__.removeprefix('tippetop')} import {name} as {name}"
+            )
     version = ["__version__: str"] if "__version__" in home.__all__ else []
     text = "\n\n".join([HEAD + "\n".join(sorted(imports)), *version, *functions]) + "\n"
     command = [sys.executable, "-m", "ruff", "format", "--stdin-filename", "stub.pyi", "-"]

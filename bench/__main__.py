@@ -1,7 +1,7 @@
 """Runs the benchmarks: python -m bench [--quick] [--case NAME]...
 
-Each case writes bench/results/NAME.json (quick ones bench/results/quick/NAME.json); then the goals are told.
-`python -m bench.report` makes tables and figures of the results.
+Each case writes bench/results/NAME.json (quick ones bench/results/quick/NAME.json); then the goals
+are told. `python -m bench.report` makes tables and figures of the results.
 """
 
 import argparse
@@ -17,15 +17,22 @@ from .report import RESULTS, read
 def main() -> None:
     """Runs the cases that are asked for, or all."""
     parser = argparse.ArgumentParser(prog="python -m bench", description="Runs the benchmarks.")
-    parser.add_argument("--quick", action="store_true", help="fewer and smaller: in all at most three minutes")
-    parser.add_argument("--case", action="append", choices=CASES, metavar="NAME", help=f"one of {', '.join(CASES)}")
+    parser.add_argument(
+        "--quick", action="store_true", help="fewer and smaller: in all at most three minutes"
+    )
+    parser.add_argument(
+        "--case", action="append", choices=CASES, metavar="NAME", help=f"one of {', '.join(CASES)}"
+    )
     parser.add_argument("--results", type=Path, metavar="FOLDER", help="where the JSON files go")
     options = parser.parse_args()
     folder = options.results or (RESULTS / "quick" if options.quick else RESULTS)
     folder.mkdir(parents=True, exist_ok=True)
     for name in options.case or CASES:
-        # each in a process of its own: threads, heaps and compiled code that one leaves behind would slow the next
-        process = multiprocessing.get_context("spawn").Process(target=carry_out, args=(name, options.quick, folder))
+        # each in a process of its own: threads, heaps and compiled code that one leaves behind
+        # would slow the next
+        process = multiprocessing.get_context("spawn").Process(
+            target=carry_out, args=(name, options.quick, folder)
+        )
         process.start()
         process.join()
         if process.exitcode:

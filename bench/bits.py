@@ -1,7 +1,9 @@
-"""Print one SHA-256 per table of many runs: two versions of the engine give the same numbers if all lines are equal.
+"""Print one SHA-256 per table of many runs: two versions of the engine give the same numbers if all
+lines are equal.
 
-Usage: ``python bench/bits.py [WORD ...]``, from any checkout; with words, only the cases whose names contain one.
-Compare versions on one machine and with the same environment only: processors round special functions differently.
+Usage: ``python bench/bits.py [WORD ...]``, from any checkout; with words, only the cases whose
+names contain one. Compare versions on one machine and with the same environment only: processors
+round special functions differently.
 """
 
 import hashlib
@@ -35,7 +37,9 @@ def of_run(*arguments: Any, **options: Any) -> dict[str, str]:
     run = tt.run(*arguments, **options)
     report = {key: run.attributes[key] for key in ("status", "final_state", "report")}
     tables = {name: digest(table) for name, table in run.datasets().items()}
-    return tables | {"report": hashlib.sha256(json.dumps(report, sort_keys=True).encode()).hexdigest()}
+    return tables | {
+        "report": hashlib.sha256(json.dumps(report, sort_keys=True).encode()).hexdigest()
+    }
 
 
 def of_ensemble(**options: Any) -> dict[str, str]:
@@ -64,10 +68,22 @@ def cases() -> Iterator[tuple[str, Callable[[], dict[str, str]]]]:
             for form in system.forms:
                 yield f"{name} {form}", partial(of_run, name, form=form, **options)
     for name in WIDE:
-        yield f"{name} longdouble", partial(of_run, name, output="steps", precision="longdouble", until=2.0)
-    yield "inverting quad", partial(of_run, "inverting", output="steps", precision="quad", until=0.1)
-    yield "inverting liftoff", partial(of_run, "inverting", initial={"omega3": 170.0}, output="steps")
-    yield "inverting settled", partial(of_run, "inverting", stop_when="settled", until=30.0, output="events")
+        yield (
+            f"{name} longdouble",
+            partial(of_run, name, output="steps", precision="longdouble", until=2.0),
+        )
+    yield (
+        "inverting quad",
+        partial(of_run, "inverting", output="steps", precision="quad", until=0.1),
+    )
+    yield (
+        "inverting liftoff",
+        partial(of_run, "inverting", initial={"omega3": 170.0}, output="steps"),
+    )
+    yield (
+        "inverting settled",
+        partial(of_run, "inverting", stop_when="settled", until=30.0, output="events"),
+    )
     yield "ensemble", of_ensemble
     yield "ensemble settled", partial(of_ensemble, stop_when="settled", orientation=True)
     yield "surface inverting", partial(of_surface, "inverting", D=GRID, lam=np.abs(GRID[16:]))

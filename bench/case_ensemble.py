@@ -1,7 +1,9 @@
-"""How many canonical tops a second and core: lanes of the Taylor integrator against DOP853, top after top.
+"""How many canonical tops a second and core: lanes of the Taylor integrator against DOP853, top
+after top.
 
-The lanes have all events and summaries on; the peers integrate the minimal state and nothing else. The errors are those
-of theta at 6 s, in the midst of the inversion, where they are largest; the times are those of 10 s. Processor seconds.
+The lanes have all events and summaries on; the peers integrate the minimal state and nothing else.
+The errors are those of theta at 6 s, in the midst of the inversion, where they are largest; the
+times are those of 10 s. Processor seconds.
 """
 
 import statistics
@@ -46,33 +48,58 @@ def compare(quick: bool) -> dict[str, Any]:
     spins = np.linspace(150, 164, n)  # all invert, none lifts off
     some = np.linspace(0, n - 1, CHECKED).astype(int)
     exact = np.array([_exact(float(spin)) for spin in spins[some]])
-    found: dict[str, Any] = {"title": "One of many canonical tops", "until": END, "tops": n, "contestants": {}}
+    found: dict[str, Any] = {
+        "title": "One of many canonical tops",
+        "until": END,
+        "tops": n,
+        "contestants": {},
+    }
     works: dict = {}
     entry = found["contestants"]["tippetop, lanes"] = {"kind": OURS, "points": []}
     for tolerance in TAYLOR:
-        theta = ensemble.measure(tops_at(spins[some], MIDST, tolerance), threads=1).columns["theta_end"]
+        theta = ensemble.measure(tops_at(spins[some], MIDST, tolerance), threads=1).columns[
+            "theta_end"
+        ]
         tops = tops_at(spins, END, tolerance)
         works["tippetop, lanes", len(entry["points"])] = partial(_lanes, tops)
-        entry["points"].append({"tolerance": tolerance, "error": float(np.abs(theta - exact).max())})
+        entry["points"].append(
+            {"tolerance": tolerance, "error": float(np.abs(theta - exact).max())}
+        )
     points = found["contestants"]["tippetop, lanes"]["points"]
-    entry = found["contestants"][FEW] = {"kind": OURS, "points": [dict(point) for point in points]}  # the same bits
+    entry = found["contestants"][FEW] = {
+        "kind": OURS,
+        "points": [dict(point) for point in points],
+    }  # the same bits
     for i, tolerance in enumerate(TAYLOR):
         works[FEW, i] = partial(_lanes, tops_at(spins, END, tolerance), ("class", "inverted_at"))
     entry = found["contestants"]["tippetop, lanes, motion alone"] = {"kind": OURS, "points": []}
     for tolerance in TAYLOR:
-        theta = theta_of(replace(tops.base, orientation=False), batched(tops_at(spins[some], MIDST, tolerance))())
+        theta = theta_of(
+            replace(tops.base, orientation=False), batched(tops_at(spins[some], MIDST, tolerance))()
+        )
         work = batched(tops_at(spins[:LANES], END, tolerance))
-        works["tippetop, lanes, motion alone", len(entry["points"])] = lambda work=work: timed(work) / LANES
-        entry["points"].append({"tolerance": tolerance, "error": float(np.abs(theta - exact).max())})
+        works["tippetop, lanes, motion alone", len(entry["points"])] = lambda work=work: (
+            timed(work) / LANES
+        )
+        entry["points"].append(
+            {"tolerance": tolerance, "error": float(np.abs(theta - exact).max())}
+        )
     peers = [peer for peer in FIELD if peer.name in PEERS]
-    found["contestants"] |= entries(peers, lambda entry, peer: _enter(entry, works, peer, spins, some, exact))
+    found["contestants"] |= entries(
+        peers, lambda entry, peer: _enter(entry, works, peer, spins, some, exact)
+    )
     _enter_python(found["contestants"], works, float(spins[0]), exact[0])
     for (name, i), times in interleaved(works, 3 if quick else 5).items():
-        found["contestants"][name]["points"][i] |= {"rounds": times, "seconds": statistics.median(times)}
+        found["contestants"][name]["points"][i] |= {
+            "rounds": times,
+            "seconds": statistics.median(times),
+        }
     return found | _threads(tops_at(spins, END), 3 if quick else 7)
 
 
-def _enter(entry: dict, works: dict, peer: Any, spins: np.ndarray, some: np.ndarray, exact: np.ndarray) -> None:
+def _enter(
+    entry: dict, works: dict, peer: Any, spins: np.ndarray, some: np.ndarray, exact: np.ndarray
+) -> None:
     """A peer's errors, and its work among the works; it integrates every fourth top."""
     entry["points"] = []
     checked = [peer.prepare(_minimal(float(spin), MIDST)) for spin in spins[some]]
@@ -81,7 +108,9 @@ def _enter(entry: dict, works: dict, peer: Any, spins: np.ndarray, some: np.ndar
         theta = np.array([solver(tolerance).theta()[-1] for solver in checked])
         solvers = [solver(tolerance) for solver in paced]
         works[peer.name, len(entry["points"])] = lambda solvers=solvers: _one_by_one(solvers)
-        entry["points"].append({"tolerance": tolerance, "error": float(np.abs(theta - exact).max())})
+        entry["points"].append(
+            {"tolerance": tolerance, "error": float(np.abs(theta - exact).max())}
+        )
 
 
 def _enter_python(contestants: dict, works: dict, spin: float, exact: np.longdouble) -> None:
@@ -104,9 +133,13 @@ def _exact(spin: float) -> np.longdouble:
 
 
 def batched(tops: Problems) -> Callable[[], np.ndarray]:
-    """heyoka's batch integrator on the motion alone, no integrals, events or tallies; gives rows (n, variables)."""
+    """heyoka's batch integrator on the motion alone, no integrals, events or tallies; gives rows
+    (n, variables).
+    """
     base = tops.base
-    equations = equations_of_motion(formulas_of(base.system, base.form.name, type(base.friction)), tops.variables).rates
+    equations = equations_of_motion(
+        formulas_of(base.system, base.form.name, type(base.friction)), tops.variables
+    ).rates
     kept = list(range(tops.variables.moving))
     start, rows = tops.start[kept], np.zeros((tops.n, len(equations)))
     made = hy.taylor_adaptive_batch(
@@ -140,7 +173,9 @@ def _threads(tops: Problems, rounds: int) -> dict[str, Any]:
     works = {k: partial(elapsed, partial(ensemble.measure, tops, threads=k)) for k in (1, 2)}
     seconds = interleaved(works, rounds)
     return {
-        "seconds_per_top_by_the_wall": {k: statistics.median(times) / tops.n for k, times in seconds.items()},
+        "seconds_per_top_by_the_wall": {
+            k: statistics.median(times) / tops.n for k, times in seconds.items()
+        },
         "efficiency_of_2_threads": ratio(seconds[1], seconds[2]) / 2,
         "occupancy": ensemble.measure(tops, threads=1).occupancy,
     }

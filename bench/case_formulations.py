@@ -1,7 +1,9 @@
-"""Ways to write and to compile the tippe top that were tried, over the first six seconds of the inversion.
+"""Ways to write and to compile the tippe top that were tried, over the first six seconds of the
+inversion.
 
-The error is that of cos(theta) in the midst of the inversion, against quadruple numbers. A product of two series costs
-order^2/2 multiplications in a step, any other operation order: products are what a formulation can save.
+The error is that of cos(theta) in the midst of the inversion, against quadruple numbers. A product
+of two series costs order^2/2 multiplications in a step, any other operation order: products are
+what a formulation can save.
 """
 
 import math
@@ -24,15 +26,28 @@ from .ours import end_of, start_by_hand, tippe_top_by_hand
 
 
 PRODUCT, ALONE = "the product's", "the motion alone"
-ANGULAR_VELOCITY = 4.0  # of the rotating frame, internal: between slow precession and half the fast one
+ANGULAR_VELOCITY = (
+    4.0  # of the rotating frame, internal: between slow precession and half the fast one
+)
 
 
 class Tried:
-    """A system of equations with its start, ready to run to `end`; `z` reads cos(theta) from a state."""
+    """A system of equations with its start, ready to run to `end`; `z` reads cos(theta) from a
+    state.
+    """
 
-    def __init__(self, sys: list, start: np.ndarray, end: float, z: Callable[[np.ndarray], float], **options: Any):
+    def __init__(
+        self,
+        sys: list,
+        start: np.ndarray,
+        end: float,
+        z: Callable[[np.ndarray], float],
+        **options: Any,
+    ):
         numbers = {"pars": options.pop("pars")} if "pars" in options else {}
-        self.made = hy.taylor_adaptive(sys, start, **{"tol": 2.0**-52, "high_accuracy": True, **numbers, **options})
+        self.made = hy.taylor_adaptive(
+            sys, start, **{"tol": 2.0**-52, "high_accuracy": True, **numbers, **options}
+        )
         self.start, self.end, self.z = start.copy(), end, z
 
     def run(self) -> int:
@@ -44,14 +59,20 @@ class Tried:
     def products(self) -> int:
         """Products, quotients and other operations on two series in a step."""
         texts = [str(expression) for expression, _ in self.made.decomposition]
-        return sum(text.count("u_") > 1 and ("*" in text or text.startswith("div")) for text in texts)
+        return sum(
+            text.count("u_") > 1 and ("*" in text or text.startswith("div")) for text in texts
+        )
 
 
 def compare(quick: bool) -> dict[str, Any]:
     """Terms, products, steps, milliseconds and error of every way."""
     tried = ways()
     exact = _exact()
-    found: dict[str, Any] = {"title": "Formulations of the canonical inversion", "until": MIDST, "ways": {}}
+    found: dict[str, Any] = {
+        "title": "Formulations of the canonical inversion",
+        "until": MIDST,
+        "ways": {},
+    }
     for name, way in tried.items():
         steps = way.run()
         found["ways"][name] = {
@@ -79,13 +100,19 @@ def ways() -> dict[str, Tried]:
     by_hand, angles = tippe_top_by_hand(minimal)[0], _system(euler)
     own = {"pars": pars}
     return {
-        "by hand: vectors, SI units, numbers for parameters": Tried(by_hand, start_by_hand(minimal), MIDST, _uz),
-        f"{PRODUCT}: L_3 carried, parameters at run time, with x, y, work, impulse": Tried(sys, start, end, _uz, **own),
+        "by hand: vectors, SI units, numbers for parameters": Tried(
+            by_hand, start_by_hand(minimal), MIDST, _uz
+        ),
+        f"{PRODUCT}: L_3 carried, parameters at run time, with x, y, work, impulse": Tried(
+            sys, start, end, _uz, **own
+        ),
         f"{PRODUCT} equations in Euler angles": Tried(*angles[:2], end, _cosine, pars=angles[2]),
         f"{ALONE}, without integrals": Tried(alone, few, end, _uz, **own),
         f"{ALONE}, numbers for parameters": Tried(constants, few, end, _uz),
         f"{ALONE}, in a rotating frame": Tried(_rotating(alone), few, end, _uz, **own),
-        f"{ALONE}, plain sums (high_accuracy off)": Tried(alone, few, end, _uz, **own, high_accuracy=False),
+        f"{ALONE}, plain sums (high_accuracy off)": Tried(
+            alone, few, end, _uz, **own, high_accuracy=False
+        ),
         f"{ALONE}, fast_math": Tried(alone, few, end, _uz, **own, fast_math=True),
         f"{ALONE}, slp_vectorize": Tried(alone, few, end, _uz, **own, slp_vectorize=True),
         f"{ALONE}, compact_mode": Tried(alone, few, end, _uz, **own, compact_mode=True),
@@ -109,7 +136,10 @@ def _rotating(sys: list) -> list:
     """The same motion seen from a frame that turns about the vertical: no product is new."""
     rates, at = {str(v): rate for v, rate in sys}, {str(v): v for v, _ in sys}
     for x, y in (("ux", "uy"), ("Lx", "Ly"), ("rx_dot", "ry_dot")):
-        rates[x], rates[y] = rates[x] + ANGULAR_VELOCITY * at[y], rates[y] - ANGULAR_VELOCITY * at[x]
+        rates[x], rates[y] = (
+            rates[x] + ANGULAR_VELOCITY * at[y],
+            rates[y] - ANGULAR_VELOCITY * at[x],
+        )
     return [(at[name], rate) for name, rate in rates.items()]
 
 
@@ -123,7 +153,9 @@ def _cosine(state: np.ndarray) -> float:
 
 def _exact() -> float:
     wide = _inverting("run.precision=quad")
-    sys = equations_of_motion(formulas_of(wide.system, wide.form.name, type(wide.friction)), wide.variables).rates
+    sys = equations_of_motion(
+        formulas_of(wide.system, wide.form.name, type(wide.friction)), wide.variables
+    ).rates
     pars = np.array([wide.number(leaf) for leaf in leaves(wide.internal_body)])
     options = {"tol": wide.number(2.0**-112), "fp_type": wide.number, "compact_mode": True}
     made = hy.taylor_adaptive(sys, wide.start(), pars=pars, high_accuracy=True, **options)

@@ -1,4 +1,6 @@
-"""Work against precision: every contestant at every tolerance, theta against an integration in wider numbers."""
+"""Work against precision: every contestant at every tolerance, theta against an integration in
+wider numbers.
+"""
 
 import statistics
 from dataclasses import replace
@@ -35,7 +37,12 @@ def contestants(comparison: Comparison) -> tuple[Peer, ...]:
     """Who takes part."""
     hand = (
         Peer("heyoka by hand", ours.PLAIN, partial(ours.by_hand, False), tolerances=ours.TAYLOR),
-        Peer("heyoka by hand, events on", ours.PLAIN, partial(ours.by_hand, True), tolerances=ours.TAYLOR),
+        Peer(
+            "heyoka by hand, events on",
+            ours.PLAIN,
+            partial(ours.by_hand, True),
+            tolerances=ours.TAYLOR,
+        ),
     )
     field = [peer for peer in FIELD if comparison.everybody or peer.kind != CALLING]
     return (*ours.ENGINE, *(hand if comparison.preset == "inverting" else ()), *field)
@@ -48,10 +55,15 @@ def compare(comparison: Comparison, quick: bool) -> dict[str, Any]:
     problem = build.load(comparison.preset, [*comparison.assignments], until)
     minimal = Minimal(problem, samples)
     exact = reference(comparison, samples)
-    found: dict[str, Any] = {"title": comparison.title, "until": until, "reference": comparison.wide}
+    found: dict[str, Any] = {
+        "title": comparison.title,
+        "until": until,
+        "reference": comparison.wide,
+    }
     works: dict = {}
     found["contestants"] = entries(
-        contestants(comparison), lambda entry, peer: entered(entry, works, peer, minimal, exact, quick)
+        contestants(comparison),
+        lambda entry, peer: entered(entry, works, peer, minimal, exact, quick),
     )
     slow = {key: works.pop(key) for key in list(works) if _slow(*key, found["contestants"])}
     seconds = interleaved(works, 3 if quick else 7) | interleaved(slow, 1 if quick else 3)
@@ -64,11 +76,17 @@ def compare(comparison: Comparison, quick: bool) -> dict[str, Any]:
 def _slow(name: str, _: int, contestants: dict[str, Any]) -> bool:
     """Whether a contestant gets fewer rounds: diffrax is compiled, but not quick."""
     entry = contestants[name]
-    return entry["kind"] == CALLING or (entry["kind"] == COMPILED and entry["points"][-1]["first"] > 1)
+    return entry["kind"] == CALLING or (
+        entry["kind"] == COMPILED and entry["points"][-1]["first"] > 1
+    )
 
 
-def entered(entry: dict, works: dict, peer: Peer, minimal: Minimal, exact: np.ndarray, quick: bool) -> None:
-    """A contestant's errors, and its work among the works, down to the tolerance that it refuses."""
+def entered(
+    entry: dict, works: dict, peer: Peer, minimal: Minimal, exact: np.ndarray, quick: bool
+) -> None:
+    """A contestant's errors, and its work among the works, down to the tolerance that
+    it refuses.
+    """
     tolerances = peer.tolerances[::-2][::-1] if quick else peer.tolerances
     solver = peer.prepare(minimal)
     entry["points"] = []
@@ -87,7 +105,12 @@ def entered(entry: dict, works: dict, peer: Peer, minimal: Minimal, exact: np.nd
             return
         works[peer.name, len(entry["points"])] = partial(once, made)
         entry["points"].append(
-            {"tolerance": tolerance, "error": float(wrong.max()), "at_end": float(wrong[-1]), "first": first}
+            {
+                "tolerance": tolerance,
+                "error": float(wrong.max()),
+                "at_end": float(wrong[-1]),
+                "first": first,
+            }
         )
 
 
@@ -98,10 +121,13 @@ def once(solver: Any) -> float:
 
 
 def reference(comparison: Comparison, samples: np.ndarray) -> np.ndarray:
-    """theta at the samples [rad], by the engine in wider numbers; the tests hold the engine against an independent
-    multi-precision integration."""
+    """theta at the samples [rad], by the engine in wider numbers; the tests hold the engine against
+    an independent multi-precision integration.
+    """
     wide = build.load(
-        comparison.preset, [*comparison.assignments, f"run.precision={comparison.wide}"], float(samples[-1])
+        comparison.preset,
+        [*comparison.assignments, f"run.precision={comparison.wide}"],
+        float(samples[-1]),
     )
     wide = replace(wide, times=samples)
     return theta_of(wide, solve(wide).rows)

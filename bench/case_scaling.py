@@ -1,6 +1,7 @@
 """How the cost grows with the span, the tolerance, the number of tops and the points of a grid.
 
-A measurement that would exceed the limit is not made, and said to be extrapolated from the one before.
+A measurement that would exceed the limit is not made, and said to be extrapolated from the one
+before.
 """
 
 import math
@@ -45,8 +46,12 @@ def compare(quick: bool) -> dict[str, Any]:
     }
 
 
-def grown(what: str, sizes: Iterable[float], cost: Callable[[float], float], limit: float) -> dict[str, Any]:
-    """Processor seconds by size; the exponent of a power law over the last three that were measured."""
+def grown(
+    what: str, sizes: Iterable[float], cost: Callable[[float], float], limit: float
+) -> dict[str, Any]:
+    """Processor seconds by size; the exponent of a power law over the last three that were
+    measured.
+    """
     rows: list[dict[str, Any]] = []
     cost(next(iter(sizes)))  # compile
     for size in sizes:
@@ -55,7 +60,9 @@ def grown(what: str, sizes: Iterable[float], cost: Callable[[float], float], lim
             rows.append({"size": size, "seconds": last, "extrapolated": True})
         else:
             repeats = 5 if last < limit / 60 else 1
-            rows.append({"size": size, "seconds": statistics.median(cost(size) for _ in range(repeats))})
+            rows.append(
+                {"size": size, "seconds": statistics.median(cost(size) for _ in range(repeats))}
+            )
     measured = [row for row in rows if "extrapolated" not in row][-3:]
     logs = [[math.log(row[name]) for row in measured] for name in ("size", "seconds")]
     exponent = statistics.linear_regression(*logs).slope if len(measured) > 1 else math.nan
@@ -88,7 +95,9 @@ def grid(points: float) -> float:
 
 
 def tolerance(every: int) -> dict[str, Any]:
-    """The canonical inversion, 8 s, from 1e-6 to 1e-18: in doubles down to 1e-15, in 80-bit numbers to the end."""
+    """The canonical inversion, 8 s, from 1e-6 to 1e-18: in doubles down to 1e-15, in 80-bit numbers
+    to the end.
+    """
     rows, times = [], np.array([2.0, 4.0, 6.0, 8.0])
     exact = None
     for precision, digits in [
@@ -121,6 +130,8 @@ def streamed(n: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "F.zarr"
         x, y = np.linspace(-8e-4, 9e-4, n), np.linspace(0, 8e-6, n)
-        seconds = timed(lambda: recording.write(path, recording.Surface.over(FIGURE, x, y), threads=1))
+        seconds = timed(
+            lambda: recording.write(path, recording.Surface.over(FIGURE, x, y), threads=1)
+        )
         size = sum(p.stat().st_size for p in path.rglob("*") if p.is_file())
     return {"points": n**2, "seconds": seconds, "stored_MB": size / 1e6}

@@ -1,7 +1,8 @@
-"""What `tippetop run inverting --out RUN.zarr` takes from the shell, cold and warm, and where it goes.
+"""What `tippetop run inverting --out RUN.zarr` takes from the shell, cold and warm, and where it
+goes.
 
-Cold: heyoka and numba have nothing compiled on disk (a home and caches of its own, empty). Warm: the second run with
-them; alone: one that stores nothing.
+Cold: heyoka and numba have nothing compiled on disk (a home and caches of its own, empty). Warm:
+the second run with them; alone: one that stores nothing.
 """
 
 import json
@@ -54,28 +55,45 @@ def compare(quick: bool) -> dict[str, Any]:
             found[name] = {
                 "wall": statistics.median(wall for wall, _ in commands),
                 "processor": statistics.median(processor for _, processor in commands),
-                "stages": {stage: statistics.median(s[stage] for s in stages) for stage in stages[0]},
+                "stages": {
+                    stage: statistics.median(s[stage] for s in stages) for stage in stages[0]
+                },
             }
-        found["alone"] = {"wall": statistics.median(command(homes[0], "run", "inverting")[0] for _ in range(3))}
-        found["help"] = {"wall": statistics.median(command(homes[0], "--help")[0] for _ in range(3))}
-        found["interpreter"] = {"wall": statistics.median(run(homes[0], ["-c", "pass"])[0] for _ in range(3))}
+        found["alone"] = {
+            "wall": statistics.median(command(homes[0], "run", "inverting")[0] for _ in range(3))
+        }
+        found["help"] = {
+            "wall": statistics.median(command(homes[0], "--help")[0] for _ in range(3))
+        }
+        found["interpreter"] = {
+            "wall": statistics.median(run(homes[0], ["-c", "pass"])[0] for _ in range(3))
+        }
     return found
 
 
 def environment(home: Path) -> dict[str, str]:
     """An environment whose caches are the home's."""
-    places = {"HOME": ".", "XDG_CACHE_HOME": "cache", "HEYOKA_CACHE_DIR": "heyoka", "TIPPETOP_CACHE_DIR": "kernels"}
+    places = {
+        "HOME": ".",
+        "XDG_CACHE_HOME": "cache",
+        "HEYOKA_CACHE_DIR": "heyoka",
+        "TIPPETOP_CACHE_DIR": "kernels",
+    }
     return {**os.environ, **{name: str(home / place) for name, place in places.items()}}
 
 
 def run(home: Path, arguments: list[str]) -> tuple[float, float, str]:
     """Seconds by the wall and of the processor of a Python process, and what it printed."""
     before, clock = os.times(), time.perf_counter()
-    made = subprocess.run([sys.executable, *arguments], env=environment(home), capture_output=True, text=True)
+    made = subprocess.run(
+        [sys.executable, *arguments], env=environment(home), capture_output=True, text=True
+    )
     wall, after = time.perf_counter() - clock, os.times()
     if made.returncode:
         raise RuntimeError(made.stderr)
-    processor = after.children_user + after.children_system - before.children_user - before.children_system
+    processor = (
+        after.children_user + after.children_system - before.children_user - before.children_system
+    )
     return wall, processor, made.stdout
 
 

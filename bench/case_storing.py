@@ -1,7 +1,9 @@
-"""What storing costs: a run at 1 kHz with events, drift, store and checkpoints against the equations alone.
+"""What storing costs: a run at 1 kHz with events, drift, store and checkpoints against the
+equations alone.
 
-Processor seconds, both threads: the store is written by a second one. By the wall too. What bounds it: the same columns
-given to zarr alone, from memory; and a run so long that the making of a store no longer counts.
+Processor seconds, both threads: the store is written by a second one. By the wall too. What bounds
+it: the same columns given to zarr alone, from memory; and a run so long that the making of a store
+no longer counts.
 """
 
 import statistics
@@ -59,28 +61,43 @@ def keyframes(problem: Problem) -> Seconds:
 
 
 def three(problem: Problem) -> Seconds:
-    """Seconds of the run into a store that keeps three columns: what they do not need is not integrated."""
+    """Seconds of the run into a store that keeps three columns: what they do not need is not
+    integrated.
+    """
     return stored(replace(problem, columns=THREE, orientation=False))
 
 
-CODECS: list[Any] = [zarr.codecs.BloscCodec(cname="lz4", clevel=1, shuffle="shuffle"), zarr.codecs.Crc32cCodec()]
+CODECS: list[Any] = [
+    zarr.codecs.BloscCodec(cname="lz4", clevel=1, shuffle="shuffle"),
+    zarr.codecs.Crc32cCodec(),
+]
 
 
 def zarr_alone(problem: Problem) -> dict[str, float]:
-    """Processor seconds that zarr takes to write the columns of all rows, and three, that are in memory, in our chunks
-    and codecs: measured on a chunk of each column, which is given once for nothing."""
+    """Processor seconds that zarr takes to write the columns of all rows, and three, that are in
+    memory, in our chunks and codecs: measured on a chunk of each column, which is given once for
+    nothing.
+    """
     rows = recording.ROWS_PER_CHUNK
-    columns = solve(replace(problem, times=EvenTimes(0.001, (rows - 1) * 0.001), until=(rows - 1) * 0.001)).columns()
+    columns = solve(
+        replace(problem, times=EvenTimes(0.001, (rows - 1) * 0.001), until=(rows - 1) * 0.001)
+    ).columns()
     seconds = {}
     with tempfile.TemporaryDirectory() as folder:
         group = zarr.open_group(folder, mode="w")
         for name, column in columns.items():
             values = column.values
             array = group.create_array(
-                name, shape=values.shape, chunks=values.shape, dtype=values.dtype, compressors=CODECS
+                name,
+                shape=values.shape,
+                chunks=values.shape,
+                dtype=values.dtype,
+                compressors=CODECS,
             )
             array[:] = values
-            seconds[name] = spent(lambda array=array, values=values: array.__setitem__(slice(None), values))
+            seconds[name] = spent(
+                lambda array=array, values=values: array.__setitem__(slice(None), values)
+            )
     share = len(problem.times) / rows
     return {
         "three": share * sum(seconds[name] for name in ("time", *THREE)),
@@ -95,14 +112,24 @@ def compare(quick: bool) -> dict[str, Any]:
     for name, (preset, until) in RUNS.items():
         sets = ["run.output_step=0.001"] + (["friction.mu=0.0"] if preset == "inverting" else [])
         problem = build.load(preset, sets, until / 10 if quick else until)
-        works = {f.__name__: lambda f=f, p=problem: f(p) for f in (bare, followed, keyframes, three, stored)}
+        works = {
+            f.__name__: lambda f=f, p=problem: f(p)
+            for f in (bare, followed, keyframes, three, stored)
+        }
         seconds: dict[Any, list[Any]] = interleaved(works, 4)
         found["runs"][name] = {
             "rows": len(problem.times),
             "seconds": {name: statistics.median(times) for name, times in seconds.items()},
-            "wall": {name: statistics.median(each.wall for each in times) for name, times in seconds.items()},
+            "wall": {
+                name: statistics.median(each.wall for each in times)
+                for name, times in seconds.items()
+            },
             "zarr alone": zarr_alone(problem),
-            **{f"{way} / bare": ratio(seconds[way], seconds["bare"]) for way in seconds if way != "bare"},
+            **{
+                f"{way} / bare": ratio(seconds[way], seconds["bare"])
+                for way in seconds
+                if way != "bare"
+            },
         }
     found["long"] = {name: long(preset, until * 5, quick) for name, (preset, until) in RUNS.items()}
     return found
@@ -114,5 +141,7 @@ def long(preset: str, until: float, quick: bool) -> dict[str, float]:
     problem = build.load(preset, sets, until / 10 if quick else until)
     works = {f.__name__: lambda f=f: f(problem) for f in (bare, followed, keyframes)}
     seconds: dict[Any, list[Any]] = interleaved(works, 2)
-    ways = {f"{way} / bare": ratio(seconds[way], seconds["bare"]) for way in ("followed", "keyframes")}
+    ways = {
+        f"{way} / bare": ratio(seconds[way], seconds["bare"]) for way in ("followed", "keyframes")
+    }
     return {"until": problem.until, **ways}

@@ -1,6 +1,8 @@
-"""How fast F = inf V is, against V itself and against what one would write without it, side by side in one process.
+"""How fast F = inf V is, against V itself and against what one would write without it, side by side
+in one process.
 
-Wall clock: two threads take part. Where the machine has other work, the best of all repetitions tells more.
+Wall clock: two threads take part. Where the machine has other work, the best of all repetitions
+tells more.
 """
 
 import statistics
@@ -57,7 +59,9 @@ def golden(f, xs, ys, b, out):
 
 
 def golden_numpy(xs, ys, b, out):
-    """The same golden section, a whole grid at a time in NumPy, row blocks that stay in the cache."""
+    """The same golden section, a whole grid at a time in NumPy, row blocks that stay in
+    the cache.
+    """
     for i in range(xs.size):
         x = xs[i]
         low, high = np.full(ys.size, -1.0), np.full(ys.size, 1.0)
@@ -81,7 +85,10 @@ def scipy_points(xs, ys, b, out):
     """scipy's bounded minimiser on the jitted V, point by point."""
     for i, j in np.ndindex(out.shape):
         found = scipy.optimize.minimize_scalar(
-            lambda z, i=i, j=j: potential(z, xs[i], ys[j], b), bounds=(-1, 1), method="bounded", options={"xatol": 1e-9}
+            lambda z, i=i, j=j: potential(z, xs[i], ys[j], b),
+            bounds=(-1, 1),
+            method="bounded",
+            options={"xatol": 1e-9},
         )
         out[i, j] = found.fun
 
@@ -115,7 +122,11 @@ def compete(n, repeats):
     def surface(threads, work=alone):
         return lambda: grid.on_threads(work, n, threads)
 
-    small = {"golden section, jitted": max(50, n // 5), "golden section, NumPy": max(30, n // 10), "scipy": 10}
+    small = {
+        "golden section, jitted": max(50, n // 5),
+        "golden section, NumPy": max(30, n // 10),
+        "scipy": 10,
+    }
     axes = {name: grids(m, *box) for name, m in small.items()}
     tables = {name: np.empty((m, m)) for name, m in small.items()}
     contestants = {
@@ -162,7 +173,9 @@ def count(xs, ys, r):
 
 
 def pieces(n, repeats):
-    """Where the time of a point goes [ns]: each part of a row by itself, on one block that stays in the cache."""
+    """Where the time of a point goes [ns]: each part of a row by itself, on one block that stays in
+    the cache.
+    """
     t = bodies.top(FIGURE)
     f, r, many = formulas, t.coefficients, n * n // BLOCK
     D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
@@ -215,7 +228,8 @@ def compare(quick: bool) -> dict:
         "closer_looks": looked,
         "scaling_1_to_2_threads": ratio(one, two),
         "times_faster_than": {
-            name: {"1 thread": ratio(times[name], one), "2 threads": ratio(times[name], two)} for name in errors
+            name: {"1 thread": ratio(times[name], one), "2 threads": ratio(times[name], two)}
+            for name in errors
         },
         "largest_relative_error": errors,
     }

@@ -1,4 +1,6 @@
-"""What dask and the store cost a sweep: one worker through both against `ensembles.measure`, on the same tops."""
+"""What dask and the store cost a sweep: one worker through both against `ensembles.measure`, on the
+same tops.
+"""
 
 import contextlib
 import logging
@@ -18,7 +20,9 @@ from tippetop.sweeps.plan import Plan
 
 
 def plain(document: dict[str, Any]) -> tuple[float, float]:
-    """Seconds by the wall clock and of the processor, of the tops of a plan in one call, one thread."""
+    """Seconds by the wall clock and of the processor, of the tops of a plan in one call, one
+    thread.
+    """
     made, clock, processor = Plan.from_tables(document), time.perf_counter(), time.process_time()
     tops = ensemble.vary(made.base, made.columns(np.arange(made.n)))
     ensemble.measure(tops, threads=1)
@@ -26,8 +30,12 @@ def plain(document: dict[str, Any]) -> tuple[float, float]:
 
 
 def swept(made: Plan, client: Any) -> tuple[float, float]:
-    """The same into a new store, by the workers of a client, which are warm; processor: workers and writer."""
-    its_own = mock.patch.object(sweep, "connect", return_value=contextlib.nullcontext(client))  # only it has the keys
+    """The same into a new store, by the workers of a client, which are warm; processor: workers and
+    writer.
+    """
+    its_own = mock.patch.object(
+        sweep, "connect", return_value=contextlib.nullcontext(client)
+    )  # only it has the keys
     with tempfile.TemporaryDirectory() as folder, its_own:
         before, clock = used(client), time.perf_counter()
         sweep.sweep(made, Path(folder) / "S.zarr", scheduler="local")
@@ -39,8 +47,15 @@ def local_cluster(count: int) -> Iterator[Any]:
     """A client of processes of dask on this machine, one thread each."""
     from distributed import Client, LocalCluster
 
-    settings: dict[str, Any] = {"threads_per_worker": 1, "dashboard_address": ":0", "memory_limit": 0}
-    with LocalCluster(count, **settings) as cluster, Client(cluster, set_as_default=False) as client:
+    settings: dict[str, Any] = {
+        "threads_per_worker": 1,
+        "dashboard_address": ":0",
+        "memory_limit": 0,
+    }
+    with (
+        LocalCluster(count, **settings) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
         yield client
 
 
@@ -50,19 +65,26 @@ def used(client: Any) -> float:
 
 
 def tops(n: int) -> Plan:
-    """Canonical tops of 10 s with other spins, in chunks of some four seconds, as a large sweep has them."""
+    """Canonical tops of 10 s with other spins, in chunks of some four seconds, as a large sweep has
+    them.
+    """
     axis = {"of": "initial.omega3", "linspace": [100.0, 160.0], "n": n}
     return Plan.from_tables({"scenario": "inverting", "axis": [axis], "chunk": min(n, 4096)})
 
 
 def compare(quick: bool) -> dict[str, Any]:
-    """Runs all, interleaved: the medians, and those of the ratios pair by pair; and what a second worker brings."""
+    """Runs all, interleaved: the medians, and those of the ratios pair by pair; and what a second
+    worker brings.
+    """
     logging.getLogger("distributed").setLevel(logging.ERROR)  # it tells of every connection
     made, rounds = tops(4096 if quick else 8192), 3 if quick else 5
     with local_cluster(1) as client:
         swept(shared(1024, 256), client)
         # both in the same process: from one to the next, equal work differs by up to a tenth
-        rows = [(client.submit(plain, made.document, pure=False).result(), swept(made, client)) for _ in range(rounds)]
+        rows = [
+            (client.submit(plain, made.document, pure=False).result(), swept(made, client))
+            for _ in range(rounds)
+        ]
         many = shared(2 * made.n, 1024 if quick else 2048)
         with local_cluster(2) as both:
             swept(shared(1024, 256), both)
@@ -79,8 +101,12 @@ def compare(quick: bool) -> dict[str, Any]:
             }
             for i, way in enumerate(ways)
         },
-        "seconds_by_1_and_2_workers": [statistics.median(pair[i][0] for pair in pairs) for i in range(2)],
-        "processor_of_1_and_2_workers": [statistics.median(pair[i][1] for pair in pairs) for i in range(2)],
+        "seconds_by_1_and_2_workers": [
+            statistics.median(pair[i][0] for pair in pairs) for i in range(2)
+        ],
+        "processor_of_1_and_2_workers": [
+            statistics.median(pair[i][1] for pair in pairs) for i in range(2)
+        ],
         "efficiency_of_2_workers": statistics.median(one[0] / two[0] for one, two in pairs) / 2,
     }
 

@@ -1,4 +1,6 @@
-"""What a whole run costs beside its motion, and how many processors it takes: in one process, after the first run."""
+"""What a whole run costs beside its motion, and how many processors it takes: in one process, after
+the first run.
+"""
 
 import statistics
 import time
@@ -34,11 +36,15 @@ HOPS, SMOOTH = "flying", "inverting"  # presets: the same top, which hops, or sl
 
 
 def compare(quick: bool) -> dict[str, Any]:
-    """Processor seconds of motion, whole run and rows in memory; and processor time over wall time."""
+    """Processor seconds of motion, whole run and rows in memory; and processor time
+    over wall time.
+    """
     found: dict[str, Any] = {"title": "A whole run beside its motion", "runs": {}}
     for name, (preset, until) in RUNS.items():
         problem = build.load(preset, None, until / 4 if quick else until)
-        works = {what: partial(timed, work) for what, work in of(problem, hand=name == HAND).items()}
+        works = {
+            what: partial(timed, work) for what, work in of(problem, hand=name == HAND).items()
+        }
         seconds = interleaved(works, 5 if quick else 21)
         entry = {
             "form": problem.form.name,
@@ -54,9 +60,14 @@ def compare(quick: bool) -> dict[str, Any]:
 
 
 def hops(rounds: int) -> dict[str, Any]:
-    """Processor seconds of a top that hops, with its rows, by second of its motion, beside those of one that slides."""
+    """Processor seconds of a top that hops, with its rows, by second of its motion, beside those of
+    one that slides.
+    """
     problems = {name: build.load(name) for name in (HOPS, SMOOTH)}
-    seconds = interleaved({name: partial(timed, partial(solve, problem)) for name, problem in problems.items()}, rounds)
+    seconds = interleaved(
+        {name: partial(timed, partial(solve, problem)) for name, problem in problems.items()},
+        rounds,
+    )
     each = {name: [s / problem.until for s in seconds[name]] for name, problem in problems.items()}
     return {
         "seconds": {name: statistics.median(times) for name, times in each.items()},
@@ -66,9 +77,11 @@ def hops(rounds: int) -> dict[str, Any]:
 
 
 def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:
-    """The motion alone; with the integrals of a run; the compiled loop of a run, with all that it finds, and the making
-    of its driver; the whole run without rows, for which the orientation is not integrated; the run with the rows of its
-    preset in memory, and the orientation; heyoka by hand."""
+    """The motion alone; with the integrals of a run; the compiled loop of a run, with all that it
+    finds, and the making of its driver; the whole run without rows, for which the orientation is
+    not integrated; the run with the rows of its preset in memory, and the orientation; heyoka by
+    hand.
+    """
     minimal = Minimal(problem, np.array([problem.until]))
     moving, bare = motion((), minimal)(0.0), replace(problem, orientation=False)
     integrals, start = alone(bare), bare.start()
@@ -106,8 +119,14 @@ def _often(problem: Problem) -> None:
 
 
 def processors(work: Callable[[], Any]) -> dict[str, float]:
-    """Processor time over wall time; and, where others keep the processors busy, over that of the thread that works."""
+    """Processor time over wall time; and, where others keep the processors busy, over that of the
+    thread that works.
+    """
     before, mine, clock = time.process_time(), time.thread_time(), time.perf_counter()
     work()
-    wall, alone, spent = time.perf_counter() - clock, time.thread_time() - mine, time.process_time() - before
+    wall, alone, spent = (
+        time.perf_counter() - clock,
+        time.thread_time() - mine,
+        time.process_time() - before,
+    )
     return {"processor / wall": spent / wall, "all threads / one": spent / alone}

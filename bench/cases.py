@@ -25,11 +25,18 @@ from .measure import machine
 COMPARISONS = {
     "inversion": Comparison("The canonical inversion", "inverting", 10.0, 10.0, "quad", True),
     "rolling": Comparison("A long rolling run", "rolling", 400.0, 50.0, "longdouble", False),
-    "heavy-top": Comparison("A heavy top with a fixed tip", "heavy-top", 100.0, 10.0, "longdouble", True),
-    "cylinder": Comparison("An eccentric cylinder that glides", "gliding-cylinder", 4.0, 4.0, "longdouble", True),
+    "heavy-top": Comparison(
+        "A heavy top with a fixed tip", "heavy-top", 100.0, 10.0, "longdouble", True
+    ),
+    "cylinder": Comparison(
+        "An eccentric cylinder that glides", "gliding-cylinder", 4.0, 4.0, "longdouble", True
+    ),
 }
 CASES: dict[str, Callable[[bool], dict[str, Any]]] = {
-    **{name: partial(case_precision.compare, comparison) for name, comparison in COMPARISONS.items()},
+    **{
+        name: partial(case_precision.compare, comparison)
+        for name, comparison in COMPARISONS.items()
+    },
     "whole": case_whole.compare,
     "ensemble": case_ensemble.compare,
     "formulations": case_formulations.compare,

@@ -1,10 +1,11 @@
 """How far other engines' tippe tops are from the exact one: `python -m bench.contact_simulators`.
 
-Each scenario is exported, stepped by the engine with several steps, written as a table, and compared. MuJoCo
-(tippetop[peers]) takes the MJCF and is asked what its own manual advises: elliptic cones, a contact as stiff as the
-step allows (solref = 2 steps), impratio 10; by two integrators. `--engine pybullet` (`pip install pybullet` beside)
-takes the URDF: cone friction, no damping, no limit of speed, as many iterations as it needs. Both are fair questions
-for a contact engine, and ones that it was not made for.
+Each scenario is exported, stepped by the engine with several steps, written as a table, and
+compared. MuJoCo (tippetop[peers]) takes the MJCF and is asked what its own manual advises: elliptic
+cones, a contact as stiff as the step allows (solref = 2 steps), impratio 10; by two integrators.
+`--engine pybullet` (`pip install pybullet` beside) takes the URDF: cone friction, no damping, no
+limit of speed, as many iterations as it needs. Both are fair questions for a contact engine, and
+ones that it was not made for.
 """
 
 from __future__ import annotations
@@ -42,16 +43,29 @@ class Case(NamedTuple):
 
 def _tables(friction: dict[str, Any], until: float, **more: Any) -> dict[str, Any]:
     initial = {**START, **more.pop("initial", {})}
-    return {"system": "tippe-top", "parameters": BODY, "friction": friction, "initial": initial,
-            "run": {"until": until}, **more}  # fmt: skip
+    return {
+        "system": "tippe-top",
+        "parameters": BODY,
+        "friction": friction,
+        "initial": initial,
+        "run": {"until": until},
+        **more,
+    }
 
 
 CASES = (
-    Case("flight", "no contact: the integrator alone", _tables(
-        {"law": "coulomb", "mu": 0.3}, 0.1, initial={"gap": 0.08}, contact={})),
+    Case(
+        "flight",
+        "no contact: the integrator alone",
+        _tables({"law": "coulomb", "mu": 0.3}, 0.1, initial={"gap": 0.08}, contact={}),
+    ),
     Case("gliding", "contact without friction: nothing is lost", _tables({"law": "none"}, 1.0)),
-    Case("coulomb", "contact with friction, exact Coulomb law", _tables({"law": "coulomb", "mu": 0.3}, 2.0)),
-)  # fmt: skip
+    Case(
+        "coulomb",
+        "contact with friction, exact Coulomb law",
+        _tables({"law": "coulomb", "mu": 0.3}, 2.0),
+    ),
+)
 
 
 def _bullet(problem: Any, text: str, step: float, integrator: str, until: float) -> np.ndarray:
@@ -71,15 +85,31 @@ def _bullet(problem: Any, text: str, step: float, integrator: str, until: float)
             )
         floor = pybullet.createMultiBody(0, pybullet.createCollisionShape(pybullet.GEOM_PLANE))
         for body, friction in ((top, mu), (floor, 1.0)):  # the friction of a contact is the product
-            pybullet.changeDynamics(body, -1, lateralFriction=friction, spinningFriction=0, rollingFriction=0,
-                                    restitution=0, linearDamping=0, angularDamping=0, jointDamping=0,
-                                    maxJointVelocity=1e9)  # fmt: skip
+            pybullet.changeDynamics(
+                body,
+                -1,
+                lateralFriction=friction,
+                spinningFriction=0,
+                rollingFriction=0,
+                restitution=0,
+                linearDamping=0,
+                angularDamping=0,
+                jointDamping=0,
+                maxJointVelocity=1e9,
+            )
         pybullet.changeDynamics(top, -1, activationState=pybullet.ACTIVATION_STATE_DISABLE_SLEEPING)
         pybullet.setGravity(0, 0, -problem.body().g)
-        pybullet.setPhysicsEngineParameter(fixedTimeStep=step, numSubSteps=0, numSolverIterations=1000,
-                                           solverResidualThreshold=0, enableConeFriction=1,
-                                           contactBreakingThreshold=1e-3)  # fmt: skip
-        turn = np.array(pybullet.getMatrixFromQuaternion(np.roll(start.quaternion, -1).tolist())).reshape(3, 3)
+        pybullet.setPhysicsEngineParameter(
+            fixedTimeStep=step,
+            numSubSteps=0,
+            numSolverIterations=1000,
+            solverResidualThreshold=0,
+            enableConeFriction=1,
+            contactBreakingThreshold=1e-3,
+        )
+        turn = np.array(
+            pybullet.getMatrixFromQuaternion(np.roll(start.quaternion, -1).tolist())
+        ).reshape(3, 3)
         pybullet.resetBaseVelocity(top, start.velocity.tolist(), (turn @ start.omega).tolist())
         rows = []
         count = round(until / step)
@@ -88,7 +118,9 @@ def _bullet(problem: Any, text: str, step: float, integrator: str, until: float)
                 place, turned = pybullet.getBasePositionAndOrientation(top)
                 velocity, omega = pybullet.getBaseVelocity(top)
                 axes = np.array(pybullet.getMatrixFromQuaternion(turned)).reshape(3, 3)
-                rows.append([k * step, *np.roll(turned, 1), *place, *velocity, *(axes.T @ np.array(omega))])
+                rows.append(
+                    [k * step, *np.roll(turned, 1), *place, *velocity, *(axes.T @ np.array(omega))]
+                )
             pybullet.stepSimulation()
     finally:
         pybullet.disconnect(client)
@@ -96,7 +128,9 @@ def _bullet(problem: Any, text: str, step: float, integrator: str, until: float)
 
 
 def _mujoco(problem: Any, text: str, step: float, integrator: str, until: float) -> np.ndarray:
-    """Rows of a motion, (rows, 14): time, quaternion, place, velocity, angular velocity in body axes."""
+    """Rows of a motion, (rows, 14): time, quaternion, place, velocity, angular velocity in body
+    axes.
+    """
     import mujoco
 
     model = mujoco.MjModel.from_xml_string(text)
@@ -150,7 +184,8 @@ def _toml(value: Any) -> str:
 def table(made: dict[str, dict[str, Comparison]]) -> str:
     """A Markdown table of all answers."""
     lines = [
-        "| case | integrator | step [s] | attitude, largest error [rad] | leaves 1e-3, 1e-2, 1e-1 rad at [s] | "
+        "| case | integrator | step [s] | attitude, largest error [rad] | leaves 1e-3, 1e-2, "
+        "1e-1 rad at [s] | "
         "theta, largest error [rad] | order | Jellett drift | energy drift | in the floor [m] |",
         "|" + " --- |" * 10,
     ]
@@ -158,11 +193,15 @@ def table(made: dict[str, dict[str, Comparison]]) -> str:
         for integrator, comparison in by.items():
             for i, motion in enumerate(comparison.motions):
                 n = motion.numbers
-                leaves = ", ".join("never" if t is None else f"{t:.3g}" for t in n["attitude"]["leaves"].values())
+                leaves = ", ".join(
+                    "never" if t is None else f"{t:.3g}" for t in n["attitude"]["leaves"].values()
+                )
                 order = f"{comparison.orders[i - 1].get('attitude', float('nan')):.2f}" if i else ""
                 lines.append(
-                    f"| {name} | {integrator} | {motion.step:g} | {n['attitude']['max']:.2g} | {leaves} | "
-                    f"{n['theta']['max']:.2g} | {order} | {n['jellett_drift']:.1e} | {n['energy_drift']:.1e} | "
+                    f"| {name} | {integrator} | {motion.step:g} | {n['attitude']['max']:.2g} | "
+                    f"{leaves} | "
+                    f"{n['theta']['max']:.2g} | {order} | {n['jellett_drift']:.1e} | "
+                    f"{n['energy_drift']:.1e} | "
                     f"{n['contact']['penetration']:.1e} |"
                 )
     return "\n".join(lines)

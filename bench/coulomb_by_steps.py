@@ -1,11 +1,13 @@
-"""Coulomb's law itself by steps of fixed length: what R. J. Cohen's computation of 1977 shows, and from what it comes.
+"""Coulomb's law itself by steps of fixed length: what R.
+
+J. Cohen's computation of 1977 shows, and from what it comes.
 
 usage: python -m bench.coulomb_by_steps [STEP ...]      (seconds; default: 1e-3 5e-4 2e-4 1e-4)
 
-The body, start and friction are those of the preset `cohen-coulomb`. The classical method of Runge and Kutta takes
-F = mu N v/|v| as it stands, and steps over the moment at which sliding stops: v then jumps to and fro about zero by
-what a step changes it, and friction acts as under a law that slides for ever. The shorter the step, the later it
-inverts.
+The body, start and friction are those of the preset `cohen-coulomb`. The classical method of Runge
+and Kutta takes F = mu N v/|v| as it stands, and steps over the moment at which sliding stops: v
+then jumps to and fro about zero by what a step changes it, and friction acts as under a law that
+slides for ever. The shorter the step, the later it inverts.
 """
 
 import sys
@@ -25,7 +27,8 @@ UNTIL = 8.0
 
 
 def inversion(problem: Problem, step: float, until: float = UNTIL) -> tuple[float, float]:
-    """When theta first passes pi/2 (NaN: not until the end), and the largest |v_A| of the last tenth [m/s].
+    """When theta first passes pi/2 (NaN: not until the end), and the largest |v_A| of the last
+    tenth [m/s].
 
     Parameters
     ----------
@@ -42,7 +45,9 @@ def inversion(problem: Problem, step: float, until: float = UNTIL) -> tuple[floa
     form, body = catalogue.VECTOR, problem.body()
     body = body._replace(friction=Coulomb._make((body.friction.mu, 0.0)))  # v/sqrt(v^2 + 0)
     start = load("cohen")  # the same body and start under the regularised law
-    angles = start.system.start(start.initial, np.sin(start.initial["theta"]), np.cos(start.initial["theta"]), body)
+    angles = start.system.start(
+        start.initial, np.sin(start.initial["theta"]), np.cos(start.initial["theta"]), body
+    )
     s, z = np.sin(start.initial["theta"]), np.cos(start.initial["theta"])
     y = np.array(form.of_angles(angles, s, z, body), dtype=float)
 
@@ -74,7 +79,9 @@ def main(arguments: list[str]) -> None:
     for step in [float(word) for word in arguments] or STEPS:
         when, speed = inversion(problem, step)
         outcome = "does not invert" if np.isnan(when) else f"inverts at {when:.3f} s"
-        print(f"step {step:g} s: {outcome} within {UNTIL:g} s; |v_A| up to {speed:.2g} m/s at the end")
+        print(
+            f"step {step:g} s: {outcome} within {UNTIL:g} s; |v_A| up to {speed:.2g} m/s at the end"
+        )
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
-"""DOP853 (Dormand and Prince 8(5,3), step control as in SciPy's), compiled with the right-hand side inside: the loops
-over the state have a fixed length and the sums of the stages are written out without their zeros, as one would by hand.
+"""DOP853 (Dormand and Prince 8(5,3), step control as in SciPy's), compiled with the right-hand side
+inside: the loops over the state have a fixed length and the sums of the stages are written out
+without their zeros, as one would by hand.
 """
 
 import ctypes
@@ -14,15 +15,20 @@ STAGES = table.N_STAGES
 
 
 def source(n: int, slope: str) -> str:
-    """The solver for n variables. `dop853(y, times, count, tolerance, rows)` gives the number of right-hand sides."""
+    """The solver for n variables.
+
+    `dop853(y, times, count, tolerance, rows)` gives the number of right-hand sides.
+    """
     stages = "\n".join(
-        f"    FOR {{ w[i] = y[i] + h * ({_sum(table.A[s, :s])}); }}\n    slope(w, K[{s}]);" for s in range(1, STAGES)
+        f"    FOR {{ w[i] = y[i] + h * ({_sum(table.A[s, :s])}); }}\n    slope(w, K[{s}]);"
+        for s in range(1, STAGES)
     )
     return f"""#include <cmath>
 #include <algorithm>
 {slope}
 #define FOR for (int i = 0; i < {n}; ++i)
-extern "C" long dop853(const double* start, const double* times, int count, double tolerance, double* rows) {{
+extern "C" long dop853(const double* start, const double* times, int count,
+                       double tolerance, double* rows) {{
   double y[{n}], w[{n}], K[{STAGES + 1}][{n}];
   double t = times[0], h = 1e-3;
   long calls = 1;
@@ -87,7 +93,9 @@ class Compiled:
         """States at 0 and the samples, (k + 1, n)."""
         minimal = self.minimal
         rows = np.empty((len(minimal.times), self.n))
-        self.calls = self.function(minimal.start, minimal.times, len(minimal.times), tolerance, rows)
+        self.calls = self.function(
+            minimal.start, minimal.times, len(minimal.times), tolerance, rows
+        )
         if self.calls < 0:
             raise ArithmeticError("DOP853 came to a state that is not finite.")
         return rows

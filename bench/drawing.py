@@ -55,7 +55,9 @@ def precision(result: dict[str, Any]) -> Figure:
         if found:
             colour, marker, line = LOOKS.get(name, (style.ALARM, "x", "-"))
             ms, errors = [1e3 * p["seconds"] for p in found], [p["error"] for p in found]
-            axes.loglog(ms, errors, color=colour, marker=marker, ls=line, ms=4.5, mfc="white", label=name)
+            axes.loglog(
+                ms, errors, color=colour, marker=marker, ls=line, ms=4.5, mfc="white", label=name
+            )
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
@@ -76,17 +78,30 @@ def scaling(result: dict[str, Any]) -> Figure:
             chosen = [r for r in rows if bool(r.get("extrapolated")) == extrapolated]
             if extrapolated and chosen:
                 chosen = [rows[len(rows) - len(chosen) - 1], *chosen]
-            label = "extrapolated, not run" if extrapolated else f"measured, exponent {result[name]['exponent']:.2f}"
+            label = (
+                "extrapolated, not run"
+                if extrapolated
+                else f"measured, exponent {result[name]['exponent']:.2f}"
+            )
             sizes, cost = [r["size"] for r in chosen], [r["seconds"] for r in chosen]
             if chosen:
-                axes.loglog(sizes, cost, look, color=style.QUIET if extrapolated else style.RUN, ms=4, label=label)
+                axes.loglog(
+                    sizes,
+                    cost,
+                    look,
+                    color=style.QUIET if extrapolated else style.RUN,
+                    ms=4,
+                    label=label,
+                )
         axes.set_xlabel(result[name]["what"])
         axes.set_ylabel("processor time [s]")
         axes.legend(loc="upper left")
     axes = panels.flat[3]
     for precision, colour in (("double", style.RUN), ("longdouble", style.UPPER)):
         chosen = [r for r in result["tolerance"]["rows"] if r["precision"] == precision]
-        label = f"{precision}, exponent of the digits {result['tolerance']['exponents'][precision]:.2f}"
+        label = (
+            f"{precision}, exponent of the digits {result['tolerance']['exponents'][precision]:.2f}"
+        )
         ms = [1e3 * r["seconds"] for r in chosen]
         axes.loglog([r["tolerance"] for r in chosen], ms, "o-", color=colour, ms=4, label=label)
     axes.set_ylim(top=8 * axes.get_ylim()[1])
@@ -95,7 +110,9 @@ def scaling(result: dict[str, Any]) -> Figure:
     axes.set_ylabel("processor time [ms]")
     axes.legend(loc="upper left")
     for axes, title in zip(
-        panels.flat, ("heavy top", "ensemble, 10 s", "minimal surface F", "canonical inversion, 8 s"), strict=True
+        panels.flat,
+        ("heavy top", "ensemble, 10 s", "minimal surface F", "canonical inversion, 8 s"),
+        strict=True,
     ):
         axes.set_title(title)
     return made

@@ -1,9 +1,11 @@
-"""A fit of a motion that tippetop did not make: `python -m bench.foreign_data make FOLDER`, then `... fit FOLDER`.
+"""A fit of a motion that tippetop did not make: `python -m bench.foreign_data make FOLDER`, then
+`... fit FOLDER`.
 
-`make` draws the numbers of a heavy top by chance, lets MuJoCo (tippetop[peers]) step it, and writes what a camera sees
-of it, FOLDER/film.csv; the numbers go to FOLDER/hidden.json, which `fit` reads only after its fit is made, to say how
-far off that is. The fit begins at the preset, whose numbers are up to 30 % away. A heavy top on a fixed tip is the one
-body whose law both programs share exactly; under friction an engine's soft contact is another law than ours.
+`make` draws the numbers of a heavy top by chance, lets MuJoCo (tippetop[peers]) step it, and writes
+what a camera sees of it, FOLDER/film.csv; the numbers go to FOLDER/hidden.json, which `fit` reads
+only after its fit is made, to say how far off that is. The fit begins at the preset, whose numbers
+are up to 30 % away. A heavy top on a fixed tip is the one body whose law both programs share
+exactly; under friction an engine's soft contact is another law than ours.
 """
 
 from __future__ import annotations
@@ -21,7 +23,12 @@ from tippetop.exchange.simulators import text_of
 
 FREE = ("parameters.I1", "initial.omega3", "initial.theta", "initial.phi_dot")
 PRESET, BEGIN = "heavy-top", ["initial.phi_dot=1.0"]
-OFF, UNTIL, STEP, EVERY = 0.3, 5.0, 1e-4, 100  # of the numbers; [s]; [s]; steps from one picture to the next
+OFF, UNTIL, STEP, EVERY = (
+    0.3,
+    5.0,
+    1e-4,
+    100,
+)  # of the numbers; [s]; [s]; steps from one picture to the next
 NOISE, MISSING = np.deg2rad(0.5), 0.2
 
 
@@ -51,7 +58,13 @@ def make(folder: Path) -> None:
     kept = random.random(len(t)) > MISSING
     folder.mkdir(parents=True, exist_ok=True)
     header = "t [s],axis_x,axis_y,axis_z"
-    np.savetxt(folder / "film.csv", np.column_stack([t, seen])[kept], delimiter=",", header=header, comments="")
+    np.savetxt(
+        folder / "film.csv",
+        np.column_stack([t, seen])[kept],
+        delimiter=",",
+        header=header,
+        comments="",
+    )
     (folder / "hidden.json").write_text(json.dumps(hidden), encoding="utf-8")
 
 
@@ -61,7 +74,10 @@ def fit(folder: Path) -> None:
     print(result)
     result.plot(folder / "fit.png", overwrite=True)
     hidden = json.loads((folder / "hidden.json").read_text(encoding="utf-8"))
-    print("\n| number | hidden | fitted | standard error | off, in standard errors |\n|" + " --- |" * 5)
+    print(
+        "\n| number | hidden | fitted | standard error | off, in standard errors |\n|"
+        + " --- |" * 5
+    )
     for name, e in result.estimates.items():
         off = (e.value - hidden[name]) / e.sigma
         print(f"| `{name}` | {hidden[name]:.6g} | {e.value:.6g} | {e.sigma:.2g} | {off:+.2f} |")

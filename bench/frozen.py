@@ -1,8 +1,10 @@
-"""Record what a version of the package stores, prints and refuses, one sorted line per fact: compare two with diff.
+"""Record what a version of the package stores, prints and refuses, one sorted line per fact:
+compare two with diff.
 
-Usage: ``python bench/frozen.py stores|texts [WORD ...]``; with words, only the cases whose names contain one. The
-version on PYTHONPATH is recorded. Stores are written by the command line and read through xarray. Messages come from
-the test suite: ``PYTHONPATH=...:bench pytest -p frozen --messages FILE tests/scenario``. ``bits.py`` records runs.
+Usage: ``python bench/frozen.py stores|texts [WORD ...]``; with words, only the cases whose names
+contain one. The version on PYTHONPATH is recorded. Stores are written by the command line and read
+through xarray. Messages come from the test suite: ``PYTHONPATH=...:bench pytest -p frozen
+--messages FILE tests/scenario``. ``bits.py`` records runs.
 """
 
 import hashlib
@@ -20,7 +22,9 @@ from typing import Any
 
 SOURCE = f"{os.sep}tippetop{os.sep}"
 RECORDED = ("InputError", "StoreError", "TypeError")
-VARYING = re.compile(r"/[^\s`'\"]*(?:pytest-of|/tmp)[^\s`'\"]*/|0x[0-9a-f]+|\bprocess \d+|\b\d+\.\d+ s\b")
+VARYING = re.compile(
+    r"/[^\s`'\"]*(?:pytest-of|/tmp)[^\s`'\"]*/|0x[0-9a-f]+|\bprocess \d+|\b\d+\.\d+ s\b"
+)
 PLAN = """
 scenario = "inverting"
 set.run.until = 0.5
@@ -39,7 +43,14 @@ RUNS = {
     "inverting": ("inverting", *SHORT),
     "steps": ("inverting", *SHORT, "--set", "run.output=steps"),
     "events": ("inverting", "--until", "8", "--set", "run.output=events"),
-    "keyframes": ("inverting", *SHORT, "--set", "run.output=keyframes", "--set", "run.keyframe_steps=16"),
+    "keyframes": (
+        "inverting",
+        *SHORT,
+        "--set",
+        "run.output=keyframes",
+        "--set",
+        "run.keyframe_steps=16",
+    ),
     "times": ("inverting", *SHORT, "--set", "run.output_times=[0.1, 0.25]"),
     "columns": ("inverting", *SHORT, "--columns", "theta,normal_force"),
     "settled": ("inverting", "--until", "30", "--set", "run.stop_when=settled"),
@@ -58,14 +69,22 @@ STORES = {
     "surface rolling": ("surface", "rolling", "--D", "0:1e-4:5", "--lambda", "0:2e-4:7"),
     "potential": ("potential", "inverting", "--D", "1e-5", "--lambda", "1e-4", "--n", "11"),
 }
-PRINTED = ("presets", "systems", "help", "check inverting --json", "run inverting --until 0.01 --json")
+PRINTED = (
+    "presets",
+    "systems",
+    "help",
+    "check inverting --json",
+    "run inverting --until 0.01 --json",
+)
 
 
 def command(*words: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
     """Run a command of the version on PYTHONPATH."""
     environment = os.environ | {"COLUMNS": "100", "NO_COLOR": "1"}
     line = [sys.executable, "-m", "tippetop", *words]
-    return subprocess.run(line, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    return subprocess.run(
+        line, cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
 
 
 def digest(array: Any) -> str:
@@ -73,7 +92,11 @@ def digest(array: Any) -> str:
     import numpy as np
 
     values = np.ascontiguousarray(array)
-    data = "\n".join(map(str, values.ravel())).encode() if values.dtype.kind in "OUT" else values.tobytes()
+    data = (
+        "\n".join(map(str, values.ravel())).encode()
+        if values.dtype.kind in "OUT"
+        else values.tobytes()
+    )
     return hashlib.sha256(data).hexdigest()[:16]
 
 
@@ -81,7 +104,9 @@ def contents(store: Path) -> Iterator[tuple[str, str]]:
     """Yield every attribute and every array of the groups of a store, as xarray reads them."""
     import xarray as xr
 
-    documents = {path.parent: json.loads(path.read_text()) for path in sorted(store.rglob("zarr.json"))}
+    documents = {
+        path.parent: json.loads(path.read_text()) for path in sorted(store.rglob("zarr.json"))
+    }
     for folder, document in documents.items():
         if document["node_type"] != "group":
             continue
@@ -92,7 +117,10 @@ def contents(store: Path) -> Iterator[tuple[str, str]]:
             for key, variable in sorted(table.variables.items()):
                 array = variable.values
                 about = json.dumps(variable.attrs, sort_keys=True, default=str)
-                yield f"{name} {key}", f"{variable.dims} {array.dtype} {array.shape} {digest(array)} {about}"
+                yield (
+                    f"{name} {key}",
+                    f"{variable.dims} {array.dtype} {array.shape} {digest(array)} {about}",
+                )
 
 
 def stores(words: list[str]) -> Iterator[tuple[str, str]]:
@@ -100,7 +128,9 @@ def stores(words: list[str]) -> Iterator[tuple[str, str]]:
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         (folder / "PLAN.toml").write_text(PLAN)
-        (folder / "SETTLED.toml").write_text(PLAN.replace("0.5", '8.0\nset.run.stop_when = "settled"'))
+        (folder / "SETTLED.toml").write_text(
+            PLAN.replace("0.5", '8.0\nset.run.stop_when = "settled"')
+        )
         for name, line in STORES.items():
             if words and not any(word in name for word in words):
                 continue
@@ -113,7 +143,9 @@ def stores(words: list[str]) -> Iterator[tuple[str, str]]:
 
 
 def texts(words: list[str]) -> Iterator[tuple[str, str]]:
-    """Yield what the commands print: help of each, topics, templates, lists, a check and a summary."""
+    """Yield what the commands print: help of each, topics, templates, lists, a check
+    and a summary.
+    """
     overview = command("--help").stdout
     yield "--help", overview
     lines = [f"{name} --help" for name in re.findall(r"^  ([a-z]+)  ", overview, re.MULTILINE)]
@@ -138,7 +170,7 @@ def main() -> None:
             print(f"{key}: {line}".rstrip(), flush=True)
 
 
-# --- a plugin of pytest: every error that the package raises in a session ---------------------------------------------
+# --- a plugin of pytest: every error that the package raises in a session -----------------------
 
 messages: set[str] = set()
 
@@ -157,7 +189,9 @@ def _watch(frame: Any, event: str, argument: Any) -> Any:
 
 def pytest_addoption(parser: Any) -> None:
     """Add the option."""
-    parser.addoption("--messages", help="write type and text of every error of the package to this file")
+    parser.addoption(
+        "--messages", help="write type and text of every error of the package to this file"
+    )
 
 
 def pytest_sessionstart(session: Any) -> None:

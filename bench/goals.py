@@ -7,9 +7,17 @@ from .equal import best_peer, common, points, ratio
 
 
 ERROR = 1e-13
-WHOLE, FEW, TOGETHER = "tippetop, whole run without rows", "tippetop, lanes, class and inverted_at", "DOP853, C++"
+WHOLE, FEW, TOGETHER = (
+    "tippetop, whole run without rows",
+    "tippetop, lanes, class and inverted_at",
+    "DOP853, C++",
+)
 LANES_ALONE = "tippetop, lanes, motion alone"
-BARE, EVENTS, LANES = "tippetop, motion alone", "tippetop, motion, turnings, liftoff", "tippetop, lanes"
+BARE, EVENTS, LANES = (
+    "tippetop, motion alone",
+    "tippetop, motion, turnings, liftoff",
+    "tippetop, lanes",
+)
 HAND = "heyoka by hand"
 
 
@@ -27,14 +35,18 @@ def goals(results: dict[str, Any]) -> list[Goal]:
     found = []
     for what, goal, case, judge in GOALS:
         try:
-            measured, met = judge(results[case]) if case in results else (f"not run: --case {case}", None)
+            measured, met = (
+                judge(results[case]) if case in results else (f"not run: --case {case}", None)
+            )
         except LookupError as error:
             measured, met = f"not measured: {error}", None
         found.append(Goal(what, goal, measured, met))
     return found
 
 
-def _against(contestants: dict[str, Any], peer: str, ours: str, wanted: float, factor: float) -> tuple[str, bool]:
+def _against(
+    contestants: dict[str, Any], peer: str, ours: str, wanted: float, factor: float
+) -> tuple[str, bool]:
     if "points" not in contestants[peer]:
         raise LookupError(f"{peer} is missing")
     error = common(wanted, contestants[peer], contestants[ours])
@@ -52,7 +64,10 @@ def _smallest(result: dict[str, Any]) -> tuple[str, bool]:
     peer = best_peer(contestants, contestants[BARE], 0.0)
     theirs, ours = points(contestants[peer])[-1], points(contestants[BARE])[-1]
     times, digits = theirs["seconds"] / ours["seconds"], math.log10(theirs["error"] / ours["error"])
-    said = f"{times:.3g} times and {digits:.1f} digits more, against {peer} at its {theirs['error']:.1e}"
+    said = (
+        f"{times:.3g} times and {digits:.1f} digits more, against {peer} at its "
+        f"{theirs['error']:.1e}"
+    )
     return said, times >= 2 and digits >= 2
 
 
@@ -93,7 +108,9 @@ def _lanes_against(ours: str, amd: float, intel: float) -> Any:
         contestants, factor = result["contestants"], _by_kind(result, amd, intel)
         if ours not in contestants:
             raise LookupError(f"{ours} was not run")
-        said, met = _against(contestants, best_peer(contestants, contestants[ours], ERROR), ours, ERROR, factor)
+        said, met = _against(
+            contestants, best_peer(contestants, contestants[ours], ERROR), ours, ERROR, factor
+        )
         return f"{said} ({factor:g} on this processor)", met
 
     return judge
@@ -106,23 +123,33 @@ def _hops(result: dict[str, Any]) -> tuple[str, bool]:
 def _beside_motion(result: dict[str, Any]) -> tuple[str, bool]:
     most = dict(zip(result["runs"], (1.6, 1.6, 2.5, 5), strict=True))
     times = {name: entry["whole / motion"] for name, entry in result["runs"].items()}
-    return ", ".join(f"{x:.3g}" for x in times.values()), all(times[name] <= most[name] for name in times)
+    return ", ".join(f"{x:.3g}" for x in times.values()), all(
+        times[name] <= most[name] for name in times
+    )
 
 
 def _rows_by_hand(result: dict[str, Any]) -> tuple[str, bool]:
-    times = next(entry["rows / by hand"] for entry in result["runs"].values() if "rows / by hand" in entry)
+    times = next(
+        entry["rows / by hand"] for entry in result["runs"].values() if "rows / by hand" in entry
+    )
     return f"{times:.3g} times", times <= 2.5
 
 
 def _processors(result: dict[str, Any]) -> tuple[str, bool]:
     most = max(entry["processor / wall"] for entry in result["runs"].values())
     threads = max(entry.get("all threads / one", 1.0) for entry in result["runs"].values())
-    return f"{most:.3g} at most; all threads / the one that works {threads:.3g}", max(most, threads) <= 1.1
+    return f"{most:.3g} at most; all threads / the one that works {threads:.3g}", max(
+        most, threads
+    ) <= 1.1
 
 
 def _stored(way: str, most: float) -> Any:
     def judge(result: dict[str, Any]) -> tuple[str, bool]:
-        times = {name: entry[f"{way} / bare"] for name, entry in result["runs"].items() if f"{way} / bare" in entry}
+        times = {
+            name: entry[f"{way} / bare"]
+            for name, entry in result["runs"].items()
+            if f"{way} / bare" in entry
+        }
         if not times:
             raise LookupError(f"{way}")
         return ", ".join(f"{x:.3g}" for x in times.values()), max(times.values()) <= most
@@ -191,46 +218,137 @@ def _faster(result: dict[str, Any], peer: str, threads: str, factor: float) -> t
 
 def _threads(result: dict[str, Any]) -> tuple[str, bool]:
     times, best = result["scaling_1_to_2_threads"], result["best_ns_per_point"]
-    said = f"{times:.3g} times; by the best repetitions {best['F, 1 thread'] / best['F, 2 threads']:.3g}"
+    said = (
+        f"{times:.3g} times; by the best repetitions "
+        f"{best['F, 1 thread'] / best['F, 2 threads']:.3g}"
+    )
     return said, times >= 1.7
 
 
 GOALS: tuple[tuple[str, str, str, Any], ...] = (
-    ("one canonical inversion at 1e-13, against the best compiled peer", ">= 4 times", "inversion", _inversion),
-    ("the same at the smallest error that the peer reaches", ">= 2 times, two digits more", "inversion", _smallest),
-    ("whole run / its motion: inversion, rolling, heavy top, cylinder", "<= 1.6, 1.6, 2.5, 5", "whole", _beside_motion),
-    ("a whole canonical run against C++ DOP853's bare motion at its best", ">= 1.6 (AMD), 1.3 (Intel)", "inversion",
-     _peer_at_its_best(WHOLE, 1.6, 1.3)),
-    ("the canonical run with its rows in memory against heyoka by hand without any", "<= 2.5 times", "whole",
-     _rows_by_hand),
-    ("the motion of an inversion against C++ DOP853 at its best", ">= 3 times", "inversion",
-     _peer_at_its_best(BARE, 3, 3)),
-    ("the motion of a rolling top against C++ DOP853 at its best", ">= 2.5 times", "rolling",
-     _peer_at_its_best(BARE, 2.5, 2.5)),
-    ("the motion of a heavy top against C++ DOP853 at its best", ">= 5 times", "heavy-top",
-     _peer_at_its_best(BARE, 5, 5)),
-    ("a top in lanes with all that is kept / in lanes alone", "<= 1.8 times", "ensemble", _lanes_beside(LANES, 1.8)),
-    ("the same with its class and inverted_at only", "<= 1.25 times", "ensemble", _lanes_beside(FEW, 1.25)),
-    ("ensemble, per core, against the best compiled peer per core", ">= 9 times (AMD), 6 (Intel)", "ensemble",
-     _lanes_against(LANES, 9, 6)),
-    ("the same with class and inverted_at only", ">= 12 times (AMD), 8 (Intel)", "ensemble",
-     _lanes_against(FEW, 12, 8)),
+    (
+        "one canonical inversion at 1e-13, against the best compiled peer",
+        ">= 4 times",
+        "inversion",
+        _inversion,
+    ),
+    (
+        "the same at the smallest error that the peer reaches",
+        ">= 2 times, two digits more",
+        "inversion",
+        _smallest,
+    ),
+    (
+        "whole run / its motion: inversion, rolling, heavy top, cylinder",
+        "<= 1.6, 1.6, 2.5, 5",
+        "whole",
+        _beside_motion,
+    ),
+    (
+        "a whole canonical run against C++ DOP853's bare motion at its best",
+        ">= 1.6 (AMD), 1.3 (Intel)",
+        "inversion",
+        _peer_at_its_best(WHOLE, 1.6, 1.3),
+    ),
+    (
+        "the canonical run with its rows in memory against heyoka by hand without any",
+        "<= 2.5 times",
+        "whole",
+        _rows_by_hand,
+    ),
+    (
+        "the motion of an inversion against C++ DOP853 at its best",
+        ">= 3 times",
+        "inversion",
+        _peer_at_its_best(BARE, 3, 3),
+    ),
+    (
+        "the motion of a rolling top against C++ DOP853 at its best",
+        ">= 2.5 times",
+        "rolling",
+        _peer_at_its_best(BARE, 2.5, 2.5),
+    ),
+    (
+        "the motion of a heavy top against C++ DOP853 at its best",
+        ">= 5 times",
+        "heavy-top",
+        _peer_at_its_best(BARE, 5, 5),
+    ),
+    (
+        "a top in lanes with all that is kept / in lanes alone",
+        "<= 1.8 times",
+        "ensemble",
+        _lanes_beside(LANES, 1.8),
+    ),
+    (
+        "the same with its class and inverted_at only",
+        "<= 1.25 times",
+        "ensemble",
+        _lanes_beside(FEW, 1.25),
+    ),
+    (
+        "ensemble, per core, against the best compiled peer per core",
+        ">= 9 times (AMD), 6 (Intel)",
+        "ensemble",
+        _lanes_against(LANES, 9, 6),
+    ),
+    (
+        "the same with class and inverted_at only",
+        ">= 12 times (AMD), 8 (Intel)",
+        "ensemble",
+        _lanes_against(FEW, 12, 8),
+    ),
     ("a second of a top that hops / of one that slides", "<= 2 times", "whole", _hops),
     ("processor time / wall time of a run", "<= 1.1", "whole", _processors),
     ("`tippetop run inverting`, warm", "<= 0.6 s", "startup", _started("alone", 0.6)),
     ("`tippetop --help`", "<= 0.12 s", "startup", _started("help", 0.12)),
-    ("the same against SciPy's solve_ivp, formulas in Python", ">= 1000 times", "ensemble", _python),
+    (
+        "the same against SciPy's solve_ivp, formulas in Python",
+        ">= 1000 times",
+        "ensemble",
+        _python,
+    ),
     ("two workers of a sweep, efficiency", ">= 0.95", "sweep", _workers),
     ("dask and the store of a sweep, added to the tops alone", "<= 5 %", "sweep", _overhead),
-    ("stored with keyframes / equations alone", "<= 1.25 times", "storing", _stored("keyframes", 1.25)),
-    ("stored at 1 kHz, three columns / equations alone", "<= 2 times", "storing", _stored("three", 2)),
-    ("stored at 1 kHz, all columns / equations alone", "<= 4 times", "storing", _stored("stored", 4)),
-    ("against SciPy's solve_ivp with a jitted right-hand side", ">= 200 times", "inversion", _scipy),
+    (
+        "stored with keyframes / equations alone",
+        "<= 1.25 times",
+        "storing",
+        _stored("keyframes", 1.25),
+    ),
+    (
+        "stored at 1 kHz, three columns / equations alone",
+        "<= 2 times",
+        "storing",
+        _stored("three", 2),
+    ),
+    (
+        "stored at 1 kHz, all columns / equations alone",
+        "<= 4 times",
+        "storing",
+        _stored("stored", 4),
+    ),
+    (
+        "against SciPy's solve_ivp with a jitted right-hand side",
+        ">= 200 times",
+        "inversion",
+        _scipy,
+    ),
     ("against heyoka written by hand (no events, no store)", ">= 1.3 times", "inversion", _plain),
-    ("with turning and liftoff events on, against the same without them", ">= 1 times", "inversion", _plain_events),
+    (
+        "with turning and liftoff events on, against the same without them",
+        ">= 1 times",
+        "inversion",
+        _plain_events,
+    ),
     ("F at a point of a grid, one thread", "<= 12 of V", "surface", _surface),
     ("F against a jitted golden section", ">= 8 times", "surface", _golden),
     ("F against a golden section in NumPy", ">= 50 times", "surface", _golden_numpy),
-    ("F against scipy.optimize.minimize_scalar on a jitted V", ">= 20000 times", "surface", _minimize),
+    (
+        "F against scipy.optimize.minimize_scalar on a jitted V",
+        ">= 20000 times",
+        "surface",
+        _minimize,
+    ),
     ("F by two threads against one", ">= 1.7 times", "surface", _threads),
-)  # fmt: skip
+)

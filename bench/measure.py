@@ -11,13 +11,28 @@ from typing import Any
 
 
 PACKAGES = (
-    "tippetop", "heyoka", "numpy", "numba", "llvmlite", "scipy", "numbalsoda", "diffrax", "jax", "CyRK", "jitcode",
-    "scikit-sundae", "xarray", "zarr",
-)  # fmt: skip
+    "tippetop",
+    "heyoka",
+    "numpy",
+    "numba",
+    "llvmlite",
+    "scipy",
+    "numbalsoda",
+    "diffrax",
+    "jax",
+    "CyRK",
+    "jitcode",
+    "scikit-sundae",
+    "xarray",
+    "zarr",
+)
 
 
-def interleaved(works: Mapping[Hashable, Callable[[], float]], rounds: int) -> dict[Hashable, list[float]]:
-    """The seconds of every contestant in every round: each round runs all of them, so that neighbours in time compare.
+def interleaved(
+    works: Mapping[Hashable, Callable[[], float]], rounds: int
+) -> dict[Hashable, list[float]]:
+    """The seconds of every contestant in every round: each round runs all of them, so that
+    neighbours in time compare.
 
     One round before is not counted.
     """
@@ -78,7 +93,10 @@ def machine() -> dict[str, Any]:
 def _processor() -> str:
     try:
         with open("/proc/cpuinfo", encoding="ascii", errors="replace") as lines:
-            fields = {key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines)}
+            fields = {
+                key.strip(): value.strip()
+                for key, _, value in (line.partition(":") for line in lines)
+            }
         return f"{fields['model name']}, family {fields['cpu family']}, model {fields['model']}"
     except (OSError, KeyError):
         return platform.machine()

@@ -1,5 +1,5 @@
-"""The smallest state that the equations of a problem need, and their right-hand side for every peer: the engine's own
-formulas, fed what each peer computes with.
+"""The smallest state that the equations of a problem need, and their right-hand side for every
+peer: the engine's own formulas, fed what each peer computes with.
 """
 
 import ctypes
@@ -53,7 +53,9 @@ class Minimal:
         return rows[:, : len(self.names)]
 
     def theta(self, states: np.ndarray) -> np.ndarray:
-        """theta [rad] of minimal states (k, n); where it is an integral itself (cylinders), without its turns."""
+        """theta [rad] of minimal states (k, n); where it is an integral itself (cylinders), without
+        its turns.
+        """
         if "theta" not in self.names and "s" in self.names:
             return np.arctan2(*(states[:, self.names.index(name)] for name in "sz"))
         rows = np.zeros((len(states), len(self.problem.variables.names)), dtype=states.dtype)
@@ -71,13 +73,18 @@ class Minimal:
         lines, ends = function(CPP, [f"y[{i}]" for i in range(len(self.names))], self.rates)
         body = [*lines, *(f"d[{i}] = {end};" for i, end in enumerate(ends))]
         text = "\n  ".join(body)
-        return f"static inline void slope(const double* __restrict y, double* __restrict d) {{\n  {text}\n}}\n"
+        return (
+            "static inline void slope(const double* __restrict y, double* __restrict d) "
+            f"{{\n  {text}\n}}\n"
+        )
 
     @cached_property
     def built(self) -> ctypes.CDLL:
         """The right-hand side as a shared library: `rhs(t, y, d, p)`, as the C solvers call it."""
         return built(
-            "#include <cmath>\n" + self.source + 'extern "C" void rhs(double, const double* y, double* d, void*)'
+            "#include <cmath>\n"
+            + self.source
+            + 'extern "C" void rhs(double, const double* y, double* d, void*)'
             " { slope(y, d); }\n"
         )
 
@@ -101,19 +108,25 @@ def _jitted(minimal: Minimal) -> Any:
 
 @cache
 def built(source: str) -> ctypes.CDLL:
-    """The shared library of a C++ source, for as long as this process lives; OSError says what the compiler said."""
+    """The shared library of a C++ source, for as long as this process lives; OSError says what the
+    compiler said.
+    """
     if COMPILER is None:
         raise OSError("there must be a C++ compiler `c++`, but there is none.")
     with tempfile.TemporaryDirectory() as folder:
         library = f"{folder}/built.so"
-        made = subprocess.run([COMPILER, *FLAGS, "-o", library, "-"], input=source, text=True, capture_output=True)
+        made = subprocess.run(
+            [COMPILER, *FLAGS, "-o", library, "-"], input=source, text=True, capture_output=True
+        )
         if made.returncode:
             raise OSError(made.stderr)
         return ctypes.CDLL(library)
 
 
 def _plain(record: Any) -> Any:
-    return type(record)(*(_plain(leaf) if isinstance(leaf, tuple) else float(leaf) for leaf in record))
+    return type(record)(
+        *(_plain(leaf) if isinstance(leaf, tuple) else float(leaf) for leaf in record)
+    )
 
 
 def theta_of(problem: Problem, rows: np.ndarray) -> np.ndarray:

@@ -1,4 +1,6 @@
-"""The engine as its users call it, and heyoka as a competent user would call it without the engine."""
+"""The engine as its users call it, and heyoka as a competent user would call it without
+the engine.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -49,9 +51,13 @@ class NoRows:
 
 
 def at(minimal: Minimal, tolerance: float, orientation: bool = False) -> Problem:
-    """The problem at a tolerance, with rows at the samples; without the orientation of the body, which no peer has."""
+    """The problem at a tolerance, with rows at the samples; without the orientation of the body,
+    which no peer has.
+    """
     tolerance = tolerance or 2.0**-52
-    return replace(minimal.problem, tolerance=tolerance, times=minimal.samples, orientation=orientation)
+    return replace(
+        minimal.problem, tolerance=tolerance, times=minimal.samples, orientation=orientation
+    )
 
 
 def end_of(problem: Problem) -> float:
@@ -69,17 +75,23 @@ def alone(problem: Problem) -> hy.taylor_adaptive_dbl:
         formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables
     ).rates
     pars = [float(leaf) for leaf in leaves(problem.internal_body)]
-    return hy.taylor_adaptive(sys, problem.start(), pars=pars, tol=problem.tolerance or 2.0**-52, high_accuracy=True)
+    return hy.taylor_adaptive(
+        sys, problem.start(), pars=pars, tol=problem.tolerance or 2.0**-52, high_accuracy=True
+    )
 
 
 def motion(kinds: tuple[str, ...], minimal: Minimal) -> Callable[[float], Solver]:
-    """The engine's own equations of motion without integrals, as a peer gets them; and events of some kinds."""
+    """The engine's own equations of motion without integrals, as a peer gets them; and events of
+    some kinds.
+    """
     problem = minimal.problem
     q, _, body, sys = equations_of_motion(
         formulas_of(problem.system, problem.form.name, type(problem.friction)), problem.variables
     )
     sys = sys[: problem.variables.moving]
-    pars = [float(leaf) for leaf in leaves(problem.internal_body)][: max(_pars_of(sys), default=-1) + 1]
+    pars = [float(leaf) for leaf in leaves(problem.internal_body)][
+        : max(_pars_of(sys), default=-1) + 1
+    ]
     scalars = problem.form.scalars(q, body)
     wanted = [event for event in problem.system.events if event.name in kinds]
     hooks = {
@@ -101,7 +113,9 @@ def _pars_of(sys: list[tuple]) -> list[int]:
 
 def _event(kind: Callable, event: Event, scalars: Any, body: Any, *log: Callable) -> Any:
     """An event of heyoka's own detection, which finds it while it steps."""
-    return kind(EVENT_SCALE * event.formula(scalars, body), *log, direction=DIRECTIONS[event.direction])
+    return kind(
+        EVENT_SCALE * event.formula(scalars, body), *log, direction=DIRECTIONS[event.direction]
+    )
 
 
 _noted: list[tuple[float, int]] = []
@@ -112,7 +126,9 @@ def _note(_: Any, time: float, sign: int) -> None:
 
 
 def equations(minimal: Minimal) -> Callable[[float], Solver]:
-    """The engine's own equations of motion and integrals, without events: what the integration itself costs."""
+    """The engine's own equations of motion and integrals, without events: what the integration
+    itself costs.
+    """
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
@@ -122,7 +138,9 @@ def equations(minimal: Minimal) -> Callable[[float], Solver]:
 
 
 def with_events(minimal: Minimal) -> Callable[[float], Solver]:
-    """The engine's driver: the steps, and all events of the system with their states; extremes of the force."""
+    """The engine's driver: the steps, and all events of the system with their states; extremes of
+    the force.
+    """
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
@@ -146,13 +164,17 @@ def followed(minimal: Minimal) -> Callable[[float], Solver]:
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
-        return Solver(lambda _: Integration(problem).run(Memory(keeps_rows=False)), lambda: _solved(problem))
+        return Solver(
+            lambda _: Integration(problem).run(Memory(keeps_rows=False)), lambda: _solved(problem)
+        )
 
     return solver
 
 
 def solved(orientation: bool, minimal: Minimal) -> Callable[[float], Solver]:
-    """`tippetop.run` with the rows of the preset; with the orientation, all that a user waits for in memory."""
+    """`tippetop.run` with the rows of the preset; with the orientation, all that a user waits for
+    in memory.
+    """
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance, orientation)
@@ -162,7 +184,9 @@ def solved(orientation: bool, minimal: Minimal) -> Callable[[float], Solver]:
     return solver
 
 
-def _driven(minimal: Minimal, made, theta: Callable[[np.ndarray], np.ndarray], scale: float = 1.0) -> Solver:
+def _driven(
+    minimal: Minimal, made, theta: Callable[[np.ndarray], np.ndarray], scale: float = 1.0
+) -> Solver:
     """propagate_until, from a fresh start each time; theta at the samples from the same steps."""
     start, times = made.state.copy(), minimal.times * scale
 
@@ -180,8 +204,9 @@ def _driven(minimal: Minimal, made, theta: Callable[[np.ndarray], np.ndarray], s
 
 
 def by_hand(events: bool, minimal: Minimal) -> Callable[[float], Solver]:
-    """The tippe top written straight into heyoka, as a competent user would: vectors, SI units, numbers for parameters.
-    [T 3.12, 3.16, 3.17]"""
+    """The tippe top written straight into heyoka, as a competent user would: vectors, SI units,
+    numbers for parameters. [T 3.12, 3.16, 3.17]
+    """
     sys, turning, liftoff = tippe_top_by_hand(minimal)
     found = []
     hooks = {
@@ -194,7 +219,9 @@ def by_hand(events: bool, minimal: Minimal) -> Callable[[float], Solver]:
         options = {"tol": tolerance or 2.0**-52, "high_accuracy": True, **(hooks if events else {})}
         made = hy.taylor_adaptive(sys, start, **options)
         second = float(minimal.problem.scales.of(SECOND))
-        return _driven(minimal, made, lambda y: np.arctan2(np.hypot(y[:, 0], y[:, 1]), y[:, 2]), second)
+        return _driven(
+            minimal, made, lambda y: np.arctan2(np.hypot(y[:, 0], y[:, 1]), y[:, 2]), second
+        )
 
     return solver
 
@@ -205,21 +232,31 @@ def start_by_hand(minimal: Minimal) -> np.ndarray:
     record, _ = problem.variables.split(problem.start())
     scales = problem.scales
     names = ("ux", "uy", "uz", "Lx", "Ly", "Lz", "rx_dot", "ry_dot")
-    return np.array([float(getattr(record, n) * scales.of(getattr(problem.form.units, n))) for n in names])
+    return np.array(
+        [float(getattr(record, n) * scales.of(getattr(problem.form.units, n))) for n in names]
+    )
 
 
 def tippe_top_by_hand(minimal: Minimal) -> tuple[list, hy.expression, hy.expression]:
     """Equations of motion, theta' sin(theta), and the normal force."""
     p, mu = minimal.problem.parameters, minimal.problem.friction.mu
     m, R, alpha, I1, I3, g = (p[name] for name in ("m", "R", "alpha", "I1", "I3", "g"))
-    ux, uy, uz, Lx, Ly, Lz, rx, ry = q = hy.make_vars("ux", "uy", "uz", "Lx", "Ly", "Lz", "rx", "ry")
+    ux, uy, uz, Lx, Ly, Lz, rx, ry = q = hy.make_vars(
+        "ux", "uy", "uz", "Lx", "Ly", "Lz", "rx", "ry"
+    )
     L3 = Lx * ux + Ly * uy + Lz * uz
-    ux_t, uy_t, uz_t = ((Ly * uz - Lz * uy) / I1, (Lz * ux - Lx * uz) / I1, (Lx * uy - Ly * ux) / I1)
+    ux_t, uy_t, uz_t = (
+        (Ly * uz - Lz * uy) / I1,
+        (Lz * ux - Lx * uz) / I1,
+        (Lx * uy - Ly * ux) / I1,
+    )
     wx, wy = (Lx / I1 + (1 / I3 - 1 / I1) * L3 * ux, Ly / I1 + (1 / I3 - 1 / I1) * L3 * uy)
     vx, vy = rx + R * alpha * ux_t - R * wy, ry + R * alpha * uy_t + R * wx
     L2, vu = Lx**2 + Ly**2 + Lz**2, vx * ux + vy * uy
     N = (m * g * I1**2 + m * R * alpha * (uz * L2 - Lz * L3)) / (
-        I1**2 + m * I1 * R**2 * alpha**2 * (1 - uz**2) - m * I1 * R**2 * alpha * (1 - alpha * uz) * mu * vu
+        I1**2
+        + m * I1 * R**2 * alpha**2 * (1 - uz**2)
+        - m * I1 * R**2 * alpha * (1 - alpha * uz) * mu * vu
     )
     h = mu * R * (1 - alpha * uz)
     rates = (
@@ -237,10 +274,20 @@ def tippe_top_by_hand(minimal: Minimal) -> tuple[list, hy.expression, hy.express
 
 ENGINE = (
     Peer("tippetop, motion alone", OURS, partial(motion, ()), tolerances=TAYLOR),
-    Peer("tippetop, motion, turnings, liftoff", OURS, partial(motion, ("turning", "liftoff")), tolerances=TAYLOR),
+    Peer(
+        "tippetop, motion, turnings, liftoff",
+        OURS,
+        partial(motion, ("turning", "liftoff")),
+        tolerances=TAYLOR,
+    ),
     Peer("tippetop, equations only", OURS, equations, tolerances=TAYLOR),
     Peer("tippetop, events on", OURS, with_events, tolerances=TAYLOR),
     Peer("tippetop, whole run without rows", OURS, followed, tolerances=WHOLE),
     Peer("tippetop, whole run with rows", OURS, partial(solved, False), tolerances=WHOLE),
-    Peer("tippetop, whole run with rows and orientation", OURS, partial(solved, True), tolerances=WHOLE),
+    Peer(
+        "tippetop, whole run with rows and orientation",
+        OURS,
+        partial(solved, True),
+        tolerances=WHOLE,
+    ),
 )

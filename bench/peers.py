@@ -1,5 +1,6 @@
-"""The best of the field, each given the same formulas, compiled: one function per peer, which makes it ready once and
-then gives a solver for a tolerance. A peer that is not installed is named as missing.
+"""The best of the field, each given the same formulas, compiled: one function per peer, which makes
+it ready once and then gives a solver for a tolerance. A peer that is not installed is named as
+missing.
 """
 
 import contextlib
@@ -24,7 +25,9 @@ MOST_STEPS = 10**8
 
 
 class Solver(NamedTuple):
-    """A peer at a tolerance: `work(setup())` is timed, `theta()` gives theta at the samples [rad], untimed."""
+    """A peer at a tolerance: `work(setup())` is timed, `theta()` gives theta at the samples [rad],
+    untimed.
+    """
 
     work: Callable[[Any], Any]
     theta: Callable[[], np.ndarray]
@@ -51,9 +54,12 @@ class Peer(NamedTuple):
         return None
 
 
-def entries(peers: Iterable[Peer], enter: Callable[[dict[str, Any], Peer], None]) -> dict[str, dict[str, Any]]:
-    """What each peer enters, by its name; one that is missing, or breaks, says why: that is a result, and not the end
-    of the others."""
+def entries(
+    peers: Iterable[Peer], enter: Callable[[dict[str, Any], Peer], None]
+) -> dict[str, dict[str, Any]]:
+    """What each peer enters, by its name; one that is missing, or breaks, says why: that is a
+    result, and not the end of the others.
+    """
     found: dict[str, dict[str, Any]] = {}
     for peer in peers:
         entry = found[peer.name] = {"kind": peer.kind}
@@ -114,7 +120,9 @@ def diffrax(minimal: Minimal) -> Callable[[float], Solver]:
     term = package.ODETerm(lambda t, y, _: jnp.stack(minimal.rates([y[i] for i in range(n)])))
 
     def solver(tolerance: float) -> Solver:
-        control = package.ClipStepSizeController(package.PIDController(tolerance, tolerance), step_ts=times)
+        control = package.ClipStepSizeController(
+            package.PIDController(tolerance, tolerance), step_ts=times
+        )
 
         @jax.jit
         def go(start):
@@ -138,7 +146,9 @@ def diffrax(minimal: Minimal) -> Callable[[float], Solver]:
 
 
 def _jitted(minimal: Minimal) -> tuple[Callable, Callable]:
-    """f(t, y) that gives the rates, and f(t, y, d) that writes them: machine code, called from Python."""
+    """f(t, y) that gives the rates, and f(t, y, d) that writes them: machine code, called from
+    Python.
+    """
     from numba import njit
 
     slope = minimal.jitted
@@ -159,7 +169,9 @@ def _jitted(minimal: Minimal) -> tuple[Callable, Callable]:
 
 
 def scipy_dop853(minimal: Minimal) -> Callable[[float], Solver]:
-    """solve_ivp's DOP853; from sample to sample, because its dense output is less exact than its steps."""
+    """solve_ivp's DOP853; from sample to sample, because its dense output is less exact than its
+    steps.
+    """
     from scipy.integrate import solve_ivp
 
     rates, _ = _jitted(minimal)
@@ -167,9 +179,17 @@ def scipy_dop853(minimal: Minimal) -> Callable[[float], Solver]:
     def rows(tolerance: float) -> np.ndarray:
         found, step = [minimal.start], None
         for span in zip(minimal.times[:-1], minimal.times[1:], strict=True):
-            with warnings.catch_warnings(action="ignore"):  # that 1e-15 is below what it thinks possible
+            with warnings.catch_warnings(
+                action="ignore"
+            ):  # that 1e-15 is below what it thinks possible
                 made = solve_ivp(
-                    rates, span, found[-1], method="DOP853", rtol=tolerance, atol=tolerance, first_step=step
+                    rates,
+                    span,
+                    found[-1],
+                    method="DOP853",
+                    rtol=tolerance,
+                    atol=tolerance,
+                    first_step=step,
                 )
             found.append(made.y[:, -1])
             step = min(made.t[-2] - made.t[-3], span[1] - span[0]) if len(made.t) > 2 else None
@@ -179,7 +199,9 @@ def scipy_dop853(minimal: Minimal) -> Callable[[float], Solver]:
 
 
 def scipy_formulas(minimal: Minimal) -> Callable[[float], Solver]:
-    """solve_ivp's DOP853 with the formulas called in Python, as one would first write it; states at 0 and the end."""
+    """solve_ivp's DOP853 with the formulas called in Python, as one would first write it; states at
+    0 and the end.
+    """
     from scipy.integrate import solve_ivp
 
     form, body = minimal.problem.form, minimal.body
@@ -191,7 +213,11 @@ def scipy_formulas(minimal: Minimal) -> Callable[[float], Solver]:
         span = (minimal.times[0], minimal.times[-1])
         with warnings.catch_warnings(action="ignore"):
             return (
-                solve_ivp(rates, span, minimal.start, method="DOP853", rtol=tolerance, atol=tolerance).y[:, [0, -1]].T
+                solve_ivp(
+                    rates, span, minimal.start, method="DOP853", rtol=tolerance, atol=tolerance
+                )
+                .y[:, [0, -1]]
+                .T
             )
 
     return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
@@ -206,7 +232,13 @@ def scipy_lsoda(minimal: Minimal) -> Callable[[float], Solver]:
 
     def rows(tolerance: float) -> np.ndarray:
         return solve_ivp(
-            rates, span, minimal.start, method="LSODA", rtol=tolerance, atol=tolerance, t_eval=minimal.times
+            rates,
+            span,
+            minimal.start,
+            method="LSODA",
+            rtol=tolerance,
+            atol=tolerance,
+            t_eval=minimal.times,
         ).y.T
 
     return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
@@ -222,7 +254,9 @@ def cvode(minimal: Minimal) -> Callable[[float], Solver]:
         rates(t, y, d)
 
     def rows(tolerance: float) -> np.ndarray:
-        solver = CVODE(rhs, method="Adams", rtol=tolerance, atol=tolerance, max_num_steps=MOST_STEPS)
+        solver = CVODE(
+            rhs, method="Adams", rtol=tolerance, atol=tolerance, max_num_steps=MOST_STEPS
+        )
         return solver.solve(minimal.times, minimal.start).y
 
     return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
@@ -234,7 +268,11 @@ def jitcode(minimal: Minimal) -> Callable[[float], Solver]:
     from jitcode import y
 
     n = len(minimal.names)
-    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder), warnings.catch_warnings(action="ignore"):
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        contextlib.chdir(folder),
+        warnings.catch_warnings(action="ignore"),
+    ):
         made = package(minimal.rates([y(i) for i in range(n)]), n=n, verbose=False)
         made.generate_f_C(simplify=False, do_cse=False)
         made.compile_C(extra_compile_args=["-O3", "-march=native", "-g0"])
@@ -277,11 +315,15 @@ def cyrk(minimal: Minimal) -> Callable[[float], Solver]:
 FIELD = (
     Peer("DOP853, C++", COMPILED, dop853_cpp, "c++"),
     Peer("DOP853, numbalsoda", COMPILED, partial(numbalsoda, "dop853"), "numbalsoda"),
-    Peer("LSODA, numbalsoda", COMPILED, partial(numbalsoda, "lsoda"), "numbalsoda", tolerances=ADAMS),
+    Peer(
+        "LSODA, numbalsoda", COMPILED, partial(numbalsoda, "lsoda"), "numbalsoda", tolerances=ADAMS
+    ),
     Peer("Dopri8, diffrax", COMPILED, diffrax, "diffrax", tolerances=FEW),
     Peer("DOP853, CyRK", CALLING, cyrk, "CyRK", tolerances=FEW),
     Peer("DOP853, JiTCODE", CALLING, jitcode, "jitcode", tolerances=FEW),
     Peer("DOP853, SciPy", CALLING, scipy_dop853, "scipy", tolerances=FEW),
     Peer("LSODA, SciPy", CALLING, scipy_lsoda, "scipy", tolerances=ADAMS),
-    Peer("CVODE Adams, scikit-sundae", CALLING, cvode, "sksundae", "scikit-sundae", tolerances=ADAMS),
+    Peer(
+        "CVODE Adams, scikit-sundae", CALLING, cvode, "sksundae", "scikit-sundae", tolerances=ADAMS
+    ),
 )

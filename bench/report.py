@@ -1,4 +1,5 @@
-"""Writes the tables and figures of bench/README.md, and the README's one table, from results/*.json.
+"""Writes the tables and figures of bench/README.md, and the README's one table, from
+results/*.json.
 
     python -m bench.report [--results FOLDER]
 
@@ -18,8 +19,15 @@ from .goals import BARE, ERROR, goals
 
 
 HERE = Path(__file__).parent
-RESULTS, PAGE, FRONT, FIGURES = HERE / "results", HERE / "README.md", HERE.parent / "README.md", HERE / "figures"
-OTHERS = RESULTS / "intel"  # for the table of the goals: what is measured differs from maker to maker
+RESULTS, PAGE, FRONT, FIGURES = (
+    HERE / "results",
+    HERE / "README.md",
+    HERE.parent / "README.md",
+    HERE / "figures",
+)
+OTHERS = (
+    RESULTS / "intel"
+)  # for the table of the goals: what is measured differs from maker to maker
 COMPARISONS = ("inversion", "rolling", "heavy-top", "cylinder", "ensemble")
 ENGINE = (
     "equations only",
@@ -32,14 +40,19 @@ ENGINE = (
 
 def read(folder: Path) -> dict[str, Any]:
     """The results that are there, by case."""
-    found = {path.stem: json.loads(path.read_text(encoding="utf-8")) for path in sorted(folder.glob("*.json"))}
+    found = {
+        path.stem: json.loads(path.read_text(encoding="utf-8"))
+        for path in sorted(folder.glob("*.json"))
+    }
     return {name: result for name, result in found.items() if result.get("case") == name}
 
 
 def table(head: list[str], rows: list[list[str]]) -> str:
     """A Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+    return "\n".join(
+        "| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines
+    )
 
 
 def number(x: float) -> str:
@@ -64,8 +77,14 @@ def machine(results: dict[str, Any]) -> str:
         for name, result in results.items()
     ]
     said = f"{any_of['processors']} processors; Python {any_of['python']}, {versions}."
-    if any(result["machine"]["load_average"][0] > result["machine"]["processors"] for result in results.values()):
-        said += " Where the load average is above the number of processors the machine was shared: ratios of processor"
+    if any(
+        result["machine"]["load_average"][0] > result["machine"]["processors"]
+        for result in results.values()
+    ):
+        said += (
+            " Where the load average is above the number of processors the machine was "
+            "shared: ratios of processor"
+        )
         said += " seconds count there, and what is by the wall clock does not."
     return f"{said}\n\n" + table(["case", "", "took [s]", "load average before", "processor"], rows)
 
@@ -74,11 +93,18 @@ def goal_table(results: dict[str, Any], others: dict[str, Any]) -> str:
     """Goal, measured, met or not; and what was measured on a processor of another maker."""
     words = {True: "yes", False: "**no**", None: "-"}
     rows = [
-        [here.what, here.goal, here.measured, words[here.met], *([there.measured, words[there.met]] if others else [])]
+        [
+            here.what,
+            here.goal,
+            here.measured,
+            words[here.met],
+            *([there.measured, words[there.met]] if others else []),
+        ]
         for here, there in zip(goals(results), goals(others), strict=True)
     ]
     processors = [
-        "measured on " + max(found.values(), key=lambda result: result["took"])["machine"]["processor"]
+        "measured on "
+        + max(found.values(), key=lambda result: result["took"])["machine"]["processor"]
         for found in (results, others)
         if found
     ]
@@ -86,7 +112,9 @@ def goal_table(results: dict[str, Any], others: dict[str, Any]) -> str:
 
 
 def comparison(result: dict[str, Any]) -> str:
-    """Every contestant: milliseconds at three errors, its smallest error, and its time relative to ours."""
+    """Every contestant: milliseconds at three errors, its smallest error, and its time relative to
+    ours.
+    """
     contestants = result["contestants"]
     ours = contestants.get(BARE) or contestants["tippetop, lanes"]
     errors = (1e-7, 1e-10, 1e-13)
@@ -123,7 +151,9 @@ def _milliseconds(x: float) -> str:
 
 
 def front(results: dict[str, Any]) -> str:
-    """For the README: how many times faster one canonical inversion is than that of each peer, at equal error."""
+    """For the README: how many times faster one canonical inversion is than that of each peer, at
+    equal error.
+    """
     if "inversion" not in results:
         return "Not run."
     contestants = results["inversion"]["contestants"]
@@ -131,8 +161,17 @@ def front(results: dict[str, Any]) -> str:
     for name, entry in contestants.items():
         if name != BARE and "points" in entry:
             at = common(ERROR, entry, ours)
-            rows.append([name, f"{at:.1e}", _milliseconds(seconds(entry, at)), number(ratio(entry, ours, at))])
-    return table(["solver", "error of theta [rad]", "CPU time [ms]", "time relative to tippetop"], rows)
+            rows.append(
+                [
+                    name,
+                    f"{at:.1e}",
+                    _milliseconds(seconds(entry, at)),
+                    number(ratio(entry, ours, at)),
+                ]
+            )
+    return table(
+        ["solver", "error of theta [rad]", "CPU time [ms]", "time relative to tippetop"], rows
+    )
 
 
 def events(results: dict[str, Any]) -> str:
@@ -144,7 +183,9 @@ def events(results: dict[str, Any]) -> str:
         if name in results:
             found = results[name]["contestants"]
             last = [
-                found[f"tippetop, {part}"]["points"][-1]["seconds"] if f"tippetop, {part}" in found else math.inf
+                found[f"tippetop, {part}"]["points"][-1]["seconds"]
+                if f"tippetop, {part}" in found
+                else math.inf
                 for part in parts
             ]
             rows.append(
@@ -185,7 +226,9 @@ def storing(result: dict[str, Any]) -> str:
         ]
         for name, r in result["runs"].items()
     ]
-    head = [f"{words[way]} [s]" for way in ways] + [f"{words[way]} / equations only" for way in ways[2:]]
+    head = [f"{words[way]} [s]" for way in ways] + [
+        f"{words[way]} / equations only" for way in ways[2:]
+    ]
     found = table(["run", "rows", *head], rows)
     if "long" not in result:
         return found
@@ -198,14 +241,21 @@ def storing(result: dict[str, Any]) -> str:
         ]
         for name, r in result["runs"].items()
     ]
-    beside = ["zarr alone, three columns / equations only", "zarr alone, all / equations only", "a longer span [s]"]
+    beside = [
+        "zarr alone, three columns / equations only",
+        "zarr alone, all / equations only",
+        "a longer span [s]",
+    ]
     beside += ["followed / equations only", "with keyframes / equations only"]
     return f"{found}\n\n{table(['run', *beside], bounds)}"
 
 
 def whole(result: dict[str, Any]) -> str:
     """What runs cost beside their motion."""
-    inner = {"equations / motion": "with its integrals / motion", "loop / motion": "compiled loop / motion"}
+    inner = {
+        "equations / motion": "with its integrals / motion",
+        "loop / motion": "compiled loop / motion",
+    }
     ways = [way for way in inner if all(way in r for r in result["runs"].values())]
     ways += ["whole / motion", "rows / motion", "processor / wall"]
     rows = [
@@ -216,20 +266,29 @@ def whole(result: dict[str, Any]) -> str:
         ]
         for name, r in result["runs"].items()
     ]
-    head = ["motion alone [ms]", "whole run [ms]", "with rows in memory [ms]", *(inner.get(way, way) for way in ways)]
+    head = [
+        "motion alone [ms]",
+        "whole run [ms]",
+        "with rows in memory [ms]",
+        *(inner.get(way, way) for way in ways),
+    ]
     beside = table(["run", *head], rows)
     if "hops" not in result:
         return beside
     hops = result["hops"]
     each = (f"{_milliseconds(seconds)} (`{name}`)" for name, seconds in hops["seconds"].items())
-    text = f"A second of motion with its rows [ms]: {' and '.join(each)}, {number(hops['ratio'])} times as much;"
+    text = (
+        f"A second of motion with its rows [ms]: {' and '.join(each)}, "
+        f"{number(hops['ratio'])} times as much;"
+    )
     return f"{beside}\n\n{text} in the first the contact changes its phase {hops['changes']} times."
 
 
 def sweep(result: dict[str, Any]) -> str:
     """What the store and dask add."""
     rows = [
-        [way, number(w["seconds"]), f"{w['wall']:.3f}", f"{w['processor']:.3f}"] for way, w in result["ways"].items()
+        [way, number(w["seconds"]), f"{w['wall']:.3f}", f"{w['processor']:.3f}"]
+        for way, w in result["ways"].items()
     ]
     head = [
         f"{result['title']}: {result['tops']} tops",
@@ -239,7 +298,10 @@ def sweep(result: dict[str, Any]) -> str:
     ]
     one, two = result["seconds_by_1_and_2_workers"]
     efficiency = f"efficiency {result['efficiency_of_2_workers']:.2f}"
-    said = f"In chunks that two can share: {number(one)} s by one worker, {number(two)} s by two, {efficiency}."
+    said = (
+        f"In chunks that two can share: {number(one)} s by one worker, {number(two)} s by "
+        f"two, {efficiency}."
+    )
     return f"{table(head, rows)}\n\n{said}"
 
 
@@ -258,11 +320,18 @@ def surface(result: dict[str, Any]) -> str:
 def startup(result: dict[str, Any]) -> str:
     """Cold and warm, and where it goes."""
     cold, warm = result["cold"], result["warm"]
-    rows = [[stage, number(cold["stages"][stage]), number(warm["stages"][stage])] for stage in cold["stages"]]
+    rows = [
+        [stage, number(cold["stages"][stage]), number(warm["stages"][stage])]
+        for stage in cold["stages"]
+    ]
     rows += [
         ["**the command, wall clock**", number(cold["wall"]), number(warm["wall"])],
         ["the command, processor", number(cold["processor"]), number(warm["processor"])],
-        *([["`tippetop run inverting`, wall clock", "", number(result["alone"]["wall"])]] if "alone" in result else []),
+        *(
+            [["`tippetop run inverting`, wall clock", "", number(result["alone"]["wall"])]]
+            if "alone" in result
+            else []
+        ),
         ["`tippetop --help`, wall clock", "", number(result["help"]["wall"])],
         ["`python -c pass`, wall clock", "", number(result["interpreter"]["wall"])],
     ]
@@ -275,7 +344,11 @@ def scaling(result: dict[str, Any]) -> str:
     for name in ("span", "tops", "grid"):
         found = result[name]
         rows = [
-            [number(r["size"]), number(r["seconds"]), "extrapolated, not run" if r.get("extrapolated") else ""]
+            [
+                number(r["size"]),
+                number(r["seconds"]),
+                "extrapolated, not run" if r.get("extrapolated") else "",
+            ]
             for r in found["rows"]
         ]
         exponent = f"fitted exponent over the last decades: {found['exponent']:.2f}"
@@ -284,18 +357,34 @@ def scaling(result: dict[str, Any]) -> str:
         [f"{r['tolerance']:.0e}", r["precision"], _milliseconds(r["seconds"]), f"{r['error']:.1e}"]
         for r in result["tolerance"]["rows"]
     ]
-    exponents = ", ".join(f"{x:.2f} in {name}" for name, x in result["tolerance"]["exponents"].items())
-    parts.append(table(["tolerance", "precision", "ms", f"error of theta; exponent of the digits: {exponents}"], rows))
+    exponents = ", ".join(
+        f"{x:.2f} in {name}" for name, x in result["tolerance"]["exponents"].items()
+    )
+    parts.append(
+        table(
+            [
+                "tolerance",
+                "precision",
+                "ms",
+                f"error of theta; exponent of the digits: {exponents}",
+            ],
+            rows,
+        )
+    )
     if "streamed" in result:
         s = result["streamed"]
         parts.append(
-            f"Into a store: {number(s['points'])} points in {number(s['seconds'])} s, {number(s['stored_MB'])} MB."
+            f"Into a store: {number(s['points'])} points in {number(s['seconds'])} s, "
+            f"{number(s['stored_MB'])} MB."
         )
     return "\n\n".join(parts)
 
 
 def sections(results: dict[str, Any], others: dict[str, Any]) -> dict[str, str]:
-    """Every table, by the name of its place; of cases that were not run, a sentence. `others`: of another machine."""
+    """Every table, by the name of its place; of cases that were not run, a sentence.
+
+    `others`: of another machine.
+    """
     ways: dict[str, Callable[[dict[str, Any]], str]] = {
         **dict.fromkeys(COMPARISONS, comparison),
         "formulations": formulations,
@@ -306,7 +395,9 @@ def sections(results: dict[str, Any], others: dict[str, Any]) -> dict[str, str]:
         "startup": startup,
         "scaling": scaling,
     }
-    made = {name: way(results[name]) if name in results else "Not run." for name, way in ways.items()}
+    made = {
+        name: way(results[name]) if name in results else "Not run." for name, way in ways.items()
+    }
     return made | {
         "machine": machine(results),
         "goals": goal_table(results, others),
@@ -328,9 +419,15 @@ def main() -> None:
     """Writes the pages and the figures."""
     from .drawing import draw
 
-    parser = argparse.ArgumentParser(prog="python -m bench.report", description="Writes the tables and figures.")
-    parser.add_argument("--results", type=Path, default=RESULTS, metavar="FOLDER", help="where the JSON files are")
-    parser.add_argument("--others", type=Path, default=OTHERS, metavar="FOLDER", help="those of another machine")
+    parser = argparse.ArgumentParser(
+        prog="python -m bench.report", description="Writes the tables and figures."
+    )
+    parser.add_argument(
+        "--results", type=Path, default=RESULTS, metavar="FOLDER", help="where the JSON files are"
+    )
+    parser.add_argument(
+        "--others", type=Path, default=OTHERS, metavar="FOLDER", help="those of another machine"
+    )
     options = parser.parse_args()
     results = read(options.results)
     if not results:

@@ -1,4 +1,6 @@
-"""The laws of the benchmarks: peers integrate the engine's equations, equal error is equal, pages tell results."""
+"""The laws of the benchmarks: peers integrate the engine's equations, equal error is equal, pages
+tell results.
+"""
 
 import ctypes
 import json
@@ -29,7 +31,10 @@ STATES = np.random.default_rng(1).uniform(0.2, 0.9, (20, 12))
 def made(name: str, until: float = 0.5) -> Minimal:
     """The minimal problem of a comparison, shortened."""
     comparison = COMPARISONS[name]
-    return Minimal(build.load(comparison.preset, [*comparison.assignments], until), np.array([until / 2, until]))
+    return Minimal(
+        build.load(comparison.preset, [*comparison.assignments], until),
+        np.array([until / 2, until]),
+    )
 
 
 def by_heyoka(minimal: Minimal, states: np.ndarray) -> np.ndarray:
@@ -47,7 +52,9 @@ def by_heyoka(minimal: Minimal, states: np.ndarray) -> np.ndarray:
 
 
 def _leaves(record: tuple) -> list:
-    return [leaf for part in record for leaf in (_leaves(part) if isinstance(part, tuple) else [part])]
+    return [
+        leaf for part in record for leaf in (_leaves(part) if isinstance(part, tuple) else [part])
+    ]
 
 
 @compiler
@@ -62,7 +69,9 @@ def test_peers_integrate_the_equations_of_the_engine(name: str) -> None:
         y, d = np.ascontiguousarray(state), np.empty(n)
         rhs(0.0, y.ctypes.data, d.ctypes.data, None)
         np.testing.assert_allclose(d, wanted, rtol=1e-12, atol=1e-13)
-        np.testing.assert_allclose(np.array(minimal.rates(list(y)), float), wanted, rtol=1e-12, atol=1e-13)
+        np.testing.assert_allclose(
+            np.array(minimal.rates(list(y)), float), wanted, rtol=1e-12, atol=1e-13
+        )
 
 
 def test_heyoka_by_hand_has_the_equations_of_the_engine() -> None:
@@ -90,8 +99,12 @@ def test_heyoka_by_hand_has_the_equations_of_the_engine() -> None:
         ("rx_dot", "rx"),
     ):
         unit = float(problem.scales.of(getattr(problem.form.units, mine)))
-        assert found[his] == pytest.approx(rates[mine] * unit / second, rel=1e-11, abs=1e-12 * unit / second)
-    normal = next(quantity for quantity in problem.system.quantities if quantity.name == "normal_force")
+        assert found[his] == pytest.approx(
+            rates[mine] * unit / second, rel=1e-11, abs=1e-12 * unit / second
+        )
+    normal = next(
+        quantity for quantity in problem.system.quantities if quantity.name == "normal_force"
+    )
     newtons = float(normal.formula(scalars, minimal.body) * problem.scales.of(normal.unit))
     assert hand(start_by_hand(minimal))[-1] == pytest.approx(newtons, rel=1e-13)
 
@@ -102,7 +115,10 @@ def test_dop853_converges_to_the_engine() -> None:
     minimal = made("inversion")
     exact = reference(COMPARISONS["inversion"]._replace(wide="longdouble"), minimal.samples)
     solve = Compiled(minimal)
-    errors = [np.abs(minimal.theta(solve(tolerance))[1:] - exact).max() for tolerance in (1e-8, 1e-11, 1e-14)]
+    errors = [
+        np.abs(minimal.theta(solve(tolerance))[1:] - exact).max()
+        for tolerance in (1e-8, 1e-11, 1e-14)
+    ]
     assert errors[0] > 10 * errors[1] > 100 * errors[2]
     assert errors[2] < 1e-13
 
@@ -122,7 +138,9 @@ def test_peers_are_compared_with_runs_without_the_orientation() -> None:
     minimal = made("inversion")
     assert not at(minimal, 1e-8).orientation
     assert at(minimal, 1e-8, orientation=True).orientation
-    assert [peer.name for peer in ENGINE if "orientation" in peer.name] == [f"tippetop, {report.ENGINE[-1]}"]
+    assert [peer.name for peer in ENGINE if "orientation" in peer.name] == [
+        f"tippetop, {report.ENGINE[-1]}"
+    ]
     assert {f"tippetop, {part}" for part in report.ENGINE} <= {peer.name for peer in ENGINE}
 
 
@@ -140,7 +158,10 @@ def ladder(factor: float, power: float, least: float) -> dict:
     """A contestant whose seconds are a power of its error."""
     errors = [10.0**-k for k in range(6, 17, 2) if 10.0**-k >= least]
     costs = [factor * error**-power for error in errors]
-    points = [{"error": e, "seconds": s, "rounds": [s, 2 * s, s]} for e, s in zip(errors, costs, strict=True)]
+    points = [
+        {"error": e, "seconds": s, "rounds": [s, 2 * s, s]}
+        for e, s in zip(errors, costs, strict=True)
+    ]
     return {"kind": "compiled", "points": points}
 
 
@@ -165,26 +186,37 @@ def test_pages_say_what_was_measured() -> None:
 
 @pytest.mark.slow
 def test_the_reference_is_that_of_an_independent_integration() -> None:
-    """To what the parameters' own rounding to doubles makes of theta: the inversion amplifies it a thousandfold."""
-    stored = json.loads((Path(__file__).parents[1] / "tests" / "reference" / "case1_inverting.json").read_text())
+    """To what the parameters' own rounding to doubles makes of theta: the inversion amplifies it a
+    thousandfold.
+    """
+    stored = json.loads(
+        (Path(__file__).parents[1] / "tests" / "reference" / "case1_inverting.json").read_text()
+    )
     theta = np.array([np.longdouble(text) for text in stored["theta"][1:]])
     found = reference(COMPARISONS["inversion"], np.array(stored["t"][1:], float))
     assert np.abs(found - theta).max() < 2e-14
 
 
 def test_a_missing_peer_is_told() -> None:
-    peer = Peer("none", "compiled", lambda minimal: None, needs="no_such_package", package="no-such-package")
+    peer = Peer(
+        "none", "compiled", lambda minimal: None, needs="no_such_package", package="no-such-package"
+    )
     assert peer.missing == "no-such-package is not installed"
     results = report.read(report.RESULTS)
     for name in [name for name in results["inversion"]["contestants"] if "DOP853" in name]:
         results["inversion"]["contestants"][name] = {"kind": "compiled", "missing": peer.missing}
     sections = report.sections(results, {})
-    assert "| DOP853, SciPy |  |  |  |  | missing: no-such-package is not installed |" in sections["inversion"]
+    assert (
+        "| DOP853, SciPy |  |  |  |  | missing: no-such-package is not installed |"
+        in sections["inversion"]
+    )
     assert "not measured: DOP853, SciPy is missing" in sections["goals"]
 
 
 def test_a_step_that_is_too_long_turns_a_top_over_that_would_stick() -> None:
-    """Cohen's top under Coulomb's law itself sticks at 0.0288 s; by fixed steps it inverts, the later the shorter."""
+    """Cohen's top under Coulomb's law itself sticks at 0.0288 s; by fixed steps it inverts, the
+    later the shorter.
+    """
     problem = build.load("cohen-coulomb")
     long, longer = (inversion(problem, step, 2.2)[0] for step in (2e-3, 4e-3))
     assert 0.5 < longer < long < 2.2

@@ -44,7 +44,9 @@ html_show_sourcelink = False
 exclude_patterns = ["_build"]
 
 
-def _formulas_as_text(app: object, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+def _formulas_as_text(
+    app: object, what: str, name: str, obj: object, options: object, lines: list[str]
+) -> None:
     """|v_A| in a docstring is a formula, not a substitution of reStructuredText."""
     lines[:] = [line.replace("|", r"\|") for line in lines]
 

@@ -12,15 +12,23 @@ import pytest
 from plans import PLAN
 
 
-os.environ.setdefault("TIPPETOP_OPT_LEVEL", "0")  # ten times faster to compile; .ci/nightly runs all with 3
+os.environ.setdefault(
+    "TIPPETOP_OPT_LEVEL", "0"
+)  # ten times faster to compile; .ci/nightly runs all with 3
 
 
 @pytest.fixture(scope="session", autouse=True)
 def all_compiled_is_kept() -> None:
-    """A process keeps the 32 integrators that it used lately; a session of tests uses hundreds, again and again."""
+    """A process keeps the 32 integrators that it used lately; a session of tests uses hundreds,
+    again and again.
+    """
     from tippetop.engine import compiled, expressions
 
-    for cached in (compiled.compiled_from, expressions.compile_observables, expressions.compile_orientation):
+    for cached in (
+        compiled.compiled_from,
+        expressions.compile_observables,
+        expressions.compile_orientation,
+    ):
         kept = functools.lru_cache(maxsize=None)(cached.__wrapped__)
         for module in list(sys.modules.values()):
             for name, value in list(getattr(module, "__dict__", {}).items()):
@@ -30,7 +38,9 @@ def all_compiled_is_kept() -> None:
 
 @pytest.fixture(autouse=True)
 def handlers() -> Iterator[None]:
-    """A test leaves Ctrl-C and SIGTERM to the next one as it found them: `main` ends by ignoring them."""
+    """A test leaves Ctrl-C and SIGTERM to the next one as it found them: `main` ends by ignoring
+    them.
+    """
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     yield
     for number, handler in before.items():

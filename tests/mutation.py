@@ -1,10 +1,12 @@
-"""Mutation check: every + - * / and unary minus of a formula is flipped, one at a time, and the tests must notice.
+"""Mutation check: every + - * / and unary minus of a formula is flipped, one at a time, and the
+tests must notice.
 
 usage: python tests/mutation.py [--results FILE] [--seconds N] [--list] [MODULE ...]
 
-MODULE is the end of a module's name (friction, gliding.euler); without it, all. What the systems are made of is judged
-by the laws of mechanics, in this process; what they do not notice, and other formulas, by test files, in a fork of this
-process for each mutant. With --results each verdict is kept in FILE (JSON lines): a run that was stopped, or whose
+MODULE is the end of a module's name (friction, gliding.euler); without it, all. What the systems
+are made of is judged by the laws of mechanics, in this process; what they do not notice, and other
+formulas, by test files, in a fork of this process for each mutant. With --results each verdict is
+kept in FILE (JSON lines): a run that was stopped, or whose
 --seconds are over, continues there, until a physics file or a judge changes.
 """
 
@@ -71,16 +73,35 @@ JUDGES: dict[str, tuple[str, ...]] = {
     ),
     "mechanics.contact.coulomb": (f"{CONTACT}/test_coulomb_case.py", f"{CONTACT}/test_response.py"),
     "mechanics.contact.disc_at_rest": (f"{CONTACT}/test_disc_held.py",),
-    "mechanics.contact.impact": (f"{CONTACT}/test_arrival.py", f"{CONTACT}/test_impact.py", "-m", "not slow"),
-    "mechanics.contact.impact_motion": (f"{RUNS}/test_impacts.py", f"{RUNS}/test_loaded_impacts.py", "-m", "not slow"),
+    "mechanics.contact.impact": (
+        f"{CONTACT}/test_arrival.py",
+        f"{CONTACT}/test_impact.py",
+        "-m",
+        "not slow",
+    ),
+    "mechanics.contact.impact_motion": (
+        f"{RUNS}/test_impacts.py",
+        f"{RUNS}/test_loaded_impacts.py",
+        "-m",
+        "not slow",
+    ),
     "mechanics.contact.planar": (f"{CONTACT}/test_planar.py",),
     "mechanics.contact.phases.both": (f"{RUNS}/test_rows_of_phases.py", f"{RUNS}/test_both.py"),
-    "mechanics.contact.phases.drilling": (f"{RUNS}/test_rows_of_phases.py", f"{RUNS}/test_phases_of_runs.py"),
+    "mechanics.contact.phases.drilling": (
+        f"{RUNS}/test_rows_of_phases.py",
+        f"{RUNS}/test_phases_of_runs.py",
+    ),
     "mechanics.contact.phases.dry": (f"{RUNS}/test_reference_cases.py", f"{RUNS}/test_both.py"),
     "mechanics.contact.phases.legs": (
-        *(f"{RUNS}/{name}" for name in ("test_rows_of_phases.py", "test_both.py", "test_phases_of_runs.py")),
+        *(
+            f"{RUNS}/{name}"
+            for name in ("test_rows_of_phases.py", "test_both.py", "test_phases_of_runs.py")
+        ),
     ),
-    "mechanics.contact.phases.planar": (f"{CONTACT}/test_planar.py", f"{RUNS}/test_reference_cases.py"),
+    "mechanics.contact.phases.planar": (
+        f"{CONTACT}/test_planar.py",
+        f"{RUNS}/test_reference_cases.py",
+    ),
     "mechanics.contact.phases.row": (
         f"{CONTACT}/test_row.py",
         f"{RUNS}/test_reference_cases.py",
@@ -90,7 +111,9 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.theory.least_energy": ("library/test_asymptotics.py",),
     "mechanics.contact.restitution": (f"{CONTACT}/test_restitution.py",),
 }
-"""Formulas that the laws do not read, or not all of them, and the arguments of pytest that judge them."""
+"""Formulas that the laws do not read, or not all of them, and the arguments of pytest that judge
+them.
+"""
 COMPILED = (
     "test_both.py",
     "test_reference_cases.py",
@@ -98,8 +121,12 @@ COMPILED = (
     "test_impacts.py",
     "test_asymptotics.py",
 )
-"""Test files that drive whole runs; of the others numba compiles nothing, which would be most of their time."""
-EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 of a spinning top, and so is its own reciprocal
+"""Test files that drive whole runs; of the others numba compiles nothing, which would be most of
+their time.
+"""
+EQUAL: dict[
+    str, tuple[str, ...]
+] = {  # z is +1 or -1 of a spinning top, and so is its own reciprocal
     "mechanics.theory.thresholds": ("spin: b.R * z",),
     "mechanics.systems.spinning": ("slope: b.R * z", "end_slope: b.c * z"),
     "mechanics.systems.with_contact": ("never: 1 + 0 * s.z",),
@@ -110,7 +137,10 @@ EQUAL: dict[str, tuple[str, ...]] = {  # z is +1 or -1 of a spinning top, and so
 """Expressions whose mutant is the same formula."""
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 PLAIN = ("-x", "--assert=plain", "-o", "addopts=", "-p", "no:cacheprovider")
-LIMIT = {True: 120, False: 40}  # seconds of the processor that COMPILED and other files may take; longer is noticed too
+LIMIT = {
+    True: 120,
+    False: 40,
+}  # seconds of the processor that COMPILED and other files may take; longer is noticed too
 
 
 class Mutant(NamedTuple):
@@ -122,7 +152,7 @@ class Mutant(NamedTuple):
     text: str  # the expression as it stands
 
 
-# --- what is mutated ------------------------------------------------------------------------------------------------
+# --- what is mutated ----------------------------------------------------------------------------
 
 
 def path_of(module: str) -> Path:
@@ -146,7 +176,9 @@ def tree_of(module: str) -> ast.Module:
 def formula_files() -> set[str]:
     """Every module that holds a formula."""
     paths = (p for p in ROOT.rglob("*.py") if "@formula" in p.read_text(encoding="utf-8"))
-    return {".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for p in paths}
+    return {
+        ".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__") for p in paths
+    }
 
 
 def imported(module: str) -> Iterator[str]:
@@ -154,7 +186,9 @@ def imported(module: str) -> Iterator[str]:
     package = module if path_of(module).name == "__init__.py" else module.rpartition(".")[0]
     for node in tree_of(module).body:
         if isinstance(node, ast.ImportFrom) and node.level:
-            base = importlib.util.resolve_name("." * node.level + (node.module or ""), f"tippetop.{package}")
+            base = importlib.util.resolve_name(
+                "." * node.level + (node.module or ""), f"tippetop.{package}"
+            )
             base = base.removeprefix("tippetop").removeprefix(".")
             for alias in node.names:
                 name = f"{base}.{alias.name}".removeprefix(".")
@@ -185,11 +219,14 @@ def modules() -> list[str]:
 
 
 def sites(tree: ast.Module) -> list[tuple[str, ast.AST]]:
-    """The operators inside formulas (functions under @formula), in order, and the names of the formulas."""
+    """The operators inside formulas (functions under @formula), in order, and the names of the
+    formulas.
+    """
     formulas = [
         node
         for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef) and any(getattr(d, "id", "") == "formula" for d in node.decorator_list)
+        if isinstance(node, ast.FunctionDef)
+        and any(getattr(d, "id", "") == "formula" for d in node.decorator_list)
     ]
     return [
         (function.name, node)
@@ -202,7 +239,11 @@ def sites(tree: ast.Module) -> list[tuple[str, ast.AST]]:
 
 def is_zero(node: ast.BinOp) -> bool:
     """Whether it is 0*x, a zero of the kind of x: 0/x is the same one."""
-    return isinstance(node.op, ast.Mult) and isinstance(node.left, ast.Constant) and node.left.value == 0
+    return (
+        isinstance(node.op, ast.Mult)
+        and isinstance(node.left, ast.Constant)
+        and node.left.value == 0
+    )
 
 
 def mutants(module: str) -> list[Mutant]:
@@ -225,7 +266,7 @@ def mutated(tree: ast.Module, index: int) -> ast.Module:
     return ast.fix_missing_locations(changed)
 
 
-# --- judges ---------------------------------------------------------------------------------------------------------
+# --- judges -------------------------------------------------------------------------------------
 
 
 @cache
@@ -251,7 +292,9 @@ def loaded(module: str, tree: ast.Module) -> dict:
     return sys.modules[f"tippetop.{SYSTEMS}"].SYSTEMS
 
 
-recent: list[tuple[str, str, str]] = []  # the cases that noticed, the last one first: neighbours are noticed alike
+recent: list[
+    tuple[str, str, str]
+] = []  # the cases that noticed, the last one first: neighbours are noticed alike
 
 
 def noticed_by_laws(module: str, tree: ast.Module) -> bool:
@@ -271,7 +314,9 @@ def noticed_by_laws(module: str, tree: ast.Module) -> bool:
 
 
 class Sharpest:
-    """A plugin of pytest: tests that failed lately go first, and the first that fails is sent to the parent process."""
+    """A plugin of pytest: tests that failed lately go first, and the first that fails is sent to
+    the parent process.
+    """
 
     recent: ClassVar[list[str]] = []  # the last one first
 
@@ -290,12 +335,18 @@ class Sharpest:
 
 
 def noticed_by_tests(module: str, tree: ast.Module) -> bool:
-    """Whether a test file fails, in a fork of this process that imports the package anew with the mutant in it."""
+    """Whether a test file fails, in a fork of this process that imports the package anew with the
+    mutant in it.
+    """
     here, there = multiprocessing.Pipe(duplex=False)
-    process = multiprocessing.get_context("fork").Process(target=run_tests, args=(module, tree, there))
+    process = multiprocessing.get_context("fork").Process(
+        target=run_tests, args=(module, tree, there)
+    )
     process.start()
     process.join()
-    if process.exitcode is not None and process.exitcode < 0:  # too long; or compiled code wrote where it must not
+    if (
+        process.exitcode is not None and process.exitcode < 0
+    ):  # too long; or compiled code wrote where it must not
         return True
     if process.exitcode not in (0, 1, 2):  # 2: the file cannot even be collected
         raise RuntimeError(f"pytest exits with {process.exitcode} for {module}")
@@ -312,7 +363,11 @@ def run_tests(module: str, tree: ast.Module, channel: Connection) -> None:
     as_written = SourceFileLoader.get_code
 
     def get_code(self: SourceFileLoader, name: str) -> CodeType | None:
-        return compile(tree, self.path, "exec") if name == f"tippetop.{module}" else as_written(self, name)
+        return (
+            compile(tree, self.path, "exec")
+            if name == f"tippetop.{module}"
+            else as_written(self, name)
+        )
 
     SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
     judge = [str(TESTS / word) if word.endswith(".py") else word for word in JUDGES[module]]
@@ -320,7 +375,9 @@ def run_tests(module: str, tree: ast.Module, channel: Connection) -> None:
     numba.config.DISABLE_JIT = not compiled
     compilation.code_folder = lambda: None  # the machine code of a mutant must not be stored
     resource.setrlimit(resource.RLIMIT_CPU, (LIMIT[compiled],) * 2)
-    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # most of the time goes to plugins that no judge needs
+    os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = (
+        "1"  # most of the time goes to plugins that no judge needs
+    )
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)
         os.dup2(nowhere.fileno(), 2)
@@ -345,21 +402,31 @@ def judged_by(module: str) -> str:
 
 
 def fingerprint(module: str) -> str:
-    """What a verdict depends on: the judges, and the formulas that they may read; laws read those of systems only."""
+    """What a verdict depends on: the judges, and the formulas that they may read; laws read those
+    of systems only.
+    """
     read = formula_files() if module in JUDGES else formula_files() & {*order()}
-    judge = [TESTS / name for name in [*files_of(module), "helpers/landscape_oracle.py"]] if module in JUDGES else []
+    judge = (
+        [TESTS / name for name in [*files_of(module), "helpers/landscape_oracle.py"]]
+        if module in JUDGES
+        else []
+    )
     files = [*judge, TESTS / "helpers" / "laws.py", *(path_of(name) for name in sorted(read))]
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:16]
 
 
-# --- the run --------------------------------------------------------------------------------------------------------
+# --- the run ------------------------------------------------------------------------------------
 
 
 def remembered(results: Path | None) -> dict[tuple[str, int, str], bool]:
     """The verdicts of runs before."""
     if results is None or not results.exists():
         return {}
-    lines = [json.loads(line) for line in results.read_text(encoding="utf-8").splitlines() if line.endswith("}")]
+    lines = [
+        json.loads(line)
+        for line in results.read_text(encoding="utf-8").splitlines()
+        if line.endswith("}")
+    ]
     return {(line["module"], line["index"], line["of"]): line["caught"] for line in lines}
 
 
@@ -368,24 +435,40 @@ def table(wanted: list[str], verdicts: dict[Mutant, bool]) -> str:
     rows = [("module", "judge", "mutants", "caught", "survive", "not run")]
     for module in wanted:
         known = [verdicts[m] for m in mutants(module) if m in verdicts]
-        numbers = (len(mutants(module)), sum(known), len(known) - sum(known), len(mutants(module)) - len(known))
+        numbers = (
+            len(mutants(module)),
+            sum(known),
+            len(known) - sum(known),
+            len(mutants(module)) - len(known),
+        )
         rows.append((module, judged_by(module), *map(str, numbers)))
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = ["  ".join(f"{word:{width}}" for word, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    lines = [
+        "  ".join(f"{word:{width}}" for word, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
     survivors = [m for m, caught in verdicts.items() if not caught]
     return "\n".join([*lines, "", *(f"survives: {m.module}:{m.line}: {m.text}" for m in survivors)])
 
 
 def main() -> int:
-    """Runs the check and prints the table; 1 if a mutant survives, 3 if time was over before all were run."""
+    """Runs the check and prints the table; 1 if a mutant survives, 3 if time was over before all
+    were run.
+    """
     parser = argparse.ArgumentParser(description="Mutation check of the formulas.")
     parser.add_argument("modules", nargs="*", metavar="MODULE")
     parser.add_argument("--results", type=Path, help="where verdicts are kept and found again")
-    parser.add_argument("--seconds", type=float, default=float("inf"), help="no mutant is begun after so long")
+    parser.add_argument(
+        "--seconds", type=float, default=float("inf"), help="no mutant is begun after so long"
+    )
     parser.add_argument("--list", action="store_true", help="only say what would be run")
     options = parser.parse_args()
     importlib.import_module(f"tippetop.{SYSTEMS}")
-    wanted = [m for m in modules() if not options.modules or any(f".{m}".endswith(f".{n}") for n in options.modules)]
+    wanted = [
+        m
+        for m in modules()
+        if not options.modules or any(f".{m}".endswith(f".{n}") for n in options.modules)
+    ]
     kept, verdicts, clock = remembered(options.results), {}, time.monotonic()
     for module in wanted:
         of, asked = fingerprint(module), False
@@ -394,16 +477,28 @@ def main() -> int:
                 if options.list or time.monotonic() - clock > options.seconds:
                     continue
                 if not asked and noticed(module, tree_of(module)):
-                    raise SystemExit(f"{module}: its judge must be content with the formulas as they are, but is not.")
+                    raise SystemExit(
+                        f"{module}: its judge must be content with the formulas as they are, "
+                        "but is not."
+                    )
                 asked = True
                 caught = noticed(module, mutated(tree_of(module), mutant.index))
                 if options.results:
-                    line = {"module": module, "index": mutant.index, "of": of, "line": mutant.line, "caught": caught}
+                    line = {
+                        "module": module,
+                        "index": mutant.index,
+                        "of": of,
+                        "line": mutant.line,
+                        "caught": caught,
+                    }
                     with options.results.open("a", encoding="utf-8") as file:
                         file.write(json.dumps(line) + "\n")
             verdicts[mutant] = caught
         done = sum(m.module == module for m in verdicts)
-        print(f"{module}: {done} of {len(mutants(module))} after {time.monotonic() - clock:.0f} s", flush=True)
+        print(
+            f"{module}: {done} of {len(mutants(module))} after {time.monotonic() - clock:.0f} s",
+            flush=True,
+        )
     print(table(wanted, verdicts))
     if not all(verdicts.values()):
         return 1

@@ -1,4 +1,6 @@
-"""The attacks of the nightly run, a handful of each: nothing is lost, wrong, hanging or without a sentence."""
+"""The attacks of the nightly run, a handful of each: nothing is lost, wrong, hanging or without a
+sentence.
+"""
 
 import json
 import subprocess
@@ -9,15 +11,32 @@ import pytest
 
 
 ATTACKS = Path(__file__).parent / "attacks"
-CAMPAIGNS = ["kills", "damage", "scenarios", "extremes"]  # not the plans: their lanes compile for half a minute
+CAMPAIGNS = [
+    "kills",
+    "damage",
+    "scenarios",
+    "extremes",
+]  # not the plans: their lanes compile for half a minute
 
 
 @pytest.mark.parametrize(
-    "campaigns", [["scenarios"], pytest.param(CAMPAIGNS, marks=pytest.mark.slow)], ids=["scenarios", "most"]
+    "campaigns",
+    [["scenarios"], pytest.param(CAMPAIGNS, marks=pytest.mark.slow)],
+    ids=["scenarios", "most"],
 )
 def test_a_few_attacks_find_nothing(campaigns: list[str], tmp_path: Path) -> None:
     results = tmp_path / "attacks.jsonl"
-    command = [sys.executable, str(ATTACKS), *campaigns, "--count", "6", "--seconds", "400", "--results", str(results)]
+    command = [
+        sys.executable,
+        str(ATTACKS),
+        *campaigns,
+        "--count",
+        "6",
+        "--seconds",
+        "400",
+        "--results",
+        str(results),
+    ]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     verdicts = [json.loads(line) for line in results.read_text().splitlines()]
@@ -26,7 +45,9 @@ def test_a_few_attacks_find_nothing(campaigns: list[str], tmp_path: Path) -> Non
 
 
 def test_what_fails_is_counted_and_repeated(tmp_path: Path) -> None:
-    """A campaign that finds something ends with 1, and says with which seed and case it does so again."""
+    """A campaign that finds something ends with 1, and says with which seed and case it does so
+    again.
+    """
     (tmp_path / "scenarios.py").write_text(
         "COUNT = 4\n"
         "from verdict import Verdict\n"
@@ -39,7 +60,8 @@ def test_what_fails_is_counted_and_repeated(tmp_path: Path) -> None:
     )
     results = tmp_path / "attacks.jsonl"
     code = (
-        "import runpy, sys; sys.path[:0] = sys.argv.pop(1).split(); runpy.run_path(sys.argv.pop(1), None, '__main__')"
+        "import runpy, sys; sys.path[:0] = sys.argv.pop(1).split(); "
+        "runpy.run_path(sys.argv.pop(1), None, '__main__')"
     )
     command = [
         sys.executable,

@@ -12,7 +12,9 @@ import tippetop as tt
 from tippetop.runs import attributes
 
 
-def test_a_child_forked_while_a_thread_reads_a_run_reads_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_child_forked_while_a_thread_reads_a_run_reads_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     run, other = (tt.run("inverting", until=0.01) for _ in range(2))
     inside, leave = threading.Event(), threading.Event()
 

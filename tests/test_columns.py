@@ -1,11 +1,21 @@
-"""Columns in words: the letters of the formulas, units as people write them, flags by their names."""
+"""Columns in words: the letters of the formulas, units as people write them, flags by
+their names.
+"""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tippetop.columns import SUPERSCRIPTS, Column, column, flag_attributes, flagged, greek, units_text
+from tippetop.columns import (
+    SUPERSCRIPTS,
+    Column,
+    column,
+    flag_attributes,
+    flagged,
+    greek,
+    units_text,
+)
 from tippetop.mechanics import units
 from tippetop.mechanics.units import Scales, Unit
 
@@ -34,7 +44,9 @@ def test_names_of_letters_become_letters(words: str, letters: str) -> None:
 
 @pytest.mark.parametrize("unit", UNITS.values(), ids=UNITS.keys())
 def test_a_unit_is_what_its_symbol_says(unit: Unit) -> None:
-    """The symbol, read by the rules of SI, has the powers of the record: `kg m2 s-1` is 1, 2, -1."""
+    """The symbol, read by the rules of SI, has the powers of the record: `kg m2 s-1` is
+    1, 2, -1.
+    """
     total = np.zeros(3, int)
     for factor in unit.symbol.split():
         base = factor.rstrip("-0123456789") or factor
@@ -71,7 +83,9 @@ def test_scales_of_products_are_products_of_scales(sizes: list[float]) -> None:
 def test_a_column_is_doubles_with_their_unit_and_meaning() -> None:
     made = column(np.arange(3), units.JOULE, "energy", standard_name="e")
     assert made.values.dtype == np.float64
-    assert made == Column(("time",), made.values, {"units": "J", "long_name": "energy", "standard_name": "e"})
+    assert made == Column(
+        ("time",), made.values, {"units": "J", "long_name": "energy", "standard_name": "e"}
+    )
 
 
 def test_a_flag_is_found_by_its_name() -> None:

@@ -1,4 +1,6 @@
-"""Every command of the README and the manual runs as it is written there; long ones over a shorter time."""
+"""Every command of the README and the manual runs as it is written there; long ones over a shorter
+time.
+"""
 
 import os
 import re
@@ -59,7 +61,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     axis = axis + 0.005 * np.random.default_rng(1).standard_normal(axis.shape)
     table = np.column_stack([t, axis / np.linalg.norm(axis, axis=1)[:, None]])
     for name in ("MINE", "mine", "FILM", "film", "dt=1e-3", "dt=5e-4", "dt=2.5e-4"):
-        np.savetxt(place / f"{name}.csv", table, delimiter=",", header="t [s],axis_x,axis_y,axis_z", comments="")
+        np.savetxt(
+            place / f"{name}.csv",
+            table,
+            delimiter=",",
+            header="t [s],axis_x,axis_y,axis_z",
+            comments="",
+        )
     return place
 
 
@@ -88,7 +96,11 @@ def test_each_command_of_a_page_runs(page: Path, folder: Path, tmp_path: Path) -
             words = words.replace(long, short)
         made = re.search(r"--out (\S+)", words)
         if made and (tmp_path / made[1]).exists():
-            words += " --overwrite" if "--overwrite" not in words and not words.startswith("sweep") else ""
+            words += (
+                " --overwrite"
+                if "--overwrite" not in words and not words.startswith("sweep")
+                else ""
+            )
         done = tt_words(tmp_path, words)
         refused = line.partition(" ")[2] in DONE_ALREADY
         assert (done.returncode == 0) != refused, f"{words}: {done.returncode}: {done.stderr}"

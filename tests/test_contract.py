@@ -1,4 +1,6 @@
-"""The import contract is kept, and fails when a forbidden import is added; the layout stays within its goals."""
+"""The import contract is kept, and fails when a forbidden import is added; the layout stays within
+its goals.
+"""
 
 import json
 import shutil
@@ -17,13 +19,21 @@ FORBIDDEN = [
     ("src/tippetop/store/files.py", "from ..scenario import build", "rooms stand on floors"),
     ("src/tippetop/runs/run.py", "from ..ensembles import lanes", "rooms stand on floors"),
     ("src/tippetop/elsewhere.py", "", "rooms stand on floors"),
-    ("src/tippetop/mechanics/friction.py", "from .systems import tippe_top", "physics, from the ground up"),
+    (
+        "src/tippetop/mechanics/friction.py",
+        "from .systems import tippe_top",
+        "physics, from the ground up",
+    ),
     ("src/tippetop/mechanics/friction.py", "def late():\n    import heyoka", "heyoka"),
     ("src/tippetop/runs/run.py", "import matplotlib.pyplot", "matplotlib draws figures"),
     ("src/tippetop/sweeps/sweep.py", "import zarr", "the disk is the store's"),
     ("src/tippetop/engine/taylor.py", "import pydantic", "pydantic reads"),
     ("src/tippetop/runs/run.py", "import signal", "a library does not change"),
-    ("kernels/tippetop_kernels/minimise.py", "import tippetop.problem", "kernels know numbers, not tops"),
+    (
+        "kernels/tippetop_kernels/minimise.py",
+        "import tippetop.problem",
+        "kernels know numbers, not tops",
+    ),
 ]
 LINTING = """
 import contextlib, io, json, pathlib, sys
@@ -48,12 +58,19 @@ class Linted(NamedTuple):
 
 @pytest.fixture(scope="module")
 def linted(tmp_path_factory: pytest.TempPathFactory) -> list[Linted]:
-    """A copy of the source as it is, and then with each of the forbidden lines, judged in a process of its own."""
+    """A copy of the source as it is, and then with each of the forbidden lines, judged in a process
+    of its own.
+    """
     folder = tmp_path_factory.mktemp("copied")
     for name in ("src", "kernels"):
-        shutil.copytree(REPOSITORY / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(
+            REPOSITORY / name, folder / name, ignore=shutil.ignore_patterns("__pycache__")
+        )
     shutil.copy(REPOSITORY / "pyproject.toml", folder)
-    environment = {"PYTHONPATH": f"{folder / 'src'}:{folder / 'kernels'}", "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = {
+        "PYTHONPATH": f"{folder / 'src'}:{folder / 'kernels'}",
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
     lines = json.dumps([(module, line) for module, line, _ in FORBIDDEN])
     command = [sys.executable, "-c", LINTING, lines]
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
@@ -66,13 +83,19 @@ def test_the_contract_is_kept(linted: list[Linted]) -> None:
     assert "0 broken" in linted[0].out
 
 
-@pytest.mark.parametrize("case", range(len(FORBIDDEN)), ids=[f"{line}-{broken}" for _, line, broken in FORBIDDEN])
+@pytest.mark.parametrize(
+    "case", range(len(FORBIDDEN)), ids=[f"{line}-{broken}" for _, line, broken in FORBIDDEN]
+)
 def test_a_forbidden_import_breaks_it(case: int, linted: list[Linted]) -> None:
     """A module without a floor breaks it too."""
     _, _, broken = FORBIDDEN[case]
     found = linted[1 + case]
     assert found.code == 1, found.out
-    verdicts = [row for row in found.out.splitlines() if row.rstrip().endswith("BROKEN") or " BROKEN (" in row]
+    verdicts = [
+        row
+        for row in found.out.splitlines()
+        if row.rstrip().endswith("BROKEN") or " BROKEN (" in row
+    ]
     assert any(row.startswith(broken) for row in verdicts), found.out
 
 
@@ -90,7 +113,10 @@ def test_rooms_are_counted_as_grimp_counts_them() -> None:
 
 
 def test_the_layout_stays_within_its_goals() -> None:
-    """At most 20 rooms on at most 8 floors, and no circle. `python -m` and the modules of public names are no rooms."""
+    """At most 20 rooms on at most 8 floors, and no circle.
+
+    `python -m` and the modules of public names are no rooms.
+    """
     found = rooms.layout(REPOSITORY / "src")
     doors = {"__main__", "derivatives", "extending", "friction", "landscapes", "theory"}
     assert len(set(found.rooms) - doors) <= 20

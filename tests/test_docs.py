@@ -1,4 +1,6 @@
-"""The Python in README and in the how-tos runs as it stands there, and the pages name files that exist."""
+"""The Python in README and in the how-tos runs as it stands there, and the pages name files that
+exist.
+"""
 
 import re
 from pathlib import Path

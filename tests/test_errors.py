@@ -1,4 +1,6 @@
-"""Sentences on words that do not exist name the word that was meant, and none where nothing is near."""
+"""Sentences on words that do not exist name the word that was meant, and none where nothing is
+near.
+"""
 
 import pytest
 from hypothesis import given, settings
@@ -13,7 +15,12 @@ KNOWN = ("omega3", "theta", "theta_dot", "phi_dot", "Lz")
 @pytest.mark.parametrize("word", KNOWN)
 def test_a_known_word_is_nearest_to_itself_and_to_its_misspellings(word: str) -> None:
     swapped = word[1] + word[0] + word[2:]
-    for typed in (word, word.upper(), word.lower(), *([swapped, word[:-1]] if len(word) > 3 else [])):
+    for typed in (
+        word,
+        word.upper(),
+        word.lower(),
+        *([swapped, word[:-1]] if len(word) > 3 else []),
+    ):
         assert nearest(typed, KNOWN) in (word, "theta" if word == "theta_dot" else word)
 
 
@@ -24,7 +31,9 @@ def test_nothing_is_guessed_where_nothing_is_near() -> None:
 
 
 @settings(max_examples=50, deadline=None)
-@given(st.text("abcXY_", max_size=12), st.lists(st.text("abcXY_", min_size=1, max_size=8), max_size=5))
+@given(
+    st.text("abcXY_", max_size=12), st.lists(st.text("abcXY_", min_size=1, max_size=8), max_size=5)
+)
 def test_what_is_guessed_is_one_of_the_known(word: str, known: list[str]) -> None:
     assert nearest(word, known) in {None, *known}
 
@@ -33,14 +42,21 @@ def test_an_unknown_key_is_looked_for_everywhere() -> None:
     """First in its own table, then in the others; what is known is listed either way."""
     everywhere = ["friction.mu", "initial.theta"]
     assert unknown_key("initial.omega", ["theta", "omega3"], everywhere) == (
-        "unknown key `initial.omega`; did you mean `initial.omega3`? The keys of `initial` are theta, omega3."
+        "unknown key `initial.omega`; did you mean `initial.omega3`? The keys of `initial` are "
+        "theta, omega3."
     )
-    assert "did you mean `friction.mu`?" in unknown_key("initial.mu", ["theta", "omega3"], everywhere)
+    assert "did you mean `friction.mu`?" in unknown_key(
+        "initial.mu", ["theta", "omega3"], everywhere
+    )
     assert "did you mean" not in unknown_key(
         "friction.eps", ["law", "mu"], ["initial.psi"]
     )  # three letters in disorder
-    assert "did you mean `initial.theta`?" in unknown_key("parameters.theta", ["m", "theta0"], everywhere)
-    assert unknown_key("zzzz", ["system", "form"]) == "unknown key `zzzz`. The keys are system, form."
+    assert "did you mean `initial.theta`?" in unknown_key(
+        "parameters.theta", ["m", "theta0"], everywhere
+    )
+    assert (
+        unknown_key("zzzz", ["system", "form"]) == "unknown key `zzzz`. The keys are system, form."
+    )
 
 
 def test_a_system_has_its_article() -> None:

@@ -1,4 +1,6 @@
-"""Heavy libraries are imported when something needs them, and not before; an import and a run change nothing else."""
+"""Heavy libraries are imported when something needs them, and not before; an import and a run
+change nothing else.
+"""
 
 import json
 import subprocess
@@ -8,11 +10,17 @@ import pytest
 
 
 STAGES = [
-    ("import tippetop as tt", {"heyoka", "numpy", "xarray", "matplotlib", "numba", "zarr", "pydantic"}),
+    (
+        "import tippetop as tt",
+        {"heyoka", "numpy", "xarray", "matplotlib", "numba", "zarr", "pydantic"},
+    ),
     ("import tippetop.mechanics.systems", {"numba", "matplotlib", "zarr", "pydantic"}),
     ("import tippetop.landscape.surface, tippetop.figures, tippetop.cli", {"numba", "matplotlib"}),
     ("import tippetop.sweeps.sweep", {"numba", "matplotlib", "dask", "distributed"}),
-    ("tt.run('inverting', until=0.1)", {"matplotlib", "dask", "numba", "tippetop.engine.derivatives.along_run"}),
+    (
+        "tt.run('inverting', until=0.1)",
+        {"matplotlib", "dask", "numba", "tippetop.engine.derivatives.along_run"},
+    ),
     ("tt.ensemble('inverting', {'omega3': [150.0, 155.0]}, until=0.1)", {"numba"}),
 ]
 """What a process does, one after the other, and what it has not imported after that."""
@@ -30,8 +38,9 @@ for stage in json.loads(sys.argv[1]):
 
 @pytest.fixture(scope="module")
 def after() -> list[tuple[set[str], bool]]:
-    """The modules that are loaded after each stage, and whether environment, signal handlers and log level are the
-    same."""
+    """The modules that are loaded after each stage, and whether environment, signal handlers and
+    log level are the same.
+    """
     command = [sys.executable, "-c", CODE, json.dumps([code for code, _ in STAGES])]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -39,7 +48,9 @@ def after() -> list[tuple[set[str], bool]]:
 
 
 @pytest.mark.parametrize("stage", range(len(STAGES)), ids=[code for code, _ in STAGES])
-def test_what_is_heavy_sleeps_until_it_is_needed(stage: int, after: list[tuple[set[str], bool]]) -> None:
+def test_what_is_heavy_sleeps_until_it_is_needed(
+    stage: int, after: list[tuple[set[str], bool]]
+) -> None:
     loaded, same = after[stage]
     assert not STAGES[stage][1] & loaded
     assert same

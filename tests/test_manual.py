@@ -1,4 +1,7 @@
-"""The manual: every public name, every topic and every page is in it. (That it builds is tried by docs.yml.)"""
+"""The manual: every public name, every topic and every page is in it.
+
+(That it builds is tried by docs.yml.)
+"""
 
 import pydoc
 import re
@@ -21,10 +24,18 @@ def test_every_public_name_is_in_the_reference() -> None:
                 module = current[1]
             elif name := re.match(r"\.\. auto(?:class|function):: (\S+)", line):
                 listed.add(name[1] if "." in name[1] else f"{module}.{name[1]}")
-            listed |= {f"tippetop.{name}" for name in re.findall(r"`tt\.(extending\.[A-Z]+)`", line)}
-    faces = [value for name in dir(tippetop) if isinstance(value := getattr(tippetop, name), ModuleType)]
+            listed |= {
+                f"tippetop.{name}" for name in re.findall(r"`tt\.(extending\.[A-Z]+)`", line)
+            }
+    faces = [
+        value for name in dir(tippetop) if isinstance(value := getattr(tippetop, name), ModuleType)
+    ]
     inner = {f"{face.__name__}.{name}" for face in faces for name in face.__all__}
-    calls = {f"tippetop.{name}" for name in dir(tippetop) if not isinstance(getattr(tippetop, name), ModuleType)}
+    calls = {
+        f"tippetop.{name}"
+        for name in dir(tippetop)
+        if not isinstance(getattr(tippetop, name), ModuleType)
+    }
     errors = {"tippetop.InputError", "tippetop.StoreError", "tippetop.Interrupted"}
     assert inner - listed == {"tippetop.extending.units"}
     assert calls - listed == errors | {"tippetop.__version__"}
@@ -32,7 +43,9 @@ def test_every_public_name_is_in_the_reference() -> None:
 
 
 def test_every_topic_has_a_page() -> None:
-    pages = "\n".join(page.read_text(encoding="utf-8") for page in (DOCS / "reference").glob("*.md"))
+    pages = "\n".join(
+        page.read_text(encoding="utf-8") for page in (DOCS / "reference").glob("*.md")
+    )
     assert all(f'topics()["{topic}"]' in pages for topic in topics())
 
 

@@ -1,4 +1,6 @@
-"""One run is the case n = 1 of many, bit by bit; units scale what is computed; a number is validated in one way."""
+"""One run is the case n = 1 of many, bit by bit; units scale what is computed; a number is
+validated in one way.
+"""
 
 import dataclasses
 
@@ -45,7 +47,12 @@ def columns(base: Problem, rng: np.random.Generator) -> dict[str, np.ndarray]:
 
 def alone(base: Problem, numbers: dict[str, np.ndarray], i: int) -> Problem:
     """The run number i as a problem of its own."""
-    plain: dict[str, dict[str, float]] = {"parameters": {}, "friction": {}, "initial": {}, "run": {}}
+    plain: dict[str, dict[str, float]] = {
+        "parameters": {},
+        "friction": {},
+        "initial": {},
+        "run": {},
+    }
     for key, column in numbers.items():
         table, _, name = key.partition(".")
         plain[table][name] = float(column[i])
@@ -60,8 +67,12 @@ def alone(base: Problem, numbers: dict[str, np.ndarray], i: int) -> Problem:
 
 @pytest.mark.parametrize("system", SYSTEMS)
 @pytest.mark.parametrize("precision", ["double", "longdouble", "quad"])
-def test_one_run_is_the_case_n_1_of_many(system: str, precision: str, rng: np.random.Generator) -> None:
-    """Starts, bodies, units and ends are the same to the bit, whatever stands beside a run: in every form."""
+def test_one_run_is_the_case_n_1_of_many(
+    system: str, precision: str, rng: np.random.Generator
+) -> None:
+    """Starts, bodies, units and ends are the same to the bit, whatever stands beside a run: in
+    every form.
+    """
     preset = build.load(PRESETS[system])
     for form in preset.system.forms.values():
         base = dataclasses.replace(preset, form=form, precision=precision)
@@ -69,7 +80,9 @@ def test_one_run_is_the_case_n_1_of_many(system: str, precision: str, rng: np.ra
         many = Problems(base, numbers, orientation=True)
         for i in range(N):
             one = alone(base, numbers, i)
-            same = Problems(base, {key: column[[i]] for key, column in numbers.items()}, orientation=True)
+            same = Problems(
+                base, {key: column[[i]] for key, column in numbers.items()}, orientation=True
+            )
             for whole, single, name in (
                 (many.start[:, i], one.start(), "start"),
                 (many.pars[:, i], np.array(leaves(one.internal_body), dtype=base.number), "body"),
@@ -82,7 +95,9 @@ def test_one_run_is_the_case_n_1_of_many(system: str, precision: str, rng: np.ra
             assert many.end[i] == one.until / float(one.scales.of(SECOND))
 
 
-@pytest.mark.parametrize("system", ["tippe-top", "rolling-tippe-top", "gliding-heavy-top", "heavy-top"])
+@pytest.mark.parametrize(
+    "system", ["tippe-top", "rolling-tippe-top", "gliding-heavy-top", "heavy-top"]
+)
 def test_compiled_values_of_many_are_those_of_one(system: str, rng: np.random.Generator) -> None:
     """What states say is the same for one run and for many, whatever stands beside a run."""
     base = dataclasses.replace(build.load(PRESETS[system]), orientation=False)
@@ -96,9 +111,14 @@ def test_compiled_values_of_many_are_those_of_one(system: str, rng: np.random.Ge
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
-@pytest.mark.parametrize("scale", [(4.0, 1.0, 1.0), (1.0, 4.0, 1.0), (1.0, 1.0, 0.5), (8.0, 0.25, 2.0)])
-def test_internal_numbers_do_not_depend_on_the_units(system: str, scale: tuple[float, float, float]) -> None:
-    """A body of other mass, size and pace that is the same body in other units has the same internal numbers.
+@pytest.mark.parametrize(
+    "scale", [(4.0, 1.0, 1.0), (1.0, 4.0, 1.0), (1.0, 1.0, 0.5), (8.0, 0.25, 2.0)]
+)
+def test_internal_numbers_do_not_depend_on_the_units(
+    system: str, scale: tuple[float, float, float]
+) -> None:
+    """A body of other mass, size and pace that is the same body in other units has the same
+    internal numbers.
 
     The factors are powers of two, so that this holds to the bit.
     """
@@ -108,7 +128,8 @@ def test_internal_numbers_do_not_depend_on_the_units(system: str, scale: tuple[f
     def scaled(values: dict, rules: dict) -> dict:
         units = {name: rules[name].unit for name in values}
         return {
-            k: v * mass ** units[k].mass * length ** units[k].length * time ** units[k].time for k, v in values.items()
+            k: v * mass ** units[k].mass * length ** units[k].length * time ** units[k].time
+            for k, v in values.items()
         }
 
     friction = base.friction._asdict()
@@ -131,7 +152,8 @@ def test_a_check_changes_nothing_and_says_what_is_wrong() -> None:
     mu = np.array([0.3, 0.3, -1.0, 0.3, 0.3])
     moments = np.array([3.2e-6, 3.2e-6, 3.2e-6, 3.2e-6, 7e-6])
     tops = Problems.vary(
-        build.load("inverting"), {"initial.omega3": spins, "friction.mu": mu, "parameters.I3": moments}
+        build.load("inverting"),
+        {"initial.omega3": spins, "friction.mu": mu, "parameters.I3": moments},
     )
     start, pars = tops.start.copy(), tops.pars.copy()
     valid, faults = tops.check()
@@ -157,7 +179,9 @@ def test_a_check_changes_nothing_and_says_what_is_wrong() -> None:
 
 @pytest.mark.parametrize("name", ["x", "y"])
 def test_a_start_so_far_away_that_it_would_set_the_steps_is_refused(name: str) -> None:
-    """Integrals are scaled by 2^-32, so that they have no say: a start at 1e300 m was one step, 4 % wrong."""
+    """Integrals are scaled by 2^-32, so that they have no say: a start at 1e300 m was one step, 4 %
+    wrong.
+    """
     base = build.load("inverting")
     far = Problems.vary(base, {f"initial.{name}": np.array([0.0, 1e6, -1e6, 1e300, -1e12])})
     valid, faults = far.check()
@@ -175,7 +199,7 @@ def test_a_run_and_a_top_are_refused_in_the_same_words() -> None:
         assert fault == (1, str(caught.value))
 
 
-# --- what must hold of a number -------------------------------------------------------------------------------------
+# --- what must hold of a number -----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -188,10 +212,17 @@ def test_a_run_and_a_top_are_refused_in_the_same_words() -> None:
             [0, 1, -1, np.nan],
             "finite, greater than 0, less than 1",
         ),
-        (Number(ONE, "closed", least=0, most=1), [0, 1], [-1e-300, 1.5, np.inf], "finite, at least 0, at most 1"),
+        (
+            Number(ONE, "closed", least=0, most=1),
+            [0, 1],
+            [-1e-300, 1.5, np.inf],
+            "finite, at least 0, at most 1",
+        ),
     ],
 )
-def test_a_parameter_knows_its_interval(parameter: Number, inside: list, outside: list, words: str) -> None:
+def test_a_parameter_knows_its_interval(
+    parameter: Number, inside: list, outside: list, words: str
+) -> None:
     values = np.array(inside + outside, float)
     assert parameter.broken(values).tolist() == [False] * len(inside) + [True] * len(outside)
     assert [bool(parameter.broken(v)) for v in values] == parameter.broken(values).tolist()
@@ -208,12 +239,16 @@ def test_a_value_is_told_the_first_thing_that_it_breaks() -> None:
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_every_way_in_refuses_the_same_numbers(system: str) -> None:
-    """TOML, arrays, and the system's record: for every number of every system, at its ends and beside them."""
+    """TOML, arrays, and the system's record: for every number of every system, at its ends and
+    beside them.
+    """
     base = build.load(PRESETS[system])
     for key, rule in base.rules.items():
         table, _, name = key.partition(".")
         ends = [e for e in (rule.above, rule.least, rule.below, rule.most) if e is not None]
-        values = [v for e in (*ends, 0.5) for v in (np.nextafter(e, -1e9), e, np.nextafter(e, 1e9))] + [np.nan, np.inf]
+        values = [
+            v for e in (*ends, 0.5) for v in (np.nextafter(e, -1e9), e, np.nextafter(e, 1e9))
+        ] + [np.nan, np.inf]
         tops = Problems(base, {key: np.array(values)})
         by_array = {i for i, sentence in tops.check()[1] if sentence.startswith(f"`{key}`")}
         for i, value in enumerate(values):
@@ -259,15 +294,24 @@ def test_a_problem_made_in_python_is_checked_like_a_scenario() -> None:
         until=0.0,
     )
     keys = [fault.split("`")[1] for fault in bad.faults()]
-    assert keys == ["parameters.m", "friction.mu", "initial.theta", "initial.spin", "run.until", "initial.psi_dot"]
+    assert keys == [
+        "parameters.m",
+        "friction.mu",
+        "initial.theta",
+        "initial.spin",
+        "run.until",
+        "initial.psi_dot",
+    ]
 
 
-# --- what says the same in two ways ---------------------------------------------------------------------------------
+# --- what says the same in two ways -------------------------------------------------------------
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_alternatives_are_initial_data(system: str) -> None:
-    """Each alternative names initial data of its system; a flag is not a number; all of them are refused together."""
+    """Each alternative names initial data of its system; a flag is not a number; all of them are
+    refused together.
+    """
     record = SYSTEMS[system]
     for alternative in record.alternatives:
         assert set(alternative.others) <= set(record.initial)
@@ -290,7 +334,8 @@ def test_what_varies_takes_the_place_of_its_rival() -> None:
     assert np.array_equal(tops.start[:, 0], by_psi_dot.start())
     back = Problems.vary(by_psi_dot, {"initial.omega3": [155.0]})
     assert np.array_equal(
-        back.start[:, 0], dataclasses.replace(by_omega3, initial={"theta": theta, "omega3": 155.0}).start()
+        back.start[:, 0],
+        dataclasses.replace(by_omega3, initial={"theta": theta, "omega3": 155.0}).start(),
     )
 
 

@@ -1,4 +1,6 @@
-"""The progress bar: what it counts, how fast, and how long it still takes; nothing where nobody looks."""
+"""The progress bar: what it counts, how fast, and how long it still takes; nothing where nobody
+looks.
+"""
 
 import io
 import time
@@ -16,7 +18,9 @@ class Terminal(io.StringIO):
 
 
 def test_a_bar_tells_rate_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What was done before does not count: 60 of 100 in 20 s leave 40 for another 20 s at 2 a second."""
+    """What was done before does not count: 60 of 100 in 20 s leave 40 for another 20 s at 2 a
+    second.
+    """
     terminal, clock = Terminal(), iter([100.0, 120.0])
     monkeypatch.setattr("sys.stderr", terminal)
     monkeypatch.setenv("TERM", "xterm")

@@ -25,7 +25,12 @@ def parted(requirement: str) -> tuple[str, str]:
 def test_the_conda_recipe_has_the_dependencies_of_a_run_that_is_drawn() -> None:
     extras = PROJECT["optional-dependencies"]
     wanted: dict[str, str] = {}
-    for requirement in [*PROJECT["dependencies"], *extras["figures"], *extras["grids"], *extras["sweep"]]:
+    for requirement in [
+        *PROJECT["dependencies"],
+        *extras["figures"],
+        *extras["grids"],
+        *extras["sweep"],
+    ]:
         if requirement.startswith("tippetop"):
             continue
         name, bound = parted(requirement)
@@ -53,4 +58,6 @@ def test_every_python_that_is_promised_is_tried() -> None:
 def test_the_dockerfile_is_short_and_runs_as_a_user() -> None:
     lines = text("packaging/Dockerfile").splitlines()
     assert len(lines) <= 20
-    assert lines.index("USER user") < next(i for i, line in enumerate(lines) if line.startswith("RUN tippetop"))
+    assert lines.index("USER user") < next(
+        i for i, line in enumerate(lines) if line.startswith("RUN tippetop")
+    )

@@ -1,4 +1,6 @@
-"""When rows are wanted: a grid that is never held whole is the grid held whole; `until` is its last time."""
+"""When rows are wanted: a grid that is never held whole is the grid held whole; `until` is its last
+time.
+"""
 
 from fractions import Fraction
 
@@ -16,7 +18,9 @@ parts = st.sampled_from([0.0, 0.25, 0.999999])
 
 
 @given(steps, lengths, parts)
-def test_a_grid_begins_at_zero_steps_evenly_and_ends_with_until(step: float, count: int, part: float) -> None:
+def test_a_grid_begins_at_zero_steps_evenly_and_ends_with_until(
+    step: float, count: int, part: float
+) -> None:
     grid = EvenTimes(step, step * (count + part))
     times = grid[:]
     assert len(grid) == len(times) == count + 1 + (part > 0)
@@ -26,7 +30,9 @@ def test_a_grid_begins_at_zero_steps_evenly_and_ends_with_until(step: float, cou
 
 
 @given(steps, lengths, parts, st.integers(0, 500), st.integers(0, 500))
-def test_a_stretch_of_a_grid_is_that_of_the_whole(step: float, count: int, part: float, a: int, b: int) -> None:
+def test_a_stretch_of_a_grid_is_that_of_the_whole(
+    step: float, count: int, part: float, a: int, b: int
+) -> None:
     grid = EvenTimes(step, step * (count + part))
     assert grid[a : a + b].tobytes() == grid[:][a : a + b].tobytes()
 
@@ -40,7 +46,11 @@ def test_counting_in_a_grid_is_counting_in_its_times(
     row = times[min(int(where * count), len(times) - 1)]
     for at in (where * grid.until, row, np.nextafter(row, np.inf), np.nextafter(row, -np.inf)):
         expected = np.sum(times <= at) if inclusive else np.sum(times < at)
-        assert grid.count(at, inclusive=inclusive) == ListedTimes(times).count(at, inclusive=inclusive) == expected
+        assert (
+            grid.count(at, inclusive=inclusive)
+            == ListedTimes(times).count(at, inclusive=inclusive)
+            == expected
+        )
 
 
 @given(
@@ -54,7 +64,9 @@ def test_decimal_times_have_one_last_row(start: int, step: int, parts: int, coun
     begin, each = Fraction(start, 1000), Fraction(step, parts)
     grid = EvenTimes(float(each), float(begin + count * each), float(begin))
     assert len(grid) == count + 1
-    np.testing.assert_allclose(np.diff(grid[count - 3 :] if count > 3 else grid[:]), float(each), rtol=0.01)
+    np.testing.assert_allclose(
+        np.diff(grid[count - 3 :] if count > 3 else grid[:]), float(each), rtol=0.01
+    )
 
 
 def test_a_long_grid_is_cheap() -> None:

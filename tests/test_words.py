@@ -1,4 +1,6 @@
-"""The words of this project are those of the field: retired ones appear nowhere that people read."""
+"""The words of this project are those of the field: retired ones appear nowhere that
+people read.
+"""
 
 import ast
 import re
@@ -6,7 +8,15 @@ from pathlib import Path
 
 
 ROOT = Path(__file__).parents[1]
-PLACES = ("src/tippetop", "kernels", "docs", "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "bench/README.md")
+PLACES = (
+    "src/tippetop",
+    "kernels",
+    "docs",
+    "README.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    "bench/README.md",
+)
 ENDINGS = (".py", ".pyi", ".toml", ".md")
 
 RETIRED = {  # a pattern of a retired word -> the word to use
@@ -26,7 +36,8 @@ RETIRED = {  # a pattern of a retired word -> the word to use
     r"(goes|go|going|gone) on\b": "continues",
     r"what became of\b": "fate",
     r"sliding died\b": "sliding ended",
-    r"(drawn|shown|made|found)\(": "draw_map, reporting: a verb for what acts, a noun for what it gives",
+    r"(drawn|shown|made|found)\(": "draw_map, reporting: a verb for what acts, a noun for what "
+    "it gives",
     r"ScenarioError\b": "InputError",
     r"twofold\b": "doubledouble",
     r"yielding\b": "contact_mobility",
@@ -35,7 +46,8 @@ RETIRED = {  # a pattern of a retired word -> the word to use
     r"a line (of results )?(per|for each) top\b": "a row",
     r"unfolded\b": "normalised_to",
     r"at_once\b": "SLICES_PER_CHECK",
-    r"(Course|Measured|Lean|Relief|Two|Shown|Machine|Sources|Rules)\b": "Integration, Outcomes, Point, ...",
+    r"(Course|Measured|Lean|Relief|Two|Shown|Machine|Sources|Rules)\b": "Integration, "
+    "Outcomes, Point, ...",
     r"(remarks|worded|varied|sweep_lines)\b": "a verb for what acts, a noun for what it gives",
     r"(JAMMED|POLE)\b": "Domain: must stay positive",
     r"precession\b(?= *[=:*])": "phi_dot_s2",
@@ -51,7 +63,10 @@ ALLOWED = {  # (file or folder, what stands in the line) -> why
     ("README.md", "## "): "titles in plain English",
     ("bench/", "## "): "titles in plain English",
     ("docs/", "Measured"): "plain English",
-    ("src/tippetop/ensembles/outcomes.py", '"what became of the top"'): "an attribute of stores, whose bytes stay",
+    (
+        "src/tippetop/ensembles/outcomes.py",
+        '"what became of the top"',
+    ): "an attribute of stores, whose bytes stay",
     (
         "src/tippetop/runs/reporting.py",
         "settled: sliding died at",
@@ -61,9 +76,18 @@ ALLOWED = {  # (file or folder, what stands in the line) -> why
 
 def hits() -> list[tuple[str, int, str, str]]:
     """File, line, retired word and line of each use."""
-    files = [p for place in PLACES for p in ([ROOT / place] if (ROOT / place).is_file() else (ROOT / place).rglob("*"))]
-    patterns = [re.compile(rf"(?<![\w.-]){p}", re.I if p.replace(r"\b", "").islower() else 0) for p in RETIRED]
-    any_of_them = re.compile(rf"(?<![\w.-])(?:{'|'.join(RETIRED)})", re.I)  # most lines have none: one look for forty
+    files = [
+        p
+        for place in PLACES
+        for p in ([ROOT / place] if (ROOT / place).is_file() else (ROOT / place).rglob("*"))
+    ]
+    patterns = [
+        re.compile(rf"(?<![\w.-]){p}", re.I if p.replace(r"\b", "").islower() else 0)
+        for p in RETIRED
+    ]
+    any_of_them = re.compile(
+        rf"(?<![\w.-])(?:{'|'.join(RETIRED)})", re.I
+    )  # most lines have none: one look for forty
     found = []
     for path in sorted(p for p in files if p.suffix in ENDINGS):
         name = str(path.relative_to(ROOT))
@@ -72,16 +96,32 @@ def hits() -> list[tuple[str, int, str, str]]:
                 continue
             if any(name.startswith(file) and part in line for (file, part) in ALLOWED):
                 continue
-            found += [(name, number, m.group(), line.strip()) for p in patterns if (m := p.search(line))]
+            found += [
+                (name, number, m.group(), line.strip()) for p in patterns if (m := p.search(line))
+            ]
     return found
 
 
 def test_retired_words_are_gone() -> None:
     found = hits()
-    assert not found, "\n" + "\n".join(f"{name}:{number}: {word}: {line}" for name, number, word, line in found)
+    assert not found, "\n" + "\n".join(
+        f"{name}:{number}: {word}: {line}" for name, number, word, line in found
+    )
 
 
-PARTICIPLES = {"found", "made", "said", "told", "shown", "drawn", "worded", "book", "course", "door", "house"}
+PARTICIPLES = {
+    "found",
+    "made",
+    "said",
+    "told",
+    "shown",
+    "drawn",
+    "worded",
+    "book",
+    "course",
+    "door",
+    "house",
+}
 
 
 def test_no_name_is_a_participle_or_a_metaphor() -> None:
@@ -89,7 +129,13 @@ def test_no_name_is_a_participle_or_a_metaphor() -> None:
     faults = []
     for path in [*(ROOT / "src").rglob("*.py"), *(ROOT / "kernels").rglob("*.py")]:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            name = node.arg if isinstance(node, ast.arg) else node.id if isinstance(node, ast.Name) else ""
+            name = (
+                node.arg
+                if isinstance(node, ast.arg)
+                else node.id
+                if isinstance(node, ast.Name)
+                else ""
+            )
             if name in PARTICIPLES:
                 faults.append(f"{path.relative_to(ROOT)}:{node.lineno}: {name}")
     assert not faults, "\n".join(faults)

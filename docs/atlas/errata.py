@@ -57,7 +57,9 @@ class Residuals(NamedTuple):
 def residuals(erratum: Erratum, states: int = STATES) -> Residuals:
     """|form - truth| over the larger of both, at random bodies and states, in 50 digits."""
     sides = [of_letters(erratum.evidence, MOTIONS[erratum.motion](seed)) for seed in range(states)]
-    return Residuals([residual(x.truth, x.printed) for x in sides], [residual(x.truth, x.correct) for x in sides])
+    return Residuals(
+        [residual(x.truth, x.printed) for x in sides], [residual(x.truth, x.correct) for x in sides]
+    )
 
 
 def short(x: mp.mpf) -> str:
@@ -76,12 +78,25 @@ def _cell(x: Any) -> str:
 
 def text(erratum: Erratum) -> str:
     """A correction as Markdown: both forms, their evidence, the code that made it."""
-    lines = [f"**{erratum.where}** · {erratum.kind}", "", "Printed or read:", "", f"$$\n{erratum.printed}\n$$", ""]
+    lines = [
+        f"**{erratum.where}** · {erratum.kind}",
+        "",
+        "Printed or read:",
+        "",
+        f"$$\n{erratum.printed}\n$$",
+        "",
+    ]
     lines += ["Correct:", "", f"$$\n{erratum.correct}\n$$", ""]
     if erratum.motion:
         found = residuals(erratum)
-        lines += [f"| relative residual, {STATES} random states of a {erratum.motion} | smallest | largest |"]
-        lines += ["|---|---|---|", _row("as printed", found.printed), _row("corrected", found.correct)]
+        lines += [
+            f"| relative residual, {STATES} random states of a {erratum.motion} | smallest | largest |"
+        ]
+        lines += [
+            "|---|---|---|",
+            _row("as printed", found.printed),
+            _row("corrected", found.correct),
+        ]
     else:
         lines += ["| case | as printed | as corrected | computed |", "|---|---|---|---|"]
         for case, *values in erratum.evidence():
@@ -112,7 +127,11 @@ def show(number: int) -> Any:
 
 
 PAGES = {**dict.fromkeys(range(1, 6), "chapter-2"), **dict.fromkeys(range(6, 19), "chapter-3")}
-PAGES |= {**dict.fromkeys(range(19, 25), "chapter-4"), **dict.fromkeys(range(25, 36), "chapter-5"), 36: "appendix-a"}
+PAGES |= {
+    **dict.fromkeys(range(19, 25), "chapter-4"),
+    **dict.fromkeys(range(25, 36), "chapter-5"),
+    36: "appendix-a",
+}
 
 
 def summary() -> Any:

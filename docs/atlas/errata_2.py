@@ -15,7 +15,11 @@ def transformation_matrix(theta, phi, omega3):
     def about(axis, angle):
         """The rotations (2.14) to (2.16)."""
         s, c = mp.sin(angle), mp.cos(angle)
-        return mp.matrix([[c, s, 0], [-s, c, 0], [0, 0, 1]] if axis == "z" else [[1, 0, 0], [0, c, s], [0, -s, c]])
+        return mp.matrix(
+            [[c, s, 0], [-s, c, 0], [0, 0, 1]]
+            if axis == "z"
+            else [[1, 0, 0], [0, c, s], [0, -s, c]]
+        )
 
     s, c, sf, cf, sp, cp = mp.sin(th), mp.cos(th), mp.sin(ph), mp.cos(ph), mp.sin(ps), mp.cos(ps)
     printed = [
@@ -51,7 +55,9 @@ def inertia_tensor_above_3_2(theta, phi, omega, L, I1, I3):
 
 def torque_of_weight(u, L_A, m, g, l):
     weight = times(-m * g, UP)
-    return Sides(Vector(*(x.rate for x in L_A)), times(-l, cross(u, weight)), times(l, cross(u, weight)))
+    return Sides(
+        Vector(*(x.rate for x in L_A)), times(-l, cross(u, weight)), times(l, cross(u, weight))
+    )
 
 
 def which_way_a_points(L, L_A, omega, a, m):

@@ -21,14 +21,25 @@ def along_e(m, R, alpha, mu, g_n, theta_dot, phi_dot, omega3, nu_x, nu_y, s, c):
     bend = theta_ddot * (1 - alpha * c) + alpha * theta_dot**2 * s
     return Sides(
         -mu * g_n * nu_x,
-        m * nu_x_dot - phi_dot * nu_y + R * (bend + phi_dot**2 * (alpha - c) + phi_dot * omega3 * s),
-        m * (nu_x_dot - phi_dot * nu_y + R * (bend + s * (phi_dot**2 * (alpha - c) + phi_dot * omega3))),
+        m * nu_x_dot
+        - phi_dot * nu_y
+        + R * (bend + phi_dot**2 * (alpha - c) + phi_dot * omega3 * s),
+        m
+        * (
+            nu_x_dot
+            - phi_dot * nu_y
+            + R * (bend + s * (phi_dot**2 * (alpha - c) + phi_dot * omega3))
+        ),
     )
 
 
 def along_2(m, R, alpha, mu, g_n, theta_dot, phi_dot, omega3, nu_x, nu_y, s, c):
     phi_ddot, omega3_dot, nu_y_dot = rate(phi_dot), rate(omega3), rate(nu_y)
-    rest = phi_ddot * s * (alpha - c) + theta_dot * omega3 * c + 2 * phi_dot * theta_dot * c * (alpha - c)
+    rest = (
+        phi_ddot * s * (alpha - c)
+        + theta_dot * omega3 * c
+        + 2 * phi_dot * theta_dot * c * (alpha - c)
+    )
     return Sides(
         -mu * g_n * nu_y,
         m * (nu_y_dot + phi_dot * nu_x - R * (rest + omega3_dot)),
@@ -37,14 +48,20 @@ def along_2(m, R, alpha, mu, g_n, theta_dot, phi_dot, omega3, nu_x, nu_y, s, c):
 
 
 def rate_of_nu_x(m, R, alpha, mu, I1, I3, g_n, theta_dot, phi_dot, omega3, nu_x, nu_y, s, c, e, b):
-    first = R * phi_dot * omega3 * (I3 * (1 - alpha * c) - I1) + g_n * R**2 * alpha * (1 - alpha * c)
+    first = R * phi_dot * omega3 * (I3 * (1 - alpha * c) - I1) + g_n * R**2 * alpha * (
+        1 - alpha * c
+    )
     first = s / I1 * (first - R * I1 * alpha * (theta_dot**2 + phi_dot**2 * s**2))
     friction = mu * g_n * nu_x / (m * I1) * (I1 + m * R**2 * (1 - alpha * c) ** 2 + m * R**2)
     return Sides(rate(nu_x), first - friction + phi_dot * nu_y, euler.euler_rates(e, b).nu_x)
 
 
 def normal_force(m, R, alpha, mu, g, I1, I3, g_n, theta_dot, phi_dot, omega3, nu_x, s, c, e, b):
-    above = m * g * I1 + m * R * alpha * c * (I1 * phi_dot**2 * s**2 + I1 * theta_dot**2) - I3 * phi_dot * omega3 * s**2
+    above = (
+        m * g * I1
+        + m * R * alpha * c * (I1 * phi_dot**2 * s**2 + I1 * theta_dot**2)
+        - I3 * phi_dot * omega3 * s**2
+    )
     below = I1 + m * R**2 * alpha**2 * s**2 - m * R**2 * alpha * s * (1 - alpha * c) * mu * nu_x
     return Sides(g_n, above / below, contact.g_n(euler.euler_scalars(e, b), b))
 
@@ -68,7 +85,9 @@ def remainder_of_energy(E, lam, L, omega, a, u, s_dot, m, I1, I3, c, b):
     printed = energy + contact.height_energy(c, b) - least_energy(c, lam, b)
     turn = plus(omega, times(lam / arm_inertia(c, b), a))  # omega - omega_lambda
     inertia = plus(times(I1, turn), times((I3 - I1) * dot(u, turn), u))
-    return Sides(E - least_energy(c, lam, b), printed, m * dot(s_dot, s_dot) / 2 + dot(turn, inertia) / 2)
+    return Sides(
+        E - least_energy(c, lam, b), printed, m * dot(s_dot, s_dot) / 2 + dot(turn, inertia) / 2
+    )
 
 
 def _angular_velocity(L, u, I1, I3):
@@ -101,11 +120,23 @@ def stability_of_tumbling():
         gamma, z = 1 - alpha + 2 * alpha * mp.mpf(draw.random()), mp.mpf(draw.uniform(-0.99, 0.99))
         b = body_of_ratio(gamma, alpha)
         stable = curvature(z, b)
-        transcribed += stable == bool(z > 0 and gamma * (1 - alpha**2) * gamma / 3 < ((1 - gamma) * z - alpha) ** 2)
+        transcribed += stable == bool(
+            z > 0 and gamma * (1 - alpha**2) * gamma / 3 < ((1 - gamma) * z - alpha) ** 2
+        )
         corrected += stable == bool(tumbling_is_stable(float(z), floats(b)))
     return [
-        Finding(f"of {cases} random tumbling states, the transcribed condition is right for", cases, None, transcribed),
-        Finding(f"of {cases} random tumbling states, the corrected condition is right for", None, cases, corrected),
+        Finding(
+            f"of {cases} random tumbling states, the transcribed condition is right for",
+            cases,
+            None,
+            transcribed,
+        ),
+        Finding(
+            f"of {cases} random tumbling states, the corrected condition is right for",
+            None,
+            cases,
+            corrected,
+        ),
     ]
 
 
@@ -116,13 +147,19 @@ def jellett_by_3_64(lam, R, alpha, I1, I3, phi_dot, omega3, s, c, scalars, b):
 
 def jellett_by_3_66(lam, m, R, alpha, g, I1, I3, c, b):
     root = mp.sqrt(m * R**3 * alpha * g / (I3 * (alpha - c) + I1 * c))
-    return Sides(lam, root * ((I1 - I3) * c**2 - 2 * alpha * I3 * c + I1 - I3 * alpha**2), tumbling_jellett(c, b))
+    return Sides(
+        lam,
+        root * ((I1 - I3) * c**2 - 2 * alpha * I3 * c + I1 - I3 * alpha**2),
+        tumbling_jellett(c, b),
+    )
 
 
 def tumbling_always_stable():
     b = body_of_ratio("0.75")
     least = round(float(gamma_plus(b.c / b.R)), 2)
-    rows = [Finding(r"$\alpha=0.3$: the smallest $\gamma$ for which the claim holds", 0.7, 0.84, least)]
+    rows = [
+        Finding(r"$\alpha=0.3$: the smallest $\gamma$ for which the claim holds", 0.7, 0.84, least)
+    ]
     for theta in ("0.2", "0.4", "2"):
         case = rf"$\gamma=0.75$: the tumbling state at $\theta={theta}$ is stable"
         rows.append(Finding(case, True, theta == "2", curvature(mp.cos(mp.mpf(theta)), b)))
@@ -143,7 +180,12 @@ def only_the_inverted_state():
     below, states = bool(lambda_u(b) < lambda_s(b)), len(regime(lam, b).attractors)
     return [
         Finding(r"$\alpha=0.3$, $\gamma=0.72<\gamma_c$: $\lambda_u<\lambda_s$", True, False, below),
-        Finding(r"the upright spin of $\lambda=\frac12(\lambda_s+\lambda_u)$ is unstable", True, False, grows),
+        Finding(
+            r"the upright spin of $\lambda=\frac12(\lambda_s+\lambda_u)$ is unstable",
+            True,
+            False,
+            grows,
+        ),
         Finding(r"number of stable states at that $\lambda$", 1, 2, states),
         Finding(r"$\gamma_c$ at $\alpha=0.3$", None, 0.7465, round(gamma_c(0.3), 4)),
     ]

@@ -17,13 +17,25 @@ def surface_is_an_infimum():
     """On the line theta = 0 V falls all the way to z = 1, where it is not defined; its limit is the spinning energy."""
     b, lam = body_of_ratio("0.94"), mp.mpf("2e-6")
     D, end = spinning.momentum(1, lam, b), spinning.energy(1, lam, b)
-    slopes = [mp.diff(lambda z: tippe_top.potential(z, D, lam, b), mp.mpf(k) / 50) for k in range(-49, 50)]
+    slopes = [
+        mp.diff(lambda z: tippe_top.potential(z, D, lam, b), mp.mpf(k) / 50) for k in range(-49, 50)
+    ]
     near = [tippe_top.potential(1 - mp.mpf(10) ** -k, D, lam, b) - end for k in (5, 10, 20)]
     interior = any(slope >= 0 for slope in slopes)
     return [
         Finding(r"on $D/\lambda=\rho_+$: $V$ has a minimum in $-1<z<1$", True, False, interior),
-        Finding(r"$V$ exceeds the upright energy at $z=1-10^{-5,-10,-20}$", None, True, all(gap > 0 for gap in near)),
-        Finding(r"the last of these gaps is below $10^{-20}$ J", None, True, bool(near[-1] < mp.mpf("1e-20"))),
+        Finding(
+            r"$V$ exceeds the upright energy at $z=1-10^{-5,-10,-20}$",
+            None,
+            True,
+            all(gap > 0 for gap in near),
+        ),
+        Finding(
+            r"the last of these gaps is below $10^{-20}$ J",
+            None,
+            True,
+            bool(near[-1] < mp.mpf("1e-20")),
+        ),
     ]
 
 
@@ -39,20 +51,43 @@ def minima(D, lam, b, cells=600):
 
 
 def potential_is_convex():
-    b, heavy = body_of_ratio("0.94"), body_of_ratio("3")._replace(I3=mp.mpf("2e-6"), I1=mp.mpf("6e-6"))
-    zero, lam, small = mp.mpf(0), spinning.lambda_pi(heavy) * mp.mpf("1.02"), spinning.lambda_pi(b) / 2
-    D, off = spinning.momentum(-1, small, b), spinning.momentum(-1, lam, heavy) * (1 + mp.mpf("1e-4"))
-    at_rest, on_line = (bool(curvature(*at, b) > 0) for at in (("2.5", zero, zero), ("3.1", D, small)))
+    b, heavy = (
+        body_of_ratio("0.94"),
+        body_of_ratio("3")._replace(I3=mp.mpf("2e-6"), I1=mp.mpf("6e-6")),
+    )
+    zero, lam, small = (
+        mp.mpf(0),
+        spinning.lambda_pi(heavy) * mp.mpf("1.02"),
+        spinning.lambda_pi(b) / 2,
+    )
+    D, off = (
+        spinning.momentum(-1, small, b),
+        spinning.momentum(-1, lam, heavy) * (1 + mp.mpf("1e-4")),
+    )
+    at_rest, on_line = (
+        bool(curvature(*at, b) > 0) for at in (("2.5", zero, zero), ("3.1", D, small))
+    )
     two = round(two_wells_from(heavy), 2)
     return [
         Finding(r"$V_{\theta\theta}>0$ at $\theta=2.5$, $D=\lambda=0$", True, False, at_rest),
         Finding(
-            r"$V_{\theta\theta}>0$ at $\theta=3.1$, $D=\rho_-\lambda$, $\lambda=\lambda_\pi/2$", True, False, on_line
+            r"$V_{\theta\theta}>0$ at $\theta=3.1$, $D=\rho_-\lambda$, $\lambda=\lambda_\pi/2$",
+            True,
+            False,
+            on_line,
         ),
         Finding("minima of $V$ there", 1, 1, minima(D, small, b)),
-        Finding(r"the $\gamma$ from which $V$ can have two minima, $\alpha=0.3$, $\sigma=4$", None, 1.97, two),
         Finding(
-            r"$\gamma=3$, $\lambda=1.02\,\lambda_\pi$, $D\approx\rho_-\lambda$: minima", 1, 2, minima(off, lam, heavy)
+            r"the $\gamma$ from which $V$ can have two minima, $\alpha=0.3$, $\sigma=4$",
+            None,
+            1.97,
+            two,
+        ),
+        Finding(
+            r"$\gamma=3$, $\lambda=1.02\,\lambda_\pi$, $D\approx\rho_-\lambda$: minima",
+            1,
+            2,
+            minima(off, lam, heavy),
         ),
     ]
 
@@ -67,9 +102,16 @@ def line_on_the_surface():
         least = min(tippe_top.potential(mp.cos(mp.pi * k / 400), D, lam, b) for k in range(1, 400))
         case = rf"$\lambda={share}\,\lambda_\pi$: the inverted spin lies on the surface"
         rows.append(Finding(case, True, share == "1.1", bool(end < least)))
-    rows.append(Finding(r"$\chi$ of the figure's body, $I_1=\frac{235}{625}mR^2$", None, -0.015, _chi("0.94", b)))
+    rows.append(
+        Finding(
+            r"$\chi$ of the figure's body, $I_1=\frac{235}{625}mR^2$", None, -0.015, _chi("0.94", b)
+        )
+    )
     later = _chi(mp.mpf(131) / 140, b)
-    return [*rows, Finding(r"$\chi$ of the later papers' body, $I_1=\frac{131}{350}mR^2$", None, 0.0, later)]
+    return [
+        *rows,
+        Finding(r"$\chi$ of the later papers' body, $I_1=\frac{131}{350}mR^2$", None, 0.0, later),
+    ]
 
 
 def _chi(gamma, b):
@@ -84,9 +126,15 @@ def rate_of_phi(phi_dot, lam, D, d, R, alpha, I1, s, c, b):
     return Sides(phi_dot, printed, tippe_top.X(c, D, lam, b) / (R * I1 * root * s**2))
 
 
-def rate_of_modified_energy(E_tilde, m, R, alpha, theta_dot, phi_dot, omega3, nu_x, nu_y, s, c, u, v_A, scalars, b):
+def rate_of_modified_energy(
+    E_tilde, m, R, alpha, theta_dot, phi_dot, omega3, nu_x, nu_y, s, c, u, v_A, scalars, b
+):
     across, along = phi_dot * nu_x + rate(nu_y), rate(nu_x) - phi_dot * nu_y
-    printed = m * R * (s * (phi_dot * (alpha - c) + omega3) * across + theta_dot * (1 - alpha * c) * along)
+    printed = (
+        m
+        * R
+        * (s * (phi_dot * (alpha - c) + omega3) * across + theta_dot * (1 - alpha * c) * along)
+    )
     pushes = dot(u, rate(v_A)), dot(cross(UP, u), rate(v_A))
     return Sides(rate(E_tilde), printed, contact.modified_energy_rate(*pushes, scalars, b))
 

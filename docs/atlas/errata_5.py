@@ -42,7 +42,9 @@ def rate_by_5_23(E, E_tilde, m, l, v_A, omega, u, omega_a):
     return Sides(m * dot(rate(v_A), omega_a), printed, rate(part))
 
 
-def rate_of_modified_energy(E_tilde, m, l, theta_dot, phi_dot, nu_x, nu_y, s, c, u, v_A, scalars, b):
+def rate_of_modified_energy(
+    E_tilde, m, l, theta_dot, phi_dot, nu_x, nu_y, s, c, u, v_A, scalars, b
+):
     along = (rate(nu_x) - phi_dot * nu_y) * theta_dot * c
     printed = -m * l * (along + phi_dot * s * (phi_dot * rate(nu_y) + phi_dot * nu_x))
     pushes = dot(u, rate(v_A)), dot(cross(UP, u), rate(v_A))
@@ -60,7 +62,11 @@ def polynomial(m, l, g, I1, c):
     """C and g_n solve (5.41), C = l g_n cos^3/I1 and g_n cos = (m g I1 cos - m l I1 C)/(I1 + m l^2 sin^2)."""
     C = m * g * l * c**3 / (I1 + m * l**2 * (1 - c**2) + m * l**2 * c**2)
     g_n = I1 * C / (l * c**3)
-    truth = (m * g * I1 * c - m * l * I1 * C) / (I1 + m * l**2 * (1 - c**2)) - g_n * c + m * g * l * c**3
+    truth = (
+        (m * g * I1 * c - m * l * I1 * C) / (I1 + m * l**2 * (1 - c**2))
+        - g_n * c
+        + m * g * l * c**3
+    )
     printed = c**2 * (I1 * C + 2 * m * l**2 * C - m * l**2 * C * c**2)
     return Sides(truth, printed, (I1 + m * l**2) * C)
 
@@ -73,7 +79,16 @@ def acceleration_of_the_centre(s_dot, omega_a):
 
 def limit_of_energy(m, l, g, I3, b, omega3):
     """E of the spinning states, where the motion may end; printed: 0."""
-    still = {"z_dot": 0, "z_ddot_free": 0, "phi_dot_s2": 0, "axis_speed2": 0, "v_u": 0, "v_n": 0, "v2": 0, "speed2": 0}
+    still = {
+        "z_dot": 0,
+        "z_ddot_free": 0,
+        "phi_dot_s2": 0,
+        "axis_speed2": 0,
+        "v_u": 0,
+        "v_n": 0,
+        "v2": 0,
+        "speed2": 0,
+    }
     L3 = I3 * omega3
     ends = [contact.Scalars(z=z, s2=0, L3=L3, Lz=L3 * z, **still) for z in (1, -1)]
     correct = [L3**2 / (2 * I3) + sign * m * g * l for sign in (1, -1)]
@@ -81,14 +96,23 @@ def limit_of_energy(m, l, g, I3, b, omega3):
 
 
 def upright_gliding_heavy_top():
-    b = heavy_top.HeavyTop.body_of({"m": 0.02, "l": 0.04, "I1": 8e-6, "I3": 3.2e-6, "g": 9.82}, Viscous(0.3))
+    b = heavy_top.HeavyTop.body_of(
+        {"m": 0.02, "l": 0.04, "I1": 8e-6, "I3": 3.2e-6, "g": 9.82}, Viscous(0.3)
+    )
     rows = []
     for factor in (1.1, 3.0, 10.0):
         grows = bool(linear_modes(factor * sleeping_spin(b), b)[0].real > 0)
-        case = rf"$L_{{\hat3}}={factor:g}\cdot2\sqrt{{mglI_1^*}}$: small tilts of the upright top grow"
+        case = (
+            rf"$L_{{\hat3}}={factor:g}\cdot2\sqrt{{mglI_1^*}}$: small tilts of the upright top grow"
+        )
         rows.append(Finding(case, False, True, grows))
     inverted = bool(linear_modes(3 * sleeping_spin(b), b, inverted=True)[0].real > 0)
-    return [*rows, Finding(r"at $\theta=\pi$, $3\cdot2\sqrt{mglI_1^*}$: small tilts grow", False, False, inverted)]
+    return [
+        *rows,
+        Finding(
+            r"at $\theta=\pi$, $3\cdot2\sqrt{mglI_1^*}$: small tilts grow", False, False, inverted
+        ),
+    ]
 
 
 def expansion_of_d(d, m, R, alpha, I1, I3, s, c):

@@ -76,7 +76,9 @@ class Jet:
     def arctan2(self, other: Any) -> "Jet":
         x = jet(other)
         size2 = self.value**2 + x.value**2
-        return Jet(mp.atan2(self.value, x.value), (x.value * self.rate - self.value * x.rate) / size2)
+        return Jet(
+            mp.atan2(self.value, x.value), (x.value * self.rate - self.value * x.rate) / size2
+        )
 
 
 def jet(x: Any) -> Jet:
@@ -99,7 +101,7 @@ def moving(state: Any, rates: Any) -> Any:
     return type(state)(*map(Jet, map(value, state), map(value, rates)))
 
 
-# --- random bodies and states ---------------------------------------------------------------------------------------
+# --- random bodies and states -------------------------------------------------------------------
 
 UP = Vector(0, 0, 1)
 AT_ORIGIN = SimpleNamespace(x=0, y=0, work=0, impulse=0)
@@ -124,7 +126,13 @@ class _Drawn:
 def tippe_body(draw: _Drawn) -> SimpleNamespace:
     """The letters of a random tippe top of the inverting class."""
     alpha, I3 = draw(0.1, 0.6), draw(0.5, 1.5)
-    letters = {"m": draw(0.5, 2), "R": draw(0.5, 2), "alpha": alpha, "I1": I3 * (1 + alpha * draw(-0.9, 0.9)), "I3": I3}
+    letters = {
+        "m": draw(0.5, 2),
+        "R": draw(0.5, 2),
+        "alpha": alpha,
+        "I1": I3 * (1 + alpha * draw(-0.9, 0.9)),
+        "I3": I3,
+    }
     x = SimpleNamespace(**letters, g=draw(5, 12), mu=draw(0.05, 0.2))
     x.gamma, x.sigma = x.I1 / x.I3, x.m * x.R**2 / x.I3
     x.b = tippe_top.TippeTop.body_of(vars(x), Viscous(x.mu))
@@ -133,7 +141,9 @@ def tippe_body(draw: _Drawn) -> SimpleNamespace:
 
 def heavy_body(draw: _Drawn) -> SimpleNamespace:
     """The letters of a random heavy top."""
-    x = SimpleNamespace(m=draw(0.5, 2), l=draw(0.5, 2), I1=draw(0.5, 2), I3=draw(0.4, 1.5), g=draw(5, 12))
+    x = SimpleNamespace(
+        m=draw(0.5, 2), l=draw(0.5, 2), I1=draw(0.5, 2), I3=draw(0.4, 1.5), g=draw(5, 12)
+    )
     x.mu, x.R = draw(0.05, 0.2), mp.mpf(0)
     x.J1 = x.I1 + x.m * x.l**2  # I1*
     x.b = heavy_top.HeavyTop.body_of(vars(x), Viscous(x.mu))
@@ -142,7 +152,13 @@ def heavy_body(draw: _Drawn) -> SimpleNamespace:
 
 def _angles(x: SimpleNamespace, e: Any) -> None:
     """Adds the letters of Euler angles."""
-    x.theta, x.theta_dot, x.phi_dot, x.omega3, x.phi = e.theta, e.theta_dot, e.phi_dot, e.omega3, e.phi
+    x.theta, x.theta_dot, x.phi_dot, x.omega3, x.phi = (
+        e.theta,
+        e.theta_dot,
+        e.phi_dot,
+        e.omega3,
+        e.phi,
+    )
     x.s, x.c, x.e = e.theta.sin(), e.theta.cos(), e
     x.z = x.c
     if hasattr(e, "nu_x"):
@@ -176,7 +192,11 @@ def gliding_tippe_top(seed: int) -> SimpleNamespace:
     """A tippe top that rolls and glides."""
     draw = _Drawn(seed)
     x = _gliding(tippe_body(draw), draw.angles())
-    x.lam, x.D, x.d = contact.jellett(x.scalars, x.b), tippe_top.routh(x.scalars, x.b), tippe_top.d(x.c, x.b)
+    x.lam, x.D, x.d = (
+        contact.jellett(x.scalars, x.b),
+        tippe_top.routh(x.scalars, x.b),
+        tippe_top.d(x.c, x.b),
+    )
     return x
 
 
@@ -184,14 +204,20 @@ def rolling_tippe_top(seed: int) -> SimpleNamespace:
     """A tippe top in pure rolling."""
     draw = _Drawn(seed)
     x, start = tippe_body(draw), draw.angles()
-    e = rolling_euler.Angles(start.theta, start.theta_dot, start.phi_dot, start.omega3, start.phi, 0, 0, 0)
+    e = rolling_euler.Angles(
+        start.theta, start.theta_dot, start.phi_dot, start.omega3, start.phi, 0, 0, 0
+    )
     still = rolling_chart.vector_of_angles(e, start.theta.sin(), start.theta.cos(), x.b)
     x.q = moving(still, rolling_vector.vector_rates(still, x.b))
     _angles(x, rolling_chart.angles_of_vector(x.q, AT_ORIGIN, x.b))
     _vectors(x, x.q)
     x.scalars = rolling_vector.vector_scalars(x.q, x.b)
     x.E, x.E_tilde = contact.energy(x.scalars, x.b), contact.modified_energy(x.scalars, x.b)
-    x.lam, x.D, x.d = contact.jellett(x.scalars, x.b), tippe_top.routh(x.scalars, x.b), tippe_top.d(x.c, x.b)
+    x.lam, x.D, x.d = (
+        contact.jellett(x.scalars, x.b),
+        tippe_top.routh(x.scalars, x.b),
+        tippe_top.d(x.c, x.b),
+    )
     x.s_dot = times(-1, x.omega_a)
     return x
 
@@ -242,7 +268,9 @@ def tumbling_tippe_top(seed: int) -> SimpleNamespace:
 def gliding_cylinder(seed: int) -> SimpleNamespace:
     """An eccentric cylinder that rolls and glides."""
     draw = _Drawn(seed)
-    x = SimpleNamespace(m=draw(0.5, 2), R=draw(0.5, 2), alpha=draw(0.1, 0.6), I=draw(0.3, 2), g=draw(5, 12))
+    x = SimpleNamespace(
+        m=draw(0.5, 2), R=draw(0.5, 2), alpha=draw(0.1, 0.6), I=draw(0.3, 2), g=draw(5, 12)
+    )
     x.mu = draw(0.05, 0.2)
     theta, theta_dot, nu_x = Jet(draw(-3, 3)), Jet(draw(-3, 3)), Jet(draw(-2, 2))
     x.b = cylinder.Cylinder.body_of(vars(x), Viscous(x.mu))
@@ -273,12 +301,16 @@ def of_letters(function: Callable, letters: SimpleNamespace) -> Any:
     return function(*(getattr(letters, name) for name in inspect.signature(function).parameters))
 
 
-# --- comparing ------------------------------------------------------------------------------------------------------
+# --- comparing ----------------------------------------------------------------------------------
 
 
 def flat(x: Any) -> list:
     """The numbers of a number, a vector or a matrix."""
-    return [number for part in x for number in flat(part)] if isinstance(x, tuple | list) else [value(x)]
+    return (
+        [number for part in x for number in flat(part)]
+        if isinstance(x, tuple | list)
+        else [value(x)]
+    )
 
 
 def residual(left: Any, right: Any) -> mp.mpf:

@@ -47,7 +47,14 @@ def entries() -> list[Entry]:
     for line in (HERE / "formulas.txt").read_text(encoding="utf-8").splitlines():
         if line and not line.startswith("#"):
             what, subject, names, *status = (part.strip() for part in line.split("|"))
-            rows.append(Entry(what, subject, tuple(n.strip() for n in names.split(",")), *(status or ["holds"])))
+            rows.append(
+                Entry(
+                    what,
+                    subject,
+                    tuple(n.strip() for n in names.split(",")),
+                    *(status or ["holds"]),
+                )
+            )
     return rows
 
 
@@ -79,7 +86,9 @@ def exists(name: str) -> bool:
     if kind == "docs":
         return (HERE.parent / f"{rest}.md").is_file()
     if kind in ("erratum", "claim"):
-        return any(f"({kind}-{rest})=" in page.read_text(encoding="utf-8") for page in HERE.glob("*.md"))
+        return any(
+            f"({kind}-{rest})=" in page.read_text(encoding="utf-8") for page in HERE.glob("*.md")
+        )
     system, _, form = name.partition(" form ")
     return system in tt.extending.SYSTEMS and form in tt.extending.SYSTEMS[system].forms
 
@@ -87,7 +96,13 @@ def exists(name: str) -> bool:
 def columns(system: Any) -> set[str]:
     """The columns that a run of a system can have."""
     quantities = (*system.quantities, *system.on_request)
-    return {*system.angles._fields, *system.vectors, *(q.name for q in quantities), "psi", "orientation"}
+    return {
+        *system.angles._fields,
+        *system.vectors,
+        *(q.name for q in quantities),
+        "psi",
+        "orientation",
+    }
 
 
 def _link(name: str) -> str:
@@ -105,7 +120,9 @@ def _link(name: str) -> str:
     if " form " in name:
         system, _, form = name.partition(" form ")
         return f'`{system}`, `form="{form}"`'
-    return f"`{name.removeprefix('mechanics.')}`" if not name.startswith("mechanics.") else f"`{name}`"
+    return (
+        f"`{name.removeprefix('mechanics.')}`" if not name.startswith("mechanics.") else f"`{name}`"
+    )
 
 
 def table(chapter: str) -> Any:

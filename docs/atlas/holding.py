@@ -33,7 +33,9 @@ def force_in_vectors(m, R, alpha, mu, g, I1, u, L, v_A):
     """(3.16)."""
     L3, L2 = dot(L, u), dot(L, L)
     tilt, drag = alpha**2 * (1 - u.z**2), alpha * (alpha * u.z - 1) * mu * dot(v_A, u)
-    return (m * g * I1**2 + m * R * alpha * (u.z * L2 - L.z * L3)) / (I1**2 + m * I1 * R**2 * (tilt + drag))
+    return (m * g * I1**2 + m * R * alpha * (u.z * L2 - L.z * L3)) / (
+        I1**2 + m * I1 * R**2 * (tilt + drag)
+    )
 
 
 def heavy_force_in_vectors(m, l, mu, g, I1, u, L, v_A):

@@ -43,7 +43,7 @@ class Published(NamedTuple):
         return max(self.within * self.last_digit(), 3e-12 * abs(float(self.value)))
 
 
-# --- runs -----------------------------------------------------------------------------------------------------------
+# --- runs ---------------------------------------------------------------------------------------
 
 
 @cache
@@ -51,7 +51,12 @@ def canonical() -> tt.Run:
     """The canonical inversion."""
     columns = ["theta", "omega3", "nu_x", "nu_y", "jellett", "energy", "routh"]
     return tt.run(
-        CANONICAL, VISCOUS, start={"theta": 0.1, "omega3": 155.0}, until=10.0, output_step=1e-4, columns=columns
+        CANONICAL,
+        VISCOUS,
+        start={"theta": 0.1, "omega3": 155.0},
+        until=10.0,
+        output_step=1e-4,
+        columns=columns,
     )
 
 
@@ -68,7 +73,9 @@ def first(column: str) -> Callable[[], float]:
 def events(run: tt.Run, kind: str) -> np.ndarray:
     """Times of the events of a kind."""
     log = run.events
-    return log.time.values[(log["kind"] == log["kind"].attrs["flag_meanings"].split().index(kind)).values]
+    return log.time.values[
+        (log["kind"] == log["kind"].attrs["flag_meanings"].split().index(kind)).values
+    ]
 
 
 def fastest() -> float:
@@ -98,7 +105,9 @@ def joneja() -> tt.Run:
     m, R, l = 0.02, 0.02, 0.04
     pivot, k = 3 / 20 * m * (R**2 + l**2 / 4), 100
     top = tt.HeavyTop(m=m * k, l=l / k, I1=pivot - m * l**2 / k, I3=3 / 10 * m * R**2, g=9.81)
-    return tt.run(top, start={"theta": 0.1, "psi_dot": 125.0}, until=1.0, output_times=[0.0, 0.99999, 1.0])
+    return tt.run(
+        top, start={"theta": 0.1, "psi_dot": 125.0}, until=1.0, output_times=[0.0, 0.99999, 1.0]
+    )
 
 
 @cache
@@ -137,12 +146,21 @@ def round_cylinder() -> tt.Run:
 @cache
 def lifting_cylinder() -> float:
     """theta'^2 cos(theta) R alpha/g where the eccentric cylinder lifts off."""
-    run = tt.run(CYLINDER, VISCOUS, start={"theta": 1.0, "theta_dot": 60.0}, until=2.0, output="events")
+    run = tt.run(
+        CYLINDER, VISCOUS, start={"theta": 1.0, "theta_dot": 60.0}, until=2.0, output="events"
+    )
     last = run.trajectory.isel(time=-1)
     return float(last.theta_dot**2 * np.cos(last.theta) * 0.02 * 0.3 / 9.82)
 
 
-THROWN = {"theta": 0.5, "theta_dot": 60.0, "phi_dot": 5.0, "omega3": 30.0, "nu_x": 0.1, "nu_y": -0.2}
+THROWN = {
+    "theta": 0.5,
+    "theta_dot": 60.0,
+    "phi_dot": 5.0,
+    "omega3": 30.0,
+    "nu_x": 0.1,
+    "nu_y": -0.2,
+}
 SLIDING = {"theta": 2.0, "nu_x": 0.3}
 
 
@@ -169,10 +187,12 @@ def dry(name: str) -> tt.Run:
 @cache
 def regularised(eps: float) -> tt.Run:
     """The body of Leine and Glocker under regularised Coulomb friction."""
-    return tt.run("leine-glocker", friction={"eps": eps}, until=3.0 if eps > 5e-4 else 8.0, output="events")
+    return tt.run(
+        "leine-glocker", friction={"eps": eps}, until=3.0 if eps > 5e-4 else 8.0, output="events"
+    )
 
 
-# --- reference trajectories -----------------------------------------------------------------------------------------
+# --- reference trajectories ---------------------------------------------------------------------
 
 
 @cache
@@ -185,7 +205,10 @@ TRAJECTORIES = {
     "case1_inverting": ("tippe-top", "the canonical inversion, 8 s"),
     "case3_noninverting_low": ("tippe-top", "below the upright threshold, 5 s"),
     "case4_gliding_hst": ("gliding-heavy-top", "the gliding heavy top, 4 s"),
-    "case5_cylinder": ("gliding-cylinder", "the eccentric cylinder, over the top sixteen times, 4 s"),
+    "case5_cylinder": (
+        "gliding-cylinder",
+        "the eccentric cylinder, over the top sixteen times, 4 s",
+    ),
     "case5b_cylinder_round": ("gliding-cylinder", "the round cylinder, 1 s"),
     "case6_rolling": ("rolling-tippe-top", "pure rolling with a wide nutation, 4 s"),
     "case7_hst": ("heavy-top", "the heavy top with a fixed tip, cusps, 4 s"),
@@ -216,7 +239,7 @@ def gap(name: str) -> tuple[float, int, int]:
     return float(abs(run.trajectory.theta.values - exact).max()), ours, theirs
 
 
-# --- the table ------------------------------------------------------------------------------------------------------
+# --- the table ----------------------------------------------------------------------------------
 
 
 def _mode(i: int, part: str) -> Callable[[], float]:
@@ -286,7 +309,12 @@ TABLE: dict[str, tuple[Published, ...]] = {
         P("p₃, imaginary part", "-1.552584544047", _mode(2, "imag"), "1/s"),
     ),
     "Heavy tops with a fixed tip (Joneja 2017, table 1; EXUDYN's benchmark)": (
-        P("Joneja, θ(0.99999 s), printed there as θ(1)", "0.239331610776", lambda: at(joneja(), "theta", 0.99999), RAD),
+        P(
+            "Joneja, θ(0.99999 s), printed there as θ(1)",
+            "0.239331610776",
+            lambda: at(joneja(), "theta", 0.99999),
+            RAD,
+        ),
         P("Joneja, θ(1 s)", "0.239334535444", lambda: at(joneja(), "theta", 1.0), RAD),
         P("EXUDYN, θ(0.2 s)", "2.122316990777", lambda: at(exudyn(), "theta", 0.2), RAD, 10),
         P("EXUDYN, φ(0.2 s)", "-0.790871611821", lambda: at(exudyn(), "phi", 0.2), RAD, 10),
@@ -294,9 +322,24 @@ TABLE: dict[str, tuple[Published, ...]] = {
     "Periods and other turning angles, published by quadrature, ours from the turnings of a run": (
         P("rolling top, period", "0.05405845287215864", _swing("rolling", 0), S),
         P("rolling top, other angle", "0.83867185863810919", _swing("rolling", 1), RAD),
-        P("gliding top without friction, period", "0.06011604153899423", _swing("frictionless", 0), S),
-        P("gliding top without friction, other angle", "0.79505511802680335", _swing("frictionless", 1), RAD),
-        P("gliding heavy top without friction, period", "0.04697105057746059", _swing("frictionless heavy", 0), S),
+        P(
+            "gliding top without friction, period",
+            "0.06011604153899423",
+            _swing("frictionless", 0),
+            S,
+        ),
+        P(
+            "gliding top without friction, other angle",
+            "0.79505511802680335",
+            _swing("frictionless", 1),
+            RAD,
+        ),
+        P(
+            "gliding heavy top without friction, period",
+            "0.04697105057746059",
+            _swing("frictionless heavy", 0),
+            S,
+        ),
         P(
             "gliding heavy top without friction, other angle",
             "0.48028100380708158",
@@ -304,13 +347,28 @@ TABLE: dict[str, tuple[Published, ...]] = {
             RAD,
         ),
         P("heavy top with a fixed tip, period", "0.08332549321234158", _swing("fixed", 0), S),
-        P("heavy top with a fixed tip, other angle", "0.46196524721933895", _swing("fixed", 1), RAD),
+        P(
+            "heavy top with a fixed tip, other angle",
+            "0.46196524721933895",
+            _swing("fixed", 1),
+            RAD,
+        ),
         P("rolling cylinder, amplitude 0.5, period", "0.5329210375359308", _swing("small", 0), S),
         P("rolling cylinder, amplitude 2, period", "0.8321650553406782", _swing("wide", 0), S),
     ),
     "Gliding cylinders": (
-        P("round, ν_x(0.2 s)", "0.08537113947514", lambda: at(round_cylinder(), "nu_x", 0.2), "m/s"),
-        P("round, θ'(0.2 s)", "13.820962017495", lambda: at(round_cylinder(), "theta_dot", 0.2), RATE),
+        P(
+            "round, ν_x(0.2 s)",
+            "0.08537113947514",
+            lambda: at(round_cylinder(), "nu_x", 0.2),
+            "m/s",
+        ),
+        P(
+            "round, θ'(0.2 s)",
+            "13.820962017495",
+            lambda: at(round_cylinder(), "theta_dot", 0.2),
+            RATE,
+        ),
         P("eccentric, θ'² cos θ Rα/g at liftoff", "-1.000000000000", lifting_cylinder),
     ),
     "Coulomb's law itself (two engines that share nothing; Cohen 1977; Leine and Glocker 2003)": (
@@ -324,7 +382,12 @@ TABLE: dict[str, tuple[Published, ...]] = {
         P("C6, sliding begins again", "0.3596055902373041", _dry("C6", "slip"), S),
         P("Cohen, sliding stops", "0.02878761568", _dry("cohen", "stick"), S),
         P("Cohen, θ there", "0.0528961411", _dry("cohen", "stick", "theta"), RAD),
-        P("Leine and Glocker without drilling, sliding stops", "0.0361449219", _dry("leine-glocker", "stick"), S),
+        P(
+            "Leine and Glocker without drilling, sliding stops",
+            "0.0361449219",
+            _dry("leine-glocker", "stick"),
+            S,
+        ),
     ),
     "Regularised Coulomb friction: eps decides when the body of Leine and Glocker passes 90 degrees": (
         P("eps = 1e-2 m/s", "1.05", _first_equator(1e-2), S),
@@ -353,9 +416,17 @@ def table() -> Any:
     lines, last = [], ""
     for title, row, ours in differences():
         if title != last:
-            lines += ["", f"**{title}**", "", "| | published | ours | difference |", "|---|---|---|---|"]
+            lines += [
+                "",
+                f"**{title}**",
+                "",
+                "| | published | ours | difference |",
+                "|---|---|---|---|",
+            ]
             last = title
-        lines.append(f"| {row.what} | {row.value} {row.unit} | {ours:.16g} | {ours - float(row.value):.1e} |")
+        lines.append(
+            f"| {row.what} | {row.value} {row.unit} | {ours:.16g} | {ours - float(row.value):.1e} |"
+        )
     return Markdown("\n".join(lines))
 
 
@@ -363,7 +434,10 @@ def trajectories() -> Any:
     """The table of reference trajectories, for a page."""
     from IPython.display import Markdown
 
-    lines = ["| trajectory | largest difference in θ (rad) | turnings, ours and theirs |", "|---|---|---|"]
+    lines = [
+        "| trajectory | largest difference in θ (rad) | turnings, ours and theirs |",
+        "|---|---|---|",
+    ]
     for name, (_, words) in TRAJECTORIES.items():
         difference, ours, theirs = gap(name)
         lines.append(f"| {words} (`{name}`) | {difference:.1e} | {ours}, {theirs} |")

@@ -30,7 +30,7 @@ EDIT_MARGIN = 0.05
 """Seconds by which the clocks of files and processes may differ."""
 
 
-# --- kernels ----------------------------------------------------------------------------
+# --- kernels ------------------------------------------------------------------------------------
 
 
 def kernel(function: Callable, **options: Any) -> Callable:
@@ -127,11 +127,13 @@ def _records(arguments: tuple) -> Iterator[type]:
 
 
 def _is_ours(thing: Any) -> bool:
-    """Return whether a class or function is defined in the sources of our packages, or is built in."""
+    """Return whether a class or function is defined in the sources of our packages, or
+    is built in.
+    """
     return thing.__module__.partition(".")[0] in (*PACKAGES, "builtins")
 
 
-# --- machine code on disk ---------------------------------------------------------------
+# --- machine code on disk -----------------------------------------------------------------------
 
 
 def cache_folder() -> Path | None:
@@ -147,7 +149,10 @@ def cache_folder() -> Path | None:
 
 
 def private_folder(path: Path | None) -> Path | None:
-    """Create a folder. Return it, or None if another user can write to it: to write machine code is to run it."""
+    """Create a folder.
+
+    Return it, or None if another user can write to it: to write machine code is to run it.
+    """
     if path is None:
         return None
     try:
@@ -211,7 +216,9 @@ def _process_start() -> float:
 
 @contextlib.contextmanager
 def _checked(folder: Path) -> Iterator[None]:
-    """Remove the files of a folder before the block if their checksum is wrong; store it after the block."""
+    """Remove the files of a folder before the block if their checksum is wrong; store it after the
+    block.
+    """
     checksum = folder / "sha256"
     whole = checksum.exists() and checksum.read_bytes() == _digest_of(folder)
     if not whole:

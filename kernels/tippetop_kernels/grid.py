@@ -1,4 +1,6 @@
-"""Minima over a grid of points, row by row on all threads, neighbouring points in the lanes of one instruction."""
+"""Minima over a grid of points, row by row on all threads, neighbouring points in the lanes of one
+instruction.
+"""
 
 import itertools
 import os
@@ -9,23 +11,41 @@ import numpy as np
 
 from .compilation import entry, inlined, kernel
 from .level_crossings import Level, band_of, swing
-from .minimise import AT_REST, MOST_EXTREMES, NEARLY, Status, clipped, extremes, factor, lowest, minimise, settled
+from .minimise import (
+    AT_REST,
+    MOST_EXTREMES,
+    NEARLY,
+    Status,
+    clipped,
+    extremes,
+    factor,
+    lowest,
+    minimise,
+    settled,
+)
 from .staging import BLOCK, first, get, put, second, third, width
 
 
 STAGED = 8  # doubles that a stage may hand to the next
 STEPS = 2  # of Halley, for every point: almost all points of a dense grid are then at rest
-BLOCK_STEP_IN_POINTS = 64  # a step of one point by itself costs as much as that of so many in a block
+BLOCK_STEP_IN_POINTS = (
+    64  # a step of one point by itself costs as much as that of so many in a block
+)
 ROWS_BETWEEN_GUESSES = 32
-"""Rows after which `heights` guesses anew: what it gives does not depend on how many threads share a grid."""
+"""Rows after which `heights` guesses anew: what it gives does not depend on how many threads share
+a grid.
+"""
 
 
 @kernel
-def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, count, enough, before):
-    """One row of `minima`, block by block: `count` steps for all points, more for those whose last is not `enough`.
+def row(
+    prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, count, enough, before
+):
+    """One row of `minima`, block by block: `count` steps for all points, more for those whose last
+    is not `enough`.
 
-    It starts from guesses; or, `before` being (near, far, ahead), `ahead` times as far from the q of the row `near` as
-    those are from the row `far`.
+    It starts from guesses; or, `before` being (near, far, ahead), `ahead` times as far from the q
+    of the row `near` as those are from the row `far`.
     """
     near, far, ahead = before
     like = prepare(x, ys[0], r)
@@ -43,7 +63,20 @@ def row(prepare, guess, slopes, value, ends, several, x, ys, r, F, q, status, co
             for j in range(start, s.stop):
                 if several or status[j]:
                     k = slice(j, j + 1)
-                    closer(prepare, guess, slopes, value, several, x, ys[j], r, F[k], q[k], status[k], ahead != 0)
+                    closer(
+                        prepare,
+                        guess,
+                        slopes,
+                        value,
+                        several,
+                        x,
+                        ys[j],
+                        r,
+                        F[k],
+                        q[k],
+                        status[k],
+                        ahead != 0,
+                    )
 
 
 @kernel
@@ -68,16 +101,23 @@ def guesses(guess, like, r, q, points, stages):
 
 @kernel
 def carried_on(near, far, ahead, q):
-    """q of the points of a block, carried on from two rows: q if small, 1/q if large, as each is linear at its pole."""
+    """q of the points of a block, carried on from two rows: q if small, 1/q if large, as each is
+    linear at its pole.
+    """
     for j in range(q.size):
         step = ahead * (near[j] - far[j])
         small = near[j] < 1
-        q[j] = clipped((near[j] + step if small else near[j] * far[j]) / (1.0 if small else far[j] - step))
+        q[j] = clipped(
+            (near[j] + step if small else near[j] * far[j]) / (1.0 if small else far[j] - step)
+        )
 
 
 @inlined
 def staged(whole, like, r, q, points, stages):
-    """Work the first two stages of a formula at q of the points of a block. Return a result of the second."""
+    """Work the first two stages of a formula at q of the points of a block.
+
+    Return a result of the second.
+    """
     one = first(whole, 1.0, like, r)
     for j in range(q.size):
         put(stages, j, first(whole, q[j], get(points, j, like), r))
@@ -88,7 +128,9 @@ def staged(whole, like, r, q, points, stages):
 
 @kernel
 def steps(slopes, like, r, q, last, points, stages, count, enough):
-    """Steps q of the points of a block until most are at rest; those that are stay, whatever their neighbours do."""
+    """Steps q of the points of a block until most are at rest; those that are stay, whatever their
+    neighbours do.
+    """
     n = restless = q.size
     for step in range(8):
         if step >= count and BLOCK_STEP_IN_POINTS * restless <= n:
@@ -126,7 +168,9 @@ def judged(ends, like, x, ys, r, last, status, points, enough):
 
 @kernel
 def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status, anew):
-    """A point that needs a closer look, from a guess if `anew`; F, q and status are arrays of one."""
+    """A point that needs a closer look, from a guess if `anew`; F, q and status are
+    arrays of one.
+    """
     if not (np.isfinite(x) and np.isfinite(y)):
         F[0], q[0], status[0] = np.nan, np.nan, Status.UNDEFINED
         return
@@ -144,7 +188,9 @@ def closer(prepare, guess, slopes, value, several, x, y, r, F, q, status, anew):
     if not np.isfinite(F[0]):
         status[0] = Status.UNSETTLED
         return
-    at_end = (status[0] == Status.AT_LOWER_END and q[0] < 1e-6) or (status[0] == Status.AT_UPPER_END and q[0] > 1e6)
+    at_end = (status[0] == Status.AT_LOWER_END and q[0] < 1e-6) or (
+        status[0] == Status.AT_UPPER_END and q[0] > 1e6
+    )
     if status[0] == Status.UNSETTLED or (several and not at_end):
         status[0] = Status.LOWER_OF_TWO if count > 1 else Status.ATTAINED
 
@@ -166,7 +212,8 @@ def minima(prepare, guess, slopes, value, ends):
 
 
 def heights(prepare, guess, slopes, value, ends):
-    """Return the kernel of F alone: it is flat at its minimum, and one step is enough for its digits.
+    """Return the kernel of F alone: it is flat at its minimum, and one step is enough for its
+    digits.
 
     Most rows start from the q of the two before them. So the last bit of F may depend on the grid.
     """
@@ -187,9 +234,9 @@ def heights(prepare, guess, slopes, value, ends):
 def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = None) -> None:
     """Call work(slice of rows) on all threads; kernels release the interpreter's lock.
 
-    Slices begin at multiples of `ROWS_BETWEEN_GUESSES` and shrink towards the end: a call takes 40 us to unpack its
-    records, and no thread should wait long for another. Not numba's prange: it does not take records of records, and
-    compiles three times as long.
+    Slices begin at multiples of `ROWS_BETWEEN_GUESSES` and shrink towards the end: a call takes 40
+    us to unpack its records, and no thread should wait long for another. Not numba's prange: it
+    does not take records of records, and compiles three times as long.
     """
     threads = threads or os.cpu_count() or 1
     if threads == 1 or rows == 1:
@@ -205,7 +252,9 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
 
 
 def gradients(prepare, gradient):
-    """Return the kernel of gradient(q, p, r) at every (x, y); fills by_x, by_y, (xs.size, ys.size)."""
+    """Return the kernel of gradient(q, p, r) at every (x, y); fills by_x, by_y,
+    (xs.size, ys.size).
+    """
 
     @entry
     def gradients(xs, ys, r, q, by_x, by_y):
@@ -219,7 +268,8 @@ def gradients(prepare, gradient):
 def potentials(prepare, slopes, value):
     """Return the kernel of the value and, times a constant, its two derivatives by z.
 
-    It fills V, V_z, V_zz, each (zs.size, xs.size, ys.size); q = (1 - z)/(1 + z), NaN unless -1 < z < 1.
+    It fills V, V_z, V_zz, each (zs.size, xs.size, ys.size); q = (1 - z)/(1 + z), NaN unless -1 < z
+    < 1.
     """
 
     @entry
@@ -239,10 +289,12 @@ def potentials(prepare, slopes, value):
 
 
 def turnings(prepare, slopes, value, excess, bend):
-    """Return the kernel of a minimum, the crossings around it, and a Level at points (xs, ys, levels).
+    """Return the kernel of a minimum, the crossings around it, and a Level at points (xs, ys,
+    levels).
 
-    It takes the minimum in whose basin `at` lies, the lowest where it is NaN; then the lowest that the band contains.
-    It fills `other` (2, n) with the crossings of a band elsewhere. All other arrays are (n,).
+    It takes the minimum in whose basin `at` lies, the lowest where it is NaN; then the lowest that
+    the band contains. It fills `other` (2, n) with the crossings of a band elsewhere. All other
+    arrays are (n,).
     """
 
     @entry
@@ -277,7 +329,9 @@ def turnings(prepare, slopes, value, excess, bend):
 
 
 def periods(prepare, excess, inertia):
-    """Return the kernel of the period of the swing between low and high at each point; fills period (n,)."""
+    """Return the kernel of the period of the swing between low and high at each point; fills period
+    (n,).
+    """
 
     @entry
     def periods(low, high, xs, ys, levels, r, b, period):

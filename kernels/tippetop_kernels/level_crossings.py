@@ -1,4 +1,6 @@
-"""Where a function of one positive variable q takes a given level, on both sides of its minimum; the swing between."""
+"""Where a function of one positive variable q takes a given level, on both sides of its minimum;
+the swing between.
+"""
 
 from enum import IntEnum
 
@@ -36,7 +38,9 @@ def crossing(excess, inside, outside, level, p, r):
             return best
         xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
         if phi * phi < xi and (1 - phi) * (1 - phi) < 1 - xi:
-            t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+            t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (
+                fc - fb
+            )
         else:
             t = 0.5
         least = 2e-16 * abs(best) / abs(b - a)
@@ -46,7 +50,9 @@ def crossing(excess, inside, outside, level, p, r):
 
 @kernel
 def beyond(excess, inside, bound, level, p, r):
-    """The first crossing on the way from `inside`, where excess < 0, to `bound`; `bound` where there is none."""
+    """The first crossing on the way from `inside`, where excess < 0, to `bound`; `bound` where
+    there is none.
+    """
     step, before, here = 1.1, inside, inside
     while here != bound:
         before = here
@@ -59,11 +65,13 @@ def beyond(excess, inside, bound, level, p, r):
 
 @kernel
 def band_of(excess, q, count, well, level, allowance, p, r):
-    """The two q where excess(q, level, p, r), a function less the level, is 0 around the minimum `well`; a Level; and
-    the first and last minimum that the band holds: those that no maximum above the level parts from it.
+    """The two q where excess(q, level, p, r), a function less the level, is 0 around the minimum
+    `well`; a Level; and the first and last minimum that the band holds: those that no maximum above
+    the level parts from it.
 
-    q (count,) are minima and maxima in turn. A level less than `allowance` (relative) from the minimum touches it. An
-    end of the range (SMALLEST, LARGEST) stands for a function that stays below the level up to there.
+    q (count,) are minima and maxima in turn. A level less than `allowance` (relative) from the
+    minimum touches it. An end of the range (SMALLEST, LARGEST) stands for a function that stays
+    below the level up to there.
     """
     if not (np.isfinite(level) and np.isfinite(q[2 * well])):
         return np.nan, np.nan, Level.UNDEFINED, well, well
@@ -78,16 +86,20 @@ def band_of(excess, q, count, well, level, allowance, p, r):
     while 2 * last + 1 < count and excess(q[2 * last + 1], level, p, r) <= 0:
         last += 1
     low = beyond(excess, q[2 * first], q[2 * first - 1] if first > 0 else SMALLEST, level, p, r)
-    high = beyond(excess, q[2 * last], q[2 * last + 1] if 2 * last + 1 < count else LARGEST, level, p, r)
+    high = beyond(
+        excess, q[2 * last], q[2 * last + 1] if 2 * last + 1 < count else LARGEST, level, p, r
+    )
     return low, high, Level.ABOVE, first, last
 
 
 @kernel
 def swing(excess, inertia, low, high, level, p, r, b):
-    """Period of the swing between the crossings low and high: 2 integral of sqrt(inertia/-excess) dtheta.
+    """Period of the swing between the crossings low and high: 2 integral of sqrt(inertia/-excess)
+    dtheta.
 
-    With y = q/(1 + q) = y_low cos^2 + y_high sin^2 of beta/2 the integrand is smooth and periodic: the midpoint rule
-    converges geometrically. NaN where 4096 nodes do not settle to 1e-11 (next to a separatrix).
+    With y = q/(1 + q) = y_low cos^2 + y_high sin^2 of beta/2 the integrand is smooth and periodic:
+    the midpoint rule converges geometrically. NaN where 4096 nodes do not settle to 1e-11 (next to
+    a separatrix).
     """
     if not low < high:
         return np.nan

@@ -1,12 +1,14 @@
-"""The minimum of a function of one positive variable q, stepped in ln(q), where its slope changes sign.
+"""The minimum of a function of one positive variable q, stepped in ln(q), where its slope changes
+sign.
 
 A problem is three functions of opaque records p (the point) and r (what all points share):
 
-    guess(p, r)         a first q, good to a factor of a few; may be 0, inf or NaN where there is none
+    guess(p, r)         a first q, good to a factor of a few; 0, inf or NaN if there is none
     slopes(q, p, r)     a common positive factor times the first three derivatives by ln(q)
     value(q, p, r)      the function itself
 
-The slope is negative at small q and positive at large q, unless the infimum is approached at an end.
+The slope is negative at small q and positive at large q, unless the infimum is approached at an
+end.
 """
 
 from enum import IntEnum
@@ -18,8 +20,11 @@ from .compilation import inlined, kernel
 
 SMALLEST, LARGEST = 1e-30, 1e30
 
-AT_REST = 1e-5  # a step in ln(q) after which none is needed: the next one would be of the order of its cube
-NEARLY = 1e-3  # one after which the value is at rest: its error is of the order of the cube's square
+# a step in ln(q) after which none is needed: the next one would be of the order of its cube
+AT_REST = 1e-5
+NEARLY = (
+    1e-3  # one after which the value is at rest: its error is of the order of the cube's square
+)
 
 
 class Status(IntEnum):
@@ -35,7 +40,10 @@ class Status(IntEnum):
 
 @inlined
 def factor(g1, g2, g3):
-    """Halley's step in ln(q) as a factor on q, between 1/8 and 8. The Pade form of exp keeps its third order."""
+    """Halley's step in ln(q) as a factor on q, between 1/8 and 8.
+
+    The Pade form of exp keeps its third order.
+    """
     n, m = g1 * g2, 2 * g2 * g2 - g1 * g3
     f = (m - n) / (m + n)
     f = f if f > 0.125 else 0.125
@@ -51,7 +59,9 @@ def clipped(q):
 
 @kernel
 def settled(slopes, q, p, r):
-    """q after as many of Halley's steps as it takes, NaN if ten are not enough: for points next to their minimum."""
+    """q after as many of Halley's steps as it takes, NaN if ten are not enough: for points next to
+    their minimum.
+    """
     for _ in range(10):
         g1, g2, g3 = slopes(q, p, r)
         f = factor(g1, g2, g3)
@@ -63,9 +73,11 @@ def settled(slopes, q, p, r):
 
 @kernel
 def between(slopes, low, high, p, r):
-    """The q in (low, high) where the slope, negative at low and positive at high, vanishes; NaN if unsettled.
+    """The q in (low, high) where the slope, negative at low and positive at high, vanishes; NaN if
+    unsettled.
 
-    Halley's step where it stays inside the bracket, else the geometric mean: it cannot fail to close.
+    Halley's step where it stays inside the bracket, else the geometric mean: it cannot fail to
+    close.
     """
     q = np.sqrt(low) * np.sqrt(high)
     for _ in range(200):
@@ -90,7 +102,8 @@ def between(slopes, low, high, p, r):
 def minimise(slopes, guess, p, r):
     """The only minimum, from any guess: brackets it by ever longer steps, then closes the bracket.
 
-    Returns q; SMALLEST or LARGEST where the slope has one sign down to (up to) there; NaN if unsettled.
+    Returns q; SMALLEST or LARGEST where the slope has one sign down to (up to) there; NaN if
+    unsettled.
     """
     q = clipped(guess(p, r))
     g1 = slopes(q, p, r)[0]
@@ -101,7 +114,11 @@ def minimise(slopes, guess, p, r):
         previous = other
         other = clipped(other / step if g1 > 0 else other * step)
         if slopes(other, p, r)[0] * g1 <= 0:
-            return between(slopes, other, previous, p, r) if g1 > 0 else between(slopes, previous, other, p, r)
+            return (
+                between(slopes, other, previous, p, r)
+                if g1 > 0
+                else between(slopes, previous, other, p, r)
+            )
         if other in (SMALLEST, LARGEST):
             return other
         step *= step
@@ -112,11 +129,12 @@ MOST_EXTREMES = 7  # that `extremes` gives room for: two minima are the most tha
 
 @kernel
 def extremes(slopes, p, r, q):
-    """Minima and maxima in turn, ascending: fills q (7,) with minimum, maximum, minimum, ...; how many there are.
+    """Minima and maxima in turn, ascending: fills q (7,) with minimum, maximum, minimum, ...; how
+    many there are.
 
-    Scans ln(q) in steps of one half, 280 slopes. A pair of minimum and maximum closer than the scan can escape the
-    count; it is shallow, hence never the lowest. An end of the range counts as a minimum where the function falls
-    towards it.
+    Scans ln(q) in steps of one half, 280 slopes. A pair of minimum and maximum closer than the scan
+    can escape the count; it is shallow, hence never the lowest. An end of the range counts as a
+    minimum where the function falls towards it.
     """
     count, ratio = 0, 1.6487212707001282
     low, g_low = SMALLEST, slopes(SMALLEST, p, r)[0]
@@ -140,7 +158,9 @@ def extremes(slopes, p, r, q):
 
 @kernel
 def summit(slopes, low, high, p, r):
-    """The q in (low, high) where the slope, positive at low and negative at high, vanishes: by bisection of ln(q)."""
+    """The q in (low, high) where the slope, positive at low and negative at high, vanishes: by
+    bisection of ln(q).
+    """
     for _ in range(80):
         q = np.sqrt(low) * np.sqrt(high)
         if not low < q < high:

@@ -1,13 +1,15 @@
 """Long formulas worked in stages: 45 ns a point of the minimal surface instead of 58 to 67.
 
-Timed on 1000 x 1000 points, one core of a busy Intel Xeon (2.5 GHz); the price is some 10 s more of compilation.
+Timed on 1000 x 1000 points, one core of a busy Intel Xeon (2.5 GHz); the price is some 10 s more of
+compilation.
 
-A record is a number, or a (named) tuple of records. Its leaf number i of point j lies at table[i*BLOCK + j]: so a loop
-over neighbouring points fills the SIMD lanes of one instruction, and as the distances are known to the compiler, the
-code need not test at run time whether columns overlap.
+A record is a number, or a (named) tuple of records. Its leaf number i of point j lies at
+table[i*BLOCK + j]: so a loop over neighbouring points fills the SIMD lanes of one instruction, and
+as the distances are known to the compiler, the code need not test at run time whether columns
+overlap.
 
-A stage is a loop of its own. In one long chain of dependent operations the processor waits, as it sees only some 200
-operations ahead; of a short one it has several turns in flight.
+A stage is a loop of its own. In one long chain of dependent operations the processor waits, as it
+sees only some 200 operations ahead; of a short one it has several turns in flight.
 """
 
 from typing import Any
@@ -79,11 +81,16 @@ def get(typing, table, j, like):
 
 
 STAGES: dict[Any, tuple] = {}
-"""The stages of a formula, up to three: each takes the result of the one before it, and the arguments."""
+"""The stages of a formula, up to three: each takes the result of the one before it, and the
+arguments.
+"""
 
 
 def first(whole, *arguments) -> Any:
-    """The result of the first stage; of the whole, where it has no stages. Inside numba only, as are the next two."""
+    """The result of the first stage; of the whole, where it has no stages.
+
+    Inside numba only, as are the next two.
+    """
     raise NotImplementedError
 
 

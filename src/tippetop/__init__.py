@@ -1,4 +1,5 @@
-"""tippetop: tops that roll and glide, integrated to rounding, with their events, potentials and surfaces.
+"""tippetop: tops that roll and glide, integrated to rounding, with their events, potentials and
+surfaces.
 
 >>> import tippetop as tt
 >>> top = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)

@@ -34,7 +34,10 @@ def finite(name: str, value: Any) -> float:
 
 
 def numbers(name: str, values: Any) -> "np.ndarray":
-    """The argument as an array of floats of any shape, NaN among them. Raises InputError if it is none."""
+    """The argument as an array of floats of any shape, NaN among them.
+
+    Raises InputError if it is none.
+    """
     import numpy as np
 
     try:
@@ -43,7 +46,9 @@ def numbers(name: str, values: Any) -> "np.ndarray":
             raise TypeError
         return array.astype(float)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"`{name}` must be a number or an array of numbers, but is {values!r:.60}.") from None
+        raise InputError(
+            f"`{name}` must be a number or an array of numbers, but is {values!r:.60}."
+        ) from None
 
 
 def whole(name: str, value: Any) -> int:
@@ -76,7 +81,10 @@ def flag(name: str, value: Any) -> None:
 
 
 def measured(name: str, value: Any, unit: "Unit") -> float:
-    """Return an argument, a finite number or a text such as "1480 rpm", in SI units. Raises InputError."""
+    """Return an argument, a finite number or a text such as "1480 rpm", in SI units.
+
+    Raises InputError.
+    """
     from .mechanics.quantity import number_of
 
     return number_of(value, name, unit) if isinstance(value, str) else finite(name, value)
@@ -90,11 +98,14 @@ def seconds(name: str, value: Any) -> float | None:
 
 
 def measured_values(name: str, values: Any, unit: "Unit") -> Any:
-    """Return an argument that may be a number, a text or an array of them: texts as numbers in SI units, an array of
-    numbers unchecked. Raises InputError."""
+    """Return an argument that may be a number, a text or an array of them: texts as numbers in SI
+    units, an array of numbers unchecked. Raises InputError.
+    """
     import numpy as np
 
-    given = values.tolist() if isinstance(values, np.ndarray) and values.dtype.kind in "UO" else values
+    given = (
+        values.tolist() if isinstance(values, np.ndarray) and values.dtype.kind in "UO" else values
+    )
     if isinstance(given, list | tuple) and any(isinstance(value, str) for value in given):
         return [measured(name, value, unit) for value in given]
     return measured(name, given, unit) if isinstance(given, str) or np.ndim(given) == 0 else given
@@ -110,7 +121,9 @@ def within(name: str, values: Any, low: float, high: float, words: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as TOML contains it: Python's numbers and lists instead of those of numpy, and of tuples."""
+    """Return a value as TOML contains it: Python's numbers and lists instead of those of numpy, and
+    of tuples.
+    """
     import numpy as np
 
     if isinstance(value, np.ndarray | np.generic):
@@ -123,17 +136,23 @@ def plain(value: Any) -> Any:
 
 
 def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
-    """Names of numbers as the dotted keys that they stand for: `mu` for `friction.mu`; an unknown one as it is. Raises
-    InputError for a name that stands in several tables, and for two names of one number."""
+    """Names of numbers as the dotted keys that they stand for: `mu` for `friction.mu`; an unknown
+    one as it is. Raises InputError for a name that stands in several tables, and for two names of
+    one number.
+    """
     keys, sentences, known, names = [], [], list(known), list(names)
     for name in names:
         fits = [key for key in known if key == name or key.partition(".")[2] == name]
         if len(fits) > 1:
-            sentences.append(f"`{name}` must be one of {' or '.join(fits)}: it stands in several tables.")
+            sentences.append(
+                f"`{name}` must be one of {' or '.join(fits)}: it stands in several tables."
+            )
         keys.append(fits[0] if fits else str(name))
     for key in dict.fromkeys(keys):
         if keys.count(key) > 1:
-            given = " and ".join(f"`{name}`" for name, its in zip(names, keys, strict=True) if its == key)
+            given = " and ".join(
+                f"`{name}`" for name, its in zip(names, keys, strict=True) if its == key
+            )
             sentences.append(f"`{key}` must be given once, but is given as {given}.")
     if sentences:
         raise InputError(sentences)
@@ -141,7 +160,8 @@ def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
 
 
 def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F]:
-    """Give a function, in place of its **keywords, the keyword arguments of another one: a decorator.
+    """Give a function, in place of its **keywords, the keyword arguments of another one: a
+    decorator.
 
     An unknown keyword raises a TypeError that names the nearest one.
 
@@ -175,11 +195,15 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
 
 @contextlib.contextmanager
 def in_python() -> Iterator[None]:
-    """A block whose StoreErrors name options of the command line as arguments: --overwrite is overwrite=True."""
+    """A block whose StoreErrors name options of the command line as arguments: --overwrite is
+    overwrite=True.
+    """
     try:
         yield
     except StoreError as error:
-        words = re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda m: f"{m[1].replace('-', '_')}=True", str(error))
+        words = re.sub(
+            r"--([a-z]+(?:-[a-z]+)*)", lambda m: f"{m[1].replace('-', '_')}=True", str(error)
+        )
         if words == str(error):
             raise
         raise StoreError(words) from error

@@ -1,4 +1,6 @@
-"""Long work of a library that cannot be interrupted, such as a compilation: done in a thread, and waited for."""
+"""Long work of a library that cannot be interrupted, such as a compilation: done in a thread, and
+waited for.
+"""
 
 from __future__ import annotations
 
@@ -17,17 +19,21 @@ Result = TypeVar("Result")
 SILENT = 2.0  # [s] after which a terminal shows what is waited for
 LOOK = 0.05  # [s] between two looks at the signals and at `stop`
 
-_abandoned: list[threading.Event] = []  # their work cannot be ended: the process must not wait for it
+_abandoned: list[
+    threading.Event
+] = []  # their work cannot be ended: the process must not wait for it
 
 
 def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None = None) -> Result:
-    """What `work` returns or raises. Signals are handled while it is done: neither LLVM nor heyoka looks for them.
+    """What `work` returns or raises.
+
+    Signals are handled while it is done: neither LLVM nor heyoka looks for them.
 
     Parameters
     ----------
     work
-        What is done, in a thread of its own with the context of this one (what numpy does about errors is in there);
-        in any thread but the main one, which has the signals, just here.
+        What is done, in a thread of its own with the context of this one (what numpy does about
+        errors is in there); in any thread but the main one, which has the signals, just here.
     doing
         The line on stderr, if that is a terminal, about work that takes longer than 2 s.
     stop
@@ -39,7 +45,9 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     results: list[Any] = []
     errors: list[BaseException] = []
 
-    finished = threading.Event()  # `join` takes a thread for ended when a signal interrupts it (3.11)
+    finished = (
+        threading.Event()
+    )  # `join` takes a thread for ended when a signal interrupts it (3.11)
 
     def done() -> None:
         try:

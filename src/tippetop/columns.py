@@ -33,7 +33,10 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def greek(text: str) -> str:
-    """Words of a long_name with the letters of the formulas: `omega_3` is ω₃. Short names are whole words."""
+    """Words of a long_name with the letters of the formulas: `omega_3` is ω₃.
+
+    Short names are whole words.
+    """
     names = "|".join(rf"\b{name}\b" if len(name) < 4 else name for name in GREEK)
     return re.sub(names, lambda word: GREEK[word[0]], text)
 
@@ -44,7 +47,9 @@ def units_text(units: str) -> str:
 
 
 def symbol(tex: str) -> str:
-    """Return a symbol in TeX as figures write it: Greek letters in Unicode, `\\omega_3` as ω₃, others as formulas."""
+    """Return a symbol in TeX as figures write it: Greek letters in Unicode, `\\omega_3` as ω₃,
+    others as formulas.
+    """
     if greek := re.fullmatch(r"\\(?:var)?([a-z]+)(?:_(\d))?('*)", tex):
         subscript = chr(ord("₀") + int(greek[2])) if greek[2] else ""
         with contextlib.suppress(KeyError):  # another symbol, such as \\ell
@@ -54,19 +59,29 @@ def symbol(tex: str) -> str:
 
 
 class Column(NamedTuple):
-    """An array with the names of its dimensions and its attributes (units, long_name, ...), as the store keeps it."""
+    """An array with the names of its dimensions and its attributes (units, long_name, ...), as the
+    store keeps it.
+    """
 
     dims: tuple[str, ...]
     values: np.ndarray
     attrs: dict[str, Any]
 
 
-def column(values: np.ndarray, unit: Unit, long_name: str, dims: Any = ("time",), **extra: str) -> Column:
-    return Column(dims, np.asarray(values, dtype=np.float64), {"units": unit.symbol, "long_name": long_name, **extra})
+def column(
+    values: np.ndarray, unit: Unit, long_name: str, dims: Any = ("time",), **extra: str
+) -> Column:
+    return Column(
+        dims,
+        np.asarray(values, dtype=np.float64),
+        {"units": unit.symbol, "long_name": long_name, **extra},
+    )
 
 
 def on_sphere(trajectory: Any) -> np.ndarray:
-    """Whether the sphere touches the plane, at each row of a run: not while it stands on its stem, or flies."""
+    """Whether the sphere touches the plane, at each row of a run: not while it stands on its stem,
+    or flies.
+    """
     away = np.zeros(len(trajectory["time"].values), bool)
     for name, words in (("ball", "stem"), ("phase", "flight")):
         away |= flagged(trajectory[name], words) if name in trajectory else away
@@ -74,7 +89,9 @@ def on_sphere(trajectory: Any) -> np.ndarray:
 
 
 def flagged(flags: Any, name: str) -> np.ndarray:
-    """Where a column of flags, with its `flag_meanings`, has the value of this name; (n,) of bool."""
+    """Where a column of flags, with its `flag_meanings`, has the value of this name;
+    (n,) of bool.
+    """
     meanings = flags.attrs["flag_meanings"].split()
     return np.asarray(flags.values == (meanings.index(name) if name in meanings else -1))
 
@@ -98,7 +115,9 @@ def require(names: Iterable[str], kept: Container[Any], subject: str) -> None:
         What needs them, the beginning of the sentence.
     """
     if missing := ", ".join(f"`{name}`" for name in names if name not in kept):
-        raise InputError(f"{subject} must have {missing}, which the run has not kept: its `columns` were others.")
+        raise InputError(
+            f"{subject} must have {missing}, which the run has not kept: its `columns` were others."
+        )
 
 
 LETTERS = ("xyz", "wxyz")
@@ -106,13 +125,22 @@ LETTERS = ("xyz", "wxyz")
 
 
 def with_coordinates(table: "xr.Dataset") -> "xr.Dataset":
-    """A table with its coordinates: the letters of vectors, the time, and the kinds of events, as flags."""
+    """A table with its coordinates: the letters of vectors, the time, and the kinds of events, as
+    flags.
+    """
     labels = {name: (name, list(name)) for name in LETTERS if name in table.dims}
-    by = next((c.attrs["parameters"].split() for c in table.values() if "parameters" in c.attrs), None)
+    by = next(
+        (c.attrs["parameters"].split() for c in table.values() if "parameters" in c.attrs), None
+    )
     labels |= {"parameter": ("parameter", by)} if by else {}
     named = [name for name in ("time", "kind") if name in table and table[name].ndim == 1]
     return table.assign_coords(labels).set_coords(named)
 
 
 def flag_attributes(names: tuple[str, ...], text: str) -> dict[str, Any]:
-    return {"flag_values": list(range(len(names))), "flag_meanings": " ".join(names), "long_name": text, "units": "1"}
+    return {
+        "flag_values": list(range(len(names))),
+        "flag_meanings": " ".join(names),
+        "long_name": text,
+        "units": "1",
+    }

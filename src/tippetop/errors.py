@@ -10,7 +10,9 @@ NEAR, VERY_NEAR = 0.6, 0.75  # of letters that two words share in order: eps and
 
 
 def nearest(word: str, known: Iterable[str], cutoff: float = NEAR) -> str | None:
-    """The known word nearest to a mistyped one, None where none is near; upper and lower case are the same."""
+    """The known word nearest to a mistyped one, None where none is near; upper and lower case are
+    the same.
+    """
     import difflib
 
     lower = {k.lower(): k for k in known}
@@ -19,7 +21,9 @@ def nearest(word: str, known: Iterable[str], cutoff: float = NEAR) -> str | None
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
-    """`` Did you mean `x`?`` to be appended to a sentence, or nothing where no known word is near."""
+    """`` Did you mean `x`?`` to be appended to a sentence, or nothing where no known
+    word is near.
+    """
     match = nearest(word, known)
     return f" Did you mean `{match}`?" if match else ""
 
@@ -37,9 +41,11 @@ def refuse_unknown(function: str, named: Collection[str], known: Collection[str]
             raise TypeError(f"{function}() has no argument `{name}`.{suggestion(name, known)}")
 
 
-def unknown_key(key: str, known: Collection[str], everywhere: Iterable[str] = (), belongs: str = "") -> str:
-    """The sentence on a key that does not exist: the same key of another table is suggested, or one that is near in
-    its own table, or very near in another.
+def unknown_key(
+    key: str, known: Collection[str], everywhere: Iterable[str] = (), belongs: str = ""
+) -> str:
+    """The sentence on a key that does not exist: the same key of another table is suggested, or one
+    that is near in its own table, or very near in another.
 
     Parameters
     ----------
@@ -58,7 +64,10 @@ def unknown_key(key: str, known: Collection[str], everywhere: Iterable[str] = ()
     near = elsewhere.get(name) or here.get(nearest(name, here) or "")
     near = near or elsewhere.get(nearest(name, elsewhere, VERY_NEAR) or "")
     meant = f": {belongs}." if belongs else f"; did you mean `{near}`?" if near else "."
-    return f"unknown key `{key}`{meant} {f'The keys of `{table}`' if table else 'The keys'} are {', '.join(known)}."
+    return (
+        f"unknown key `{key}`{meant} {f'The keys of `{table}`' if table else 'The keys'} are "
+        f"{', '.join(known)}."
+    )
 
 
 MOST_FAULTS = 20
@@ -91,7 +100,9 @@ EXTRAS = {
 
 
 def refuse_without(name: str) -> None:
-    """Raises ModuleNotFoundError now, rather than after a run, where an extra that is needed is not installed."""
+    """Raises ModuleNotFoundError now, rather than after a run, where an extra that is needed is not
+    installed.
+    """
     from importlib.util import find_spec
 
     if find_spec(name) is None:
@@ -99,16 +110,28 @@ def refuse_without(name: str) -> None:
 
 
 def missing_extra(error: ImportError) -> str | None:
-    """The sentence on an import that failed because an extra is not installed; None where that is not why."""
-    name = (error.name or "").partition(".")[0].replace("llvmlite", "numba")  # numba is what brings it
+    """The sentence on an import that failed because an extra is not installed; None where that is
+    not why.
+    """
+    name = (
+        (error.name or "").partition(".")[0].replace("llvmlite", "numba")
+    )  # numba is what brings it
     extra = EXTRAS.get(name)
-    return f"this must find {name}, but it is not installed: pip install 'tippetop[{extra}]'." if extra else None
+    return (
+        f"this must find {name}, but it is not installed: pip install 'tippetop[{extra}]'."
+        if extra
+        else None
+    )
 
 
 class Interrupted(Exception):
-    """The run, or the sweep, was asked to stop (`stop` was set), and stopped where its store can be resumed."""
+    """The run, or the sweep, was asked to stop (`stop` was set), and stopped where its store can be
+    resumed.
+    """
 
-    def __init__(self, text: str = "it was asked to stop, and stopped where its store can be resumed."):
+    def __init__(
+        self, text: str = "it was asked to stop, and stopped where its store can be resumed."
+    ):
         super().__init__(text)
 
 
@@ -127,7 +150,10 @@ class InputError(_Sentences, ValueError):
 
 
 class Unfinished(_Sentences):
-    """A sweep ended without some of its chunks; `sentences` names them. Begun again, it tries them again."""
+    """A sweep ended without some of its chunks; `sentences` names them.
+
+    Begun again, it tries them again.
+    """
 
 
 def _leaves(record: Any) -> Iterable[Any]:
@@ -137,9 +163,12 @@ def _leaves(record: Any) -> Iterable[Any]:
 
 
 def _is_one_number(value: Any, arguments: tuple) -> bool:
-    """Whether a value is a number, expression or symbol, or an array of no more dimensions than what it was made of;
-    complex only if that was."""
-    if not (hasattr(value, "__sub__") and hasattr(value, "__mul__")):  # texts, lists, None, functions
+    """Whether a value is a number, expression or symbol, or an array of no more dimensions than
+    what it was made of; complex only if that was.
+    """
+    if not (
+        hasattr(value, "__sub__") and hasattr(value, "__mul__")
+    ):  # texts, lists, None, functions
         return False
     dimensions, is_complex = getattr(value, "ndim", 0), _is_complex(value)
     if not dimensions and not is_complex:
@@ -154,8 +183,9 @@ def _is_complex(value: Any) -> bool:
 
 
 def names_its_faults(formula: Callable, words: str) -> Callable:
-    """A formula of the user, whose exceptions become an InputError that names it, with the exception as its cause; and
-    so does what is not one number, such as None of a function without `return`. `of` is what it is of.
+    """A formula of the user, whose exceptions become an InputError that names it, with the
+    exception as its cause; and so does what is not one number, such as None of a function without
+    `return`. `of` is what it is of.
 
     Parameters
     ----------
@@ -170,9 +200,13 @@ def names_its_faults(formula: Callable, words: str) -> Callable:
         try:
             value = formula(*arguments)
         except Exception as error:
-            raise InputError(f"the formula of {words} fails: {type(error).__name__}: {error}") from error
+            raise InputError(
+                f"the formula of {words} fails: {type(error).__name__}: {error}"
+            ) from error
         if not _is_one_number(value, arguments):
-            raise InputError(f"the formula of {words} must return one number, but returns {value!r:.60}.")
+            raise InputError(
+                f"the formula of {words} must return one number, but returns {value!r:.60}."
+            )
         return value
 
     named.of = words  # type: ignore[attr-defined]

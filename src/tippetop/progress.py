@@ -12,7 +12,8 @@ from typing import Any
 
 
 FIRST_AFTER, AGAIN_AFTER = 0.4, 0.1  # [s]: what is sooner done needs no bar; nobody reads faster
-SILENT = 2.0  # [s] after which a bar is there though nothing is done yet: the first thing may have to be compiled
+# [s] after which a bar is there though nothing is done yet: the first thing may have to be compiled
+SILENT = 2.0
 
 
 STARTING = "starting (compiling)"
@@ -21,7 +22,8 @@ STARTING = "starting (compiling)"
 class Bar:
     """Follows work that can be counted or measured. A context; `update` is a progress callback.
 
-    Nothing is drawn where stderr is not a terminal, nor where the environment variable TIPPETOP_QUIET is set.
+    Nothing is drawn where stderr is not a terminal, nor where the environment variable
+    TIPPETOP_QUIET is set.
 
     Parameters
     ----------
@@ -51,8 +53,10 @@ class Bar:
                 self.bar.stop()
 
     def update(self, done: float, of: float, note: Callable[[], str] | None = None) -> None:
-        """Says how much is done, and what else there is to say of it. What was done before the first call does not
-        count for the rate."""
+        """Says how much is done, and what else there is to say of it.
+
+        What was done before the first call does not count for the rate.
+        """
         if not self.visible:
             return
         now = time.monotonic()
@@ -68,7 +72,9 @@ class Bar:
             if self.bar is None:
                 self._begin(of)
         rate = (done - self.first) / max(now - self.began, 1e-9)
-        text = f"{rate:.3g} {self.things}/s, {_clock((of - done) / rate)} left" if rate else STARTING
+        text = (
+            f"{rate:.3g} {self.things}/s, {_clock((of - done) / rate)} left" if rate else STARTING
+        )
         self._show(done, of, text + (f", {note()}" if note is not None else ""))
 
     def _show(self, done: float, of: float, note: str) -> None:
@@ -87,14 +93,20 @@ class Bar:
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TextColumn
 
-        columns = (TextColumn("{task.fields[count]}"), BarColumn(), TextColumn("{task.fields[note]}"))
+        columns = (
+            TextColumn("{task.fields[count]}"),
+            BarColumn(),
+            TextColumn("{task.fields[note]}"),
+        )
         self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
         self.bar.start()
         self.task = self.bar.add_task("", total=of, count="", note="")
 
 
 @contextlib.contextmanager
-def reporting(progress: Callable[[int, int], None] | bool, things: str) -> Iterator[Callable[[int, int], None]]:
+def reporting(
+    progress: Callable[[int, int], None] | bool, things: str
+) -> Iterator[Callable[[int, int], None]]:
     """A progress callback: the given one, or a bar's (True), or one that does nothing (False)."""
     if progress is True:
         with Bar(things) as bar:

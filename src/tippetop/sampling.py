@@ -1,4 +1,6 @@
-"""The times at which rows are stored: listed ones, or an even grid that is never held in memory whole."""
+"""The times at which rows are stored: listed ones, or an even grid that is never held in memory
+whole.
+"""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +11,9 @@ import numpy as np
 
 @dataclass(frozen=True)
 class EvenTimes:
-    """The times start, start + step, start + 2 step, ..., and `until` itself as the last one [s]."""
+    """The times start, start + step, start + 2 step, ..., and `until` itself as the
+    last one [s].
+    """
 
     step: float
     until: float
@@ -61,10 +65,13 @@ class ListedTimes:
 
 
 def extremes(values: np.ndarray, size: int) -> np.ndarray:
-    """Return the indices of the least and the greatest value in each bin of `size` values, and of the last one.
+    """Return the indices of the least and the greatest value in each bin of `size` values, and of
+    the last one.
 
     Ascending, each once; NaN counts as 0."""
     count = len(values)
     first = np.arange(0, count, size)
     bins = np.pad(np.nan_to_num(values), (0, -count % size), "edge").reshape(-1, size)
-    return np.unique(np.minimum([*(first + bins.argmin(1)), *(first + bins.argmax(1)), count - 1], count - 1))
+    return np.unique(
+        np.minimum([*(first + bins.argmin(1)), *(first + bins.argmax(1)), count - 1], count - 1)
+    )

@@ -1,11 +1,14 @@
-"""Attacks on the product: it is killed, its stores are damaged, its input is nonsense, its physics extreme.
+"""Attacks on the product: it is killed, its stores are damaged, its input is nonsense, its physics
+extreme.
 
-usage: python tests/attacks [CAMPAIGN ...] [--seconds S] [--count N] [--seed S] [--results FILE] [--case NUMBER]
+usage: python tests/attacks [CAMPAIGN ...] [--seconds S] [--count N] [--seed S] [--results FILE]
+[--case NUMBER]
 
-CAMPAIGN is one of kills, damage, scenarios, plans, extremes; without it, all. Each says in its own file what it does,
-how it judges, and what it cannot see. --count is the number of tries of each campaign (default: its own); no case is
-begun after --seconds of a campaign's share. Every verdict is a line of --results, a failure with what repeats it:
-`--seed` and `--case` do it again. Exit code: 0 nothing failed, 1 something did, 3 time was over before the end.
+CAMPAIGN is one of kills, damage, scenarios, plans, extremes; without it, all. Each says in its own
+file what it does, how it judges, and what it cannot see. --count is the number of tries of each
+campaign (default: its own); no case is begun after --seconds of a campaign's share. Every verdict
+is a line of --results, a failure with what repeats it: `--seed` and `--case` do it again. Exit
+code: 0 nothing failed, 1 something did, 3 time was over before the end.
 """
 
 import argparse
@@ -24,7 +27,13 @@ from forking import apart, judged
 from verdict import Verdict, table
 
 
-CAMPAIGNS = {"kills": 0.3, "damage": 0.12, "scenarios": 0.26, "plans": 0.14, "extremes": 0.18}  # shares of the time
+CAMPAIGNS = {
+    "kills": 0.3,
+    "damage": 0.12,
+    "scenarios": 0.26,
+    "plans": 0.14,
+    "extremes": 0.18,
+}  # shares of the time
 
 
 def judge(module: Any, prepared: Any, seed: int, number: int, folder: Path) -> Verdict:
@@ -36,14 +45,20 @@ def judge(module: Any, prepared: Any, seed: int, number: int, folder: Path) -> V
 
 
 def run(
-    name: str, options: argparse.Namespace, seconds: float, folder: Path, note: Callable[[Verdict], None]
+    name: str,
+    options: argparse.Namespace,
+    seconds: float,
+    folder: Path,
+    note: Callable[[Verdict], None],
 ) -> list[Verdict]:
     """The verdicts of a campaign."""
     module, began = importlib.import_module(name), time.monotonic()
     count, first = (options.count or module.COUNT, 0) if options.case is None else (1, options.case)
     prepared = module.prepare(folder, count, first)
     verdicts = []
-    for verdict in judged(partial(judge, module, prepared, options.seed), count, began + seconds, folder, first):
+    for verdict in judged(
+        partial(judge, module, prepared, options.seed), count, began + seconds, folder, first
+    ):
         verdict.campaign = name
         note(verdict)
         verdicts.append(verdict)
@@ -58,7 +73,9 @@ def main() -> int:
     parser.add_argument("--count", type=int, help="tries of each campaign")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--case", type=int, help="only this case")
-    parser.add_argument("--results", type=Path, help="a line of JSON for each verdict is added here")
+    parser.add_argument(
+        "--results", type=Path, help="a line of JSON for each verdict is added here"
+    )
     options = parser.parse_args()
     wanted = options.campaigns or list(CAMPAIGNS)
     if unknown := sorted({*wanted} - {*CAMPAIGNS}):
@@ -69,7 +86,10 @@ def main() -> int:
             with options.results.open("a", encoding="utf-8") as file:
                 file.write(verdict.line() + "\n")
         if verdict.failed:
-            print(f"{verdict.campaign} {verdict.number}: {verdict.kind}: {verdict.what[-1500:]}", flush=True)
+            print(
+                f"{verdict.campaign} {verdict.number}: {verdict.kind}: {verdict.what[-1500:]}",
+                flush=True,
+            )
 
     importlib.import_module("tippetop.cli")
     verdicts, deadline, whole = [], time.monotonic() + options.seconds, True
@@ -77,7 +97,9 @@ def main() -> int:
         share = CAMPAIGNS[name] / sum(CAMPAIGNS[other] for other in wanted[i:])
         clock = time.monotonic()
         with tempfile.TemporaryDirectory(prefix="attacks-") as folder:
-            part = apart(partial(run, name, options, share * (deadline - clock), Path(folder), note))
+            part = apart(
+                partial(run, name, options, share * (deadline - clock), Path(folder), note)
+            )
         if not isinstance(part, list):
             raise SystemExit(f"{name} failed itself: {part}")
         tries = sum(v.tries for v in part)

@@ -1,13 +1,16 @@
-"""Damaged stores: read or continued, they are refused in one sentence, or give what the undamaged store gives.
+"""Damaged stores: read or continued, they are refused in one sentence, or give what the undamaged
+store gives.
 
-A copy of a store is damaged once (a bit, a length, a missing, swapped, empty or foreign file, a value of its JSON, a
-link, a pipe, a shape beyond all memory), and one command reads or continues it. What is compared: the JSON of `info`,
-the bytes of a picture or of a CSV file, all values and attributes that `tippetop.open` gives, and of a command that
-continues a store every file of the finished one.
+A copy of a store is damaged once (a bit, a length, a missing, swapped, empty or foreign file, a
+value of its JSON, a link, a pipe, a shape beyond all memory), and one command reads or continues
+it. What is compared: the JSON of `info`, the bytes of a picture or of a CSV file, all values and
+attributes that `tippetop.open` gives, and of a command that continues a store every file of the
+finished one.
 
-What it cannot see: flags of an unfinished run (they may change until it ends), damage in two places that fit each
-other, a forger who computes digests and checksums again, faults of the disk under the file system, damage while the
-store is being read, other users' permissions (it runs as one user), and whatever no command looks at.
+What it cannot see: flags of an unfinished run (they may change until it ends), damage in two places
+that fit each other, a forger who computes digests and checksums again, faults of the disk under the
+file system, damage while the store is being read, other users' permissions (it runs as one user),
+and whatever no command looks at.
 """
 
 import hashlib
@@ -30,7 +33,7 @@ CHEAP = 2  # stores that are made in seconds
 PRECIOUS = "nothing of anybody else's is written"
 
 
-# --- what is done to a store ----------------------------------------------------------------------------------------
+# --- what is done to a store --------------------------------------------------------------------
 
 
 def _bit(place: Path, rng: np.random.Generator, _: Path) -> str:
@@ -71,7 +74,9 @@ def _empty(place: Path, _: np.random.Generator, __: Path) -> str:
 
 
 def _swapped(place: Path, rng: np.random.Generator, store: Path) -> str:
-    others = sorted(p for p in store.rglob("*") if p.is_file() and p.name != "zarr.json" and p != place)
+    others = sorted(
+        p for p in store.rglob("*") if p.is_file() and p.name != "zarr.json" and p != place
+    )
     other = others[int(rng.integers(len(others)))]
     mine, yours = place.read_bytes(), other.read_bytes()
     place.write_bytes(yours)
@@ -107,7 +112,13 @@ def _pipe(place: Path, _: np.random.Generator, __: Path) -> str:
 
 def _link(place: Path, rng: np.random.Generator, store: Path) -> str:
     elsewhere = store.parent / "elsewhere"
-    targets = [elsewhere / "precious", Path("/dev/zero"), Path("nowhere"), Path(place.name), elsewhere]
+    targets = [
+        elsewhere / "precious",
+        Path("/dev/zero"),
+        Path("nowhere"),
+        Path(place.name),
+        elsewhere,
+    ]
     target = targets[int(rng.integers(len(targets)))]
     place.unlink()
     place.symlink_to(target)
@@ -130,7 +141,11 @@ def _folder_link(place: Path, _: np.random.Generator, store: Path) -> str:
 
 
 def _foreign(place: Path, rng: np.random.Generator, _: Path) -> str:
-    name = str(rng.choice(["0", "1", "99", "x", "zarr.json", "ledger.jsonl", ".x.part-1", "c.0.new", "c.7"]))
+    name = str(
+        rng.choice(
+            ["0", "1", "99", "x", "zarr.json", "ledger.jsonl", ".x.part-1", "c.0.new", "c.7"]
+        )
+    )
     beside = place.with_name(name)
     if beside.exists():
         return _empty(beside, rng, _) if beside.is_file() else "nothing"
@@ -208,12 +223,38 @@ def _shape(place: Path, rng: np.random.Generator, store: Path) -> str:
 
 
 WAYS: tuple[Callable[[Path, np.random.Generator, Path], str], ...] = (
-    *(_bit, _bit, _bit, _truncated, _longer, _noise, _deleted, _empty, _swapped, _swapped, _copied, _folder_gone),
-    *(_folder, _pipe, _link, _link, _own_link, _folder_link, _foreign, _json, _json, _json, _json, _shape),
+    *(
+        _bit,
+        _bit,
+        _bit,
+        _truncated,
+        _longer,
+        _noise,
+        _deleted,
+        _empty,
+        _swapped,
+        _swapped,
+        _copied,
+        _folder_gone,
+    ),
+    *(
+        _folder,
+        _pipe,
+        _link,
+        _link,
+        _own_link,
+        _folder_link,
+        _foreign,
+        _json,
+        _json,
+        _json,
+        _json,
+        _shape,
+    ),
 )
 
 
-# --- what is asked of it --------------------------------------------------------------------------------------------
+# --- what is asked of it ------------------------------------------------------------------------
 
 
 def _opened(store: Path) -> Done:
@@ -232,7 +273,9 @@ def _opened(store: Path) -> Done:
             values = {str(name): v.values for name, v in group.variables.items()}
         except Exception as error:  # read when needed: the error is xarray's
             return Done(5, "", f"tippetop: {' '.join(str(error).split())}")
-        parts.append(sorted((name, hashlib.sha256(v.tobytes()).hexdigest()) for name, v in values.items()))
+        parts.append(
+            sorted((name, hashlib.sha256(v.tobytes()).hexdigest()) for name, v in values.items())
+        )
         parts.append(json.dumps(group.attrs, default=str, sort_keys=True))
     return Done(0, repr(parts), "")
 
@@ -240,7 +283,9 @@ def _opened(store: Path) -> Done:
 def _made(words: list[object], out: Path) -> Done:
     """A command that makes a file: what it holds."""
     done = command(*words, "--out", out)
-    return done._replace(out=hashlib.sha256(out.read_bytes()).hexdigest()) if done.code == 0 else done
+    return (
+        done._replace(out=hashlib.sha256(out.read_bytes()).hexdigest()) if done.code == 0 else done
+    )
 
 
 def ask(kind: str, what: str, store: Path) -> Done:
@@ -272,10 +317,14 @@ QUESTIONS = {
     "half_a_surface": ("surface",),
     "potential": ("info", "plot", "open"),
 }
-FINISHED = {"resume": "run", "sweep": "sweep", "surface": "surface"}  # a command that continues -> the store it ends in
+FINISHED = {
+    "resume": "run",
+    "sweep": "sweep",
+    "surface": "surface",
+}  # a command that continues -> the store it ends in
 
 
-# --- the campaign ---------------------------------------------------------------------------------------------------
+# --- the campaign -------------------------------------------------------------------------------
 
 
 def _kinds(count: int) -> tuple[str, ...]:
@@ -295,14 +344,25 @@ def prepare(folder: Path, count: int, first: int) -> dict[str, Any]:
             answers[kind, what] = ask(kind, what, copy / stores[kind].name)
             shutil.rmtree(copy)
     whole = {kind: files(stores[kind]) for kind in FINISHED.values() if kind in stores}
-    return {"folder": folder, "stores": stores, "answers": answers, "whole": whole, "kinds": tuple(stores)}
+    return {
+        "folder": folder,
+        "stores": stores,
+        "answers": answers,
+        "whole": whole,
+        "kinds": tuple(stores),
+    }
 
 
-def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[str, Any]) -> Verdict:
+def attack(
+    number: int, rng: np.random.Generator, folder: Path, prepared: dict[str, Any]
+) -> Verdict:
     """Damages a copy of a store and asks for what is in it, or continues it."""
     kind = prepared["kinds"][number % len(prepared["kinds"])]
     what = QUESTIONS[kind][int(rng.integers(len(QUESTIONS[kind])))]
-    store = Path(shutil.copytree(prepared["folder"] / kind, folder / kind)) / prepared["stores"][kind].name
+    store = (
+        Path(shutil.copytree(prepared["folder"] / kind, folder / kind))
+        / prepared["stores"][kind].name
+    )
     elsewhere = folder / kind / "elsewhere"
     elsewhere.mkdir()
     (elsewhere / "precious").write_text(PRECIOUS)
@@ -313,7 +373,11 @@ def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[s
         place = metadata[int(rng.integers(len(metadata)))]
     way = WAYS[int(rng.integers(len(WAYS)))]
     words = f"{kind}: {place.relative_to(store)}: {way(place, rng, store)}"
-    after = place.read_bytes() if place.is_file() and place.stat().st_size < 10**6 and not place.is_symlink() else None
+    after = (
+        place.read_bytes()
+        if place.is_file() and place.stat().st_size < 10**6 and not place.is_symlink()
+        else None
+    )
     repeat = {"damage": words, "question": what, "after": after}
     before = files(elsewhere)
     done, expected = ask(kind, what, store), prepared["answers"][kind, what]
@@ -321,9 +385,13 @@ def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[s
     if verdict is None:
         verdict = Verdict("refused" if done.code else "same", done.err.strip()[-300:])
         if done.code == 0 and (done.out, done.code) != (expected.out, expected.code):
-            verdict = Verdict("wrong", f"{what} of {words}: {_first_difference(done.out, expected.out)}")
+            verdict = Verdict(
+                "wrong", f"{what} of {words}: {_first_difference(done.out, expected.out)}"
+            )
         if done.code == 0 and what in FINISHED:
-            verdict = _finished(prepared["whole"].get(FINISHED[what]), folder / kind, what) or verdict
+            verdict = (
+                _finished(prepared["whole"].get(FINISHED[what]), folder / kind, what) or verdict
+            )
     if files(elsewhere) != before:
         verdict = Verdict("wrong", f"{what} of {words} writes elsewhere")
     if verdict.failed:
@@ -333,15 +401,22 @@ def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[s
 
 
 def _finished(whole: dict[str, bytes] | None, folder: Path, what: str) -> Verdict | None:
-    """What is wrong with a store that was continued: files that differ from those of an undisturbed one."""
+    """What is wrong with a store that was continued: files that differ from those of an undisturbed
+    one.
+    """
     name = {"resume": "R.zarr", "sweep": "S.zarr", "surface": "F.zarr"}[what]
     if whole is None:
         return None
     places = {path: folder / name / path for path in whole}  # what is linked is read there
-    differ = [p for p, place in places.items() if not place.is_file() or place.read_bytes() != whole[p]]
+    differ = [
+        p for p, place in places.items() if not place.is_file() or place.read_bytes() != whole[p]
+    ]
     return Verdict("wrong", f"differs in {', '.join(differ[:5])}") if differ else None
 
 
 def _first_difference(found: str, expected: str) -> str:
     at = next((i for i, (a, b) in enumerate(zip(found, expected, strict=False)) if a != b), 0)
-    return f"...{found[max(0, at - 60) : at + 60]}... instead of ...{expected[max(0, at - 60) : at + 60]}..."
+    return (
+        f"...{found[max(0, at - 60) : at + 60]}... instead of "
+        f"...{expected[max(0, at - 60) : at + 60]}..."
+    )

@@ -1,14 +1,16 @@
 """Extreme bodies, laws and spins: in double, in 80 bits and in another form the motion is the same.
 
-A random body (a millimetre to a metre, flat to long, heavy to light), law and start, spins from none to thousands of
-radians a second, is integrated in double, in longdouble and, where the system has one, in another form, over some
-hundreds of steps at most. Compared are the end (the same status, and its time), theta at a few moments, and the energy.
-What is allowed is measured, not guessed: the run is repeated from a start that is changed by 1e-10 of itself, which
-tells how much an error grows, and a rounding a step may have happened anywhere on the way; beside it stands what the
-run itself reports as drift of its invariants.
+A random body (a millimetre to a metre, flat to long, heavy to light), law and start, spins from
+none to thousands of radians a second, is integrated in double, in longdouble and, where the system
+has one, in another form, over some hundreds of steps at most. Compared are the end (the same
+status, and its time), theta at a few moments, and the energy. What is allowed is measured, not
+guessed: the run is repeated from a start that is changed by 1e-10 of itself, which tells how much
+an error grows, and a rounding a step may have happened anywhere on the way; beside it stands what
+the run itself reports as drift of its invariants.
 
-What it cannot see: a fault in a formula that all forms and precisions share (the laws of mechanics in `tests/helpers`
-guard those), motions near a pole in forms that are singular there, events that graze, and runs of more than a second.
+What it cannot see: a fault in a formula that all forms and precisions share (the laws of mechanics
+in `tests/helpers` guard those), motions near a pole in forms that are singular there, events that
+graze, and runs of more than a second.
 """
 
 import dataclasses
@@ -29,14 +31,22 @@ MOMENTS = 9
 NEAR_POLE = 0.05  # [rad] where angles of another form lose digits that they cannot help losing
 STEPS = 300.0
 PAIRS = (
-    *(("tippe-top", "viscous"), ("tippe-top", "coulomb"), ("rolling-tippe-top", ""), ("heavy-top", "")),
+    *(
+        ("tippe-top", "viscous"),
+        ("tippe-top", "coulomb"),
+        ("rolling-tippe-top", ""),
+        ("heavy-top", ""),
+    ),
     *(("gliding-heavy-top", "viscous"), ("gliding-cylinder", "viscous"), ("rolling-cylinder", "")),
 )  # each is compiled in two precisions and one or two forms
 CHEAP = (("rolling-cylinder", ""), ("gliding-cylinder", "viscous"))
 
 
 def prepare(_: Path, count: int, first: int) -> dict[str, Any]:
-    """What is drawn from; a few tries draw from what compiles in seconds. Loops are compiled here: no case waits."""
+    """What is drawn from; a few tries draw from what compiles in seconds.
+
+    Loops are compiled here: no case waits.
+    """
     from tippetop.runs.run import solve
     from tippetop.scenario import build
 
@@ -50,12 +60,18 @@ def tables_of(rng: np.random.Generator, pair: tuple[str, str]) -> dict[str, Any]
     from tippetop.mechanics.systems import SYSTEMS
 
     system, fastest = SYSTEMS[pair[0]], bodies.spread(rng, 0.01, 5000.0)
-    tables = bodies.scenario(rng, pair, scale=50.0, fastest=fastest) | {"form": next(iter(system.forms))}
+    tables = bodies.scenario(rng, pair, scale=50.0, fastest=fastest) | {
+        "form": next(iter(system.forms))
+    }
     rates = [abs(v) for name, v in tables["initial"].items() if name.endswith(("dot", "omega3"))]
     size = tables["parameters"].get("R", tables["parameters"].get("l"))
     fastest = max([1.0, (tables["parameters"]["g"] / size) ** 0.5, *rates])
     until = min(1.0, STEPS / fastest) * float(rng.uniform(0.1, 1.0))
-    tables["run"] = {"until": until, "output_times": np.linspace(0, until, MOMENTS).tolist(), "orientation": False}
+    tables["run"] = {
+        "until": until,
+        "output_times": np.linspace(0, until, MOMENTS).tolist(),
+        "orientation": False,
+    }
     return tables
 
 
@@ -82,12 +98,17 @@ def _compared(problem: Any, rng: np.random.Generator) -> Verdict:
 
     theta = problem.initial["theta"]
     nudged = [
-        dataclasses.replace(problem, initial=_changed(problem.initial, name)) for name in problem.initial if theta
+        dataclasses.replace(problem, initial=_changed(problem.initial, name))
+        for name in problem.initial
+        if theta
     ]
     mine, wide = solve(problem), solve(dataclasses.replace(problem, precision="longdouble"))
     if not mine.status.ordinary or not wide.status.ordinary:
         kind = "refused" if mine.status is wide.status else "wrong"
-        return Verdict(kind, f"{mine.status.value}: {mine.reason}; in longdouble {wide.status.value}: {wide.reason}")
+        return Verdict(
+            kind,
+            f"{mine.status.value}: {mine.reason}; in longdouble {wide.status.value}: {wide.reason}",
+        )
     near = [solve(other) for other in nudged]
     faults = _apart(mine, wide, near, "longdouble", problem.until)
     forms = [name for name in problem.system.forms if name != problem.form.name]
@@ -97,7 +118,9 @@ def _compared(problem: Any, rng: np.random.Generator) -> Verdict:
         if not other.faults():
             theirs = solve(other)
             near += [solve(dataclasses.replace(other, initial=_changed(other.initial, "theta")))]
-            faults += _apart(theirs, wide, near, f"form {form.name} against longdouble", problem.until)
+            faults += _apart(
+                theirs, wide, near, f"form {form.name} against longdouble", problem.until
+            )
     if faults:
         return Verdict("wrong", "; ".join(faults))
     broken = contract_violations(mine.report, problem.tolerance)
@@ -106,7 +129,11 @@ def _compared(problem: Any, rng: np.random.Generator) -> Verdict:
 
 def _changed(initial: dict[str, Any], name: str) -> dict[str, Any]:
     value = initial[name]
-    return initial if isinstance(value, bool) else initial | {name: value * (1 + NUDGE) + (NUDGE if value == 0 else 0)}
+    return (
+        initial
+        if isinstance(value, bool)
+        else initial | {name: value * (1 + NUDGE) + (NUDGE if value == 0 else 0)}
+    )
 
 
 def _away_from_poles(run: Any) -> bool:
@@ -126,7 +153,9 @@ def _apart(mine: Any, wide: Any, near: list[Any], what: str, until: float) -> li
         others = {run.status for run in near}
         if len(others | {mine.status}) > 1:  # the start decides, within a rounding or so
             return []
-        return [f"{what}: {mine.status.value} and {wide.status.value}: {mine.reason}; {wide.reason}"]
+        return [
+            f"{what}: {mine.status.value} and {wide.status.value}: {mine.reason}; {wide.reason}"
+        ]
     faults = []
     allowed = 1e-13 * until + growth * max(ends)
     if not abs(mine.report["t_end"] - wide.report["t_end"]) <= allowed:
@@ -142,6 +171,7 @@ def _apart(mine: Any, wide: Any, near: list[Any], what: str, until: float) -> li
         if len(bad):
             k = bad[0]
             faults.append(
-                f"{what}: {name} {one[k]!r} and {other[k]!r} at t = {mine.times[k]:.4g} s, allowed {allowed[k]:.1e}"
+                f"{what}: {name} {one[k]!r} and {other[k]!r} at t = {mine.times[k]:.4g} s, "
+                f"allowed {allowed[k]:.1e}"
             )
     return faults

@@ -1,7 +1,8 @@
-"""Processes: the command line called in this one, in a fork of it, and a pool of forks that may crash or hang.
+"""Processes: the command line called in this one, in a fork of it, and a pool of forks that may
+crash or hang.
 
-A fork has everything imported and compiled already, so that an attack takes a fraction of a second; the kernel kills it
-like any other process.
+A fork has everything imported and compiled already, so that an attack takes a fraction of a second;
+the kernel kills it like any other process.
 """
 
 import contextlib
@@ -35,10 +36,14 @@ class Done(NamedTuple):
     def sentences(self) -> list[str]:
         """What it says on stderr, warnings aside."""
         lines = self.err.strip().splitlines()
-        return [line for line in lines if line.strip() and not line.startswith("tippetop: warning:")]
+        return [
+            line for line in lines if line.strip() and not line.startswith("tippetop: warning:")
+        ]
 
     def fault(self, allowed: tuple[int, ...]) -> Verdict | None:
-        """What is wrong with it, whatever it was about: None if it ended as one of these exit codes should."""
+        """What is wrong with it, whatever it was about: None if it ended as one of these exit codes
+        should.
+        """
         if self.code == -1 or "Traceback" in self.err:
             return Verdict("traceback", self.err[-3000:])
         if self.code not in allowed:
@@ -134,7 +139,9 @@ class _Worker:
             parent = os.getppid()
             while True:
                 while not pipe.poll(1.0):
-                    if os.getppid() != parent:  # it was killed, and another fork may hold its end of the pipe
+                    if (
+                        os.getppid() != parent
+                    ):  # it was killed, and another fork may hold its end of the pipe
                         return
                 number = pipe.recv()
                 shutil.rmtree(self.folder, ignore_errors=True)
@@ -171,7 +178,9 @@ class _Worker:
         return verdict
 
     def _hangs(self) -> bool:
-        """Whether it takes longer than the limit, for which it may wait as long as the machine is crowded."""
+        """Whether it takes longer than the limit, for which it may wait as long as the machine is
+        crowded.
+        """
         seconds, computed = time.monotonic() - self.clock, _processor_time(self.pid) - self.spent
         return computed > LIMIT or (seconds > LIMIT * _crowd() and computed <= LIMIT / 10)
 
@@ -188,9 +197,17 @@ class _Worker:
 
 
 def judged(
-    judge: Callable[[int, Path], Verdict], count: int, until: float, folder: Path, first: int = 0, processes: int = 2
+    judge: Callable[[int, Path], Verdict],
+    count: int,
+    until: float,
+    folder: Path,
+    first: int = 0,
+    processes: int = 2,
 ) -> Iterator[Verdict]:
-    """Verdicts on cases `first`, ... until they count for `count` tries, or the clock is past `until`."""
+    """Verdicts on cases `first`, ...
+
+    until they count for `count` tries, or the clock is past `until`.
+    """
     tries, begun, number, parent = 0, 0, first, os.getppid()
     workers: list[_Worker] = []
     idle: list[_Worker] = []

@@ -1,16 +1,18 @@
-"""Killed at random moments and begun again, every command ends in the bits of one that was never disturbed.
+"""Killed at random moments and begun again, every command ends in the bits of one that was never
+disturbed.
 
-A process (a fork that has everything compiled; now and then a fresh interpreter) gets SIGKILL at a random moment of
-its life, or right at one of its file operations: before the n-th file that is opened to be written, renamed, linked,
-removed or synced, or some microseconds after. Up to three kills in a row fall on one store; then the command is left
-alone, and every file is compared with that of an undisturbed one. What was acknowledged before a kill must be there
-after it, and nothing may be left beside the result. Attacked are run, resume, run --overwrite, a run whose contact
-changes its phase (the phase of its last checkpoint is noted), sweep (the main process,
-alone and with workers, and its workers), surface, potential, export to all three formats, and plot.
+A process (a fork that has everything compiled; now and then a fresh interpreter) gets SIGKILL at a
+random moment of its life, or right at one of its file operations: before the n-th file that is
+opened to be written, renamed, linked, removed or synced, or some microseconds after. Up to three
+kills in a row fall on one store; then the command is left alone, and every file is compared with
+that of an undisturbed one. What was acknowledged before a kill must be there after it, and nothing
+may be left beside the result. Attacked are run, resume, run --overwrite, a run whose contact
+changes its phase (the phase of its last checkpoint is noted), sweep (the main process, alone and
+with workers, and its workers), surface, potential, export to all three formats, and plot.
 
-What it cannot see: power failures (a killed process leaves what it wrote to the kernel; fsync is trusted), disks and
-network file systems that reorder or lose writes, kills inside a system call, two processes killed at once, machines
-other than this one, and moments that need hours to come.
+What it cannot see: power failures (a killed process leaves what it wrote to the kernel; fsync is
+trusted), disks and network file systems that reorder or lose writes, kills inside a system call,
+two processes killed at once, machines other than this one, and moments that need hours to come.
 """
 
 import contextlib
@@ -34,7 +36,9 @@ COUNT = 300
 
 
 class Target(NamedTuple):
-    """A command that is killed: its words in a folder, those that continue it, and how much is acknowledged there."""
+    """A command that is killed: its words in a folder, those that continue it, and how much is
+    acknowledged there.
+    """
 
     begin: Callable[[Path, Path], list[object]]  # (folder, where the prepared stores are)
     again: Callable[[Path, Path], list[object]] | None = None  # None: the same words
@@ -43,7 +47,7 @@ class Target(NamedTuple):
     workers: bool = False
 
 
-# --- what is acknowledged -------------------------------------------------------------------------------------------
+# --- what is acknowledged -----------------------------------------------------------------------
 
 
 def _rows(folder: Path) -> float:
@@ -69,10 +73,14 @@ def _acknowledged(store: Path) -> Any:
 
 def _blocks(folder: Path) -> float:
     """Chunks of a surface that are done."""
-    return float(len(_acknowledged(folder / "F.zarr").chunks)) if (folder / "F.zarr").exists() else -1.0
+    return (
+        float(len(_acknowledged(folder / "F.zarr").chunks))
+        if (folder / "F.zarr").exists()
+        else -1.0
+    )
 
 
-# --- what is killed -------------------------------------------------------------------------------------------------
+# --- what is killed -----------------------------------------------------------------------------
 
 
 def _run(folder: Path, _: Path) -> list[object]:
@@ -103,7 +111,9 @@ def _touching(kind: str) -> Callable[[Path, Path], list[object]]:
 
 
 def _phase(folder: Path) -> str:
-    """The phase in which the checkpoint of a run left it; empty if there is none, or the contact has no phases."""
+    """The phase in which the checkpoint of a run left it; empty if there is none, or the contact
+    has no phases.
+    """
     with contextlib.suppress(OSError, KeyError):
         last = _acknowledged(folder / "R.zarr").attributes["report"]["contact_phases"]["last"]
         return f"{last['phase']} of the {last['ball']}" if last else "the first"
@@ -116,7 +126,14 @@ def _until(folder: Path) -> float:
 
 def _sweep(workers: int) -> Callable[[Path, Path], list[object]]:
     def words(folder: Path, stores: Path) -> list[object]:
-        return ["sweep", stores / "sweep" / "PLAN.toml", "--out", folder / "S.zarr", "--workers", workers]
+        return [
+            "sweep",
+            stores / "sweep" / "PLAN.toml",
+            "--out",
+            folder / "S.zarr",
+            "--workers",
+            workers,
+        ]
 
     return words
 
@@ -142,7 +159,14 @@ def _export(to: str) -> Callable[[Path, Path], list[object]]:
 
 
 def _plot(kind: str) -> Callable[[Path, Path], list[object]]:
-    return lambda folder, stores: ["plot", stores / "run" / "R.zarr", kind, "--out", folder / "a.png", "--overwrite"]
+    return lambda folder, stores: [
+        "plot",
+        stores / "run" / "R.zarr",
+        kind,
+        "--out",
+        folder / "a.png",
+        "--overwrite",
+    ]
 
 
 TARGETS = {
@@ -164,11 +188,15 @@ TARGETS = {
     "sweep, its workers": Target(_sweep(2), None, _chunks, workers=True),
 }
 CHEAP = 6  # targets that compile nothing slow
-NEEDS = {"sweep": ("sweep", "half_a_sweep"), "surface": ("surface", "half_a_surface"), "potential": ("potential",)}
+NEEDS = {
+    "sweep": ("sweep", "half_a_sweep"),
+    "surface": ("surface", "half_a_surface"),
+    "potential": ("potential",),
+}
 SELDOM = 10  # of so many rounds, sweeps with workers are in one: each takes many seconds
 
 
-# --- the campaign ---------------------------------------------------------------------------------------------------
+# --- the campaign -------------------------------------------------------------------------------
 
 
 def prepare(folder: Path, count: int, first: int) -> dict[str, Any]:
@@ -176,7 +204,13 @@ def prepare(folder: Path, count: int, first: int) -> dict[str, Any]:
     undisturbed.many_chunks()
     names = list(TARGETS) if count > 20 or first else list(TARGETS)[:CHEAP]
     stores, needed = folder / "stores", {"run", "interrupted", "short"}
-    needed |= {kind for name in names for key, kinds in NEEDS.items() if name.startswith(key) for kind in kinds}
+    needed |= {
+        kind
+        for name in names
+        for key, kinds in NEEDS.items()
+        if name.startswith(key)
+        for kind in kinds
+    }
     for kind in sorted(needed):
         (stores / kind).mkdir(parents=True)
         if kind == "short":
@@ -204,9 +238,15 @@ def prepare(folder: Path, count: int, first: int) -> dict[str, Any]:
     return {"stores": stores, "names": names, "facts": facts}
 
 
-def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[str, Any]) -> Verdict:
+def attack(
+    number: int, rng: np.random.Generator, folder: Path, prepared: dict[str, Any]
+) -> Verdict:
     """Kills one command up to three times, lets it end, and compares."""
-    names = [n for n in prepared["names"] if not TARGETS[n].workers or number // len(prepared["names"]) % SELDOM == 0]
+    names = [
+        n
+        for n in prepared["names"]
+        if not TARGETS[n].workers or number // len(prepared["names"]) % SELDOM == 0
+    ]
     name = names[number % len(names)]
     target, stores = TARGETS[name], prepared["stores"]
     whole, count, seconds = prepared["facts"][name]
@@ -216,11 +256,19 @@ def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[s
     kills, moments, phases = 0, [], []
     for _ in range(int(rng.integers(1, 4))):
         before = target.acknowledged(folder)
-        words = (target.again or target.begin)(folder, stores) if kills else target.begin(folder, stores)
+        words = (
+            (target.again or target.begin)(folder, stores)
+            if kills
+            else target.begin(folder, stores)
+        )
         moments.append(moment(rng, count, 1.1 * seconds))
         done = victim(words, moments[-1])
         phases.append(_phase(folder))
-        repeat = {"target": name, "moments": moments, "phases": [phase for phase in phases if phase]}
+        repeat = {
+            "target": name,
+            "moments": moments,
+            "phases": [phase for phase in phases if phase],
+        }
         if done is not None:
             if fault := _ended_early(done):
                 fault.repeat, fault.tries = repeat, kills
@@ -237,11 +285,17 @@ def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[s
 
 def _ended_early(done: Done) -> Verdict | None:
     """What is wrong with a command that ended before it could be killed."""
-    return done.fault((0, 5) if "must be unfinished" in done.err or "must not exist yet" in done.err else (0,))
+    return done.fault(
+        (0, 5) if "must be unfinished" in done.err or "must not exist yet" in done.err else (0,)
+    )
 
 
-def _let_end(name: str, target: Target, folder: Path, stores: Path, whole: dict[str, bytes]) -> Verdict:
-    """Lets a command end and compares everything in its folder with what an undisturbed one leaves."""
+def _let_end(
+    name: str, target: Target, folder: Path, stores: Path, whole: dict[str, bytes]
+) -> Verdict:
+    """Lets a command end and compares everything in its folder with what an undisturbed
+    one leaves.
+    """
     again = (target.again or target.begin)(folder, stores)
     pid, result = forked(lambda: command(*again))
     try:
@@ -273,9 +327,16 @@ def _descendants(pid: int) -> list[int]:
 
 
 def _with_workers(
-    name: str, target: Target, rng: np.random.Generator, folder: Path, stores: Path, whole: dict[str, bytes]
+    name: str,
+    target: Target,
+    rng: np.random.Generator,
+    folder: Path,
+    stores: Path,
+    whole: dict[str, bytes],
 ) -> Verdict:
-    """Kills the main process or one of its workers; whoever computes the rest, the bits are the same."""
+    """Kills the main process or one of its workers; whoever computes the rest, the bits are the
+    same.
+    """
     words, delay = target.begin(folder, stores), float(rng.uniform(1.0, 9.0))
     pid, result = forked(lambda: command(*words))
     result.poll(delay)
@@ -304,7 +365,9 @@ def _gone(pid: int, within: float = 20.0) -> bool:
     until = time.monotonic() + within
     while time.monotonic() < until:
         try:
-            if (Path("/proc") / str(pid) / "stat").read_text().rpartition(")")[2].split()[0] in "ZX":
+            if (Path("/proc") / str(pid) / "stat").read_text().rpartition(")")[2].split()[
+                0
+            ] in "ZX":
                 return True
         except OSError:
             return True

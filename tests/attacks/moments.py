@@ -11,7 +11,15 @@ import numpy as np
 from forking import Done, command, forked
 
 
-OPERATIONS = {"os.rename", "os.link", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "attacks.fsync"}
+OPERATIONS = {
+    "os.rename",
+    "os.link",
+    "os.remove",
+    "os.mkdir",
+    "os.rmdir",
+    "os.truncate",
+    "attacks.fsync",
+}
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 FRESH = 0.05  # of the cases: processes that are fresh interpreters
 
@@ -31,7 +39,9 @@ def _armed(at: int, after: float) -> None:
         left[0] -= 1
         if left[0] == 0:
             if after > 0:
-                signal.setitimer(signal.ITIMER_REAL, after)  # its default is to end the process, as a kill does
+                signal.setitimer(
+                    signal.ITIMER_REAL, after
+                )  # its default is to end the process, as a kill does
             else:
                 os.kill(os.getpid(), signal.SIGKILL)
 
@@ -53,7 +63,9 @@ def operations(words: list[object]) -> int:
         def hook(event: str, arguments: tuple[Any, ...]) -> None:
             if event == "open":
                 mode, flags = arguments[1:3]
-                count[0] += bool(set(mode) & set("wxa+") if isinstance(mode, str) else flags & WRITING)
+                count[0] += bool(
+                    set(mode) & set("wxa+") if isinstance(mode, str) else flags & WRITING
+                )
             else:
                 count[0] += event in OPERATIONS
 
@@ -75,10 +87,15 @@ def operations(words: list[object]) -> int:
 
 
 def victim(words: list[object], when: dict[str, Any]) -> Done | None:
-    """A command in a process that is killed at a moment; how it ended if it was faster than that."""
+    """A command in a process that is killed at a moment; how it ended if it was faster
+    than that.
+    """
     if when["how"] == "fresh":
         tools = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "helpers")]
-        chunks = f"import sys; sys.path += {tools!r}; import undisturbed; undisturbed.many_chunks()"  # as in the forks
+        chunks = (
+            f"import sys; sys.path += {tools!r}; import undisturbed; "
+            "undisturbed.many_chunks()"
+        )  # as in the forks
         code = f"{chunks}; from tippetop.cli import main; main({[str(w) for w in words]!r})"
         process = subprocess.Popen(
             [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

@@ -25,10 +25,47 @@ NUMBERS = (
     1e9,
 )
 THINGS: tuple[Any, ...] = (
-    *("", "x", "vector", "viscous", "none", "../../etc/passwd", "é\u202e", "a" * 3000, "0.3", "nan"),
-    *(True, False, [], {}, [1.0, 2.0], [[]], [None.__class__.__name__], {"x": 1}, {"law": "viscous"}, [1, "x"]),
+    *(
+        "",
+        "x",
+        "vector",
+        "viscous",
+        "none",
+        "../../etc/passwd",
+        "é\u202e",
+        "a" * 3000,
+        "0.3",
+        "nan",
+    ),
+    *(
+        True,
+        False,
+        [],
+        {},
+        [1.0, 2.0],
+        [[]],
+        [None.__class__.__name__],
+        {"x": 1},
+        {"law": "viscous"},
+        [1, "x"],
+    ),
 )
-KEYS = ("theta", "mu", "Theta", "initial", "run", "__class__", "a b", "", "é", "until", "eps", "form", "law", "x" * 300)
+KEYS = (
+    "theta",
+    "mu",
+    "Theta",
+    "initial",
+    "run",
+    "__class__",
+    "a b",
+    "",
+    "é",
+    "until",
+    "eps",
+    "form",
+    "law",
+    "x" * 300,
+)
 
 
 def any_value(rng: np.random.Generator) -> Any:
@@ -45,7 +82,9 @@ def distort(tables: dict[str, Any], rng: np.random.Generator) -> list[str]:
         places: list[tuple[Any, Any]] = []
 
         def walk(node: Any, places: list[tuple[Any, Any]] = places) -> None:
-            for key, value in list(node.items()) if isinstance(node, dict) else list(enumerate(node)):
+            for key, value in (
+                list(node.items()) if isinstance(node, dict) else list(enumerate(node))
+            ):
                 places.append((node, key))
                 if isinstance(value, dict | list):
                     walk(value)
@@ -102,7 +141,13 @@ def garbled(text: str, rng: np.random.Generator) -> bytes:
         elif way == 3:
             content[at:at] = content[at : at + 200]
         else:
-            content[at:at] = [b"[" * 2000, b"\x00", b"\xff\xfe", b"\r", b"[[axis]]\n", b"a.b.c=", b"'''"][
-                int(rng.integers(7))
-            ]
+            content[at:at] = [
+                b"[" * 2000,
+                b"\x00",
+                b"\xff\xfe",
+                b"\r",
+                b"[[axis]]\n",
+                b"a.b.c=",
+                b"'''",
+            ][int(rng.integers(7))]
     return bytes(content)

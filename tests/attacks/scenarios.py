@@ -1,14 +1,16 @@
-"""Generated scenarios: what can be runs as it says, what cannot is refused in sentences, and `check` knows which.
+"""Generated scenarios: what can be runs as it says, what cannot is refused in sentences, and
+`check` knows which.
 
-A scenario is made of a random system, form, body, law, start and [run], two in five of them with a contact that sticks,
-opens and closes; two in three are then distorted (numbers at the ends of the doubles, other types, missing and unknown
-keys) or garbled as text. `check --json` and a short `run --json`
-must agree: both refuse with the same sentences and 2, or the run ends with 0, 3 or 4. Of a run that ends with 0, the
-JSON must be whole, its times and numbers finite and in their ranges, and every drift within the contract; one in four
-is stored, and `info --json` must say the same.
+A scenario is made of a random system, form, body, law, start and [run], two in five of them with a
+contact that sticks, opens and closes; two in three are then distorted (numbers at the ends of the
+doubles, other types, missing and unknown keys) or garbled as text. `check --json` and a short `run
+--json` must agree: both refuse with the same sentences and 2, or the run ends with 0, 3 or 4. Of a
+run that ends with 0, the JSON must be whole, its times and numbers finite and in their ranges, and
+every drift within the contract; one in four is stored, and `info --json` must say the same.
 
-What it cannot see: whether a finished run is right beyond its own invariants (see the campaign `extremes`), long runs,
-the wider precisions but for a few, input through Python instead of TOML, and terminals.
+What it cannot see: whether a finished run is right beyond its own invariants (see the campaign
+`extremes`), long runs, the wider precisions but for a few, input through Python instead of TOML,
+and terminals.
 """
 
 import json
@@ -34,7 +36,11 @@ def prepare(_: Path, count: int, first: int) -> dict[str, Any]:
     """The systems that are drawn from; a few tries draw from those that compile in a second."""
     from tippetop.mechanics.systems import SYSTEMS
 
-    return {"systems": sorted(SYSTEMS) if count > 20 or first else ["gliding-cylinder", "rolling-cylinder"]}
+    return {
+        "systems": sorted(SYSTEMS)
+        if count > 20 or first
+        else ["gliding-cylinder", "rolling-cylinder"]
+    }
 
 
 def run_table(rng: np.random.Generator, fastest: float) -> dict[str, Any]:
@@ -59,7 +65,9 @@ def run_table(rng: np.random.Generator, fastest: float) -> dict[str, Any]:
     return table
 
 
-def attack(number: int, rng: np.random.Generator, folder: Path, prepared: dict[str, Any]) -> Verdict:
+def attack(
+    number: int, rng: np.random.Generator, folder: Path, prepared: dict[str, Any]
+) -> Verdict:
     """Checks and runs one scenario."""
     fastest = bodies.spread(rng, 1.0, 2000.0)
     tables = bodies.scenario(rng, (str(rng.choice(prepared["systems"])), ""), fastest=fastest)
@@ -95,7 +103,10 @@ def _judged(place: Path, folder: Path, *, stored: bool) -> Verdict:
         return Verdict("refused", "not a scenario any more")
     if checked.code == 2 or ran.code == 2:
         if checked.code != ran.code or checked.sentences != ran.sentences:
-            return Verdict("wrong", f"check says {checked.code} {checked.err[-400:]}, run {ran.code} {ran.err[-400:]}")
+            return Verdict(
+                "wrong",
+                f"check says {checked.code} {checked.err[-400:]}, run {ran.code} {ran.err[-400:]}",
+            )
         return Verdict("refused", checked.err[-300:])
     if ran.code == 3:
         return Verdict("refused", ran.err[-300:])
@@ -138,7 +149,11 @@ def _faults(said: dict[str, Any], checked: dict[str, Any], code: int) -> list[st
     if not 0 <= said["t_end"] <= until or (said["status"] == "finished" and said["t_end"] != until):
         faults.append(f"{said['status']} at {said['t_end']} of {until}")
     theta = said["theta_end"]
-    if theta is None or not math.isfinite(theta) or ("cylinder" not in checked["system"] and not 0 <= theta <= math.pi):
+    if (
+        theta is None
+        or not math.isfinite(theta)
+        or ("cylinder" not in checked["system"] and not 0 <= theta <= math.pi)
+    ):
         faults.append(f"theta ends at {theta}")
     if code == 0 and not checked["run"]["tolerance"]:
         faults += [
@@ -153,4 +168,8 @@ def _faults(said: dict[str, Any], checked: dict[str, Any], code: int) -> list[st
 
 
 def _differ(shown: dict[str, Any], said: dict[str, Any]) -> list[str]:
-    return [key for key in said if key in shown and shown[key] != said[key] and key not in ("seconds", "store")]
+    return [
+        key
+        for key in said
+        if key in shown and shown[key] != said[key] and key not in ("seconds", "store")
+    ]

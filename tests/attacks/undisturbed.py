@@ -1,4 +1,6 @@
-"""The stores that are attacked: small ones of many chunks, finished and unfinished, which nothing has disturbed."""
+"""The stores that are attacked: small ones of many chunks, finished and unfinished, which nothing
+has disturbed.
+"""
 
 import contextlib
 from pathlib import Path
@@ -8,8 +10,16 @@ from forking import command
 
 
 RUN = ["run", "inverting", "--set", "run.output_step=0.001"]
-TOUCHING = {  # words of runs whose contact changes its phase: on one store flight, slip, roll and the stem are left
-    "dropped": ["initial.theta=2.6", "initial.gap=0.02", "contact.e_n=0.5", "initial.omega3=60.0", "run.until=0.4"],
+# words of runs whose contact changes its phase: on one store flight, slip, roll and the stem are
+# left
+TOUCHING = {
+    "dropped": [
+        "initial.theta=2.6",
+        "initial.gap=0.02",
+        "contact.e_n=0.5",
+        "initial.omega3=60.0",
+        "run.until=0.4",
+    ],
     "sticking": ["run.until=0.15"],
     "onto its stem": ["friction.law=viscous", "friction.mu=3.93", "run.until=0.8"],
 }
@@ -35,7 +45,9 @@ class Enough(Exception):
 
 
 def many_chunks() -> None:
-    """Slices and chunks as small, and commits as frequent, as if the runs were of hours; here and in forks."""
+    """Slices and chunks as small, and commits as frequent, as if the runs were of hours; here and
+    in forks.
+    """
     from tippetop.landscape import recording as surfaces
     from tippetop.runs import integration
     from tippetop.runs import recording as runs
@@ -81,7 +93,11 @@ def interrupted(folder: Path, until: float = 0.9) -> Path:
             raise Enough
 
     with contextlib.suppress(Enough):
-        recording.record(build.load("inverting", ["run.output_step=0.001"], until), folder / "R.zarr", progress=stop)
+        recording.record(
+            build.load("inverting", ["run.output_step=0.001"], until),
+            folder / "R.zarr",
+            progress=stop,
+        )
     return folder / "R.zarr"
 
 
@@ -121,7 +137,9 @@ def half_a_surface(folder: Path) -> Path:
     from tippetop.scenario import build
 
     base = build.load("inverting")
-    wanted = recording.Surface.over(base.parameters, np.linspace(-1e-4, 1e-4, 40), np.linspace(0, 1e-5, 30))
+    wanted = recording.Surface.over(
+        base.parameters, np.linspace(-1e-4, 1e-4, 40), np.linspace(0, 1e-5, 30)
+    )
 
     def stop(done: int, _: int) -> None:
         if done == 3:

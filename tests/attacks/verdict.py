@@ -64,9 +64,17 @@ def table(verdicts: Iterable[Verdict], campaigns: Iterable[str]) -> str:
     rows = [("campaign", "cases", "tries", *kinds, "seconds")]
     for name, count in counts.items():
         numbers = [count[kind] for kind in kinds]
-        rows.append((name, *(str(n) for n in (count["cases"], sum(numbers), *numbers)), f"{count['seconds']:.0f}"))
+        rows.append(
+            (
+                name,
+                *(str(n) for n in (count["cases"], sum(numbers), *numbers)),
+                f"{count['seconds']:.0f}",
+            )
+        )
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    return "\n".join("  ".join(f"{w:>{n}}" for w, n in zip(row, widths, strict=True)) for row in rows)
+    return "\n".join(
+        "  ".join(f"{w:>{n}}" for w, n in zip(row, widths, strict=True)) for row in rows
+    )
 
 
 def files(folder: Path) -> dict[str, bytes]:

@@ -1,4 +1,6 @@
-"""The command line as people and programs use it: exit codes, JSON, one sentence per fault, nothing half-written."""
+"""The command line as people and programs use it: exit codes, JSON, one sentence per fault, nothing
+half-written.
+"""
 
 import json
 import re
@@ -25,7 +27,10 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_run_writes_the_store_of_the_contract(store: Path) -> None:
     trajectory = xr.open_zarr(store, group="trajectory", consolidated=False)
-    names = "theta theta_dot phi phi_dot omega3 nu_x nu_y axis L x y jellett routh energy modified_energy normal_force"
+    names = (
+        "theta theta_dot phi phi_dot omega3 nu_x nu_y axis L x y jellett routh energy "
+        "modified_energy normal_force"
+    )
     for name in names.split():
         assert trajectory[name].attrs["units"], name
         assert trajectory[name].attrs["long_name"], name
@@ -33,14 +38,32 @@ def test_run_writes_the_store_of_the_contract(store: Path) -> None:
     assert trajectory["axis"].dims == ("time", "xyz")
     assert trajectory.sizes["time"] == 7001
     events = xr.open_zarr(store, group="events", consolidated=False)
-    assert set(events.variables) >= {"time", "kind", "theta", "theta_dot_sign", "amplitude", "significant"}
+    assert set(events.variables) >= {
+        "time",
+        "kind",
+        "theta",
+        "theta_dot_sign",
+        "amplitude",
+        "significant",
+    }
     assert events["kind"].attrs["flag_meanings"].split()[:3] == ["turning", "liftoff", "equator"]
     root = xr.open_zarr(store).attrs
-    assert {"status", "parameters", "friction", "initial", "tolerance", "precision", "versions", "cpu"} <= set(root)
+    assert {
+        "status",
+        "parameters",
+        "friction",
+        "initial",
+        "tolerance",
+        "precision",
+        "versions",
+        "cpu",
+    } <= set(root)
     assert root["format_version"] == 2
 
 
-def test_info_is_one_json_object_with_the_keys_of_the_contract(store: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_is_one_json_object_with_the_keys_of_the_contract(
+    store: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     info = json.loads(said(capsys, "info", str(store), "--json")[0])
     keys = "status t_end steps event_counts inversion nutational_band drift normal_force versions"
     assert set(keys.split()) <= set(info)
@@ -111,15 +134,22 @@ def test_physics_that_stops_a_run_exits_with_3_and_keeps_the_store(
         ["run", "inverting", "--figure", "x.txt"],
     ],
 )
-def test_wrong_usage_exits_with_2_and_no_traceback(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_usage_exits_with_2_and_no_traceback(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     err = said(capsys, *arguments, code=2)[1]
     assert err.startswith("tippetop: ")
     assert "Traceback" not in err
 
 
 def test_what_is_no_store_exits_with_5(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for arguments in (["info", str(tmp_path)], ["plot", str(tmp_path / "none"), "--out", str(tmp_path / "a.png")]):
-        assert re.search("must be a store of tippetop|does not exist", said(capsys, *arguments, code=5)[1])
+    for arguments in (
+        ["info", str(tmp_path)],
+        ["plot", str(tmp_path / "none"), "--out", str(tmp_path / "a.png")],
+    ):
+        assert re.search(
+            "must be a store of tippetop|does not exist", said(capsys, *arguments, code=5)[1]
+        )
 
 
 def test_check_systems_and_presets_answer_in_json(capsys: pytest.CaptureFixture[str]) -> None:

@@ -63,22 +63,56 @@ def test_a_check_says_the_phase_of_the_start(folder: Path, capsys: pytest.Captur
 def test_phases_and_impacts_are_exported(folder: Path, capsys: pytest.CaptureFixture) -> None:
     store = str(folder / "a.zarr")
     for group in ("phases", "impacts"):
-        assert outcome(["export", store, "--to", "csv", "--group", group, "--out", str(folder / f"{group}.csv")]) == 0
-    phases, impacts = (pd.read_csv(folder / f"{group}.csv", comment="#") for group in ("phases", "impacts"))
+        assert (
+            outcome(
+                [
+                    "export",
+                    store,
+                    "--to",
+                    "csv",
+                    "--group",
+                    group,
+                    "--out",
+                    str(folder / f"{group}.csv"),
+                ]
+            )
+            == 0
+        )
+    phases, impacts = (
+        pd.read_csv(folder / f"{group}.csv", comment="#") for group in ("phases", "impacts")
+    )
     assert list(phases.columns[:2]) == ["start [s]", "end [s]"]
     assert phases.phase.iloc[0] == "flight"
     assert phases.phase.iloc[-1] == "roll"
     assert len(impacts) == len(phases) - 1
     assert set(impacts.ball) == {"body"}
-    assert outcome(["export", store, "--to", "csv", "--group", "bounces", "--out", str(folder / "b.csv")]) == 2
+    assert (
+        outcome(
+            ["export", store, "--to", "csv", "--group", "bounces", "--out", str(folder / "b.csv")]
+        )
+        == 2
+    )
     assert "phases or impacts" in capsys.readouterr().err
 
 
-def test_a_replay_has_the_phases_and_impacts_of_its_time(folder: Path, capsys: pytest.CaptureFixture) -> None:
+def test_a_replay_has_the_phases_and_impacts_of_its_time(
+    folder: Path, capsys: pytest.CaptureFixture
+) -> None:
     replay = ["--from", "0.05", "--until", "0.1", "--step", "0.01", "--out", str(folder / "r.zarr")]
     assert outcome(["replay", str(folder / "a.zarr"), *replay]) == 0
     assert (
-        outcome(["export", str(folder / "r.zarr"), "--to", "csv", "--group", "impacts", "--out", str(folder / "r.csv")])
+        outcome(
+            [
+                "export",
+                str(folder / "r.zarr"),
+                "--to",
+                "csv",
+                "--group",
+                "impacts",
+                "--out",
+                str(folder / "r.csv"),
+            ]
+        )
         == 0
     )
     assert pd.read_csv(folder / "r.csv", comment="#")["time [s]"].between(0.05, 0.1).all()

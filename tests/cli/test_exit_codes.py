@@ -1,4 +1,6 @@
-"""Every exit code of the contract, each by a command that earns it, with words on the stream that is meant."""
+"""Every exit code of the contract, each by a command that earns it, with words on the stream that
+is meant.
+"""
 
 import json
 import signal
@@ -64,7 +66,11 @@ def code_of(tmp_path: Path, monkeypatch: Patch, file: Path) -> Iterator[Callable
     """What a process would exit with; afterwards handlers and warnings are as they were."""
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     monkeypatch.setattr(cli.warnings, "showwarning", cli.warnings.showwarning)
-    places = {"STORE": str(tmp_path / "run.zarr"), "SWEEP": str(tmp_path / "S.zarr"), "PLAN": str(file)}
+    places = {
+        "STORE": str(tmp_path / "run.zarr"),
+        "SWEEP": str(tmp_path / "S.zarr"),
+        "PLAN": str(file),
+    }
 
     def code(arguments: list[str], spoil: Callable[[Patch], None]) -> Any:
         spoil(monkeypatch)
@@ -135,5 +141,7 @@ def test_what_was_interrupted_is_resumed_with_0(
 
 
 def test_the_module_is_the_command() -> None:
-    done = subprocess.run([sys.executable, "-m", "tippetop", "--version"], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "tippetop", "--version"], capture_output=True, text=True
+    )
     assert (done.returncode, done.stdout.strip()) == (0, tippetop.__version__)

@@ -22,7 +22,16 @@ def test_help_prints_a_topic(topic: str, capsys: pytest.CaptureFixture[str]) -> 
 def test_exit_codes_are_those_of_the_command_line() -> None:
     import tippetop.cli as cli
 
-    codes = (cli.DONE, cli.BUG, cli.USAGE, cli.PHYSICS, cli.ACCURACY, cli.STORE, cli.CHUNKS, cli.INTERRUPTED)
+    codes = (
+        cli.DONE,
+        cli.BUG,
+        cli.USAGE,
+        cli.PHYSICS,
+        cli.ACCURACY,
+        cli.STORE,
+        cli.CHUNKS,
+        cli.INTERRUPTED,
+    )
     assert list(EXIT_CODES) == [*codes, cli.TERMINATED]
 
 

@@ -1,4 +1,6 @@
-"""Limits of the command line: whatever the streams, the text, the numbers: a sentence and the documented exit code."""
+"""Limits of the command line: whatever the streams, the text, the numbers: a sentence and the
+documented exit code.
+"""
 
 import os
 import signal
@@ -19,10 +21,17 @@ MAIN = [sys.executable, "-c", "from tippetop.cli import main; main()"]
 RUN = ["run", "inverting", "--until", "0.05"]
 
 
-def shell(words: list[str], redirected: str = "", **environment: str) -> subprocess.CompletedProcess[str]:
+def shell(
+    words: list[str], redirected: str = "", **environment: str
+) -> subprocess.CompletedProcess[str]:
     command = ["bash", "-c", f'set -o pipefail; "$@" {redirected}', "bash", *MAIN, *words]
     return subprocess.run(
-        command, capture_output=True, text=True, env={**os.environ, **environment}, timeout=120, check=False
+        command,
+        capture_output=True,
+        text=True,
+        env={**os.environ, **environment},
+        timeout=120,
+        check=False,
     )
 
 
@@ -44,7 +53,9 @@ def shell(words: list[str], redirected: str = "", **environment: str) -> subproc
         (["--help"], "| true", 0),
     ],
 )
-def test_streams_that_cannot_be_written_are_no_traceback(words: list[str], redirected: str, code: int) -> None:
+def test_streams_that_cannot_be_written_are_no_traceback(
+    words: list[str], redirected: str, code: int
+) -> None:
     done = shell(words, redirected)
     assert done.returncode == code, done.stderr
     assert "Traceback" not in done.stderr
@@ -87,9 +98,16 @@ def test_a_deep_assignment_is_refused_in_a_short_sentence() -> None:
 
 @pytest.mark.parametrize(
     ("words", "code"),
-    [(["info", "{}"], 5), ([*RUN, "--out", "{}"], 5), (["check", "{}"], 2), ([*RUN, "--figure", "{}.png"], 5)],
+    [
+        (["info", "{}"], 5),
+        ([*RUN, "--out", "{}"], 5),
+        (["check", "{}"], 2),
+        ([*RUN, "--figure", "{}.png"], 5),
+    ],
 )
-def test_a_name_that_is_too_long_is_a_sentence(words: list[str], code: int, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_name_that_is_too_long_is_a_sentence(
+    words: list[str], code: int, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert outcome([word.replace("{}", "n" * 300) for word in words]) == code
     assert "File name too long" in capsys.readouterr().err
 
@@ -123,15 +141,22 @@ def test_a_run_whose_thousandth_underflows_has_its_ends() -> None:
 
 
 @pytest.mark.parametrize(
-    ("precision", "tolerance"), [("double", 1e-22), ("double", 1e-60), ("longdouble", 1e-30), ("quad", 1e-300)]
+    ("precision", "tolerance"),
+    [("double", 1e-22), ("double", 1e-60), ("longdouble", 1e-30), ("quad", 1e-300)],
 )
-def test_a_tolerance_far_below_the_rounding_unit_is_refused(precision: str, tolerance: float) -> None:
+def test_a_tolerance_far_below_the_rounding_unit_is_refused(
+    precision: str, tolerance: float
+) -> None:
     with pytest.raises(InputError, match=r"must be 0 .the rounding unit. or at least"):
         build.load("inverting", [f"run.precision={precision}", f"run.tolerance={tolerance}"])
 
 
-@pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-18), ("double", 1e-20), ("quad", 1e-38)])
-def test_a_tolerance_somewhat_below_the_rounding_unit_is_allowed(precision: str, tolerance: float) -> None:
+@pytest.mark.parametrize(
+    ("precision", "tolerance"), [("double", 1e-18), ("double", 1e-20), ("quad", 1e-38)]
+)
+def test_a_tolerance_somewhat_below_the_rounding_unit_is_allowed(
+    precision: str, tolerance: float
+) -> None:
     made = build.load("inverting", [f"run.precision={precision}", f"run.tolerance={tolerance}"])
     assert made.tolerance == tolerance
 
@@ -164,11 +189,22 @@ for module in list(sys.modules.values()):
             marks=pytest.mark.slow,
         ),
         (
-            ["run", "inverting", "--set", "run.precision=quad", "--set", "run.until=1e7", "--out", "a.zarr"],
+            [
+                "run",
+                "inverting",
+                "--set",
+                "run.precision=quad",
+                "--set",
+                "run.until=1e7",
+                "--out",
+                "a.zarr",
+            ],
             signal.SIGTERM,
         ),
         pytest.param(
-            ["potential", "inverting", "--D", "1e-5", "--lambda", "1e-4"], signal.SIGINT, marks=pytest.mark.slow
+            ["potential", "inverting", "--D", "1e-5", "--lambda", "1e-4"],
+            signal.SIGINT,
+            marks=pytest.mark.slow,
         ),
         (["surface", "inverting", "--D", "-1e-4:1e-4:30", "--out", "f.zarr"], signal.SIGTERM),
         (["plot", "run.zarr", "band", "--out", "band.png"], signal.SIGINT),
@@ -194,7 +230,16 @@ def test_a_signal_while_compiling_is_obeyed_at_once(
 
 
 def test_a_negative_range_is_taken_as_it_is_typed(tmp_path: Path) -> None:
-    words = ["surface", "inverting", "--D", "-1e-4:1e-4:30", "--lambda", "0:1e-4:3", "--out", str(tmp_path / "f.zarr")]
+    words = [
+        "surface",
+        "inverting",
+        "--D",
+        "-1e-4:1e-4:30",
+        "--lambda",
+        "0:1e-4:3",
+        "--out",
+        str(tmp_path / "f.zarr"),
+    ]
     assert outcome(words) == 0
 
 
@@ -203,11 +248,14 @@ def test_an_axis_that_memory_cannot_hold_is_refused(capsys: pytest.CaptureFixtur
     assert "must have at most 10000000 points" in capsys.readouterr().err
 
 
-def test_netcdf_on_a_full_disk_ends_with_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_netcdf_on_a_full_disk_ends_with_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert outcome(["run", "inverting", "--until", "1", "--out", "a"]) == 0
     limit = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 16, 1 << 16));"
-    limit += "sys.dont_write_bytecode = True"  # python would leave half of what it compiles: here, and where it exports
+    # python would leave half of what it compiles: here, and where it exports
+    limit += "sys.dont_write_bytecode = True"
     monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
     code, err = ended(Forked(["export", "a", "--to", "netcdf", "--out", "a.nc"], limit))
     assert code == 5, err

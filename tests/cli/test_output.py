@@ -33,7 +33,9 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_info_prints_no_control_characters_of_a_store(store: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_prints_no_control_characters_of_a_store(
+    store: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Every text of the attributes in turn is replaced by terminal sequences."""
     good, codes = (store / LEDGER).read_bytes(), set()
     for path in texts(root.root_of(store)):
@@ -54,7 +56,9 @@ def test_info_prints_no_control_characters_of_a_store(store: Path, capsys: pytes
     assert 0 in codes
 
 
-def test_messages_have_no_control_characters_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_messages_have_no_control_characters_of_a_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "top.toml"
     file.write_text('system = "tippe-top"\n[run]\n"\\u001b[2J" = 1\n')
     assert outcome(["check", str(file)]) == 2
@@ -74,7 +78,9 @@ def test_check_prints_units_of_a_plan(file: Path, capsys: pytest.CaptureFixture[
     assert "events = turning" in printed
 
 
-def test_a_million_unknown_keys_are_counted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_million_unknown_keys_are_counted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "many.toml"
     file.write_text("\n".join(['system = "tippe-top"', *(f"k{i} = 1" for i in range(30_000))]))
     assert outcome(["check", str(file)]) == 2

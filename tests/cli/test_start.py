@@ -25,7 +25,9 @@ sys.exit(code)
 @functools.cache
 def imported(*words: str) -> set[str]:
     """The modules and packages that a process has imported when it has done what the words say."""
-    done = subprocess.run([sys.executable, "-c", SHOW, *words], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", SHOW, *words], capture_output=True, text=True, check=True
+    )
     modules = done.stdout.splitlines()[-1].split()
     return {*modules, *(module.partition(".")[0] for module in modules)}
 
@@ -33,10 +35,26 @@ def imported(*words: str) -> set[str]:
 @pytest.mark.parametrize("words", [[], ["--help"], ["--version"]], ids=str)
 def test_the_overview_needs_the_standard_library_alone(words: list[str]) -> None:
     assert {m for m in imported(*words) if m.startswith("tippetop")} == {
-        *("tippetop", "tippetop.awaiting", "tippetop.cli", "tippetop.cli.overview", "tippetop.cli.streams"),
+        *(
+            "tippetop",
+            "tippetop.awaiting",
+            "tippetop.cli",
+            "tippetop.cli.overview",
+            "tippetop.cli.streams",
+        ),
         "tippetop.errors",
     }
-    assert not imported(*words) & {"attr", "cyclopts", "heyoka", "json", "logging", "numpy", "pydantic", "rich", "zarr"}
+    assert not imported(*words) & {
+        "attr",
+        "cyclopts",
+        "heyoka",
+        "json",
+        "logging",
+        "numpy",
+        "pydantic",
+        "rich",
+        "zarr",
+    }
 
 
 def test_a_stored_run_imports_what_it_needs(tmp_path: Path) -> None:
@@ -44,9 +62,20 @@ def test_a_stored_run_imports_what_it_needs(tmp_path: Path) -> None:
     words = ("run", "inverting", "--until", "0.1", "--overwrite", "--out", str(tmp_path / "a.zarr"))
     if "numba" in (modules := imported(*words)):
         modules = imported(*words)
-    assert not modules & {"dask", "h5py", "matplotlib", "numba", "pandas", "pint", "rich", "scipy", "xarray"}
     assert not modules & {
-        f"tippetop.{room}" for room in ("ensembles", "exchange", "figures", "library", "sweeps", "views")
+        "dask",
+        "h5py",
+        "matplotlib",
+        "numba",
+        "pandas",
+        "pint",
+        "rich",
+        "scipy",
+        "xarray",
+    }
+    assert not modules & {
+        f"tippetop.{room}"
+        for room in ("ensembles", "exchange", "figures", "library", "sweeps", "views")
     }
     assert "tippetop.engine.hybrid" not in modules
     assert "zarr" not in imported("run", "inverting", "--until", "0.1")
@@ -55,12 +84,24 @@ def test_a_stored_run_imports_what_it_needs(tmp_path: Path) -> None:
 def test_a_command_imports_its_own_module_only() -> None:
     assert {m for m in imported("presets") if m.startswith("tippetop.cli.")} == {
         f"tippetop.cli.{name}"
-        for name in ("application", "host", "memory", "numbers", "overview", "show", "streams", "text", "usage")
+        for name in (
+            "application",
+            "host",
+            "memory",
+            "numbers",
+            "overview",
+            "show",
+            "streams",
+            "text",
+            "usage",
+        )
     }
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_the_overview_says_the_first_sentence_of_each_command(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_overview_says_the_first_sentence_of_each_command(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     """As its docstring, and as its own help, has it."""
     assert " ".join(command(name).__doc__.split("\n\n")[0].split()) == COMMANDS[name]
     assert outcome([name, "--help"]) == 0

@@ -1,4 +1,6 @@
-"""What people stumbled over: each wrong word on the command line gets a sentence that says what to write instead."""
+"""What people stumbled over: each wrong word on the command line gets a sentence that says what to
+write instead.
+"""
 
 import json
 import shutil
@@ -33,54 +35,114 @@ def help_of(capsys: pytest.CaptureFixture[str], command: str) -> str:
 @pytest.fixture(scope="module")
 def stores(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("stores")
-    for name, preset in (("gliding", "gliding-heavy-top"), ("cylinder", "rolling-cylinder"), ("tippe", "inverting")):
-        assert outcome(["run", preset, "--until", "0.1", "--out", str(folder / f"{name}.zarr"), "--json"]) == 0
+    for name, preset in (
+        ("gliding", "gliding-heavy-top"),
+        ("cylinder", "rolling-cylinder"),
+        ("tippe", "inverting"),
+    ):
+        assert (
+            outcome(
+                ["run", preset, "--until", "0.1", "--out", str(folder / f"{name}.zarr"), "--json"]
+            )
+            == 0
+        )
     return folder
 
 
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["check", "inverting", "0.4"], "unexpected argument `0.4` (values are changed with --set table.key=value)"),
-        (["sweep", "x.toml", "--out", "x", "--workers", "1.5"], "--workers must be a whole number, but is `1.5`."),
-        (["potential", "inverting", "--D", "1", "--lambda", "1", "--n", "2.5"], "--n must be a whole number, but is"),
+        (
+            ["check", "inverting", "0.4"],
+            "unexpected argument `0.4` (values are changed with --set table.key=value)",
+        ),
+        (
+            ["sweep", "x.toml", "--out", "x", "--workers", "1.5"],
+            "--workers must be a whole number, but is `1.5`.",
+        ),
+        (
+            ["potential", "inverting", "--D", "1", "--lambda", "1", "--n", "2.5"],
+            "--n must be a whole number, but is",
+        ),
         (["run"], "SCENARIO is missing: write tippetop run SCENARIO;"),
-        (["run", "inverting", "--theta", "0.2"], "unknown option --theta: write --set initial.theta=0.2."),
+        (
+            ["run", "inverting", "--theta", "0.2"],
+            "unknown option --theta: write --set initial.theta=0.2.",
+        ),
         (["run", "inverting", "--theta=0.2"], "write --set initial.theta=0.2."),
         (["check", "inverting", "--mu", "0.2"], "write --set friction.mu=0.2."),
         (["check", "inverting", "--omega3", "3"], "write --set initial.omega3=3."),
-        (["run", "inverting", "--figur", "x.png"], "unknown option --figur; did you mean --figure?"),
+        (
+            ["run", "inverting", "--figur", "x.png"],
+            "unknown option --figur; did you mean --figure?",
+        ),
         (["plot", "a.zarr"], "--out is missing: write tippetop plot a.zarr --out ...;"),
-        (["plot", "a.zarr", "--out", "f.jpg"], "--out must end with .png, .svg or .pdf, but is `f.jpg`."),
-        (["run", "inverting", "--figure", "f.jpg"], "--figure must end with .png, .svg or .pdf, but is `f.jpg`."),
+        (
+            ["plot", "a.zarr", "--out", "f.jpg"],
+            "--out must end with .png, .svg or .pdf, but is `f.jpg`.",
+        ),
+        (
+            ["run", "inverting", "--figure", "f.jpg"],
+            "--figure must end with .png, .svg or .pdf, but is `f.jpg`.",
+        ),
         (["run", "inverting", "--set"], "--set must be followed by a value;"),
         (["run", "inverting", "--until", "soon"], "--until must be a number, but is 'soon'."),
         (
             ["run", "inverting", "--until", "2 m"],
             '--until must be in s or what can be converted to it, but is "2 m".',
         ),
-        (["run", "inverting", "--certify", "--window=-1"], "--window must be greater than 0 and finite, but is -1."),
+        (
+            ["run", "inverting", "--certify", "--window=-1"],
+            "--window must be greater than 0 and finite, but is -1.",
+        ),
         (
             ["run", "inverting", "--certify", "--window", "nan"],
             "--window must be greater than 0 and finite, but is nan.",
         ),
         (["run", "inverting", "--window", "1"], "--window must stand with --certify"),
-        (["run", "inverting", "--until", "-1 s"], "is followed by `-1 s` (if that is the value: --until='-1 s');"),
-        (["run", "inverting", "--until", "1 s", "--until", "-1 s"], "followed by a value, but is followed by `-1 s`"),
-        (["run", "inverting", "--set", "run.until=1", "--set"], "--set must be followed by a value; see"),
-        (["run", "inverting", "--until", "--json"], "followed by a value, but is followed by `--json`; see"),
+        (
+            ["run", "inverting", "--until", "-1 s"],
+            "is followed by `-1 s` (if that is the value: --until='-1 s');",
+        ),
+        (
+            ["run", "inverting", "--until", "1 s", "--until", "-1 s"],
+            "followed by a value, but is followed by `-1 s`",
+        ),
+        (
+            ["run", "inverting", "--set", "run.until=1", "--set"],
+            "--set must be followed by a value; see",
+        ),
+        (
+            ["run", "inverting", "--until", "--json"],
+            "followed by a value, but is followed by `--json`; see",
+        ),
         (["check", "inverting", "--m", "20 g"], "write --set 'parameters.m=20 g'."),
         (["rum", "inverting"], "unknown command `rum`. Did you mean `run`?"),
-        (["run", "invertin"], "`invertin` is neither a TOML file nor a preset. Did you mean `inverting`?"),
+        (
+            ["run", "invertin"],
+            "`invertin` is neither a TOML file nor a preset. Did you mean `inverting`?",
+        ),
         (
             ["potential", "rolling-cylinder", "--D", "1", "--lambda", "2"],
             "tippe tops only; this is a rolling cylinder.",
         ),
         (["sweep", "inverting", "--out", "s.zarr"], "this is a scenario, not a plan"),
-        (["surface", "inverting", "--out", "f.zarr", "--threads", "0"], "--threads must be at least 1, but is 0."),
-        (["surface", "inverting", "--D", "0:1e300:5", "--out", "f.zarr"], "`--D` and `--lambda` must leave V within"),
-        (["run", "inverting", "--set", "initial.omega3=1e150"], "must stay finite together, but they overflow."),
-        (["surface", "inverting"], "nothing is to be done: give --out F.zarr, --figure F.png, or both."),
+        (
+            ["surface", "inverting", "--out", "f.zarr", "--threads", "0"],
+            "--threads must be at least 1, but is 0.",
+        ),
+        (
+            ["surface", "inverting", "--D", "0:1e300:5", "--out", "f.zarr"],
+            "`--D` and `--lambda` must leave V within",
+        ),
+        (
+            ["run", "inverting", "--set", "initial.omega3=1e150"],
+            "must stay finite together, but they overflow.",
+        ),
+        (
+            ["surface", "inverting"],
+            "nothing is to be done: give --out F.zarr, --figure F.png, or both.",
+        ),
     ],
 )
 def test_wrong_words_get_the_right_ones(
@@ -96,7 +158,19 @@ def test_a_time_may_have_a_unit(tmp_path: Path, capsys: pytest.CaptureFixture[st
     a, b = tmp_path / "a.zarr", tmp_path / "b.zarr"
     printed(capsys, "run", "inverting", "--until", "1/1200 min", "--out", str(a))
     assert root.attributes(a)["run"]["until"] == 0.05
-    printed(capsys, "replay", str(a), "--from", "10 ms", "--until", "0.02", "--step", "1e3 us", "--out", str(b))
+    printed(
+        capsys,
+        "replay",
+        str(a),
+        "--from",
+        "10 ms",
+        "--until",
+        "0.02",
+        "--step",
+        "1e3 us",
+        "--out",
+        str(b),
+    )
     np.testing.assert_array_equal(tt.open(b).trajectory.time, 0.01 + np.arange(11) * 0.001)
 
 
@@ -104,14 +178,26 @@ def test_a_time_may_have_a_unit(tmp_path: Path, capsys: pytest.CaptureFixture[st
     ("times", "sentence"),
     [
         (("0", "0.1", "inf"), "`step` must be greater than 0 and finite, but is inf."),
-        (("0.1", "0.05", "0.01"), "the rows must end after they begin, but are from 0.1 to 0.05 s."),
+        (
+            ("0.1", "0.05", "0.01"),
+            "the rows must end after they begin, but are from 0.1 to 0.05 s.",
+        ),
         (("0", "0.2", "0.01"), "the rows must be within 0 and 0.1 s, but are from 0 to 0.2 s."),
     ],
 )
-def test_times_of_a_replay(times: tuple, sentence: str, stores: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = [word for pair in zip(("--from", "--until", "--step"), times, strict=True) for word in pair]
+def test_times_of_a_replay(
+    times: tuple, sentence: str, stores: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [
+        word for pair in zip(("--from", "--until", "--step"), times, strict=True) for word in pair
+    ]
     out = stores / "part.zarr"
-    assert sentence in printed(capsys, "replay", str(stores / "tippe.zarr"), *words, "--out", str(out), code=2)[1]
+    assert (
+        sentence
+        in printed(capsys, "replay", str(stores / "tippe.zarr"), *words, "--out", str(out), code=2)[
+            1
+        ]
+    )
     assert not out.exists()
 
 
@@ -119,23 +205,35 @@ def test_a_picture_of_a_chunk_that_is_gone_is_refused(stores: Path, tmp_path: Pa
     shutil.copytree(stores / "tippe.zarr", tmp_path / "a.zarr")
     run = tt.open(tmp_path / "a.zarr")
     (tmp_path / "a.zarr/trajectory/theta/c.0").unlink()
-    with pytest.raises(tt.StoreError, match="theta` must be readable in rows 0 to 101, but: a chunk is missing"):
+    with pytest.raises(
+        tt.StoreError, match="theta` must be readable in rows 0 to 101, but: a chunk is missing"
+    ):
         run.plot("theta")
 
 
 def test_a_file_is_no_store(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "x.csv").write_text("a,b\n")
-    assert "x.csv` is a file, not a store" in printed(capsys, "info", str(tmp_path / "x.csv"), code=5)[1]
-    assert "nowhere` does not exist" in printed(capsys, "info", str(tmp_path / "nowhere"), code=5)[1]
+    assert (
+        "x.csv` is a file, not a store"
+        in printed(capsys, "info", str(tmp_path / "x.csv"), code=5)[1]
+    )
+    assert (
+        "nowhere` does not exist" in printed(capsys, "info", str(tmp_path / "nowhere"), code=5)[1]
+    )
 
 
 def test_a_plan_is_no_scenario(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Of PLAN.toml, whose `[[axis]]` and `chunk` were unknown keys."""
-    sentence = f"tippetop: `{file}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it.\n"
+    sentence = (
+        f"tippetop: `{file}` must be a scenario, but is the plan of a sweep: tippetop "
+        "sweep runs it.\n"
+    )
     assert printed(capsys, "run", str(file), code=2)[1] == sentence
 
 
-def test_a_figure_says_for_which_systems_it_is(stores: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_figure_says_for_which_systems_it_is(
+    stores: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     draw = ["--out", str(stores / "f.png")]
     err = printed(capsys, "plot", str(stores / "gliding.zarr"), "surface", *draw, code=2)[1]
     assert "tippe" in err
@@ -153,14 +251,29 @@ def test_help_of_plot_lists_every_kind(capsys: pytest.CaptureFixture[str]) -> No
     text = help_of(capsys, "plot")
     assert all(f"{name}: {figure.shows}" in text for name, figure in catalogue.FIGURES.items())
     assert set(drawing._drawings()) == set(catalogue.FIGURES)
-    assert all(callable(getattr(along_run, name)) for name, kind in catalogue.FIGURES.items() if kind.in_landscape)
+    assert all(
+        callable(getattr(along_run, name))
+        for name, kind in catalogue.FIGURES.items()
+        if kind.in_landscape
+    )
     assert set(catalogue.SWEEP_KINDS) == set(NEEDED)
     assert all(f"{name}: {shows}" in text for name, shows in catalogue.SWEEP_KINDS.items())
 
 
 def test_every_argument_and_option_has_help(capsys: pytest.CaptureFixture[str]) -> None:
     app = app_of(COMMANDS)
-    for command in ("run", "resume", "info", "check", "surface", "potential", "sweep", "plot", "export", "systems"):
+    for command in (
+        "run",
+        "resume",
+        "info",
+        "check",
+        "surface",
+        "potential",
+        "sweep",
+        "plot",
+        "export",
+        "systems",
+    ):
         collection = app[command].assemble_argument_collection(parse_docstring=True)
         for argument in collection:
             assert argument.parameter.help, (command, argument.name)
@@ -173,7 +286,10 @@ def test_help_points_to_the_manual(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_systems_lists_what_its_help_promises(capsys: pytest.CaptureFixture[str]) -> None:
-    text, found = " ".join(printed(capsys, "systems")[0].split()), json.loads(printed(capsys, "systems", "--json")[0])
+    text, found = (
+        " ".join(printed(capsys, "systems")[0].split()),
+        json.loads(printed(capsys, "systems", "--json")[0]),
+    )
     for name, system in SYSTEMS.items():
         assert f"{name}: {system.title}" in text
         assert found[name]["events"] == [e.name for e in system.events]
@@ -207,24 +323,35 @@ def test_json_keys_are_names_and_units_are_values(capsys: pytest.CaptureFixture[
     assert by_eps["exponent"]["value"] < 0
 
     def keys(value: object) -> list[str]:
-        return [*value, *(k for v in value.values() for k in keys(v))] if isinstance(value, dict) else []
+        return (
+            [*value, *(k for v in value.values() for k in keys(v))]
+            if isinstance(value, dict)
+            else []
+        )
 
     for command in (["check", "inverting"], ["check", "leine-glocker"], ["systems"], ["presets"]):
-        assert all(" " not in key for key in keys(json.loads(printed(capsys, *command, "--json")[0])))
+        assert all(
+            " " not in key for key in keys(json.loads(printed(capsys, *command, "--json")[0]))
+        )
 
 
 def test_what_eps_decides_is_a_sentence_with_times(capsys: pytest.CaptureFixture[str]) -> None:
     sets = ["--set", "friction.eps=1e-3", "--until", "3", "--json"]
     info = json.loads(printed(capsys, "run", "leine-glocker", *sets)[0])
     text = dict(lines(info))["regularisation"]
-    assert "theta = pi/2 at: not in this time (eps = 0.5 mm/s), 2.7094 s (1 mm/s), 1.799 s (2 mm/s)" in text
+    assert (
+        "theta = pi/2 at: not in this time (eps = 0.5 mm/s), 2.7094 s (1 mm/s), 1.799 s (2 mm/s)"
+        in text
+    )
     assert text.endswith("1.799 s (2 mm/s)")
 
 
 def test_an_empty_value_removes_a_key_or_a_table(capsys: pytest.CaptureFixture[str]) -> None:
     rolling = ["check", "inverting", "--set", "system=rolling-tippe-top"]
     assert "remove the table (--set friction=)" in printed(capsys, *rolling, code=2)[1]
-    assert "friction" not in json.loads(printed(capsys, *rolling, "--set", "friction=", "--json")[0])
+    assert "friction" not in json.loads(
+        printed(capsys, *rolling, "--set", "friction=", "--json")[0]
+    )
     events = ["check", "inverting", "--set", "run.output=events"]
     for more in ([], ["--set", "run.output_step="]):
         found = json.loads(printed(capsys, *events, *more, "--json")[0])
@@ -237,10 +364,14 @@ def test_an_empty_value_removes_a_key_or_a_table(capsys: pytest.CaptureFixture[s
 def test_negative_ranges_work_as_typed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     grid = ["--D", "-1e-4:1e-4:3", "--lambda", "-1e-6:1e-6:3"]
     printed(capsys, "surface", "inverting", *grid, "--out", str(tmp_path / "s.zarr"))
-    assert "F = " in printed(capsys, "potential", "inverting", "--D", "-1e-4", "--lambda", "-4e-6")[0]
+    assert (
+        "F = " in printed(capsys, "potential", "inverting", "--D", "-1e-4", "--lambda", "-4e-6")[0]
+    )
 
 
-def test_momenta_of_a_landscape_are_texts_with_units(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_momenta_of_a_landscape_are_texts_with_units(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     words = ["potential", "inverting", "--json"]
     in_si = printed(capsys, *words, "--D", "-2e-4", "--lambda", "4e-6")
     assert printed(capsys, *words, "--D", "-200 g m^2/s", "--lambda", "4e-6 N m^2 s") != in_si
@@ -256,7 +387,9 @@ def test_momenta_of_a_landscape_are_texts_with_units(tmp_path: Path, capsys: pyt
 
 
 def made_again(store: Path, command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    """A finished store stays as it is, with exit 0; --overwrite makes it anew and leaves nothing else behind."""
+    """A finished store stays as it is, with exit 0; --overwrite makes it anew and leaves nothing
+    else behind.
+    """
     again = [*command, "--out", str(store)]
     assert "finished" not in printed(capsys, *again)[1]
     (store / "mark").touch()
@@ -266,20 +399,29 @@ def made_again(store: Path, command: list[str], capsys: pytest.CaptureFixture[st
     assert not (store / "mark").exists()
 
 
-def test_a_finished_surface_has_nothing_to_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_finished_surface_has_nothing_to_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     store, command = tmp_path / "s.zarr", ["surface", "inverting", "--lambda", "0:1e-6:3", "--D"]
     made_again(store, [*command, "0:1e-4:3"], capsys)
     err = printed(capsys, *command, "0:1e-4:4", "--out", str(store), code=5)[1]
     assert "of another body or of other axes" in err
     (tmp_path / "mine").mkdir()
-    err = printed(capsys, *command, "0:1e-4:3", "--out", str(tmp_path / "mine"), "--overwrite", code=5)[1]
+    err = printed(
+        capsys, *command, "0:1e-4:3", "--out", str(tmp_path / "mine"), "--overwrite", code=5
+    )[1]
     assert "must be a store of tippetop" in err
     assert {p.name for p in tmp_path.iterdir()} == {"s.zarr", "mine"}
 
 
-def test_a_finished_sweep_has_nothing_to_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_finished_sweep_has_nothing_to_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     plan = tmp_path / "plan.toml"
-    plan.write_text('scenario = "inverting"\nset.run.until = 0.1\n[[axis]]\nof = "friction.mu"\nvalues = [0.1]\n')
+    plan.write_text(
+        'scenario = "inverting"\nset.run.until = 0.1\n[[axis]]\nof = "friction.mu"\nvalues = '
+        "[0.1]\n"
+    )
     made_again(tmp_path / "s.zarr", ["sweep", str(plan), "--workers", "1"], capsys)
     assert {p.name for p in tmp_path.iterdir()} == {"plan.toml", "s.zarr"}
 
@@ -297,9 +439,21 @@ def test_warnings_are_lines_of_ours_on_stderr() -> None:
 @pytest.mark.parametrize(
     ("missing", "words", "extra"),
     [
-        ("matplotlib", ["run", "inverting", "--until", "0.1", "--out", "{}/r.zarr", "--figure", "{}/f.png"], "figures"),
-        ("pyarrow", ["export", "{stores}/tippe.zarr", "--to", "parquet", "--out", "{}/r.pq"], "export"),
-        ("h5netcdf", ["export", "{stores}/tippe.zarr", "--to", "netcdf", "--out", "{}/r.nc"], "export"),
+        (
+            "matplotlib",
+            ["run", "inverting", "--until", "0.1", "--out", "{}/r.zarr", "--figure", "{}/f.png"],
+            "figures",
+        ),
+        (
+            "pyarrow",
+            ["export", "{stores}/tippe.zarr", "--to", "parquet", "--out", "{}/r.pq"],
+            "export",
+        ),
+        (
+            "h5netcdf",
+            ["export", "{stores}/tippe.zarr", "--to", "netcdf", "--out", "{}/r.nc"],
+            "export",
+        ),
     ],
 )
 def test_what_an_extra_brings_is_missed_before_anything_is_made(
@@ -308,7 +462,10 @@ def test_what_an_extra_brings_is_missed_before_anything_is_made(
 ) -> None:  # fmt: skip
     monkeypatch.setitem(sys.modules, missing, None)
     _, said = printed(capsys, *(word.format(tmp_path, stores=stores) for word in words), code=2)
-    assert said == f"tippetop: this must find {missing}, but it is not installed: pip install 'tippetop[{extra}]'.\n"
+    assert (
+        said == f"tippetop: this must find {missing}, but it is not installed: pip install "
+        f"'tippetop[{extra}]'.\n"
+    )
     assert list(tmp_path.iterdir()) == []
 
 

@@ -1,4 +1,6 @@
-"""The atlas of the corrected theory: every correction is evaluated, every page has its entries, every name exists."""
+"""The atlas of the corrected theory: every correction is evaluated, every page has its entries,
+every name exists.
+"""
 
 import re
 import sys
@@ -47,7 +49,9 @@ def test_the_corrected_statement_is_so_and_the_printed_one_is_not(number: int) -
     findings = RECORDS[number].evidence()
     for finding in findings:
         assert finding.correct is None or finding.found == finding.correct, finding.case
-    assert any(finding.printed is not None and finding.found != finding.printed for finding in findings)
+    assert any(
+        finding.printed is not None and finding.found != finding.printed for finding in findings
+    )
     if number in (19, 20):  # what is said to hold all the same
         assert any(finding.found == finding.correct is not None for finding in findings)
 
@@ -70,14 +74,21 @@ def test_the_list_has_every_number_of_the_source_once() -> None:
     assert sorted(numbers) == sorted(formulas.wanted())
 
 
-@pytest.mark.parametrize("name", sorted({name for entry in formulas.entries() for name in entry.names}))
+@pytest.mark.parametrize(
+    "name", sorted({name for entry in formulas.entries() for name in entry.names})
+)
 def test_the_list_names_what_exists(name: str) -> None:
     assert formulas.exists(name)
 
 
 def test_the_list_and_the_corrections_agree() -> None:
     """A formula that is listed as wrong names its correction, and each correction is named."""
-    named = {int(name.split()[1]) for e in formulas.entries() for name in e.names if name.startswith("erratum")}
+    named = {
+        int(name.split()[1])
+        for e in formulas.entries()
+        for name in e.names
+        if name.startswith("erratum")
+    }
     assert named == set(RECORDS)
     for entry in formulas.entries():
         if entry.status != "holds":

@@ -30,7 +30,9 @@ def test_the_phase_and_the_ball_say_what_a_motion_under_way_is() -> None:
         "phase": np.array([PHASES.index(phase) for _, _, phase, *_ in cases]),
         "ball": np.array([BALLS.index(ball) for *_, ball, _ in cases]),
     }
-    assert [CLASSES[k] for k in with_phases(kinds, theta, values)] == [expected for *_, expected in cases]
+    assert [CLASSES[k] for k in with_phases(kinds, theta, values)] == [
+        expected for *_, expected in cases
+    ]
 
 
 def test_other_systems_have_no_such_classes() -> None:

@@ -1,4 +1,6 @@
-"""Machine code on disk: found again, never loaded when damaged or not private; heyoka's cache is left alone."""
+"""Machine code on disk: found again, never loaded when damaged or not private; heyoka's cache is
+left alone.
+"""
 
 import os
 from pathlib import Path
@@ -31,9 +33,13 @@ def swing() -> np.ndarray:
 
 
 @pytest.mark.usefixtures("folder")
-def test_the_second_integrator_comes_from_disk_and_has_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_second_integrator_comes_from_disk_and_has_the_same_bits(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     first = swing()
-    monkeypatch.setattr(hy.llvm_state, "set_diskcache_enabled", None)  # compiling it again would fail
+    monkeypatch.setattr(
+        hy.llvm_state, "set_diskcache_enabled", None
+    )  # compiling it again would fail
     assert swing().tobytes() == first.tobytes()
 
 
@@ -93,14 +99,18 @@ def test_a_link_to_a_folder_is_not_used(folder: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("place", ["", "file", "file/below"])
-def test_without_a_folder_it_compiles(tmp_path: Path, place: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_folder_it_compiles(
+    tmp_path: Path, place: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "file").touch()
     monkeypatch.setenv("TIPPETOP_CACHE_DIR", place and str(tmp_path / place))
     assert not is_found()
     assert not is_found()
 
 
-def test_the_least_recently_used_files_are_removed(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_least_recently_used_files_are_removed(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     is_found(1.0)
     (first,) = folder.iterdir()
     (folder / "older").write_bytes(bytes(5000))
@@ -116,13 +126,21 @@ def test_the_least_recently_used_files_are_removed(folder: Path, monkeypatch: py
 
 
 @pytest.mark.parametrize("precision", ["double", "longdouble"])
-def test_a_run_leaves_heyokas_cache_alone(precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    solve(build.load("inverting", [f"run.precision={precision}"], until=0.02))  # other machine code is loaded now
+def test_a_run_leaves_heyokas_cache_alone(
+    precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solve(
+        build.load("inverting", [f"run.precision={precision}"], until=0.02)
+    )  # other machine code is loaded now
     monkeypatch.setenv("TIPPETOP_CACHE_DIR", "")
     before, heyoka = hy.llvm_state.get_diskcache_path(), tmp_path / "heyoka"
     hy.llvm_state.set_diskcache_path(heyoka)
     try:
-        solve(build.load("inverting", [f"run.precision={precision}", "run.tolerance=3e-13"], until=0.03))
+        solve(
+            build.load(
+                "inverting", [f"run.precision={precision}", "run.tolerance=3e-13"], until=0.03
+            )
+        )
         assert not heyoka.exists()
         hy.cfunc([hy.cos(X) * X + float(precision == "double")], vars=[X])
         assert heyoka.exists()

@@ -1,4 +1,6 @@
-"""The rows of a step, many at once or one alone, have the same bits, however LLVM rounds the code that gives one."""
+"""The rows of a step, many at once or one alone, have the same bits, however LLVM rounds the code
+that gives one.
+"""
 
 from collections.abc import Iterator
 
@@ -45,7 +47,8 @@ summed:
 """
 MORE = {
     "separate": "%term = fmul double %c, %to\n %more = fsub double %term, %rest",
-    "fused": "%minus = fneg double %rest\n %more = call double @llvm.fma.f64(double %c, double %to, double %minus)",
+    "fused": "%minus = fneg double %rest\n %more = call double @llvm.fma.f64(double %c, double "
+    "%to, double %minus)",
     "simple": "%more = fmul double %c, %to",
 }
 
@@ -55,11 +58,15 @@ def code_of(more: str, size: int) -> Loaded:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
-    machine = target.create_target_machine(jit=True, features=llvm.get_host_cpu_features().flatten())
+    machine = target.create_target_machine(
+        jit=True, features=llvm.get_host_cpu_features().flatten()
+    )
     return load(machine.emit_object(llvm.parse_assembly(SUM.format(more=more, size=size))))
 
 
-@pytest.mark.skipif(not llvm.get_host_cpu_features().get("fma", False), reason="the processor cannot round so")
+@pytest.mark.skipif(
+    not llvm.get_host_cpu_features().get("fma", False), reason="the processor cannot round so"
+)
 @pytest.mark.parametrize("kind", MORE)
 def test_code_that_fuses_is_recognised(kind: str) -> None:
     for order in (8, 20, 31):
@@ -78,7 +85,9 @@ def fuses(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> It
 
 @pytest.mark.parametrize("preset", ["inverting", "rolling-cylinder"])
 def test_the_rows_of_a_step_have_the_bits_of_each_alone(fuses: bool, preset: str) -> None:
-    """Of the inversion, eight numbers in 8500 had not: where what is left of a sum is 1e-8 of its terms."""
+    """Of the inversion, eight numbers in 8500 had not: where what is left of a sum is 1e-8 of its
+    terms.
+    """
     times = np.linspace(0.0, 0.5, 501)
     problem = build.load(preset, ["run.output_step=1e-3"], 0.5)
     driver = taylor.driver_of(problem)

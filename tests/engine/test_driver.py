@@ -1,4 +1,6 @@
-"""The driver makes heyoka's own steps, bit by bit: every system and form, one run and many lanes, rows on the way."""
+"""The driver makes heyoka's own steps, bit by bit: every system and form, one run and many lanes,
+rows on the way.
+"""
 
 import copy
 import dataclasses
@@ -86,11 +88,17 @@ def same_bits(a: np.ndarray, b: np.ndarray) -> bool:
 
 
 @pytest.mark.parametrize(("preset", "form"), cases())
-def test_steps_and_rows_are_heyokas_bit_by_bit(preset: str, form: str, rng: np.random.Generator) -> None:
-    """Ends of steps, the double length of the time, and rows anywhere, however few are asked for at a time."""
+def test_steps_and_rows_are_heyokas_bit_by_bit(
+    preset: str, form: str, rng: np.random.Generator
+) -> None:
+    """Ends of steps, the double length of the time, and rows anywhere, however few are asked for at
+    a time.
+    """
     made = problem(preset, form, 0.4)
     driver = driver_of(made)
-    assert isinstance(driver.place.stepper, Loaded), "the machine code of a step must be loaded here"
+    assert isinstance(driver.place.stepper, Loaded), (
+        "the machine code of a step must be loaded here"
+    )
     theirs = heyokas(driver)
     *_, output, _ = theirs.propagate_until(driver.end, c_output=True)
     ends, n = np.concatenate([output.tcs[1:, :, 0], theirs.state[None, :]]), driver.variables
@@ -102,9 +110,13 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(preset: str, form: str, rng: np.r
     assert same_bits(driver.state, theirs.state)
     assert driver.clock == theirs.dtime
     in_one_step = rng.uniform(*output.times[5:7], 19)
-    asked = np.sort(np.concatenate([rng.uniform(0, driver.end, 200), in_one_step, output.times[[0, 3, -1]]]))
+    asked = np.sort(
+        np.concatenate([rng.uniform(0, driver.end, 200), in_one_step, output.times[[0, 3, -1]]])
+    )
     expected = np.array(output(asked))[:, :n]
-    between = asked != output.times[3]  # there heyoka has the end of a polynomial, and we the start of the next
+    between = (
+        asked != output.times[3]
+    )  # there heyoka has the end of a polynomial, and we the start of the next
     for room in (1 << 16, 7):
         driver = driver_of(made)
         piece = driver.advance(rows := Rows(asked, room), ENDLESS)
@@ -116,7 +128,9 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(preset: str, form: str, rng: np.r
 
 
 @pytest.mark.parametrize(("preset", "form"), cases())
-def test_called_steps_have_the_bits_of_loaded_ones(preset: str, form: str, request: pytest.FixtureRequest) -> None:
+def test_called_steps_have_the_bits_of_loaded_ones(
+    preset: str, form: str, request: pytest.FixtureRequest
+) -> None:
     made = build.load(preset, [f"form={form}"], 0.4)
     loaded = driver_of(made)
     request.getfixturevalue("unlike")
@@ -127,7 +141,9 @@ def test_called_steps_have_the_bits_of_loaded_ones(preset: str, form: str, reque
     rows, others = Rows(asked), Rows(asked)
     one, other = loaded.advance(rows, ENDLESS), called.advance(others, ENDLESS)
     assert (one.status, one.steps) == (other.status, other.steps)
-    for mine, theirs in zip((*rows.rows, *one.passages), (*others.rows, *other.passages), strict=True):
+    for mine, theirs in zip(
+        (*rows.rows, *one.passages), (*others.rows, *other.passages), strict=True
+    ):
         assert same_bits(mine, theirs)
     assert loaded.tallies.lane.tobytes() == called.tallies.lane.tobytes()
     assert same_bits(loaded.tallies.functions, called.tallies.functions)
@@ -155,8 +171,12 @@ class Seen:
 
 @pytest.mark.parametrize("lanes", [1, 4, 8])
 @pytest.mark.parametrize("preset", IN_LANES)
-def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng: np.random.Generator) -> None:
-    """More tops than lanes, of other lengths: what a lane held before, and what its neighbours do, leaves no trace."""
+def test_steps_of_lanes_are_those_of_heyokas_batch(
+    preset: str, lanes: int, rng: np.random.Generator
+) -> None:
+    """More tops than lanes, of other lengths: what a lane held before, and what its neighbours do,
+    leaves no trace.
+    """
     n = lanes + 3
     base = build.load(preset, ["form=vector", "run.on_liftoff=continue"], 0.3)
     spins = base.initial["omega3"] * rng.uniform(0.9, 1.1, n)
@@ -165,15 +185,29 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng:
     mine = Lanes(tops, lanes, every=1)
     assert isinstance(mine.stepper, Loaded)
     signs = np.ones((n, len(mine.rows.events)))
-    made = new_tops(tops.start, tops.pars[: len(mine.motion.pars)], tops.end, signs, 0 * signs, mine.rows)
+    made = new_tops(
+        tops.start, tops.pars[: len(mine.motion.pars)], tops.end, signs, 0 * signs, mine.rows
+    )
     numbers = iter(range(n))
     seen = Seen(n)
-    mine.run(made, lambda empty: np.array([*itertools.islice(numbers, empty)], int), seen.look, seen.ended)
+    mine.run(
+        made,
+        lambda empty: np.array([*itertools.islice(numbers, empty)], int),
+        seen.look,
+        seen.ended,
+    )
     assert seen.done == n
     assert np.all(made.lane["status"] == Status.FINISHED.code)
-    theirs = copy.deepcopy(compiling.compiled_from(
-        formulas_of(base.system, "vector", type(base.friction)), "double", base.tolerance, lanes, False, False
-    ).integrator)  # fmt: skip
+    theirs = copy.deepcopy(
+        compiling.compiled_from(
+            formulas_of(base.system, "vector", type(base.friction)),
+            "double",
+            base.tolerance,
+            lanes,
+            False,
+            False,
+        ).integrator
+    )
     for first in range(0, n, lanes):
         some = np.minimum(np.arange(first, first + lanes), n - 1)
         theirs.state[:] = 0.0
@@ -189,7 +223,7 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(preset: str, lanes: int, rng:
             assert same_bits(made.final[:, top], theirs.state[: len(made.final), lane])
 
 
-# --- the way without machine code -------------------------------------------------------------------------------------
+# --- the way without machine code ---------------------------------------------------------------
 
 
 @pytest.fixture
@@ -260,7 +294,9 @@ def test_without_machine_code_a_run_is_the_same(
 
 
 @pytest.mark.slow
-def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(request: pytest.FixtureRequest) -> None:
+def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(
+    request: pytest.FixtureRequest,
+) -> None:
     made = build.load("inverting", None, 0.5)
     varied = {"initial.omega3": np.array([120.0, 155.0, 158.0])}
     usual, many = solve(made), tippetop.ensemble("inverting", varied, until=0.5, threads=1)
@@ -274,7 +310,9 @@ def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(request: py
 
 
 @pytest.mark.slow
-def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(request: pytest.FixtureRequest) -> None:
+def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(
+    request: pytest.FixtureRequest,
+) -> None:
     """Inverting, upright, lifting off in the midst of a step, invalid."""
     varied = {
         "initial.omega3": np.array([155.0, 90.0, 170.0, np.nan, 158.0, 172.0, 120.0, 140.0, 160.0]),
@@ -290,7 +328,10 @@ def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(request: pyte
 def test_steps_that_differ_are_noticed() -> None:
     """The comparison is one of bits: code that makes another step is not used."""
     tolerances = ("1e-16", "1e-9")
-    made = [build.load("inverting", ["form=vector", f"run.tolerance={tolerance}"], 0.1) for tolerance in tolerances]
+    made = [
+        build.load("inverting", ["form=vector", f"run.tolerance={tolerance}"], 0.1)
+        for tolerance in tolerances
+    ]
     code, other = (driver_of(problem).compiled for problem in made)
     assert code.machine is not None
     assert other.machine is not None
@@ -298,16 +339,20 @@ def test_steps_that_differ_are_noticed() -> None:
     assert not compiling.is_same_step(other.machine, code.integrator)
 
 
-# --- what a run leaves alone ------------------------------------------------------------------------------------------
+# --- what a run leaves alone --------------------------------------------------------------------
 
 
-def test_a_run_starts_no_thread_but_the_one_that_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_starts_no_thread_but_the_one_that_is_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """That of the compilation, which finds all compiled."""
     made = build.load("inverting", None, 0.5)
     solve(made, keep=False)
     started: list[str] = []
     begin = threading.Thread.start
-    monkeypatch.setattr(threading.Thread, "start", lambda self: [started.append(self.name), begin(self)])
+    monkeypatch.setattr(
+        threading.Thread, "start", lambda self: [started.append(self.name), begin(self)]
+    )
     solve(made, keep=False)
     assert set(started) <= {"awaited"}
 
@@ -376,9 +421,13 @@ def test_nothing_is_asked_of_rows_that_nobody_keeps() -> None:
     assert (integration.status, integration.filled) == (Status.FINISHED, 0)
 
 
-@pytest.mark.parametrize("preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top", "gliding-cylinder"])
+@pytest.mark.parametrize(
+    "preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top", "gliding-cylinder"]
+)
 def test_the_number_beside_a_variable_is_that_of_the_event_function(preset: str) -> None:
-    """An event function that is a variable plus a number: the same number, to the bit, as heyoka finds at zero."""
+    """An event function that is a variable plus a number: the same number, to the bit, as heyoka
+    finds at zero.
+    """
     made = build.load(preset, None, 0.1)
     code = driver_of(made).compiled
     q, _, body, rates = equations_of_motion(
@@ -389,6 +438,8 @@ def test_the_number_beside_a_variable_is_that_of_the_event_function(preset: str)
     for event, row in zip(made.system.events, code.rows.events, strict=True):
         if row["shift"] == 0 and row["scale"] == 1.0 and row["row"] < len(rates):
             function = hy.expression(0.0) + event.formula(scalars, body)
-            assert hy.cfunc([function], vars=[rates[row["row"]][0]])([0.0])[0] == row["offset"], event.name
+            assert hy.cfunc([function], vars=[rates[row["row"]][0]])([0.0])[0] == row["offset"], (
+                event.name
+            )
             several += 1
     assert several or preset == "gliding-cylinder"

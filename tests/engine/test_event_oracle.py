@@ -1,10 +1,12 @@
-"""heyoka's own event detection finds the events that the observer finds, at the same times: none missing, none twice.
+"""heyoka's own event detection finds the events that the observer finds, at the same times: none
+missing, none twice.
 
-Its event functions are scaled by 2^-24, so that they do not control the step: the steps are the same, and what is
-compared are two ways of finding zeros. A zero is known to the rounding of its function over the slope there, whoever
-finds it; so times agree to 2e-15 of the run and that rounding. Not compared: zeros whose function is known no better
-than 1e-7 of a step (it touches zero, as at a cusp on the equator, or is noise, as at a pole), and pairs of zeros that
-are closer than 1e-5 of a step, which both may take for none.
+Its event functions are scaled by 2^-24, so that they do not control the step: the steps are the
+same, and what is compared are two ways of finding zeros. A zero is known to the rounding of its
+function over the slope there, whoever finds it; so times agree to 2e-15 of the run and that
+rounding. Not compared: zeros whose function is known no better than 1e-7 of a step (it touches
+zero, as at a cusp on the equator, or is noise, as at a pole), and pairs of zeros that are closer
+than 1e-5 of a step, which both may take for none.
 """
 
 import dataclasses
@@ -57,7 +59,9 @@ class Found(NamedTuple):
 
 
 @cache
-def oracle(system: Any, form: str, law: Any, tolerance: float, orientation: bool) -> tuple[Any, list]:
+def oracle(
+    system: Any, form: str, law: Any, tolerance: float, orientation: bool
+) -> tuple[Any, list]:
     """heyoka's integrator of the same equations, which writes down (event, time, sign)."""
     formulas = formulas_of(system, form, law)
     made = compiled_from(formulas, "double", tolerance, 0, False, orientation)
@@ -68,17 +72,27 @@ def oracle(system: Any, form: str, law: Any, tolerance: float, orientation: bool
     def note(e: int) -> Any:
         return lambda _, time, sign: seen.append((e, time, sign))
 
-    hooks = [hy.nt_event(EVENT_SCALE * event.formula(scalars, body), note(e)) for e, event in enumerate(system.events)]
+    hooks = [
+        hy.nt_event(EVENT_SCALE * event.formula(scalars, body), note(e))
+        for e, event in enumerate(system.events)
+    ]
     start = np.zeros(len(made.integrator.state))
     return hy.taylor_adaptive(
-        made.integrator.sys, start, tol=tolerance, high_accuracy=True, nt_events=hooks, opt_level=opt_level()
+        made.integrator.sys,
+        start,
+        tol=tolerance,
+        high_accuracy=True,
+        nt_events=hooks,
+        opt_level=opt_level(),
     ), seen
 
 
 def compare(made: Problem) -> int:
     """Compares the zeros that both find; how many there were to compare."""
     driver = driver_of(made)
-    theirs, seen = oracle(made.system, made.form.name, type(made.friction), made.tolerance, made.orientation)
+    theirs, seen = oracle(
+        made.system, made.form.name, type(made.friction), made.tolerance, made.orientation
+    )
     theirs.time, theirs.state[:] = 0.0, driver.state
     theirs.pars[:] = [float(leaf) for leaf in leaves(made.internal_body)][: len(theirs.pars)]
     theirs.reset_cooldowns()
@@ -94,12 +108,20 @@ def compare(made: Problem) -> int:
     alone.propagate_until(driver.end)
     assert driver.state.tobytes() == alone.state.tobytes()
     np.testing.assert_allclose(  # with events LLVM rounds otherwise, at its third level
-        driver.state, theirs.state, rtol=1e-12, atol=1e-12, err_msg="their events must not control the step"
+        driver.state,
+        theirs.state,
+        rtol=1e-12,
+        atol=1e-12,
+        err_msg="their events must not control the step",
     )
     compared, passages, at_rest = 0, piece.passages, signs_of(driver.at_start)[1]
     for e, event in enumerate(made.system.events):
         mine, since = passages.events == e, ON_ZERO_FOR if at_rest[e] else -1.0
-        other = [(t, sign) for number, t, sign in seen if number == e and event.direction * sign >= 0 and t > since]
+        other = [
+            (t, sign)
+            for number, t, sign in seen
+            if number == e and event.direction * sign >= 0 and t > since
+        ]
         times, signs = (np.array([pair[i] for pair in other], float) for i in (0, 1))
         order = np.argsort(times)
         a = found(driver, made.system.events, output, e, passages.times[mine], passages.signs[mine])
@@ -117,14 +139,23 @@ class Nothing:
         return np.zeros(0)
 
 
-def found(driver: Driver, events: Sequence[Event], output: Any, e: int, times: np.ndarray, signs: np.ndarray) -> Found:
+def found(
+    driver: Driver,
+    events: Sequence[Event],
+    output: Any,
+    e: int,
+    times: np.ndarray,
+    signs: np.ndarray,
+) -> Found:
     """How well zeros are known: by the polynomial of the event function in the step of each."""
     record = driver.rows.events[e]
     step = np.clip(np.searchsorted(output.times, times, side="right") - 1, 0, len(output.times) - 2)
     h = np.diff(output.times)[step]
     known = np.empty(len(times))
     for i, (at, length) in enumerate(zip(step, h, strict=True)):
-        p = np.polynomial.Polynomial(output.tcs[at, record["row"]] * length ** np.arange(output.tcs.shape[2]))
+        p = np.polynomial.Polynomial(
+            output.tcs[at, record["row"]] * length ** np.arange(output.tcs.shape[2])
+        )
         p = p.deriv() / length if record["shift"] else p + record["offset"]
         slope = abs(p.deriv()((times[i] - output.times[at]) / length))
         size = np.abs(p.coef).sum() + abs(record["offset"])
@@ -138,8 +169,12 @@ def matched(a: Found, b: Found, end: float, what: str) -> int:
     """Asserts that each clear zero of either is one of the other, with its sign."""
     for mine, other in ((a, b), (b, a)):
         gaps = np.diff(mine.times, prepend=-np.inf, append=np.inf)
-        clear = (mine.known < KNOWN * mine.steps) & (np.minimum(gaps[1:], gaps[:-1]) > APART * mine.steps)
-        for time, sign, known in zip(mine.times[clear], mine.signs[clear], mine.known[clear], strict=True):
+        clear = (mine.known < KNOWN * mine.steps) & (
+            np.minimum(gaps[1:], gaps[:-1]) > APART * mine.steps
+        )
+        for time, sign, known in zip(
+            mine.times[clear], mine.signs[clear], mine.known[clear], strict=True
+        ):
             near = np.abs(other.times - time) <= 2e-15 * end + known
             assert near.sum() == 1, (what, time, known, a.times, b.times)
             assert other.signs[near][0] == sign, (what, time)
@@ -165,14 +200,18 @@ def compared(preset: str, form: str, until: float, n: int, rng: np.random.Genera
 
 
 @pytest.mark.parametrize(("preset", "form", "until"), FORMS)
-def test_events_are_those_of_heyokas_detection(preset: str, form: str, until: float, rng: np.random.Generator) -> None:
+def test_events_are_those_of_heyokas_detection(
+    preset: str, form: str, until: float, rng: np.random.Generator
+) -> None:
     """Sixty random starts and more, a few for every system and form."""
     assert compared(preset, form, until, 8, rng) > 20
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("preset", "form", "until"), FORMS)
-def test_events_of_a_thousand_starts_are_those_of_heyokas_detection(preset: str, form: str, until: float) -> None:
+def test_events_of_a_thousand_starts_are_those_of_heyokas_detection(
+    preset: str, form: str, until: float
+) -> None:
     assert compared(preset, form, until, 125, np.random.default_rng(7)) > 400
 
 
@@ -185,7 +224,11 @@ def test_every_kind_of_event_is_among_what_is_compared() -> None:
         ("inverting", ["initial.omega3=0.0", "initial.theta_dot=3.0"], 0.5),
         ("gliding-heavy-top", ["initial.omega3=5.0", "initial.theta_dot=0.1"], 2.0),
     ):
-        made = build.load(preset, ["form=vector", "initial.theta_dot=0.2", "run.on_liftoff=continue", *sets], until)
+        made = build.load(
+            preset,
+            ["form=vector", "initial.theta_dot=0.2", "run.on_liftoff=continue", *sets],
+            until,
+        )
         assert compare(made) > 0
         driver = driver_of(made)
         names = [event.name for event in made.system.events]
@@ -209,7 +252,9 @@ def test_a_zero_that_is_lost_or_doubled_is_noticed() -> None:
 
 def test_a_wrong_sign_at_the_start_is_a_passage_that_heyoka_does_not_find() -> None:
     """The observer is told the signs at the start: a wrong one must be noticed here."""
-    made = build.load("inverting", ["form=vector", "initial.theta_dot=0.2", "run.on_liftoff=continue"], 0.2)
+    made = build.load(
+        "inverting", ["form=vector", "initial.theta_dot=0.2", "run.on_liftoff=continue"], 0.2
+    )
     driver = driver_of(made)
     usual = driver.advance(Nothing(), 1 << 40).passages.times
     other = driver_of(made)

@@ -98,7 +98,9 @@ define void @d_out_f(ptr %drive, ptr %loop, ptr %room) {
 """
 
 
-@pytest.mark.skipif(platform.machine() != "x86_64", reason="a call leaves its return address in a register")
+@pytest.mark.skipif(
+    platform.machine() != "x86_64", reason="a call leaves its return address in a register"
+)
 def test_a_step_is_called_with_an_aligned_stack() -> None:
     """However deep the stack is: vectors on it that begin at another address are slower."""
     llvm.initialize_native_target()
@@ -109,7 +111,15 @@ def test_a_step_is_called_with_an_aligned_stack() -> None:
         rules = StopRules(-1, 0, np.inf, 1 << 62, 8, 0)
         nothing, motion = event_rows([], [], []), new_motion(1, 0, 1, 1)
         motion.end[0] = 1.0
-        loop = Loop(motion, nothing, new_tallies(nothing, 1), new_log(0, 1), new_samples(0, 0), rules, stepper)
+        loop = Loop(
+            motion,
+            nothing,
+            new_tallies(nothing, 1),
+            new_log(0, 1),
+            new_samples(0, 0),
+            rules,
+            stepper,
+        )
         drive = ctypes.cast(loop.library.loop_drive, ctypes.c_void_p).value
         deeper = np.array([depth])
         addresses = drive, ctypes.addressof(loop.structure), deeper.ctypes.data

@@ -1,4 +1,6 @@
-"""What integrated states mean: the columns of any rows are the system's formulas in SI units, row by row."""
+"""What integrated states mean: the columns of any rows are the system's formulas in SI units, row
+by row.
+"""
 
 import dataclasses
 
@@ -14,9 +16,23 @@ from tippetop.scenario import build
 
 
 STARTS = {
-    "tippe-top": {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0, "nu_x": 0.1, "nu_y": -0.2},
+    "tippe-top": {
+        "theta": 0.4,
+        "theta_dot": 1.0,
+        "phi_dot": 3.0,
+        "omega3": 90.0,
+        "nu_x": 0.1,
+        "nu_y": -0.2,
+    },
     "rolling-tippe-top": {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0},
-    "gliding-heavy-top": {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0, "nu_x": 0.1, "nu_y": -0.2},
+    "gliding-heavy-top": {
+        "theta": 0.4,
+        "theta_dot": 1.0,
+        "phi_dot": 3.0,
+        "omega3": 90.0,
+        "nu_x": 0.1,
+        "nu_y": -0.2,
+    },
     "heavy-top": {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0},
     "gliding-cylinder": {"theta": 0.4, "theta_dot": 1.0, "nu_x": 0.1},
     "rolling-cylinder": {"theta": 0.4, "theta_dot": 1.0},
@@ -31,7 +47,13 @@ def made(system: str, form: str, theta: float | None = None, **options: object) 
     start = {**STARTS[system], **({} if theta is None else {"theta": theta})}
     law = ("viscous", {"mu": 0.3}) if used.frictional else ("none", {})
     return examples.problem(
-        system, {name: given[name] for name in used.parameters}, start, 1.0, law, form=form, **options
+        system,
+        {name: given[name] for name in used.parameters},
+        start,
+        1.0,
+        law,
+        form=form,
+        **options,
     )
 
 
@@ -44,7 +66,9 @@ def rows_of(problem: Problem, rng: np.random.Generator, n: int = 7) -> np.ndarra
 @pytest.mark.parametrize(("system", "form"), EVERY_FORM)
 def test_the_start_reads_as_it_was_given(system: str, form: str) -> None:
     problem = made(system, form)
-    columns = Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
+    columns = Observables(problem).columns(
+        np.zeros(1), np.array(problem.start(), dtype=float)[None, :]
+    )
     for name, value in problem.initial.items():
         assert columns[name].values[0] == pytest.approx(value, rel=1e-12), name
     assert columns["time"].values.tolist() == [0.0]
@@ -55,16 +79,22 @@ def test_the_start_reads_as_it_was_given(system: str, form: str) -> None:
 
 
 @pytest.mark.parametrize(("system", "form"), EVERY_FORM)
-def test_columns_are_the_formulas_of_the_system_in_si_units(system: str, form: str, rng: np.random.Generator) -> None:
+def test_columns_are_the_formulas_of_the_system_in_si_units(
+    system: str, form: str, rng: np.random.Generator
+) -> None:
     """Compiled over internal units, against numpy's formulas, scaled."""
     problem = made(system, form)
     view, rows = Observables(problem), rows_of(made(system, form), rng)
     columns, scalars = view.columns(np.arange(7.0), rows), view.moment(rows)
     assert {quantity.name for quantity in problem.system.quantities} <= set(columns)
     for quantity in problem.system.quantities:
-        exact = np.broadcast_to(quantity.formula(scalars, view.body), 7) * float(problem.scales.of(quantity.unit))
+        exact = np.broadcast_to(quantity.formula(scalars, view.body), 7) * float(
+            problem.scales.of(quantity.unit)
+        )
         found = columns[quantity.name].values
-        np.testing.assert_allclose(found, exact, rtol=1e-12, atol=1e-13 * np.abs(exact).max(), err_msg=quantity.name)
+        np.testing.assert_allclose(
+            found, exact, rtol=1e-12, atol=1e-13 * np.abs(exact).max(), err_msg=quantity.name
+        )
         assert columns[quantity.name].attrs["units"] == quantity.unit.symbol
 
 
@@ -74,14 +104,20 @@ def test_every_form_gives_the_same_columns(system: str) -> None:
     found = []
     for form in SYSTEMS[system].forms:
         problem = made(system, form)
-        found.append(Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :]))
+        found.append(
+            Observables(problem).columns(
+                np.zeros(1), np.array(problem.start(), dtype=float)[None, :]
+            )
+        )
     for other in found[1:]:
         assert list(other) == list(found[0])
         for name, column in found[0].items():
             assert other[name].dims == column.dims
             assert other[name].attrs == column.attrs
             size = np.abs(column.values).max() + 1e-9
-            np.testing.assert_allclose(other[name].values, column.values, rtol=0, atol=1e-12 * size, err_msg=name)
+            np.testing.assert_allclose(
+                other[name].values, column.values, rtol=0, atol=1e-12 * size, err_msg=name
+            )
 
 
 def test_the_bits_of_a_row_do_not_depend_on_its_neighbours(rng: np.random.Generator) -> None:
@@ -97,7 +133,9 @@ def test_the_bits_of_a_row_do_not_depend_on_its_neighbours(rng: np.random.Genera
 
 def test_axis_and_angular_momentum_are_vectors_in_the_space_frame() -> None:
     problem = made("tippe-top", "euler", theta=0.7)
-    columns = Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
+    columns = Observables(problem).columns(
+        np.zeros(1), np.array(problem.start(), dtype=float)[None, :]
+    )
     axis, L = columns["axis"].values[0], columns["L"].values[0]
     assert columns["axis"].dims == ("time", "xyz")
     np.testing.assert_allclose(np.linalg.norm(axis), 1, rtol=1e-15)
@@ -114,7 +152,9 @@ def test_at_a_pole_angles_without_meaning_are_nan_and_nothing_else_is(theta: flo
     """Any azimuth would do there; the axis leaves a pole with its speed."""
     problem = made("tippe-top", "vector", theta=theta)
     record, _ = problem.variables.split(np.array(problem.start(), dtype=float))
-    columns = Observables(problem).columns(np.zeros(1), np.array(problem.start(), dtype=float)[None, :])
+    columns = Observables(problem).columns(
+        np.zeros(1), np.array(problem.start(), dtype=float)[None, :]
+    )
     undefined = {name for name, column in columns.items() if np.any(np.isnan(column.values))}
     assert undefined == {"phi", "phi_dot", "nu_x", "nu_y", "psi"} & set(columns)
     assert columns["theta"].values[0] == theta
@@ -124,7 +164,9 @@ def test_at_a_pole_angles_without_meaning_are_nan_and_nothing_else_is(theta: flo
 @pytest.mark.parametrize("precision", ["longdouble", "quad"])
 def test_wider_rows_give_the_columns_and_what_doubles_leave_out(precision: str) -> None:
     sets = [f"initial.{name}={value!r}" for name, value in STARTS["tippe-top"].items()]
-    wide, plain = (build.load("inverting", [*sets, f"run.precision={p}"]) for p in (precision, "double"))
+    wide, plain = (
+        build.load("inverting", [*sets, f"run.precision={p}"]) for p in (precision, "double")
+    )
     columns = Observables(wide).columns(np.zeros(1), np.array(wide.start())[None, :])
     others = Observables(plain).columns(np.zeros(1), np.array(plain.start(), dtype=float)[None, :])
     for name, column in others.items():
@@ -147,8 +189,12 @@ def test_domains_are_the_smallest_values_over_the_rows(rng: np.random.Generator)
         assert value == min(each[meaning] for each in singly)
 
 
-def test_rows_of_another_problem_of_the_same_form_share_the_compiled_table(rng: np.random.Generator) -> None:
-    """Parameters come in at run time: half the friction is half the power, without another compilation."""
+def test_rows_of_another_problem_of_the_same_form_share_the_compiled_table(
+    rng: np.random.Generator,
+) -> None:
+    """Parameters come in at run time: half the friction is half the power, without another
+    compilation.
+    """
     problem = made("tippe-top", "vector")
     half = dataclasses.replace(problem, friction=problem.friction._replace(mu=0.15))
     rows = rows_of(problem, rng)

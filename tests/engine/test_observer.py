@@ -1,4 +1,6 @@
-"""What is kept of the events of a top, from Taylor coefficients whose zeros are known: no integrator, no body."""
+"""What is kept of the events of a top, from Taylor coefficients whose zeros are known: no
+integrator, no body.
+"""
 
 from math import factorial
 
@@ -28,7 +30,12 @@ from tippetop.mechanics.events import Event, Kept
 
 
 ORDER, LANES, STEPS = 12, 4, 40
-KEPT = (Kept("first", "first", ""), Kept("last", "last", ""), Kept("count", "count", ""), Kept("up", "count", "", 1))
+KEPT = (
+    Kept("first", "first", ""),
+    Kept("last", "last", ""),
+    Kept("count", "count", ""),
+    Kept("up", "count", "", 1),
+)
 UNTIL = 2.0
 PATIENCE, TINY = 64, 1e-10  # as in loop.c
 NO_RULES = StopRules(lasting=-1, way=0, settled_for=1.0, most_steps=10**6, every=8, first=0)
@@ -39,15 +46,20 @@ def event(name: str, **options: object) -> Event:
 
 
 def rows_of(*sources: tuple[Event, int, float]) -> EventRows:
-    """Events that are a variable (shift 0) or its rate (shift 1), plus an offset; event i reads variable i."""
+    """Events that are a variable (shift 0) or its rate (shift 1), plus an offset; event i reads
+    variable i.
+    """
     places = [(i, shift, 1.0, offset) for i, (_, shift, offset) in enumerate(sources)]
     n = len(sources)
     return event_rows([event for event, _, _ in sources], places, (n, n + 1, n + 2))
 
 
-def slice_of(variables: list[list[Polynomial]], rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Times (steps + 1, lanes) and coefficients (steps, rows, ORDER + 1, lanes) of each lane's variables; 3hat is
-    upright. Steps differ from lane to lane."""
+def slice_of(
+    variables: list[list[Polynomial]], rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
+    """Times (steps + 1, lanes) and coefficients (steps, rows, ORDER + 1, lanes) of each lane's
+    variables; 3hat is upright. Steps differ from lane to lane.
+    """
     inner = np.sort(rng.uniform(0.0, UNTIL, (STEPS - 1, LANES)), axis=0)
     times = np.concatenate([np.zeros((1, LANES)), inner, np.full((1, LANES), UNTIL)])
     rows = len(variables[0])
@@ -68,7 +80,9 @@ def followed(
     rules: StopRules = NO_RULES,
     log: PassageLog | None = None,
 ) -> Tallies:
-    """The tallies after these steps, of tops whose functions have these signs at the start, (events, lanes)."""
+    """The tallies after these steps, of tops whose functions have these signs at the start,
+    (events, lanes).
+    """
     tallies = new_tallies(rows, LANES)
     for lane in range(LANES):
         reset(tallies, rows, lane, signs[:, lane], np.zeros(len(signs), bool))
@@ -88,7 +102,15 @@ def continued(
     motion = new_motion(*tcs.shape[1:2], 0, *tcs.shape[2:])
     motion.end[:] = np.inf
     steps = zip(times, np.diff(times, axis=0), tcs, strict=False)
-    loop = Loop(motion, rows, tallies, log or new_log(0, len(tcs[0])), new_samples(0, 0), rules, Given(steps))
+    loop = Loop(
+        motion,
+        rows,
+        tallies,
+        log or new_log(0, len(tcs[0])),
+        new_samples(0, 0),
+        rules,
+        Given(steps),
+    )
     running = tallies.lane["status"] == Status.RUNNING.code
     for _ in tcs:  # the loop stops where a lane has ended
         if running.any():
@@ -133,9 +155,13 @@ def test_a_direction_lets_the_other_passages_through(rng: np.random.Generator) -
     roots = [np.array([0.3, 0.7, 1.1])] * LANES
     functions = [with_roots(r) for r in roots]
     kept = followed(
-        rows_of((event("falling", direction=-1), 0, 0.0)), *slice_of([[f] for f in functions], rng), signs_of(functions)
+        rows_of((event("falling", direction=-1), 0, 0.0)),
+        *slice_of([[f] for f in functions], rng),
+        signs_of(functions),
     ).kept
-    np.testing.assert_allclose(kept[:3], np.array([[0.7], [0.7], [1]]) * np.ones(LANES), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        kept[:3], np.array([[0.7], [0.7], [1]]) * np.ones(LANES), rtol=0, atol=1e-12
+    )
 
 
 def test_an_offset_moves_the_level(rng: np.random.Generator) -> None:
@@ -147,7 +173,9 @@ def test_an_offset_moves_the_level(rng: np.random.Generator) -> None:
 
 
 @pytest.mark.parametrize("offset", [3.0, -3.0])
-def test_an_offset_counts_where_the_variable_alone_has_no_zero(offset: float, rng: np.random.Generator) -> None:
+def test_an_offset_counts_where_the_variable_alone_has_no_zero(
+    offset: float, rng: np.random.Generator
+) -> None:
     """The variable keeps its sign all along, and its level is passed nevertheless."""
     functions = [Polynomial([-1.25 - offset, 1.0])] * LANES
     rows = rows_of((event("level"), 0, offset))
@@ -155,13 +183,21 @@ def test_an_offset_counts_where_the_variable_alone_has_no_zero(offset: float, rn
     np.testing.assert_allclose(kept[0], 1.25, rtol=0, atol=1e-14)
 
 
-def test_the_first_ending_ends_the_top_and_what_comes_later_is_not_seen(rng: np.random.Generator) -> None:
+def test_the_first_ending_ends_the_top_and_what_comes_later_is_not_seen(
+    rng: np.random.Generator,
+) -> None:
     """Other lanes go on; the earlier of two endings counts, in whatever order the events are."""
     ends = [np.array([0.9]), np.array([1.3]), np.array([]), np.array([0.9])]
     others = [np.array([0.2, 0.85, 0.95])] * LANES
     other_ends = [np.array([1.3]), np.array([0.9]), np.array([]), np.array([])]
-    lanes = [[-with_roots(e) if len(e) else with_roots(e), with_roots(o), -with_roots(x) if len(x) else with_roots(x)]
-             for e, o, x in zip(ends, others, other_ends, strict=True)]  # fmt: skip
+    lanes = [
+        [
+            -with_roots(e) if len(e) else with_roots(e),
+            with_roots(o),
+            -with_roots(x) if len(x) else with_roots(x),
+        ]
+        for e, o, x in zip(ends, others, other_ends, strict=True)
+    ]
     rows = rows_of(
         (event("liftoff", ends="liftoff", direction=-1), 0, 0.0),
         (event("other"), 0, 0.0),
@@ -182,7 +218,9 @@ def test_extremes_are_those_of_the_function_until_the_top_ends(rng: np.random.Ge
     slopes = [np.sort(rng.uniform(0.1, 1.9, 3)) for _ in range(LANES)]
     functions = [Polynomial.fromroots(s).integ() + 10.0 for s in slopes]
     stop = 1.0
-    rows = rows_of((event("force", extremes="force"), 0, 0.0), (event("end", ends="liftoff"), 0, 0.0))
+    rows = rows_of(
+        (event("force", extremes="force"), 0, 0.0), (event("end", ends="liftoff"), 0, 0.0)
+    )
     signs = np.stack([np.ones(LANES), -np.ones(LANES)])
     for final, ending in ((UNTIL, Polynomial([-1.0])), (stop, Polynomial([-stop, 1.0]))):
         found = followed(rows, *slice_of([[f, ending] for f in functions], rng), signs).functions
@@ -193,7 +231,10 @@ def test_extremes_are_those_of_the_function_until_the_top_ends(rng: np.random.Ge
             assert f(found[T_LEAST, 0, lane]) == pytest.approx(values.min(), abs=1e-12)
             assert f(found[T_MOST, 0, lane]) == pytest.approx(values.max(), abs=1e-12)
             assert (
-                0 <= min(found[[T_LEAST, T_MOST], 0, lane]) <= max(found[[T_LEAST, T_MOST], 0, lane]) <= final + 1e-12
+                0
+                <= min(found[[T_LEAST, T_MOST], 0, lane])
+                <= max(found[[T_LEAST, T_MOST], 0, lane])
+                <= final + 1e-12
             )
 
 
@@ -212,7 +253,10 @@ def test_where_slices_end_changes_no_bit(rng: np.random.Generator) -> None:
 
 
 def test_steps_that_lead_nowhere_are_a_stall() -> None:
-    """Sixty-four in a row; one that leads somewhere begins the count anew. So are too many steps of any length."""
+    """Sixty-four in a row; one that leads somewhere begins the count anew.
+
+    So are too many steps of any length.
+    """
     rows, signs = rows_of((event("passage"), 0, 0.0)), np.ones((1, LANES))
     steps = np.full((PATIENCE + 1, LANES), TINY / 2)
     steps[PATIENCE // 2, 1] = 0.1
@@ -220,7 +264,11 @@ def test_steps_that_lead_nowhere_are_a_stall() -> None:
     tcs = np.zeros((len(steps), 4, ORDER + 1, LANES))
     tcs[:, [0, 3], 0] = 1.0
     found = followed(rows, times, tcs, signs).lane
-    assert found["status"].tolist() == [Status.STALLED.code, Status.RUNNING.code, *[Status.STALLED.code] * 2]
+    assert found["status"].tolist() == [
+        Status.STALLED.code,
+        Status.RUNNING.code,
+        *[Status.STALLED.code] * 2,
+    ]
     assert found["steps"].tolist() == [PATIENCE, PATIENCE + 1, PATIENCE, PATIENCE]
     few = NO_RULES._replace(most_steps=5)
     assert followed(rows, times, tcs, signs, few).lane["steps"].tolist() == [5] * LANES
@@ -236,7 +284,7 @@ def test_steps_that_move_no_double_are_a_stall() -> None:
     assert found["steps"].tolist() == [0] * LANES
 
 
-# --- the zeros themselves ---------------------------------------------------------------------------------------------
+# --- the zeros themselves -----------------------------------------------------------------------
 
 SIX = np.array([0.0, 0.4, 0.5, 1.1, 1.25, 2.0])
 """Steps of different lengths: extremes and zeros lie inside them and at their ends."""
@@ -253,15 +301,27 @@ def one_lane(functions: list[Polynomial], times: np.ndarray = SIX) -> tuple[np.n
 
 
 def passages_of(
-    sources: list[tuple[Event, int, float]], functions: list[Polynomial], times: np.ndarray = SIX, on_zero: bool = False
+    sources: list[tuple[Event, int, float]],
+    functions: list[Polynomial],
+    times: np.ndarray = SIX,
+    on_zero: bool = False,
 ) -> tuple[Tallies, PassageLog]:
-    """The tally and the log of one run; at the start its functions have the signs that they have there."""
+    """The tally and the log of one run; at the start its functions have the signs that they have
+    there.
+    """
     rows, log = rows_of(*sources), new_log(200, len(functions) + 3)
     at_start = [
-        (f.deriv() if shift else f)(times[0]) + offset for f, (_, shift, offset) in zip(functions, sources, strict=True)
+        (f.deriv() if shift else f)(times[0]) + offset
+        for f, (_, shift, offset) in zip(functions, sources, strict=True)
     ]
     tallies = new_tallies(rows, 1)
-    reset(tallies, rows, 0, np.where(np.array(at_start) > 0, 1.0, -1.0), np.full(len(functions), on_zero))
+    reset(
+        tallies,
+        rows,
+        0,
+        np.where(np.array(at_start) > 0, 1.0, -1.0),
+        np.full(len(functions), on_zero),
+    )
     continued(tallies, rows, *one_lane(functions, times), log=log)
     return tallies, log
 
@@ -275,7 +335,9 @@ def test_every_zero_is_logged_once_with_its_sign(shift: int, rng: np.random.Gene
         roots = grid[cells] + 0.05 * rng.uniform(0.1, 0.9, len(cells))
         f = with_roots(roots)
         times = np.concatenate([[0.0], np.sort(rng.uniform(0.0, UNTIL, 20)), [UNTIL]])
-        _, log = passages_of([(event("passage"), shift, 0.0)], [f.integ(k=3.0) if shift else f], times)
+        _, log = passages_of(
+            [(event("passage"), shift, 0.0)], [f.integ(k=3.0) if shift else f], times
+        )
         n = log.filled[0]
         steepness = f.deriv()(roots)  # where roots are close, rounding of the function moves them
         np.testing.assert_allclose((log.time[:n] - roots) * steepness, 0, rtol=0, atol=1e-12)
@@ -283,7 +345,9 @@ def test_every_zero_is_logged_once_with_its_sign(shift: int, rng: np.random.Gene
 
 
 def test_a_direction_leaves_the_other_passages_out_of_the_log() -> None:
-    _, log = passages_of([(event("falling", direction=-1), 0, 0.0)], [with_roots(np.array([0.3, 0.7, 1.15]))])
+    _, log = passages_of(
+        [(event("falling", direction=-1), 0, 0.0)], [with_roots(np.array([0.3, 0.7, 1.15]))]
+    )
     np.testing.assert_allclose(log.time[: log.filled[0]], [0.7], rtol=0, atol=1e-14)
 
 
@@ -295,7 +359,9 @@ def test_a_zero_that_is_touched_is_no_passage() -> None:
 @pytest.mark.parametrize("leaves_to", [1, -1])
 @pytest.mark.parametrize("noise", [0.0, 1e-10, -1e-10])
 def test_a_start_on_the_zero_is_no_passage(leaves_to: int, noise: float) -> None:
-    """The next one is, whichever side the function leaves to, and whichever side rounding puts the start."""
+    """The next one is, whichever side the function leaves to, and whichever side rounding puts the
+    start.
+    """
     f = leaves_to * Polynomial.fromroots([noise, 0.45])
     tallies, log = passages_of([(event("passage"), 0, 0.0)], [f], on_zero=True)
     np.testing.assert_allclose(log.time[: log.filled[0]], [0.45], rtol=0, atol=1e-14)
@@ -306,7 +372,10 @@ def test_a_start_on_the_zero_is_no_passage(leaves_to: int, noise: float) -> None
 @pytest.mark.parametrize("zero", [0.13, 0.4, 0.77, 1.9])
 def test_a_force_ends_the_run_at_its_first_falling_zero(zero: float) -> None:
     """Inside a step and between two; its least value is that zero, and nothing later is seen."""
-    force, other = Polynomial.fromroots([zero, zero + 2.0]), with_roots(np.array([zero - 0.1, zero + 0.05]))
+    force, other = (
+        Polynomial.fromroots([zero, zero + 2.0]),
+        with_roots(np.array([zero - 0.1, zero + 0.05])),
+    )
     liftoff = event("liftoff", ends="liftoff", direction=-1, extremes="force")
     tallies, log = passages_of([(liftoff, 0, 0.0), (event("other"), 0, 0.0)], [force, other])
     tally, n = tallies.lane[0], log.filled[0]
@@ -322,7 +391,9 @@ def test_a_force_ends_the_run_at_its_first_falling_zero(zero: float) -> None:
 
 @pytest.mark.parametrize("least", [0.5, 1e-9, 0.0, -1e-14])
 def test_a_force_within_rounding_of_zero_ends_nothing(least: float) -> None:
-    """It comes down to a bottom at 0.77: its zeros, if there are any, are closer than anything that is told apart."""
+    """It comes down to a bottom at 0.77: its zeros, if there are any, are closer than anything that
+    is told apart.
+    """
     force = least + Polynomial([-0.77, 1.0]) ** 2
     liftoff = event("liftoff", ends="liftoff", direction=-1, extremes="force")
     tallies, log = passages_of([(liftoff, 0, 0.0)], [force])
@@ -335,7 +406,9 @@ def test_a_force_within_rounding_of_zero_ends_nothing(least: float) -> None:
 def test_a_force_that_grazes_zero_ends_the_run(least: float) -> None:
     """Negative for 2e-3, 6e-5 of the time in the midst of a step: this is more than rounding."""
     force = least + Polynomial([-0.77, 1.0]) ** 2
-    tallies, _ = passages_of([(event("liftoff", ends="liftoff", direction=-1, extremes="force"), 0, 0.0)], [force])
+    tallies, _ = passages_of(
+        [(event("liftoff", ends="liftoff", direction=-1, extremes="force"), 0, 0.0)], [force]
+    )
     assert tallies.lane[0]["status"] == Status.LIFTOFF.code
     assert tallies.lane[0]["t"] == pytest.approx(0.77 - np.sqrt(-least), abs=1e-10)
 
@@ -358,7 +431,9 @@ def test_what_is_not_watched_has_no_passages_but_keeps_its_extremes() -> None:
     continued(tallies, rows, *one_lane([f]), log=log)
     values = f(np.concatenate([[0.0, UNTIL], f.deriv().roots()]))
     assert log.filled[0] == 0
-    assert tallies.functions[[LEAST, MOST], 0, 0].tolist() == pytest.approx([values.min(), values.max()], abs=1e-13)
+    assert tallies.functions[[LEAST, MOST], 0, 0].tolist() == pytest.approx(
+        [values.min(), values.max()], abs=1e-13
+    )
 
 
 def test_extremes_of_a_rate_lie_at_the_roots_of_its_slope(rng: np.random.Generator) -> None:
@@ -368,10 +443,16 @@ def test_extremes_of_a_rate_lie_at_the_roots_of_its_slope(rng: np.random.Generat
         rate = Polynomial.fromroots(roots).integ(k=rng.normal()) * rng.choice([-1, 1])
         inside = roots[(roots > 0) & (roots < UNTIL)]
         values = rate(np.concatenate([[0.0, UNTIL], inside]))
-        found = passages_of([(event("force", extremes="force"), 1, 0.0)], [rate.integ(k=7.0)])[0].functions[:, 0, 0]
+        found = passages_of([(event("force", extremes="force"), 1, 0.0)], [rate.integ(k=7.0)])[
+            0
+        ].functions[:, 0, 0]
         size = np.abs(values).max()
-        assert found[[LEAST, MOST]].tolist() == pytest.approx([values.min(), values.max()], abs=1e-13 * size)
-        assert rate(found[[T_LEAST, T_MOST]]) == pytest.approx([values.min(), values.max()], abs=1e-12 * size)
+        assert found[[LEAST, MOST]].tolist() == pytest.approx(
+            [values.min(), values.max()], abs=1e-13 * size
+        )
+        assert rate(found[[T_LEAST, T_MOST]]) == pytest.approx(
+            [values.min(), values.max()], abs=1e-12 * size
+        )
 
 
 @pytest.mark.parametrize("k", [1, 2, 3])

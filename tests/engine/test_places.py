@@ -1,4 +1,6 @@
-"""A run works where another has worked: with the bits of a first run, and never where one still is."""
+"""A run works where another has worked: with the bits of a first run, and never where
+one still is.
+"""
 
 import threading
 
@@ -38,10 +40,14 @@ def test_a_place_serves_again_and_another_thread_has_its_own() -> None:
 
 
 def test_a_run_has_the_bits_of_a_first_run_wherever_it_works() -> None:
-    """After a longer one, with other events, that a liftoff ended: rows, events, report, and what a store keeps."""
+    """After a longer one, with other events, that a liftoff ended: rows, events, report, and what a
+    store keeps.
+    """
     problem = build.load("inverting", until=2.0)
     first = solve(problem)
-    long = build.load("inverting", ["initial.omega3=300.0", "run.events=[]", "run.orientation=true"], until=8.0)
+    long = build.load(
+        "inverting", ["initial.omega3=300.0", "run.events=[]", "run.orientation=true"], until=8.0
+    )
     assert solve(long).status.value == "liftoff"
     again = solve(problem)
     np.testing.assert_array_equal(again.rows, first.rows)
@@ -50,7 +56,9 @@ def test_a_run_has_the_bits_of_a_first_run_wherever_it_works() -> None:
     assert repr(again.last_slice) == repr(first.last_slice)
 
 
-@pytest.mark.parametrize("preset", [name for name in reading.presets() if build.load(name).contact is None])
+@pytest.mark.parametrize(
+    "preset", [name for name in reading.presets() if build.load(name).contact is None]
+)
 def test_the_normal_force_is_integrated_once(preset: str) -> None:
     """Its impulse is a column: no other integral follows it, however the formulas are written."""
     names = [str(variable) for variable, _ in driver_of(build.load(preset)).equations()]
@@ -59,7 +67,9 @@ def test_the_normal_force_is_integrated_once(preset: str) -> None:
 
 
 def test_the_extremes_of_a_run_are_those_of_its_column() -> None:
-    """Of the heavy top the impulse is written otherwise than the column `normal_force`: they are one number."""
+    """Of the heavy top the impulse is written otherwise than the column `normal_force`: they are
+    one number.
+    """
     problem = build.load("heavy-top", ["run.output_step=0.0005"], until=2.0)
     force = solve(problem, keep=False).report["normal_force"]
     column = solve(problem).columns()["normal_force"].values

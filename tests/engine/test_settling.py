@@ -16,14 +16,21 @@ def problem() -> Problem:
     return build.load("inverting")
 
 
-@pytest.mark.parametrize(("side", "factor"), [(s, f) for s in ("upright", "inverted") for f in (0.9, 1.1)])
+@pytest.mark.parametrize(
+    ("side", "factor"), [(s, f) for s in ("upright", "inverted") for f in (0.9, 1.1)]
+)
 def test_a_spin_stays_iff_it_is_stable(side: str, factor: float, problem: Problem) -> None:
-    """Upright below lambda_u, inverted above lambda_s [section 6]; the spin is in internal units."""
+    """Upright below lambda_u, inverted above lambda_s [section 6]; the spin is in
+    internal units.
+    """
     body, upright = problem.body(float), side == "upright"
     limit = thresholds.lambda_u(body) if upright else thresholds.lambda_s(body)
     spin = thresholds.spin_of(factor * limit, body, inverted=not upright)
     second = 0.045
-    values = {"theta": np.array([1e-4 if upright else np.pi - 1e-4]), "omega3": np.array([spin * second])}
+    values = {
+        "theta": np.array([1e-4 if upright else np.pi - 1e-4]),
+        "omega3": np.array([spin * second]),
+    }
     assert stays(body, values, second) is ((factor < 1) == upright)
 
 

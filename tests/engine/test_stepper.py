@@ -1,4 +1,6 @@
-"""Machine code from elsewhere: what cannot be called is refused with a sentence, and never ends the process."""
+"""Machine code from elsewhere: what cannot be called is refused with a sentence, and never ends the
+process.
+"""
 
 import subprocess
 import sys
@@ -28,7 +30,9 @@ def object_of(calls: str = "sin", second: str = "d_out_f", triple: str = "") -> 
     """An object file whose step calls a function of that name."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    machine = llvm.Target.from_triple(triple or llvm.get_process_triple()).create_target_machine(jit=True)
+    machine = llvm.Target.from_triple(triple or llvm.get_process_triple()).create_target_machine(
+        jit=True
+    )
     return machine.emit_object(llvm.parse_assembly(SCALED.format(calls=calls, second=second)))
 
 
@@ -50,7 +54,9 @@ def test_an_object_without_the_functions_is_an_error() -> None:
 
 
 def test_nothing_of_this_aborts_a_process() -> None:
-    """LLVM ends the process when it is asked to bind a function that it does not find: it is never asked."""
+    """LLVM ends the process when it is asked to bind a function that it does not find: it is never
+    asked.
+    """
     code = f"""
 from tippetop.engine.stepper import load
 for code in ({object_of("no_such_function_anywhere")!r}, b"", {object_of(second="other")!r}):
@@ -68,10 +74,12 @@ import ctypes
 from tippetop.engine import taylor
 from tippetop.scenario import build
 
-code = taylor.driver_of(build.load("inverting", until=0.1)).compiled.integrator.llvm_state.object_code
+driver = taylor.driver_of(build.load("inverting", until=0.1))
+code = driver.compiled.integrator.llvm_state.object_code
 libc = ctypes.CDLL(None)
 place, number = [ctypes.c_void_p, ctypes.c_size_t], ctypes.c_int
-libc.mmap.restype, libc.mmap.argtypes = ctypes.c_void_p, [*place, number, number, number, ctypes.c_long]
+libc.mmap.restype = ctypes.c_void_p
+libc.mmap.argtypes = [*place, number, number, number, ctypes.c_long]
 libc.munmap.argtypes = place
 
 
@@ -90,7 +98,8 @@ print(load(code).step > 0)
 
 
 def test_memory_in_pieces_does_not_abort_a_process() -> None:
-    """The constants of an object fit into a hole of the memory that is far from where its code fits: LLVM's older
-    linker ended the process, as it did a session of 2400 tests."""
+    """The constants of an object fit into a hole of the memory that is far from where its code
+    fits: LLVM's older linker ended the process, as it did a session of 2400 tests.
+    """
     done = subprocess.run([sys.executable, "-c", FRAGMENTED], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr

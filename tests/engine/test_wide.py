@@ -1,4 +1,6 @@
-"""Events in wider numbers: found in doubles, refined in the working precision; tables reach the highest orders."""
+"""Events in wider numbers: found in doubles, refined in the working precision; tables reach the
+highest orders.
+"""
 
 from typing import Any
 
@@ -24,7 +26,9 @@ class Nothing:
 
 
 def load(precision: str, *sets: str, until: float = 0.4) -> Problem:
-    return build.load("inverting", [f"run.precision={precision}", "initial.theta_dot=0.2", *sets], until)
+    return build.load(
+        "inverting", [f"run.precision={precision}", "initial.theta_dot=0.2", *sets], until
+    )
 
 
 def done(problem: Problem) -> tuple[Driver, Slice]:
@@ -52,7 +56,10 @@ def test_zeros_agree_with_those_of_doubles(runs: dict[str, Any]) -> None:
 
 
 def test_zeros_of_80_bits_and_quadruple_precision_agree_to_1e17(runs: dict[str, Any]) -> None:
-    """Beyond what doubles can show: they were refined. The difference of the two is taken in the wider one."""
+    """Beyond what doubles can show: they were refined.
+
+    The difference of the two is taken in the wider one.
+    """
     quad = runs["quad"][1].passages.times
     number = quad.dtype.type
     other = np.array([number(time) for time in runs["longdouble"][1].passages.times])
@@ -62,7 +69,9 @@ def test_zeros_of_80_bits_and_quadruple_precision_agree_to_1e17(runs: dict[str, 
 
 @pytest.mark.parametrize(("precision", "bound"), [("longdouble", 1e-18), ("quad", 1e-30)])
 def test_a_refined_zero_is_one(precision: str, bound: float, runs: dict[str, Any]) -> None:
-    """theta' and the normal force vanish in the state of their zero to the rounding of the working precision."""
+    """theta' and the normal force vanish in the state of their zero to the rounding of the working
+    precision.
+    """
     _, piece = runs[precision]
     problem = load(precision)
     body = problem.internal_body
@@ -78,7 +87,10 @@ def test_a_refined_zero_is_one(precision: str, bound: float, runs: dict[str, Any
 
 def test_the_highest_orders_are_followed() -> None:
     """Quadruple precision at the least tolerance that a scenario may ask for."""
-    tight, usual = done(load("quad", "run.tolerance=2e-39", until=0.05)), done(load("quad", until=0.05))
+    tight, usual = (
+        done(load("quad", "run.tolerance=2e-39", until=0.05)),
+        done(load("quad", until=0.05)),
+    )
     order = tight[0].compiled.integrator.order
     assert order > usual[0].compiled.integrator.order > 32
     assert isinstance(tight[0], WideDriver)
@@ -88,15 +100,21 @@ def test_the_highest_orders_are_followed() -> None:
     assert difference.max() < 1e-28
     found, expected = tight[0].extremes(), usual[0].extremes()
     assert (found.least, found.most) == pytest.approx((expected.least, expected.most), rel=1e-13)
-    assert (found.t_least, found.t_most) == pytest.approx((expected.t_least, expected.t_most), abs=1e-7)
+    assert (found.t_least, found.t_most) == pytest.approx(
+        (expected.t_least, expected.t_most), abs=1e-7
+    )
 
 
 def test_extremes_of_the_force_are_those_of_doubles(runs: dict[str, Any]) -> None:
     expected = runs["double"][0].extremes()
     for precision in ("longdouble", "quad"):
         found = runs[precision][0].extremes()
-        assert (found.least, found.most) == pytest.approx((expected.least, expected.most), rel=1e-13)
-        assert (found.t_least, found.t_most) == pytest.approx((expected.t_least, expected.t_most), abs=1e-7)
+        assert (found.least, found.most) == pytest.approx(
+            (expected.least, expected.most), rel=1e-13
+        )
+        assert (found.t_least, found.t_most) == pytest.approx(
+            (expected.t_least, expected.t_most), abs=1e-7
+        )
 
 
 def test_a_liftoff_ends_a_wide_run_at_the_same_moment() -> None:
@@ -110,9 +128,15 @@ def test_a_liftoff_ends_a_wide_run_at_the_same_moment() -> None:
 
 
 def test_a_wide_run_ends_where_its_steps_move_no_double() -> None:
-    """Beyond its liftoff friction jams the contact: steps of 80 bits become shorter than doubles can count."""
+    """Beyond its liftoff friction jams the contact: steps of 80 bits become shorter than doubles
+    can count.
+    """
     numbers = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
-    start = {"theta": 2.483539299169197, "omega3": -248.84951671601448, "phi_dot": -35.72394908708138}
+    start = {
+        "theta": 2.483539299169197,
+        "omega3": -248.84951671601448,
+        "phi_dot": -35.72394908708138,
+    }
     start |= {"nu_x": -0.18641810482211407, "nu_y": 0.21082810002430513}
     run = {"until": 0.5, "on_liftoff": "continue", "precision": "longdouble"}
     friction = {"law": "viscous", "mu": 1.9603670971960712}

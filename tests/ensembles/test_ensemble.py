@@ -31,7 +31,9 @@ def same(one: xr.Dataset, other: xr.Dataset) -> bool:
 
 @pytest.fixture(scope="module")
 def mixed() -> dict[str, np.ndarray]:
-    """40 tops of other spins, sizes, masses, frictions, tilts and lengths of run: inverting, upright, lifting off."""
+    """40 tops of other spins, sizes, masses, frictions, tilts and lengths of run: inverting,
+    upright, lifting off.
+    """
     rng = np.random.default_rng(6)
     n = 40
     return {
@@ -59,7 +61,9 @@ def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Da
     """Two integrators, with steps of their own: what they tell is the same."""
     columns = plain(mixed)
     for i in range(40):
-        run = solve(build.load("inverting", [f"{key}={column[i]!r}" for key, column in columns.items()]))
+        run = solve(
+            build.load("inverting", [f"{key}={column[i]!r}" for key, column in columns.items()])
+        )
         report, top = run.report, found.isel(top=i)
         assert kinds(found, "status")[i] == run.status.value
         assert float(top["t_end"]) == pytest.approx(report["t_end"], abs=1e-11)
@@ -67,11 +71,17 @@ def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Da
         assert int(top["turnings"]) == report["event_counts"].get("turning_significant", 0)
         for name in ("first_equator", "last_equator", "inverted_at"):
             expected = report["inversion"][name]
-            assert float(top[name]) == pytest.approx(np.nan if expected is None else expected, abs=1e-11, nan_ok=True)
+            assert float(top[name]) == pytest.approx(
+                np.nan if expected is None else expected, abs=1e-11, nan_ok=True
+            )
         for name in ("theta_min", "theta_max"):
             expected = report["nutational_band"][name]
-            assert float(top[name]) == pytest.approx(np.nan if expected is None else expected, abs=1e-11, nan_ok=True)
-        dense = solve(dataclasses.replace(run.problem, times=np.linspace(0, report["t_end"], 40_001)))
+            assert float(top[name]) == pytest.approx(
+                np.nan if expected is None else expected, abs=1e-11, nan_ok=True
+            )
+        dense = solve(
+            dataclasses.replace(run.problem, times=np.linspace(0, report["t_end"], 40_001))
+        )
         force, weight = dense.columns()["normal_force"].values, report["normal_force"]["weight"]
         least, most = float(top["normal_force_min"]), float(top["normal_force_max"])
         assert least - force.min() < 1e-13 * weight  # no row of a dense scan lies outside
@@ -85,7 +95,11 @@ def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Da
 
 @pytest.mark.parametrize(("threads", "samples"), [(2, 64), (1, 3)])
 def test_neither_threads_nor_slices_nor_order_change_a_bit(
-    mixed: dict[str, np.ndarray], found: xr.Dataset, threads: int, samples: int, monkeypatch: pytest.MonkeyPatch
+    mixed: dict[str, np.ndarray],
+    found: xr.Dataset,
+    threads: int,
+    samples: int,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(lanes, "SAMPLES", samples)
     order = np.random.default_rng(threads).permutation(40)
@@ -94,8 +108,13 @@ def test_neither_threads_nor_slices_nor_order_change_a_bit(
     assert same(again, found.isel(top=order))
 
 
-@pytest.mark.skipif(opt_level() == 0, reason="LLVM at level 0 fuses other products of 4 lanes than of 8; nightly has 3")
-def test_the_number_of_lanes_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
+@pytest.mark.skipif(
+    opt_level() == 0,
+    reason="LLVM at level 0 fuses other products of 4 lanes than of 8; nightly has 3",
+)
+def test_the_number_of_lanes_changes_no_bit(
+    mixed: dict[str, np.ndarray], found: xr.Dataset
+) -> None:
     measured = measure(vary(build.load("inverting"), mixed), threads=1, lanes=4)
     assert same(outcomes.dataset(measured, []), found)
 
@@ -116,7 +135,9 @@ def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: 
 def test_invalid_tops_are_named_and_the_others_run() -> None:
     spins = np.array([155.0, np.nan, 160.0, 1e300])
     moments = np.array([3.2e-6, 3.2e-6, 7e-6, 3.2e-6])
-    found = tippetop.ensemble("inverting", {"initial.omega3": spins, "parameters.I3": moments}, until=0.5)
+    found = tippetop.ensemble(
+        "inverting", {"initial.omega3": spins, "parameters.I3": moments}, until=0.5
+    )
     assert kinds(found, "status").tolist() == ["finished", "invalid", "invalid", "invalid"]
     assert kinds(found).tolist() == ["under-way", "none", "none", "none"]
     assert [fault.split(":")[0] for fault in found.attrs["faults"]] == ["top 1", "top 2", "top 3"]
@@ -136,7 +157,9 @@ def test_the_liftoff_border_of_the_canonical_top() -> None:
 
 def test_a_fast_top_without_contact_ends_at_the_start() -> None:
     found = tippetop.ensemble(
-        "inverting", {"initial.theta": np.full(3, 2.0), "initial.theta_dot": [1.0, 100.0, 2.0]}, until=0.2
+        "inverting",
+        {"initial.theta": np.full(3, 2.0), "initial.theta_dot": [1.0, 100.0, 2.0]},
+        until=0.2,
     )
     assert kinds(found, "status")[1] == "liftoff"
     assert float(found["t_end"][1]) == float(found["lifted_at"][1]) == 0.0
@@ -144,7 +167,9 @@ def test_a_fast_top_without_contact_ends_at_the_start() -> None:
 
 
 def test_a_settled_top_stops_and_leaves_its_lane(tmp_path: Path) -> None:
-    text = reading.presets()["inverting"].replace("until = 10.0", 'until = 1000.0\nstop_when = "settled"')
+    text = reading.presets()["inverting"].replace(
+        "until = 10.0", 'until = 1000.0\nstop_when = "settled"'
+    )
     path = tmp_path / "settling.toml"
     path.write_text(text)
     found = tippetop.ensemble(str(path), {"initial.omega3": np.array([100.0, 130.0, 155.0])})
@@ -173,16 +198,27 @@ def test_what_cannot_vary_is_said_in_a_sentence(variations: dict, word: str) -> 
 def test_progress_tells_every_top() -> None:
     seen: list[tuple[int, int]] = []
     tippetop.ensemble(
-        "inverting", {"initial.omega3": np.linspace(100, 150, 40)}, until=0.1, progress=lambda *at: seen.append(at)
+        "inverting",
+        {"initial.omega3": np.linspace(100, 150, 40)},
+        until=0.1,
+        progress=lambda *at: seen.append(at),
     )
     assert seen == [(i + 1, 40) for i in range(40)]
 
 
 def test_the_end_of_a_top_is_called_what_its_system_knows(monkeypatch: pytest.MonkeyPatch) -> None:
     starts = {"initial.theta": np.array([0.01, 3.1])}
-    assert kinds(tippetop.ensemble("heavy-top", starts, until=1e-3)).tolist() == ["upright", "inverted"]
-    monkeypatch.setitem(SYSTEMS, "heavy-top", dataclasses.replace(SYSTEMS["heavy-top"], classes=("upright",)))
-    assert kinds(tippetop.ensemble("heavy-top", starts, until=1e-3)).tolist() == ["upright", "under-way"]
+    assert kinds(tippetop.ensemble("heavy-top", starts, until=1e-3)).tolist() == [
+        "upright",
+        "inverted",
+    ]
+    monkeypatch.setitem(
+        SYSTEMS, "heavy-top", dataclasses.replace(SYSTEMS["heavy-top"], classes=("upright",))
+    )
+    assert kinds(tippetop.ensemble("heavy-top", starts, until=1e-3)).tolist() == [
+        "upright",
+        "under-way",
+    ]
 
 
 def test_numbers_of_ends_in_a_store_are_those_of_status() -> None:
@@ -201,7 +237,7 @@ def test_every_ending_gets_its_number(found: xr.Dataset) -> None:
     assert np.array_equal(lifted, found["class"].values == CLASSES.index("lifted-off"))
 
 
-# --- events of a system's own -----------------------------------------------------------------------------------------
+# --- events of a system's own -------------------------------------------------------------------
 
 HIGH = Event(
     "high",
@@ -215,7 +251,11 @@ HIGH = Event(
     ),
 )
 QUICK = Event(  # neither a variable nor the rate of one: its integral is integrated too
-    "quick", "z' z falls to 0.01", lambda s, b: s.z_dot * s.z - 0.01, -1, kept=(Kept("quicks", "count", "how often"),)
+    "quick",
+    "z' z falls to 0.01",
+    lambda s, b: s.z_dot * s.z - 0.01,
+    -1,
+    kept=(Kept("quicks", "count", "how often"),),
 )
 TIPPED = Event("tipped", "theta = 0.6", lambda s, b: s.z - np.cos(0.6), -1, ends="tipped over")
 
@@ -224,7 +264,9 @@ def toy(*events: Event) -> Problem:
     """The inverting top, of a system with more events."""
     base = build.load("inverting", until=5.0)
     system = base.system.replace(name="toy-top", events=(*base.system.events, *events))
-    return dataclasses.replace(base, system=system, events=tuple(event.name for event in system.events))
+    return dataclasses.replace(
+        base, system=system, events=tuple(event.name for event in system.events)
+    )
 
 
 def test_a_sixth_and_a_seventh_kind_are_found_alike_in_lanes_and_alone() -> None:
@@ -233,12 +275,25 @@ def test_a_sixth_and_a_seventh_kind_are_found_alike_in_lanes_and_alone() -> None
     tops = Problems.vary(base, {"initial.omega3": spins, "initial.theta": tilts})
     assert tops.valid.all()
     rows = outcomes.table(measure(tops, threads=1, lanes=4))
-    assert base.system.kinds == ("turning", "liftoff", "equator", "inverted", "settled", "high", "quick")
+    assert base.system.kinds == (
+        "turning",
+        "liftoff",
+        "equator",
+        "inverted",
+        "settled",
+        "high",
+        "quick",
+    )
     for i in range(6):
         initial = {**base.initial, "omega3": float(spins[i]), "theta": float(tilts[i])}
         run = solve(dataclasses.replace(base, initial=initial))
         counts, kept = run.report["event_counts"], run.report["kept"]
-        assert rows["highs"].values[i] == kept["highs"] == counts.get("high", 0) == len(run.events.of("high").time)
+        assert (
+            rows["highs"].values[i]
+            == kept["highs"]
+            == counts.get("high", 0)
+            == len(run.events.of("high").time)
+        )
         assert rows["quicks"].values[i] == kept["quicks"] == counts.get("quick", 0)
         assert rows["rises"].values[i] == kept["rises"]
         assert 2 * kept["rises"] - kept["highs"] in (-1, 0, 1)  # theta rises and falls in turn
@@ -250,7 +305,9 @@ def test_a_sixth_and_a_seventh_kind_are_found_alike_in_lanes_and_alone() -> None
     assert rows["quicks"].values.max() > 10
 
 
-def test_other_events_do_not_change_what_is_kept_of_these(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
+def test_other_events_do_not_change_what_is_kept_of_these(
+    mixed: dict[str, np.ndarray], found: xr.Dataset
+) -> None:
     tops = Problems.vary(toy(HIGH), mixed)
     assert tops.valid.all()
     again = outcomes.dataset(measure(tops, threads=1), [])
@@ -284,7 +341,9 @@ def test_gliding_heavy_tops_fall_alike_in_lanes_and_alone() -> None:
 
 
 def test_a_top_that_will_leave_its_pole_has_not_settled_in_a_lane() -> None:
-    """The same rule as for a single run: sliding dies at 1.67 s, and returns when the unstable mode has grown."""
+    """The same rule as for a single run: sliding dies at 1.67 s, and returns when the unstable mode
+    has grown.
+    """
     sets = ["friction.mu=0.03", "initial.theta=1e-6", "run.stop_when=settled"]
     problem = build.load("inverting", sets, until=400.0)
     tops = Problems.vary(problem, {"friction.mu": np.array([0.03])})
@@ -294,24 +353,33 @@ def test_a_top_that_will_leave_its_pole_has_not_settled_in_a_lane() -> None:
     assert made.columns["theta_end"][0] > np.pi - 1e-6
 
 
-# --- orientation ----------------------------------------------------------------------------------------------------
+# --- orientation --------------------------------------------------------------------------------
 
 
 def test_the_orientation_of_lanes_is_that_of_runs_and_changes_no_other_column() -> None:
-    numbers = {"omega3": np.array([120.0, 155.0, -140.0, 155.0]), "psi": np.array([0.0, 0.4, -1.0, 0.0])}
+    numbers = {
+        "omega3": np.array([120.0, 155.0, -140.0, 155.0]),
+        "psi": np.array([0.0, 0.4, -1.0, 0.0]),
+    }
     plain = tippetop.ensemble("inverting", numbers, until=0.5, threads=1)
     full = tippetop.ensemble("inverting", numbers, until=0.5, threads=1, orientation=True)
     assert set(full.variables) - set(plain.variables) == set(outcomes.ORIENTATION)
     assert same(full.drop_vars(list(outcomes.ORIENTATION)), plain)
     for i in range(4):
         sets = [f"initial.{name}={float(column[i])!r}" for name, column in numbers.items()]
-        row = solve(build.load("inverting", [*sets, "run.output_step=", "run.output_times=[0.5]"], 0.5)).columns()
+        row = solve(
+            build.load("inverting", [*sets, "run.output_step=", "run.output_times=[0.5]"], 0.5)
+        ).columns()
         turn = np.array([float(full[f"orientation_{part}_end"][i]) for part in "wxyz"])
         assert turn == pytest.approx(row["orientation"].values[0], abs=1e-11)
         assert float(full["psi_end"][i]) == pytest.approx(row["psi"].values[0], abs=1e-11)
 
 
 def test_the_orientation_of_tops_that_did_not_run_is_nan() -> None:
-    found = tippetop.ensemble("inverting", {"omega3": [155.0, np.nan]}, until=0.1, threads=1, orientation=True)
+    found = tippetop.ensemble(
+        "inverting", {"omega3": [155.0, np.nan]}, until=0.1, threads=1, orientation=True
+    )
     assert kinds(found, "status").tolist() == ["finished", "invalid"]
-    assert all(np.isfinite(found[name].values).tolist() == [True, False] for name in outcomes.ORIENTATION)
+    assert all(
+        np.isfinite(found[name].values).tolist() == [True, False] for name in outcomes.ORIENTATION
+    )

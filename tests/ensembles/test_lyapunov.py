@@ -1,4 +1,6 @@
-"""Finite-time Lyapunov exponents of many tops: a column of ensembles and sweeps that is left out unless asked for."""
+"""Finite-time Lyapunov exponents of many tops: a column of ensembles and sweeps that is left out
+unless asked for.
+"""
 
 from pathlib import Path
 
@@ -14,7 +16,10 @@ from tippetop.sweeps.plan import Plan
 
 
 SPINS = [120.0, -1.0, 330.0]
-AXES = [{"of": "initial.omega3", "values": [100.0, 150.0]}, {"of": "friction.mu", "values": [0.1, 0.2, 0.3]}]
+AXES = [
+    {"of": "initial.omega3", "values": [100.0, 150.0]},
+    {"of": "friction.mu", "values": [0.1, 0.2, 0.3]},
+]
 
 
 def test_each_top_has_the_exponent_of_its_run() -> None:
@@ -25,16 +30,25 @@ def test_each_top_has_the_exponent_of_its_run() -> None:
     assert np.isnan(rows.lyapunov[1])
     for top in (0, 2):
         end = float(rows.t_end[top])
-        alone = tt.derivatives.lyapunov("inverting", {"mu": 0.3}, start={"omega3": SPINS[top]}, until=end, rows=2)
+        alone = tt.derivatives.lyapunov(
+            "inverting", {"mu": 0.3}, start={"omega3": SPINS[top]}, until=end, rows=2
+        )
         assert rows.lyapunov[top] == float(alone.exponent[-1])
     assert "lyapunov" not in tt.ensemble("inverting", numbers, until=0.01)
 
 
 def test_a_sweep_keeps_it_where_it_is_named() -> None:
     plan = Plan.from_tables(
-        {"scenario": "inverting", "keep": ["lyapunov"], "axis": AXES, "set": {"run": {"until": 0.1}}}
+        {
+            "scenario": "inverting",
+            "keep": ["lyapunov"],
+            "axis": AXES,
+            "set": {"run": {"until": 0.1}},
+        }
     )
-    table = chunk.columns(chunk.measure(plan.base, plan.columns(np.arange(1)), plan.keep), plan.keep)
+    table = chunk.columns(
+        chunk.measure(plan.base, plan.columns(np.arange(1)), plan.keep), plan.keep
+    )
     assert list(table) == ["status", "lyapunov"]
     assert np.isfinite(table["lyapunov"].values).all()
     assert list(chunk.column_schema(plan.base, plan.keep)) == ["status", "lyapunov"]
@@ -42,7 +56,9 @@ def test_a_sweep_keeps_it_where_it_is_named() -> None:
 
 
 def test_a_contact_that_opens_has_none() -> None:
-    with pytest.raises(InputError, match=r"`keep` must not have lyapunov here: the contact must never change"):
+    with pytest.raises(
+        InputError, match=r"`keep` must not have lyapunov here: the contact must never change"
+    ):
         Plan.from_tables({"scenario": "flying", "keep": ["lyapunov"], "axis": AXES})
     with pytest.raises(InputError, match="the contact must never change"):
         tt.ensemble("flying", {"mu": [0.1]}, until=0.01, lyapunov=True)

@@ -1,4 +1,6 @@
-"""Other motions beside the exact one: differences, drifts, when they leave, orders of convergence."""
+"""Other motions beside the exact one: differences, drifts, when they leave, orders of
+convergence.
+"""
 
 import json
 from pathlib import Path
@@ -19,7 +21,14 @@ SCENARIO = {
     "system": "tippe-top",
     "parameters": {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82},
     "friction": {"law": "viscous", "mu": 0.3},
-    "initial": {"theta": 0.1, "omega3": 155.0, "theta_dot": 0.5, "phi_dot": 1.0, "nu_x": 0.02, "psi": 0.4},
+    "initial": {
+        "theta": 0.1,
+        "omega3": 155.0,
+        "theta_dot": 0.5,
+        "phi_dot": 1.0,
+        "nu_x": 0.02,
+        "psi": 0.4,
+    },
     "run": {"until": 0.5},
 }
 
@@ -36,14 +45,20 @@ def written(path: Path, columns: dict[str, np.ndarray]) -> Path:
 
 
 def columns(run: tt.Run, turn: float = 0.0) -> dict[str, np.ndarray]:
-    """The run's own columns as another program's, turned about the vertical by `turn` rad per second."""
+    """The run's own columns as another program's, turned about the vertical by `turn` rad per
+    second.
+    """
     rows, q = run.trajectory, run.trajectory.orientation.values
     half = turn * rows.time.values / 2
     c, s = np.cos(half), np.sin(half)
     w, x, y, z = q.T
     turned = np.stack([c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w])
-    return {"t [s]": rows.time.values, **dict(zip(("q_w", "q_x", "q_y", "q_z"), turned, strict=True)),
-            "x [mm]": 1e3 * rows.x.values, "y [mm]": 1e3 * rows.y.values}  # fmt: skip
+    return {
+        "t [s]": rows.time.values,
+        **dict(zip(("q_w", "q_x", "q_y", "q_z"), turned, strict=True)),
+        "x [mm]": 1e3 * rows.x.values,
+        "y [mm]": 1e3 * rows.y.values,
+    }
 
 
 def test_our_own_motion_is_the_reference(run: tt.Run, tmp_path: Path) -> None:
@@ -112,7 +127,11 @@ def test_a_known_error_is_measured_and_its_order_found(run: tt.Run, tmp_path: Pa
     found = result.to_dict()
     first, second = found["files"]
     assert first["attitude"]["max"] == pytest.approx(4.1e3 * 1e-4 * 0.5)
-    assert first["attitude"]["leaves"] == {"0.001": 0.005, "0.01": 0.025, "0.1": pytest.approx(0.245)}
+    assert first["attitude"]["leaves"] == {
+        "0.001": 0.005,
+        "0.01": 0.025,
+        "0.1": pytest.approx(0.245),
+    }
     assert first["theta"]["max"] < 1e-14  # a turn about the vertical
     assert (first["step"], second["step"]) == (1e-2, 5e-3)
     assert found["orders"][0]["attitude"] == pytest.approx(2.0, abs=0.01)
@@ -121,13 +140,20 @@ def test_a_known_error_is_measured_and_its_order_found(run: tt.Run, tmp_path: Pa
 
 
 def test_energy_and_jellett_of_the_others_own_motion(tmp_path: Path) -> None:
-    """Of a flawed motion: an angular velocity that grows. The start of the export is that of the run."""
+    """Of a flawed motion: an angular velocity that grows.
+
+    The start of the export is that of the run.
+    """
     problem = tt.load("inverting")
     start = start_of(problem)
     t = np.linspace(0, 0.1, 11)
     grown = start.omega * (1 + t[:, None])
-    values = {"t [s]": t} | {f"q_{c}": np.full(11, v) for c, v in zip("wxyz", start.quaternion, strict=True)}
-    values |= {f"{c} [m]": np.full(11, v) for c, v in zip("xyz", start.place - [0, 0, 1e-5], strict=True)}
+    values = {"t [s]": t} | {
+        f"q_{c}": np.full(11, v) for c, v in zip("wxyz", start.quaternion, strict=True)
+    }
+    values |= {
+        f"{c} [m]": np.full(11, v) for c, v in zip("xyz", start.place - [0, 0, 1e-5], strict=True)
+    }
     values |= {f"v{c} [m/s]": np.full(11, v) for c, v in zip("xyz", start.velocity, strict=True)}
     values |= {f"omega_body_{c} [rad/s]": grown[:, i] for i, c in enumerate("xyz")}
     found = tt.compare(written(tmp_path / "grown.csv", values), problem).to_dict()
@@ -140,7 +166,10 @@ def test_energy_and_jellett_of_the_others_own_motion(tmp_path: Path) -> None:
 
 def test_the_exported_start_is_that_of_the_run(run: tt.Run) -> None:
     """Velocities are the derivatives of the places and the orientation that the run has."""
-    start, rows = start_of(run.problem), tt.run(SCENARIO, output_times=[1e-7, 2e-7], until=0.01).trajectory
+    start, rows = (
+        start_of(run.problem),
+        tt.run(SCENARIO, output_times=[1e-7, 2e-7], until=0.01).trajectory,
+    )
     place = np.stack([rows.x, rows.y], axis=1)
     np.testing.assert_allclose((4 * place[0] - place[1]) / 2e-7, start.velocity[:2], rtol=1e-6)
     q = np.stack([start.quaternion, *rows.orientation.values])
@@ -151,7 +180,9 @@ def test_the_exported_start_is_that_of_the_run(run: tt.Run) -> None:
 
 
 @pytest.mark.parametrize("to", ["mjcf", "urdf"])
-@pytest.mark.parametrize("preset", ["inverting", "gliding-heavy-top", "heavy-top", "rolling", "leine-glocker-stem"])
+@pytest.mark.parametrize(
+    "preset", ["inverting", "gliding-heavy-top", "heavy-top", "rolling", "leine-glocker-stem"]
+)
 def test_exports_are_xml_and_say_what_they_cannot(preset: str, to: str) -> None:
     from xml.etree import ElementTree
 
@@ -169,14 +200,21 @@ def test_exports_are_xml_and_say_what_they_cannot(preset: str, to: str) -> None:
     ("arguments", "words"),
     [
         (["other.csv"], "a file and a reference must be given"),
-        (["missing.csv", "inverting"], "`missing.csv` must be a CSV or Parquet file, but is not there"),
+        (
+            ["missing.csv", "inverting"],
+            "`missing.csv` must be a CSV or Parquet file, but is not there",
+        ),
         (["other.csv", "inverting", "--up", "x"], "the vertical must be z or y"),
         (["other.csv", "invertin"], "Did you mean `inverting`"),
         (["early.csv", "inverting"], "times must begin at 0"),
     ],
 )
 def test_bad_input_of_compare_is_a_sentence(
-    arguments: list[str], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+    arguments: list[str],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture,
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("other.csv").write_text("t [s],theta [rad]\n0,0.1\n0.1,0.1\n", encoding="utf-8")
@@ -185,7 +223,9 @@ def test_bad_input_of_compare_is_a_sentence(
     assert words in capsys.readouterr().err
 
 
-def test_the_command_prints_json_and_draws(run: tt.Run, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_the_command_prints_json_and_draws(
+    run: tt.Run, tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
     store, figure = run.save(tmp_path / "run.zarr"), tmp_path / "figure.svg"
     other = written(tmp_path / "own.csv", columns(run))
     assert cli.outcome(["compare", str(other), str(store), "--json", "--figure", str(figure)]) == 0

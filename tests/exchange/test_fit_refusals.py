@@ -1,4 +1,6 @@
-"""What a fit refuses before it computes, and what its words leave: no measurement is lost, no number is a pretence."""
+"""What a fit refuses before it computes, and what its words leave: no measurement is lost, no
+number is a pretence.
+"""
 
 from pathlib import Path
 
@@ -26,13 +28,21 @@ def film(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(
     ("more", "code", "words"),
     [
-        (["--out", "film.csv", "--overwrite"], 2, "--out must be another file than the measurements"),
+        (
+            ["--out", "film.csv", "--overwrite"],
+            2,
+            "--out must be another file than the measurements",
+        ),
         (["--out", "./film.csv"], 2, "--out must be another file than the measurements"),
         (["--out", "x.png", "--figure", "x.png"], 2, "--out must be another file than the figure"),
         (["--out", "there.toml"], 5, "`there.toml` exists"),
         (["--starts", "1.5"], 2, "--starts must be a whole number, but is `1.5`"),
         (["--quaternion", "zyxw"], 2, "must be wxyz or xyzw, but is 'zyxw'"),
-        (["--quaternion", "wxyz"], 2, "must have the columns q_0 ... q_3 for --quaternion, but has none"),
+        (
+            ["--quaternion", "wxyz"],
+            2,
+            "must have the columns q_0 ... q_3 for --quaternion, but has none",
+        ),
     ],
 )
 def test_wrong_words_are_refused_before_a_fit(
@@ -55,12 +65,26 @@ def test_wrong_words_are_refused_before_a_fit(
 @pytest.mark.parametrize(
     ("text", "free", "words"),
     [
-        ("t [s],theta [deg]\n-1,5\n0,5\n1,5\n", "friction.mu", r"begin at -1 s: shift them, or let `time\.offset`"),
-        ("t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n", "initial.phi", "`initial.phi` must change what was measured"),
-        ("t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n", "run.til", r"parameters\.m, .*initial\.psi, but is not|but is none"),
+        (
+            "t [s],theta [deg]\n-1,5\n0,5\n1,5\n",
+            "friction.mu",
+            r"begin at -1 s: shift them, or let `time\.offset`",
+        ),
+        (
+            "t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n",
+            "initial.phi",
+            "`initial.phi` must change what was measured",
+        ),
+        (
+            "t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n",
+            "run.til",
+            r"parameters\.m, .*initial\.psi, but is not|but is none",
+        ),
     ],
 )
-def test_what_cannot_be_fitted_is_a_sentence(tmp_path: Path, text: str, free: str, words: str) -> None:
+def test_what_cannot_be_fitted_is_a_sentence(
+    tmp_path: Path, text: str, free: str, words: str
+) -> None:
     path = tmp_path / "film.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=words):
@@ -75,16 +99,23 @@ def test_what_cannot_be_fitted_is_a_sentence(tmp_path: Path, text: str, free: st
         ['run.on_liftoff="fly"'],
     ],
 )
-def test_laws_and_contacts_without_fits_are_not_supported_yet(film: Path, changes: list[str]) -> None:
+def test_laws_and_contacts_without_fits_are_not_supported_yet(
+    film: Path, changes: list[str]
+) -> None:
     scenario = tt.load("inverting", [*changes, "friction.mu=0.3"])
-    with pytest.raises(InputError, match="exact Coulomb friction, stems and hops are not supported yet: give a smooth"):
+    with pytest.raises(
+        InputError,
+        match="exact Coulomb friction, stems and hops are not supported yet: give a smooth",
+    ):
         tt.fit(film, scenario, "friction.mu")
 
 
 def test_times_in_milliseconds_are_hours(tmp_path: Path) -> None:
     path = tmp_path / "film.csv"
     path.write_text("t [s],theta [deg]\n0,5.7\n33,5.6\n9000,5.8\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"must be at most .* but is 9000 s \(2\.5 hours\): is `t` in ms\?"):
+    with pytest.raises(
+        InputError, match=r"must be at most .* but is 9000 s \(2\.5 hours\): is `t` in ms\?"
+    ):
         tt.fit(path, "inverting", "friction.mu")
 
 
@@ -92,13 +123,18 @@ def test_times_in_milliseconds_are_hours(tmp_path: Path) -> None:
     ("noise", "words"),
     [
         (None, r"but is 3\.17894 rad \(182\.14 deg\) in row 3: .* must be stated \(--noise"),
-        ("0.3 deg", r"\(182\.14 deg\) in row 3: a noise of 0\.3 deg \(--noise\) does not explain it"),
+        (
+            "0.3 deg",
+            r"\(182\.14 deg\) in row 3: a noise of 0\.3 deg \(--noise\) does not explain it",
+        ),
         ("1 deg", ""),
         ("0 deg", "`noise` must be an angle between 0 and pi"),
         ("1 m", "`noise` must be in rad"),
     ],
 )
-def test_noise_explains_angles_beyond_the_poles(tmp_path: Path, noise: str | None, words: str) -> None:
+def test_noise_explains_angles_beyond_the_poles(
+    tmp_path: Path, noise: str | None, words: str
+) -> None:
     path = tmp_path / "film.csv"
     path.write_text("t [s],theta [deg]\n0,179\n0.1,-0.6\n0.2,182.14\n0.3,180.5\n", encoding="utf-8")
 
@@ -117,7 +153,9 @@ def test_names_that_are_offered_may_be_free(film: Path) -> None:
     with pytest.raises(InputError, match=r"Did you mean `mu`\?") as raised:
         tt.fit(film, "inverting", "friction.mue")
     assert "run." not in str(raised.value)
-    observation = measured.observation_of(tt.load("inverting"), str(film), ["mu"], measured.Convention(), None)
+    observation = measured.observation_of(
+        tt.load("inverting"), str(film), ["mu"], measured.Convention(), None
+    )
     assert list(observation.start()) == ["friction.mu"]
 
 
@@ -126,11 +164,13 @@ def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_th
     tmp_path: Path, first: float, offset: float
 ) -> None:
     path = tmp_path / "film.csv"
-    path.write_text(f"t [s],theta [deg]\n{first},5\n{first + 1},5\n{first + 2},5\n", encoding="utf-8")
+    path.write_text(
+        f"t [s],theta [deg]\n{first},5\n{first + 1},5\n{first + 2},5\n", encoding="utf-8"
+    )
     free = ["time.offset"]
-    assert measured.observation_of(tt.load("inverting"), path, free, measured.Convention(), None).start() == {
-        "time.offset": offset
-    }
+    assert measured.observation_of(
+        tt.load("inverting"), path, free, measured.Convention(), None
+    ).start() == {"time.offset": offset}
 
 
 def test_an_interval_ends_where_that_of_its_number_does() -> None:
@@ -139,14 +179,28 @@ def test_an_interval_ends_where_that_of_its_number_does() -> None:
 
 
 def test_an_interval_of_many_powers_of_ten_is_undecided(film: Path) -> None:
-    observation = measured.observation_of(tt.load("inverting"), film, ["friction.mu"], measured.Convention(), None)
-    fit = Fit({"friction.mu": Estimate(0.3, 50.0, 1e-167, 4e155)}, np.eye(1), True, True, ["."], {}, {}, np.zeros(2), 1)
+    observation = measured.observation_of(
+        tt.load("inverting"), film, ["friction.mu"], measured.Convention(), None
+    )
+    fit = Fit(
+        {"friction.mu": Estimate(0.3, 50.0, 1e-167, 4e155)},
+        np.eye(1),
+        True,
+        True,
+        ["."],
+        {},
+        {},
+        np.zeros(2),
+        1,
+    )
     assert "0.3 +- 50 s m-1   (95 %: undecided)" in lines(fit, observation)[0]
 
 
 @pytest.mark.parametrize(("sigma", "text"), [(1e6, "0.053 +- 1e+06"), (2e-5, "0.0526494 +- 2e-05")])
 def test_a_value_has_the_digits_that_its_error_leaves(film: Path, sigma: float, text: str) -> None:
-    observation = measured.observation_of(tt.load("inverting"), film, ["friction.mu"], measured.Convention(), None)
+    observation = measured.observation_of(
+        tt.load("inverting"), film, ["friction.mu"], measured.Convention(), None
+    )
     estimates = {"friction.mu": Estimate(0.052649398, sigma, 0.0, 1.0)}
     fit = Fit(estimates, np.eye(1), True, True, ["."], {}, {}, np.zeros(2), 1)
     assert text in lines(fit, observation)[0]

@@ -1,4 +1,6 @@
-"""Fits: exact Jacobians, numbers that are recovered with honest errors, and what cannot be fitted, in sentences."""
+"""Fits: exact Jacobians, numbers that are recovered with honest errors, and what cannot be fitted,
+in sentences.
+"""
 
 import json
 import tomllib
@@ -26,15 +28,25 @@ TRUE = {"friction.mu": 0.3, "initial.omega3": 155.0, "initial.theta": 0.5}
 
 @pytest.fixture(scope="module")
 def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The axis of the canonical top for a second: 60 rows, 0.3 degrees of noise, a fifth of them gone."""
+    """The axis of the canonical top for a second: 60 rows, 0.3 degrees of noise, a fifth of them
+    gone.
+    """
     random, t = np.random.default_rng(7), np.arange(0, 1.0, 1 / 60)
-    axis = tt.run("inverting", start={"theta": 0.5}, until=1.0, output_times=t[1:].tolist()).trajectory.axis.values
+    axis = tt.run(
+        "inverting", start={"theta": 0.5}, until=1.0, output_times=t[1:].tolist()
+    ).trajectory.axis.values
     axis = np.vstack([[np.sin(0.5), 0, np.cos(0.5)], axis])
     seen = axis + np.cross(np.deg2rad(0.3) * random.standard_normal(axis.shape), axis)
     seen /= np.linalg.norm(seen, axis=1)[:, None]
     keep = random.random(len(t)) > 0.2
     path = tmp_path_factory.mktemp("film") / "film.csv"
-    np.savetxt(path, np.column_stack([t, seen])[keep], delimiter=",", header="t [s],axis_x,axis_y,axis_z", comments="")
+    np.savetxt(
+        path,
+        np.column_stack([t, seen])[keep],
+        delimiter=",",
+        header="t [s],axis_x,axis_y,axis_z",
+        comments="",
+    )
     return path
 
 
@@ -55,15 +67,24 @@ def test_numbers_are_recovered_within_their_errors(fit: Fitted) -> None:
         assert abs(estimate.value - true) < 4 * estimate.sigma
         assert estimate.sigma < 0.1 * true
         assert estimate.low < estimate.value < estimate.high
-    assert np.deg2rad(0.3) * 0.8 < np.sqrt(np.nanmean(fit.residuals["axis"] ** 2)) < np.deg2rad(0.3) * 1.2
+    assert (
+        np.deg2rad(0.3) * 0.8
+        < np.sqrt(np.nanmean(fit.residuals["axis"] ** 2))
+        < np.deg2rad(0.3) * 1.2
+    )
     np.testing.assert_allclose(np.diag(fit.correlations), 1)
 
 
 def test_one_search_does_not_establish_a_minimum(film: Path, fit: Fitted) -> None:
     found = tt.fit(film, tt.load("inverting", SCENARIO), list(TRUE), starts=1)
     assert (found.converged, found.trustworthy) == (False, False)
-    assert "the minimum is not trustworthy: 1 of 1 independent searches ended there (3 are needed)" in found.reason
-    assert found.estimates["friction.mu"].value == pytest.approx(fit.estimates["friction.mu"].value, rel=1e-4)
+    assert (
+        "the minimum is not trustworthy: 1 of 1 independent searches ended there (3 are needed)"
+        in found.reason
+    )
+    assert found.estimates["friction.mu"].value == pytest.approx(
+        fit.estimates["friction.mu"].value, rel=1e-4
+    )
     assert str(found).startswith("the fit must be read with care:")
 
 
@@ -75,7 +96,9 @@ def test_residuals_larger_than_the_stated_noise_are_reported(film: Path) -> None
     assert ["larger than the stated noise" in reason for reason in told] == [False, True]
 
 
-def test_outliers_hardly_move_a_fit_with_another_loss(film: Path, fit: Fitted, tmp_path: Path) -> None:
+def test_outliers_hardly_move_a_fit_with_another_loss(
+    film: Path, fit: Fitted, tmp_path: Path
+) -> None:
     rows = np.loadtxt(film, delimiter=",", skiprows=1)
     rows[5::9, 1:] = [0.0, 0.6, 0.8]
     path = tmp_path / "outliers.csv"
@@ -122,7 +145,9 @@ def test_slopes_of_coordinates_are_those_of_differences(left_out: tuple[str, ...
     point = np.random.default_rng(1).uniform(-0.5, 0.5, len(start))
     for k, size in enumerate(1e-6 * np.eye(len(start))):
         ahead, behind = (np.array(list(space.values(point + s * size).values())) for s in (1, -1))
-        np.testing.assert_allclose(space.slopes(point)[:, k], (ahead - behind) / 2e-6, rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(
+            space.slopes(point)[:, k], (ahead - behind) / 2e-6, rtol=1e-6, atol=1e-6
+        )
 
 
 def test_the_axis_passes_through_the_pole_in_a_straight_line() -> None:
@@ -138,20 +163,32 @@ def test_the_axis_passes_through_the_pole_in_a_straight_line() -> None:
 def test_of_a_film_that_begins_late_the_best_minimum_is_found(seed: int, tmp_path: Path) -> None:
     """Nine free numbers: no better minimum is found from the truth."""
     t = np.arange(1, 270) / 30
-    start = ["friction.mu=0.27", "parameters.I1=3.05e-6", "initial.theta=0.13", "initial.omega3=148"]
+    start = [
+        "friction.mu=0.27",
+        "parameters.I1=3.05e-6",
+        "initial.theta=0.13",
+        "initial.omega3=148",
+    ]
     rows = tt.run("inverting", start, until=9.0, output_times=t).trajectory.sel(time=t)
-    seen = rows.axis.values + np.deg2rad(1) * np.random.default_rng(seed).standard_normal((len(t), 3))
+    seen = rows.axis.values + np.deg2rad(1) * np.random.default_rng(seed).standard_normal(
+        (len(t), 3)
+    )
     seen = (seen / np.linalg.norm(seen, axis=1)[:, None])[60:]
     path = tmp_path / "cut.csv"
     header = "t [s],axis_x,axis_y,axis_z"
-    np.savetxt(path, np.column_stack([t[60:] - t[60], seen]), delimiter=",", header=header, comments="")
+    np.savetxt(
+        path, np.column_stack([t[60:] - t[60], seen]), delimiter=",", header=header, comments=""
+    )
     true = {"friction.mu": 0.27, "parameters.I1": 3.05e-6}
     for name in ("theta", "theta_dot", "phi", "phi_dot", "omega3", "nu_x", "nu_y"):
         true[f"initial.{name}"] = float(rows[name][60])
     azimuth = float(np.arctan2(seen[0, 1], seen[0, 0]))
     found = tt.fit(path, tt.load("inverting", [f"initial.phi={azimuth}"]), list(true))
     best = tt.fit(
-        path, tt.load("inverting", [f"{name}={value!r}" for name, value in true.items()]), list(true), starts=1
+        path,
+        tt.load("inverting", [f"{name}={value!r}" for name, value in true.items()]),
+        list(true),
+        starts=1,
     )
     left, least = (float(np.sum(f.residuals["axis"] ** 2)) for f in (found, best))
     assert found.trustworthy
@@ -165,7 +202,9 @@ def test_only_integrators_at_the_rounding_unit_add_up_in_two_numbers(
     """It costs a quarter, and a fit asks for 1e-9."""
     asked = []
     monkeypatch.setenv("TIPPETOP_CACHE_DIR", "")
-    monkeypatch.setattr(hy, "taylor_adaptive_batch", lambda *_, **options: asked.append(options["high_accuracy"]))
+    monkeypatch.setattr(
+        hy, "taylor_adaptive_batch", lambda *_, **options: asked.append(options["high_accuracy"])
+    )
     kind = Numbers(tt.load("heavy-top")).kind(1)
     variational.compiled_motion.__wrapped__(kind, 1, True, tolerance, kind.variables.names)
     assert asked == [careful]
@@ -177,36 +216,67 @@ def test_a_fit_is_a_scenario_that_runs(fit: Fitted, tmp_path: Path) -> None:
     assert tomllib.loads(fit.to_toml())["friction"]["mu"] == fit.estimates["friction.mu"].value
     assert tt.load(path).initial == fit.problem.initial
     dots, curve = fit.plot(tmp_path / "fit.png").axes[0].lines[:2]
-    assert len(curve.get_xdata()) > 50 * len(dots.get_xdata())  # the motion, not a line from dot to dot
+    assert len(curve.get_xdata()) > 50 * len(
+        dots.get_xdata()
+    )  # the motion, not a line from dot to dot
 
 
-def predicted(observation: Observation, values: dict[str, float]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """What is left of each kind of measurement, and how the prediction moves, for one set of numbers."""
-    return {kind: (off[0], moves[0]) for kind, (off, moves) in observation.predictions([values]).items()}
+def predicted(
+    observation: Observation, values: dict[str, float]
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """What is left of each kind of measurement, and how the prediction moves, for one set of
+    numbers.
+    """
+    return {
+        kind: (off[0], moves[0]) for kind, (off, moves) in observation.predictions([values]).items()
+    }
 
 
-@pytest.mark.parametrize("kind", ["theta", "axis", *map(at_night, ("orientation", "place", "marker"))])
+@pytest.mark.parametrize(
+    "kind", ["theta", "axis", *map(at_night, ("orientation", "place", "marker"))]
+)
 def test_jacobians_are_those_of_differences(kind: str) -> None:
     """Of every kind of measurement, by numbers of the body, the law, the start and the clock."""
-    free = ["parameters.I1", "parameters.alpha", "friction.mu", "initial.omega3", "time.offset", "time.scale"]
+    free = [
+        "parameters.I1",
+        "parameters.alpha",
+        "friction.mu",
+        "initial.omega3",
+        "time.offset",
+        "time.scale",
+    ]
     t = np.array([0.02, 0.05, 0.11])
     n = len(t)
     q = np.tile([0.9, 0.1, 0.3, np.sqrt(1 - 0.91)], (n, 1))
     seen = {"theta": np.full(n, 0.2), "axis": np.tile([0.0, 0.6, 0.8], (n, 1)), "orientation": q}
-    motion = Motion(t, seen["theta"] if kind == "theta" else None, seen["axis"] if kind == "axis" else None,
-                    q if kind == "orientation" else None, np.zeros((n, 3)) if kind == "place" else None,
-                    None, None, None)  # fmt: skip
+    motion = Motion(
+        t,
+        seen["theta"] if kind == "theta" else None,
+        seen["axis"] if kind == "axis" else None,
+        q if kind == "orientation" else None,
+        np.zeros((n, 3)) if kind == "place" else None,
+        None,
+        None,
+        None,
+    )
     marker = (np.array([0.01, 0.0, 0.005]), np.zeros((n, 3))) if kind == "marker" else (None, None)
     observation = Observation(tt.load("inverting"), free, motion, *marker)
     start = observation.start()
     _, slopes = predicted(observation, start)[kind]
     for k, name in enumerate(free):
         size = 1e-5 * (abs(start[name]) or 1e-2)
-        ahead, behind = (predicted(observation, {**start, name: start[name] + s * size})[kind][0] for s in (1, -1))
-        expected = (behind - ahead) / (2 * size)  # of the prediction: what is left has the other sign
+        ahead, behind = (
+            predicted(observation, {**start, name: start[name] + s * size})[kind][0]
+            for s in (1, -1)
+        )
+        expected = (behind - ahead) / (
+            2 * size
+        )  # of the prediction: what is left has the other sign
         if kind == "orientation":  # to first order in what is left
             continue
-        np.testing.assert_allclose(slopes[:, :, k], expected, rtol=1e-4, atol=1e-5 * np.abs(expected).max())
+        np.testing.assert_allclose(
+            slopes[:, :, k], expected, rtol=1e-4, atol=1e-5 * np.abs(expected).max()
+        )
 
 
 def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
@@ -214,7 +284,9 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     t, arm = np.array([0.02, 0.05, 0.11]), np.array([0.01, 0.0, 0.005])
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
     none = (None,) * 7
-    observation = Observation(tt.load("inverting"), list(free), Motion(t, *none), arm, np.zeros((3, 3)))
+    observation = Observation(
+        tt.load("inverting"), list(free), Motion(t, *none), arm, np.zeros((3, 3))
+    )
     off, _ = predicted(observation, free)["marker"]
     changes = [f"{name}={value}" for name, value in free.items()]
     run = tt.run("inverting", changes, until=0.12, output_times=t).trajectory.sel(time=t)
@@ -230,7 +302,9 @@ def test_of_quaternions_the_inclination_is_drawn_measured_and_predicted() -> Non
     seen = Motion(t, None, None, run.orientation.values, *(None,) * 4)
     observation = Observation(tt.load("inverting"), ["friction.mu"], seen)
     for drawn in (observation.dots(), observation.curves(observation.start(), t)):
-        np.testing.assert_allclose(drawn["orientation"], run.theta.values[:, None], rtol=0, atol=1e-8)
+        np.testing.assert_allclose(
+            drawn["orientation"], run.theta.values[:, None], rtol=0, atol=1e-8
+        )
 
 
 def test_all_windows_of_long_data_take_the_equations_that_the_last_one_is_worth(
@@ -254,7 +328,12 @@ def test_all_windows_of_long_data_take_the_equations_that_the_last_one_is_worth(
 
 
 def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
-    found = tt.fit(film, tt.load("inverting", ["initial.theta=0.5", "initial.omega3=130.0"]), "friction.mu", starts=1)
+    found = tt.fit(
+        film,
+        tt.load("inverting", ["initial.theta=0.5", "initial.omega3=130.0"]),
+        "friction.mu",
+        starts=1,
+    )
     assert not found.trustworthy
     assert "the residuals are no noise" in found.reason
 

@@ -1,4 +1,6 @@
-"""A clock that is free has a best fit in every period of an oscillation: all that are nearly as good are found."""
+"""A clock that is free has a best fit in every period of an oscillation: all that are nearly as
+good are found.
+"""
 
 from types import SimpleNamespace
 
@@ -28,18 +30,29 @@ def misfit(drift: float) -> Misfit:
             o, b = values[OFFSET], values["b"]
             off.append(seen[rows] - (b + 0.1 * np.cos(RATE * (t + o)) + drift * (t + o) ** 2))
             moves.append(
-                np.stack([-0.1 * RATE * np.sin(RATE * (t + o)) + 2 * drift * (t + o), np.ones(len(t))], axis=1)
+                np.stack(
+                    [-0.1 * RATE * np.sin(RATE * (t + o)) + 2 * drift * (t + o), np.ones(len(t))],
+                    axis=1,
+                )
             )
-        return {"theta": (np.array(off)[:, :, None], np.array(moves)[:, :, None, :] if slopes else None)}
+        return {
+            "theta": (np.array(off)[:, :, None], np.array(moves)[:, :, None, :] if slopes else None)
+        }
 
-    observation = SimpleNamespace(t=T, groups={"theta": seen[:, None]}, parts=lambda _: 1, predictions=predictions)
+    observation = SimpleNamespace(
+        t=T, groups={"theta": seen[:, None]}, parts=lambda _: 1, predictions=predictions
+    )
     line = Scale(False, 1.0, -np.inf, np.inf)
     return Misfit(observation, Space({OFFSET: 0.0, "b": 0.0}, [line, line]), "linear")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("begin", [0.0, 2 * np.pi / RATE])
-def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_named(begin: float) -> None:
-    """The drift changes by 2 x 0.01 x 2 in 10 s of an offset: valleys beside are worse by little."""
+def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_named(
+    begin: float,
+) -> None:
+    """The drift changes by 2 x 0.01 x 2 in 10 s of an offset: valleys beside are worse
+    by little.
+    """
     left = misfit(0.01)
     best, *others = walk(left, local_minimum(left, np.array([begin, 0.0]), len(T)), 0)
     assert best.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)

@@ -1,4 +1,6 @@
-"""Figures show the numbers that they are given: curves, marks, labels and limits, read back from the artists."""
+"""Figures show the numbers that they are given: curves, marks, labels and limits, read back from
+the artists.
+"""
 
 from typing import Any
 
@@ -35,12 +37,16 @@ def drawn(kind: str, inverting: tuple) -> Figure:
 def lines(figure: Figure) -> dict[str, Any]:
     """The labelled lines of a figure."""
     found = [line for axes in figure.axes for line in axes.get_lines()]
-    return {str(line.get_label()): line for line in found if not str(line.get_label()).startswith("_")}
+    return {
+        str(line.get_label()): line for line in found if not str(line.get_label()).startswith("_")
+    }
 
 
 def marks(figure: Figure) -> dict[str, np.ndarray]:
     """The places of labelled dots."""
-    found = [(str(c.get_label()), c.get_offsets()) for axes in figure.axes for c in axes.collections]
+    found = [
+        (str(c.get_label()), c.get_offsets()) for axes in figure.axes for c in axes.collections
+    ]
     return {label: np.asarray(places) for label, places in found if not label.startswith("_")}
 
 
@@ -63,7 +69,9 @@ def test_theta_is_drawn_with_its_turnings(inverting: tuple) -> None:
 
 
 def test_the_width_of_the_band_is_not_drawn_over_a_pause_of_the_turnings(inverting: tuple) -> None:
-    """While the top turns over theta does not turn back: the line is open there, and the rise is no width."""
+    """While the top turns over theta does not turn back: the line is open there, and the rise is no
+    width.
+    """
     events = inverting[1]
     turning = events["time"].values[(events["kind"].values == 0) & events["significant"].values]
     figure = drawn("theta", inverting)
@@ -95,14 +103,18 @@ def test_a_title_is_text(inverting: tuple) -> None:
     """Bytes of a command line that are no UTF-8 come as lone surrogates, which no font has."""
     trajectory, events, attrs = inverting
     with pytest.raises(InputError, match="the title must be text in UTF-8"):
-        drawing.figure_of("theta", {"trajectory": trajectory, "events": events}, attrs, catalogue.Look("b\udcff"))
+        drawing.figure_of(
+            "theta", {"trajectory": trajectory, "events": events}, attrs, catalogue.Look("b\udcff")
+        )
 
 
 @pytest.mark.parametrize("title", ["$x_{$ <b>", "50$ and 60$ $$", "first\n$x_{$"])
 def test_a_title_that_is_no_formula_stands_as_it_is(title: str, inverting: tuple) -> None:
     trajectory, events, attrs = inverting
     look = catalogue.Look(title)
-    figure = drawing.figure_of("normal-force", {"trajectory": trajectory, "events": events}, attrs, look)
+    figure = drawing.figure_of(
+        "normal-force", {"trajectory": trajectory, "events": events}, attrs, look
+    )
     figure.canvas.draw()
     assert figure.axes[0].get_title(loc="left").replace(r"\$", "$") == title
 
@@ -110,9 +122,13 @@ def test_a_title_that_is_no_formula_stands_as_it_is(title: str, inverting: tuple
 def test_of_a_top_on_its_stem_nothing_is_said_that_is_of_its_sphere(inverting: tuple) -> None:
     """Its modified energy there is no energy, and its end on the sphere is not that of the run."""
     trajectory, events, attrs = inverting
-    ball = xr.DataArray((trajectory["time"] > 6.0).astype(np.int8), attrs={"flag_meanings": "body stem"})
+    ball = xr.DataArray(
+        (trajectory["time"] > 6.0).astype(np.int8), attrs={"flag_meanings": "body stem"}
+    )
     groups = {"trajectory": trajectory.assign(ball=ball), "events": events}
-    shown = lines(drawing.figure_of("energy", groups, attrs))["modified energy Ẽ; none on the stem, in the air"]
+    shown = lines(drawing.figure_of("energy", groups, attrs))[
+        "modified energy Ẽ; none on the stem, in the air"
+    ]
     assert np.asarray(shown.get_xdata())[np.isfinite(shown.get_ydata())].max() == 6.0
     for kind in ("states", "surface"):
         assert "last on its sphere" in lines(drawing.figure_of(kind, groups, attrs))
@@ -127,13 +143,17 @@ def test_of_a_top_on_its_stem_nothing_is_said_that_is_of_its_sphere(inverting: t
 def test_a_title_has_the_letters_of_the_axes_and_units(inverting: tuple) -> None:
     title = drawn("theta", inverting).axes[0].get_title(loc="left")
     assert (
-        title == "Rolling and gliding tippe top\nθ(0) = 0.1 rad, ω₃(0) = 155 rad s⁻¹, viscous friction, μ = 0.3 s m⁻¹"
+        title == "Rolling and gliding tippe top\nθ(0) = 0.1 rad, ω₃(0) = 155 rad s⁻¹, viscous "
+        "friction, μ = 0.3 s m⁻¹"
     )
     given = {"theta": 0.2, "phi_dot": -3.0, "nu_x": 0.5, "centre_at_rest": True, "gap": 1e-7}
     units = {"theta": "rad", "phi_dot": "rad s-1", "nu_x": "m s-1", "gap": "m"}
-    attrs = drawing.with_records({"system": "tippe-top", "title": "top", "initial": given, "units": units})
+    attrs = drawing.with_records(
+        {"system": "tippe-top", "title": "top", "initial": given, "units": units}
+    )
     assert labels.title(attrs) == (
-        "Top\nθ(0) = 0.2 rad, φ'(0) = −3 rad s⁻¹, $\\nu_x$(0) = 0.5 m s⁻¹, centre of mass at rest,\ngap(0) = 1 × 10⁻⁷ m"
+        "Top\nθ(0) = 0.2 rad, φ'(0) = −3 rad s⁻¹, $\\nu_x$(0) = 0.5 m s⁻¹, centre of mass at "
+        "rest,\ngap(0) = 1 × 10⁻⁷ m"
     )
 
 
@@ -142,7 +162,9 @@ def test_normal_force_is_drawn_in_weights_with_its_extremes(inverting: tuple) ->
     weight = attrs["parameters"]["m"] * attrs["parameters"]["g"]
     figure = drawn("normal-force", inverting)
     (axes,) = figure.axes
-    np.testing.assert_allclose(axes.get_lines()[-1].get_ydata(), trajectory["normal_force"] / weight)
+    np.testing.assert_allclose(
+        axes.get_lines()[-1].get_ydata(), trajectory["normal_force"] / weight
+    )
     extremes = attrs["report"]["normal_force"]
     dots = [tuple(map(float, c.get_offsets()[0])) for c in axes.collections]
     assert dots == [(extremes[f"t_{key}"], extremes[key] / weight) for key in ("min", "max")]
@@ -192,7 +214,9 @@ def test_sphere_shows_the_near_side_of_the_path(inverting: tuple) -> None:
     titles = [axes.get_title(loc="left") for axes in figure.axes[:3]]
     assert titles == ["from the side", "from above", "from below"]
     for axes, sign, mirrored in ((figure.axes[1], 1, 1), (figure.axes[2], -1, -1)):
-        segments = np.array(next(c for c in axes.collections if c.get_array() is not None).get_segments())
+        segments = np.array(
+            next(c for c in axes.collections if c.get_array() is not None).get_segments()
+        )
         near = (sign * path[1:, 2] >= 0) & (sign * path[:-1, 2] >= 0)
         np.testing.assert_array_equal(segments[:, 0], path[:-1, :2][near] * (1, mirrored))
         np.testing.assert_array_equal(segments[:, 1], path[1:, :2][near] * (1, mirrored))
@@ -206,8 +230,12 @@ def test_energies_are_drawn_in_millijoules(inverting: tuple) -> None:
         np.testing.assert_allclose(found[label].get_ydata(), 1e3 * trajectory[name])
 
 
-@pytest.mark.parametrize("count", [thinning.MOST_POINTS, thinning.MOST_POINTS + 1, 10 * thinning.MOST_POINTS + 7])
-def test_a_long_curve_is_thinned_without_losing_a_peak(count: int, rng: np.random.Generator) -> None:
+@pytest.mark.parametrize(
+    "count", [thinning.MOST_POINTS, thinning.MOST_POINTS + 1, 10 * thinning.MOST_POINTS + 7]
+)
+def test_a_long_curve_is_thinned_without_losing_a_peak(
+    count: int, rng: np.random.Generator
+) -> None:
     t, values = np.arange(float(count)), rng.normal(size=count)
     when, thin = thinning.thinned(t, values)
     assert len(when) <= thinning.MOST_POINTS + 20
@@ -216,7 +244,7 @@ def test_a_long_curve_is_thinned_without_losing_a_peak(count: int, rng: np.rando
     assert when[-1] >= count - 20
 
 
-# --- in the landscape -----------------------------------------------------------------------------------------------
+# --- in the landscape ---------------------------------------------------------------------------
 
 
 def test_band_is_the_predicted_one_with_the_logged_turnings(inverting: tuple) -> None:
@@ -232,7 +260,9 @@ def test_band_is_the_predicted_one_with_the_logged_turnings(inverting: tuple) ->
 
 
 def test_inversion_is_drawn_above_the_surface_from_state_to_state(inverting: tuple) -> None:
-    """(D, E~) of the run never lies below F, and goes from the one spinning state towards the other."""
+    """(D, E~) of the run never lies below F, and goes from the one spinning state towards the
+    other.
+    """
     figure = drawn("inversion", inverting)
     curves = lines(figure)
     path, F = curves["run (D(t), Ẽ(t))"], curves["minimal surface F"]
@@ -258,7 +288,10 @@ def test_surface_is_drawn_with_its_marked_lines() -> None:
     assert "D" in axes.get_xlabel()
     assert "λ" in axes.get_ylabel()
     assert axes.get_zlabel() == "energy (mJ)"
-    on, above = (next(line for line in shown if line.get_label() == f"spinning, θ = π{x}") for x in ("", ": above F"))
+    on, above = (
+        next(line for line in shown if line.get_label() == f"spinning, θ = π{x}")
+        for x in ("", ": above F")
+    )
     solid, dotted = (np.array(line.get_data_3d()) for line in (on, above))
     assert (
         np.isfinite(solid).all(axis=0) & np.isfinite(dotted).all(axis=0)
@@ -286,15 +319,27 @@ def test_a_well_is_drawn_with_its_level_and_turning_angles(factor: float | None)
 
 
 @pytest.mark.parametrize("kind", list(catalogue.FIGURES))
-def test_every_kind_has_labels_and_a_title(kind: str, inverting: tuple, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_kind_has_labels_and_a_title(
+    kind: str, inverting: tuple, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(film, "PIXELS", 20)
     figure = drawn(kind, inverting)
     labels = [axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes if axes.get_visible()]
-    labels += [tick.get_text() for axes in figure.axes[:1] for tick in axes.get_xticklabels() if kind == "film"]
+    labels += [
+        tick.get_text()
+        for axes in figure.axes[:1]
+        for tick in axes.get_xticklabels()
+        if kind == "film"
+    ]
     assert any(labels), kind
-    texts = [figure.get_suptitle(), *(axes.get_title(loc=loc) for axes in figure.axes for loc in ("left", "center"))]
+    texts = [
+        figure.get_suptitle(),
+        *(axes.get_title(loc=loc) for axes in figure.axes for loc in ("left", "center")),
+    ]
     assert any(texts), kind
-    assert not any("_" in text.replace("$", "").replace("\\nu_", "") or "3hat" in text for text in texts), kind
+    assert not any(
+        "_" in text.replace("$", "").replace("\\nu_", "") or "3hat" in text for text in texts
+    ), kind
 
 
 def test_symbols_of_users_numbers_are_those_of_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -314,4 +359,7 @@ def test_symbols_of_users_numbers_are_those_of_the_record(monkeypatch: pytest.Mo
     monkeypatch.setitem(LAWS, "wet", Wet)
     table = {"law": "wet", "mu": 0.3, "depth": 1.0, "film_age": 2.0}
     attrs = drawing.with_records({"system": "tippe-top", "friction": table})
-    assert labels.friction(table, attrs) == "wet friction, β₂ = 0.3 s m⁻¹, $\\ell_w$ = 1 m, film age = 2 s"
+    assert (
+        labels.friction(table, attrs)
+        == "wet friction, β₂ = 0.3 s m⁻¹, $\\ell_w$ = 1 m, film age = 2 s"
+    )

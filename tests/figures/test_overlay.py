@@ -1,4 +1,6 @@
-"""Several runs in one panel, named by what is different in them; parts of runs; pictures that are there stay."""
+"""Several runs in one panel, named by what is different in them; parts of runs; pictures that are
+there stay.
+"""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,25 +22,42 @@ def a_run(**more: Any) -> tuple[xr.Dataset, dict[str, Any]]:
     """A top that rises evenly."""
     t = np.linspace(0, 8, 81)
     attrs = {
-        "title": "rolling and gliding tippe top", "system": "tippe-top", "form": "vector", "status": "finished",
-        "friction": {"law": "viscous", "mu": 0.3}, "initial": {"theta": 0.1}, "parameters": {"m": 0.02, "g": 9.82},
-        "units": {"theta": "rad"}, "run": {"precision": "double"}, "report": {"drift": {}},
-    }  # fmt: skip
-    return xr.Dataset({"theta": ("time", 0.1 + 0.3 * t), "energy": ("time", 1 + t)}, {"time": t}), attrs | more
+        "title": "rolling and gliding tippe top",
+        "system": "tippe-top",
+        "form": "vector",
+        "status": "finished",
+        "friction": {"law": "viscous", "mu": 0.3},
+        "initial": {"theta": 0.1},
+        "parameters": {"m": 0.02, "g": 9.82},
+        "units": {"theta": "rad"},
+        "run": {"precision": "double"},
+        "report": {"drift": {}},
+    }
+    return xr.Dataset(
+        {"theta": ("time", 0.1 + 0.3 * t), "energy": ("time", 1 + t)}, {"time": t}
+    ), attrs | more
 
 
 def test_runs_are_named_by_what_is_different_in_them() -> None:
-    laws = [{"law": "viscous", "mu": 0.3}, {"law": "coulomb", "mu": 0.3, "eps": 0.01}, {"law": "none"}]
+    laws = [
+        {"law": "viscous", "mu": 0.3},
+        {"law": "coulomb", "mu": 0.3, "eps": 0.01},
+        {"law": "none"},
+    ]
     runs = [a_run(friction=law) for law in laws]
     ax = drawing.several("theta", runs, ["a", "b", "c"])
     words = [line.get_label() for line in ax.get_lines()]
     assert words == [
-        "viscous friction, μ = 0.3 s m⁻¹", "regularised Coulomb friction, μ = 0.3, ε = 0.01 m s⁻¹", "no friction"
-    ]  # fmt: skip
+        "viscous friction, μ = 0.3 s m⁻¹",
+        "regularised Coulomb friction, μ = 0.3, ε = 0.01 m s⁻¹",
+        "no friction",
+    ]
     assert ax.get_title(loc="left") == "Rolling and gliding tippe top\nθ(0) = 0.1 rad"
     assert {line.get_color() for line in ax.get_lines()} == set(overlay.COLOURS[:3])
     np.testing.assert_array_equal(ax.get_lines()[1].get_ydata(), runs[1][0]["theta"])
-    slower = [drawing.with_records(a_run(friction={"law": "viscous", "mu": mu})[1]) for mu in (0.1, 0.2)]
+    slower = [
+        drawing.with_records(a_run(friction={"law": "viscous", "mu": mu})[1]) for mu in (0.1, 0.2)
+    ]
     assert labels.differences(slower, ["a", "b"]) == ["μ = 0.1 s m⁻¹", "μ = 0.2 s m⁻¹"]
     assert labels.differences(slower[:1] * 2, ["a", "b"]) == ["a", "b"]
     ended = labels.differences([slower[0], slower[1] | {"status": "lifted-off"}], ["a", "b"])
@@ -59,11 +78,20 @@ def test_no_legend_is_wider_than_its_figure() -> None:
     fig = figure(7, 4)
     axes = fig.subplots()
     for i in range(4):
-        axes.plot([0, 1], [0, i], label=f"angular momentum $L_{i}$ of something, open where it is 0, {i} = 1 kg m² s⁻¹")
+        axes.plot(
+            [0, 1],
+            [0, i],
+            label=f"angular momentum $L_{i}$ of something, open where it is 0, {i} = 1 kg m² s⁻¹",
+        )
     for columns in (1, 4):
         legend(axes, "upper right", ncols=columns)
-    unlike = [a_run(friction={"law": f"law {'of a long name ' * i}"}, initial={"theta": i * 0.1}) for i in (1, 2, 9)]
-    small = drawing.several("theta", unlike, ["a$b", "c$d", "e"], catalogue.Look(size=(4, 3))).get_figure(root=True)
+    unlike = [
+        a_run(friction={"law": f"law {'of a long name ' * i}"}, initial={"theta": i * 0.1})
+        for i in (1, 2, 9)
+    ]
+    small = drawing.several(
+        "theta", unlike, ["a$b", "c$d", "e"], catalogue.Look(size=(4, 3))
+    ).get_figure(root=True)
     for whole in (fig, small):
         for one in whole.legends:
             assert one.get_window_extent().width <= whole.bbox.width
@@ -77,7 +105,9 @@ def test_no_legend_is_wider_than_its_figure() -> None:
 
 
 def test_a_comparison_is_labelled_as_the_other_figures_are() -> None:
-    """Units in round brackets, the legend beside the curves, a dollar of a file no formula, exact zeros not drawn."""
+    """Units in round brackets, the legend beside the curves, a dollar of a file no formula, exact
+    zeros not drawn.
+    """
     t = np.linspace(0, 1, 50)
     motions = [
         SimpleNamespace(
@@ -91,17 +121,31 @@ def test_a_comparison_is_labelled_as_the_other_figures_are() -> None:
     ]
     fig = comparison.comparison(motions, "tippe top, vector form")
     fig.canvas.draw()
-    assert [axes.get_ylabel() for axes in fig.axes] == ["inclination θ (rad)", "difference (rad)", "relative change"]
+    assert [axes.get_ylabel() for axes in fig.axes] == [
+        "inclination θ (rad)",
+        "difference (rad)",
+        "relative change",
+    ]
     assert fig.axes[0].get_title(loc="left") == "Tippe top, vector form"
     assert fig.axes[1].get_title(loc="left") == "How far it is off: solid axis, dotted θ alone"
     assert fig.axes[0].get_legend() is None
-    assert [text.get_text() for text in fig.legends[0].get_texts()] == ["reference", r"dt=\$1", r"dt=\$2"]
-    assert all(not np.isfinite(line.get_ydata()).any() for line in fig.axes[1].lines if line.get_linestyle() == ":")
+    assert [text.get_text() for text in fig.legends[0].get_texts()] == [
+        "reference",
+        r"dt=\$1",
+        r"dt=\$2",
+    ]
+    assert all(
+        not np.isfinite(line.get_ydata()).any()
+        for line in fig.axes[1].lines
+        if line.get_linestyle() == ":"
+    )
 
 
 def test_the_kinds_that_compare_runs_are_those_that_say_so() -> None:
     assert {name for name, kind in catalogue.FIGURES.items() if kind.compares} == set(overlay.SHOWN)
-    with pytest.raises(InputError, match=r"several runs are drawn together as theta, .*; `sphere` is drawn of one"):
+    with pytest.raises(
+        InputError, match=r"several runs are drawn together as theta, .*; `sphere` is drawn of one"
+    ):
         drawing.several("sphere", [a_run(), a_run()], ["a", "b"])
 
 
@@ -120,10 +164,16 @@ def test_a_part_of_a_run_keeps_its_first_row_for_the_changes() -> None:
 def test_a_picture_that_is_there_stays(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "a.png"
     path.write_text("mine")
-    for words in (["plot", "none.zarr"], ["run", "inverting", "--until", "0.01"], ["surface", "inverting"]):
+    for words in (
+        ["plot", "none.zarr"],
+        ["run", "inverting", "--until", "0.01"],
+        ["surface", "inverting"],
+    ):
         option = "--out" if words[0] == "plot" else "--figure"
         assert outcome([*words, option, str(path)]) == 5
-        assert f"`{path}` exists: name another picture, or say --overwrite." in capsys.readouterr().err
+        assert (
+            f"`{path}` exists: name another picture, or say --overwrite." in capsys.readouterr().err
+        )
     assert path.read_text() == "mine"
     with pytest.raises(Exception, match="must not exist"):
         save(figure(), path)
@@ -131,8 +181,12 @@ def test_a_picture_that_is_there_stays(tmp_path: Path, capsys: pytest.CaptureFix
     assert path.read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("words", [["--size", "big"], ["--dpi", "1"], ["--size", "0x5"], ["--out", "a.jpg"]])
-def test_a_look_that_cannot_be_is_said(words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    "words", [["--size", "big"], ["--dpi", "1"], ["--size", "0x5"], ["--out", "a.jpg"]]
+)
+def test_a_look_that_cannot_be_is_said(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     given = words if "--out" in words else [*words, "--out", str(tmp_path / "a.png")]
     assert outcome(["plot", "none.zarr", *given]) == 2
     assert capsys.readouterr().err.count("\n") == 1

@@ -1,4 +1,6 @@
-"""Figures over time shade the phases of a contact and mark its impacts: read back from the artists."""
+"""Figures over time shade the phases of a contact and mark its impacts: read back from
+the artists.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -41,7 +43,11 @@ def shades(axes: Any) -> tuple[np.ndarray, np.ndarray]:
 
 def ticks(axes: Any, ball: str) -> list[float]:
     """Times of the marks of a ball's impacts."""
-    (marks,) = [c for c in axes.collections if isinstance(c, LineCollection) and c.get_label().endswith(f"the {ball}")]
+    (marks,) = [
+        c
+        for c in axes.collections
+        if isinstance(c, LineCollection) and c.get_label().endswith(f"the {ball}")
+    ]
     return [float(segment[0, 0]) for segment in marks.get_segments()]
 
 
@@ -60,20 +66,29 @@ def panels() -> Any:
 def test_phases_are_shaded_from_start_to_end_in_every_panel() -> None:
     fig = panels()
     spans = table(
-        start=[0, 1, 1.5, 2], end=[1, 1.5, 2, 4], phase=["slip", "flight", "roll", "slip"],
+        start=[0, 1, 1.5, 2],
+        end=[1, 1.5, 2, 4],
+        phase=["slip", "flight", "roll", "slip"],
         ball=["body", "stem", "body", "stem"],
-    )  # fmt: skip
+    )
     phases.mark(list(fig.axes), spans, table(time=[1.5, 2.0], ball=["body", "stem"]))
     for axes in fig.axes:
         edges, colors = shades(axes)
         assert list(edges) == [0, 1, 1.5, 2, 4]
         kinds = [("slip", 0), ("flight", 0), ("roll", 0), ("slip", 1)]
-        np.testing.assert_allclose(colors, [to_rgb(LIGHT.shades[phase][stem]) for phase, stem in kinds])
+        np.testing.assert_allclose(
+            colors, [to_rgb(LIGHT.shades[phase][stem]) for phase, stem in kinds]
+        )
         assert (axes.get_xlim(), axes.get_ylim()) == ((0, 4), (0.5, 3))
         assert (ticks(axes, "body"), ticks(axes, "stem")) == ([1.5], [2.0])
     assert legend(fig) == [
-        "slip: 25.0 %", "roll: 12.5 %", "flight: 12.5 %", "slip on the stem: 50.0 %", "1 impact", "1 impact of the stem"
-    ]  # fmt: skip
+        "slip: 25.0 %",
+        "roll: 12.5 %",
+        "flight: 12.5 %",
+        "slip on the stem: 50.0 %",
+        "1 impact",
+        "1 impact of the stem",
+    ]
 
 
 def test_ten_thousand_phases_are_as_many_cells_as_can_be_seen() -> None:
@@ -84,21 +99,27 @@ def test_ten_thousand_phases_are_as_many_cells_as_can_be_seen() -> None:
     fig = panels()
     fig.axes[0].set_xlim(0, count)
     phases.mark(
-        list(fig.axes), table(start=edges[:-1], end=edges[1:], phase=words, ball=["body"] * count),
+        list(fig.axes),
+        table(start=edges[:-1], end=edges[1:], phase=words, ball=["body"] * count),
         table(time=edges[1:], ball=["body"] * count),
-    )  # fmt: skip
+    )
     _, colors = shades(fig.axes[0])
     assert len(colors) == phases.CELLS
-    mean = 0.75 * np.array(to_rgb(LIGHT.shades["slip"][0])) + 0.25 * np.array(to_rgb(LIGHT.shades["flight"][0]))
+    mean = 0.75 * np.array(to_rgb(LIGHT.shades["slip"][0])) + 0.25 * np.array(
+        to_rgb(LIGHT.shades["flight"][0])
+    )
     np.testing.assert_allclose(colors, np.tile(mean, (phases.CELLS, 1)), atol=2e-3)
     assert phases.CELLS < len(ticks(fig.axes[0], "body")) <= 3 * phases.CELLS + 1
     assert legend(fig) == ["slip: 75.0 %", "flight: 25.0 %", "10000 impacts"]
 
 
 def test_the_drift_of_jellett_s_integral_begins_anew_with_another_ball() -> None:
-    """lambda is that of the ball in contact: its jump at a hand-over is no drift, not even if both came back between
-    two rows; nor is what drilling takes."""
-    trajectory = xr.Dataset({"time": ("time", np.arange(4.0)), "jellett": ("time", np.array([2.0, 2.0, 5.0, 5.0]))})
+    """lambda is that of the ball in contact: its jump at a hand-over is no drift, not even if both
+    came back between two rows; nor is what drilling takes.
+    """
+    trajectory = xr.Dataset(
+        {"time": ("time", np.arange(4.0)), "jellett": ("time", np.array([2.0, 2.0, 5.0, 5.0]))}
+    )
     attrs = {"report": {"drift": {"jellett": 0.0}}, "title": "a top", "initial": {}}
     ((_, changes, _),) = conserved.changes(trajectory, attrs | {"handed_over": [1.5, 1.7]})
     assert list(changes) == [0, 0, 0, 0]

@@ -1,4 +1,7 @@
-"""A few figures beside stored pictures. `pytest -n0 --mpl-generate-path=tests/figures/baseline` stores them anew."""
+"""A few figures beside stored pictures.
+
+`pytest -n0 --mpl-generate-path=tests/figures/baseline` stores them anew.
+"""
 
 from typing import Any
 
@@ -22,7 +25,9 @@ BALL = {
 }
 ATTRS: dict[str, Any] = {"title": "a top", "initial": {"theta": 0.3}, "units": {"theta": "rad"}}
 pytestmark = pytest.mark.filterwarnings("ignore")  # of the comparison itself
-SAME = pytest.mark.mpl_image_compare(baseline_dir="baseline", tolerance=8, remove_text=True, savefig_kwargs={"dpi": 40})
+SAME = pytest.mark.mpl_image_compare(
+    baseline_dir="baseline", tolerance=8, remove_text=True, savefig_kwargs={"dpi": 40}
+)
 
 
 def swinging() -> tuple[xr.Dataset, xr.Dataset]:
@@ -34,14 +39,20 @@ def swinging() -> tuple[xr.Dataset, xr.Dataset]:
     flags = {"flag_meanings": "turning liftoff"}
     events = xr.Dataset(
         {
-            "kind": ("event", np.zeros(len(inside), np.int8), flags), "theta": ("event", angle[inside]),
-            "theta_dot_sign": ("event", signs), "amplitude": ("event", np.full(len(inside), 0.6)),
-            "significant": ("event", np.ones(len(inside), bool)), "time": ("event", t[inside]),
+            "kind": ("event", np.zeros(len(inside), np.int8), flags),
+            "theta": ("event", angle[inside]),
+            "theta_dot_sign": ("event", signs),
+            "amplitude": ("event", np.full(len(inside), 0.6)),
+            "significant": ("event", np.ones(len(inside), bool)),
+            "time": ("event", t[inside]),
         }
-    )  # fmt: skip
+    )
     tilt = {
         "axis": (("time", "xyz"), np.stack([np.sin(angle), 0 * t, np.cos(angle)], axis=1)),
-        "orientation": (("time", "wxyz"), np.stack([np.cos(angle / 2), 0 * t, np.sin(angle / 2), 0 * t], axis=1)),
+        "orientation": (
+            ("time", "wxyz"),
+            np.stack([np.cos(angle / 2), 0 * t, np.sin(angle / 2), 0 * t], axis=1),
+        ),
     }
     return xr.Dataset({"theta": ("time", angle)} | tilt, {"time": t}), events
 

@@ -39,7 +39,9 @@ def test_all_of_a_small_figure_is_within_it(run: tt.Run, kind: str) -> None:
 
 
 def test_letters_of_a_small_figure_are_small(run: tt.Run) -> None:
-    sizes = [run.plot("theta", size=size).axes[0].xaxis.label.get_size() for size in (COLUMN, (12, 6))]
+    sizes = [
+        run.plot("theta", size=size).axes[0].xaxis.label.get_size() for size in (COLUMN, (12, 6))
+    ]
     assert 6 < sizes[0] < 8
     assert sizes[1] == run.plot("theta").axes[0].xaxis.label.get_size() == 10
 
@@ -54,7 +56,9 @@ def test_a_panel_of_a_users_figure_keeps_its_settings(run: tt.Run) -> None:
 
 def test_several_runs_differ_by_their_lines(run: tt.Run, tmp_path: Path) -> None:
     run.plot("theta", tmp_path / "a.svg", beside=[run, run])
-    patterns = re.findall("stroke-dasharray: ([0-9., ]+)", (tmp_path / "a.svg").read_text(encoding="utf-8"))
+    patterns = re.findall(
+        "stroke-dasharray: ([0-9., ]+)", (tmp_path / "a.svg").read_text(encoding="utf-8")
+    )
     assert len(set(patterns)) == 2  # and a solid one
 
 

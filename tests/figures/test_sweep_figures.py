@@ -1,4 +1,6 @@
-"""Maps of many tops show the numbers that they are given: cells, colours, borders, labels, read from the artists."""
+"""Maps of many tops show the numbers that they are given: cells, colours, borders, labels, read
+from the artists.
+"""
 
 from typing import Any
 
@@ -28,11 +30,17 @@ def a_map(kind: str, axes: tuple[MapAxis, ...], fields: dict[str, Any], **option
 def entries(figure: Figure) -> dict[str, Any]:
     """The legend's entries by their words."""
     (legend,) = figure.legends
-    return dict(zip((text.get_text() for text in legend.get_texts()), legend.legend_handles, strict=True))
+    return dict(
+        zip((text.get_text() for text in legend.get_texts()), legend.legend_handles, strict=True)
+    )
 
 
 def mesh_of(figure: Figure) -> Any:
-    return next(c for c in figure.axes[0].collections if c.get_array() is not None and hasattr(c, "_coordinates"))
+    return next(
+        c
+        for c in figure.axes[0].collections
+        if c.get_array() is not None and hasattr(c, "_coordinates")
+    )
 
 
 def test_every_cell_has_the_colour_of_its_class() -> None:
@@ -59,7 +67,9 @@ def test_the_legend_names_the_classes_that_are_there() -> None:
 
 
 def test_axes_have_their_labels_scales_and_limits() -> None:
-    figure = drawn(a_map("inversion", (X, Y), {"inverted_at": np.ones((3, 2))}, notes=["unfinished"]))
+    figure = drawn(
+        a_map("inversion", (X, Y), {"inverted_at": np.ones((3, 2))}, notes=["unfinished"])
+    )
     axes = figure.axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == (X.label, Y.label)
     assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
@@ -96,13 +106,21 @@ def test_tops_without_a_time_of_inversion_are_told_apart_by_their_end() -> None:
         "not inverted in time: tumbling",
     }
     layers = [
-        np.ma.asarray(c.get_array()).reshape(2, 3) for c in figure.axes[0].collections if c.get_array() is not None
+        np.ma.asarray(c.get_array()).reshape(2, 3)
+        for c in figure.axes[0].collections
+        if c.get_array() is not None
     ]
     meshes = [c for c in figure.axes[0].collections if c.get_array() is not None]
     for i, j in zip(*np.nonzero(np.isnan(times)), strict=True):
-        (layer,) = [k for k, values in enumerate(layers) if not np.ma.getmaskarray(np.ma.masked_invalid(values))[j, i]]
+        (layer,) = [
+            k
+            for k, values in enumerate(layers)
+            if not np.ma.getmaskarray(np.ma.masked_invalid(values))[j, i]
+        ]
         colour = meshes[layer].to_rgba(layers[layer][j, i])
-        assert colour == pytest.approx(mpl.colors.to_rgba(sweep.colours()[SHOWN[int(ends[i, j])]]), abs=1 / 255)
+        assert colour == pytest.approx(
+            mpl.colors.to_rgba(sweep.colours()[SHOWN[int(ends[i, j])]]), abs=1 / 255
+        )
 
 
 def contours(figure: Figure) -> list[np.ndarray]:
@@ -112,9 +130,15 @@ def contours(figure: Figure) -> list[np.ndarray]:
 
 
 def test_a_border_runs_where_its_function_is_zero() -> None:
-    """log(omega3/120): the line omega3 = 120, over all mu, drawn twice; the legend sets its letters."""
+    """log(omega3/120): the line omega3 = 120, over all mu, drawn twice; the legend sets its
+    letters.
+    """
     values = np.log(X.span / 120.0)[:, None] + 0 * Y.span
-    figure = drawn(a_map("class", (X, Y), {"class": np.ones((3, 2))}, borders={"λ = λ_u: stable below": values}))
+    figure = drawn(
+        a_map(
+            "class", (X, Y), {"class": np.ones((3, 2))}, borders={"λ = λ_u: stable below": values}
+        )
+    )
     lines = contours(figure)
     assert len(lines) == 2
     for line in lines:
@@ -124,14 +148,19 @@ def test_a_border_runs_where_its_function_is_zero() -> None:
 
 
 def test_liftoff_is_between_the_cells_that_touch_and_those_that_do_not() -> None:
-    """The tops of the fastest spin lose contact, one of the middle ones too: the line runs along the edges of these
-    cells, from one end of the map to the other."""
+    """The tops of the fastest spin lose contact, one of the middle ones too: the line runs along
+    the edges of these cells, from one end of the map to the other.
+    """
     force = np.array([[0.5, 0.6], [0.2, 0.0], [0.0, 0.0]])
     figure = drawn(a_map("normal-force", (X, Y), {"normal_force_min": force}))
     (edges,) = [c for c in figure.axes[0].collections if isinstance(c, LineCollection)]
     found = {tuple(map(tuple, np.round(segment, 9))) for segment in edges.get_segments()}
     x, y = X.edges, Y.edges
-    assert found == {((x[2], y[0]), (x[2], y[1])), ((x[1], y[1]), (x[2], y[1])), ((x[1], y[1]), (x[1], y[2]))}
+    assert found == {
+        ((x[2], y[0]), (x[2], y[1])),
+        ((x[1], y[1]), (x[2], y[1])),
+        ((x[1], y[1]), (x[1], y[2])),
+    }
     assert any("liftoff" in words for words in entries(figure))
     above = drawn(a_map("normal-force", (X, Y), {"normal_force_min": force + 0.1}))
     assert not above.legends
@@ -139,35 +168,56 @@ def test_liftoff_is_between_the_cells_that_touch_and_those_that_do_not() -> None
 
 def test_every_border_is_drawn_however_many_there_are() -> None:
     """There are four strokes: of six borders the last two were left out."""
-    borders = {f"λ = λ_{i}: above": np.log(X.span / (100.0 + 5 * i))[:, None] + 0 * Y.span for i in range(6)}
+    borders = {
+        f"λ = λ_{i}: above": np.log(X.span / (100.0 + 5 * i))[:, None] + 0 * Y.span
+        for i in range(6)
+    }
     figure = drawn(a_map("class", (X, Y), {"class": np.ones((3, 2))}, borders=borders))
     assert len(contours(figure)) == 12
     assert sum("above" in words for words in entries(figure)) == 6
 
 
-# --- over one axis ----------------------------------------------------------------------------------------------------
+# --- over one axis ------------------------------------------------------------------------------
 
 
 def test_ends_over_one_axis_are_dots_in_the_colour_of_their_class() -> None:
     kinds = np.array([SHOWN.index(name) for name in ("upright", "inverted", "inverted")], float)
     theta = np.array([0.0, np.pi, np.nan])
     figure = drawn(a_map("class", (X,), {"class": kinds, "theta_end": theta}))
-    dots = {line.get_label(): line for line in figure.axes[0].get_lines() if not line.get_label().startswith("_")}
+    dots = {
+        line.get_label(): line
+        for line in figure.axes[0].get_lines()
+        if not line.get_label().startswith("_")
+    }
     assert set(dots) == {"upright", "inverted"}
     assert np.asarray(dots["upright"].get_xydata()).tolist() == [[100.0, 0.0]]
     assert dots["inverted"].get_xydata()[0].tolist() == [120.0, np.pi]
     assert dots["inverted"].get_color() == sweep.colours()["inverted"]
     joined = [line for line in figure.axes[0].get_lines() if line.get_label().startswith("_")]
-    assert [len(line.get_xdata()) for line in joined] == [1, 2]  # no line from the one fate to the other
+    assert [len(line.get_xdata()) for line in joined] == [
+        1,
+        2,
+    ]  # no line from the one fate to the other
 
 
 def test_times_and_forces_over_one_axis_are_curves() -> None:
     fields = {"inverted_at": np.array([5.0, 4.0, 3.0]), "first_equator": np.array([4.0, 3.0, 2.0])}
-    found = {line.get_label(): line for line in drawn(a_map("inversion", (X,), fields)).axes[0].get_lines()}
-    np.testing.assert_array_equal(found["first θ = π/2"].get_xydata().T, [X.centres, fields["first_equator"]])
+    found = {
+        line.get_label(): line
+        for line in drawn(a_map("inversion", (X,), fields)).axes[0].get_lines()
+    }
+    np.testing.assert_array_equal(
+        found["first θ = π/2"].get_xydata().T, [X.centres, fields["first_equator"]]
+    )
     np.testing.assert_array_equal(found["first θ = π − 0.1"].get_ydata(), fields["inverted_at"])
-    fields = {"normal_force_min": np.array([0.5, 0.3, 0.0]), "normal_force_max": np.array([1.5, 2.0, 3.0])}
-    found = {line.get_label(): line for line in drawn(a_map("normal-force", (X,), fields)).axes[0].get_lines()}
+    fields = {
+        "normal_force_min": np.array([0.5, 0.3, 0.0]),
+        "normal_force_max": np.array([1.5, 2.0, 3.0]),
+    }
+    found = {
+        line.get_label(): line
+        for line in drawn(a_map("normal-force", (X,), fields)).axes[0].get_lines()
+    }
     np.testing.assert_array_equal(found["least"].get_ydata(), fields["normal_force_min"])
     np.testing.assert_array_equal(found["greatest"].get_ydata(), fields["normal_force_max"])
 
@@ -178,7 +228,9 @@ def test_a_border_over_one_axis_is_a_line_where_its_function_changes_sign(level:
     values = np.log(X.span / level)
     values[X.span > 135.0] = np.nan
     fields = {"inverted_at": np.ones(3), "first_equator": np.ones(3)}
-    figure = drawn(a_map("inversion", (X,), fields, borders={"λ = λ_de: less energy above": values}))
+    figure = drawn(
+        a_map("inversion", (X,), fields, borders={"λ = λ_de: less energy above": values})
+    )
     (line,) = figure.axes[0].get_lines()[2:]
     assert line.get_label() == r"$\lambda = \lambda_{de}$: less energy above"
     np.testing.assert_allclose(line.get_xdata(), level, rtol=0, atol=1.01 * np.diff(X.span)[0])
@@ -190,4 +242,6 @@ def test_a_border_that_is_passed_twice_has_two_lines_and_one_entry() -> None:
     figure = drawn(a_map("inversion", (X,), fields, borders={"λ = λ_s: above": values}))
     found = [line.get_xdata()[0] for line in figure.axes[0].get_lines()[2:]]
     assert found == pytest.approx([101.0, 139.0], abs=1.01 * np.diff(X.span)[0])
-    assert [text.get_text() for text in figure.legends[0].get_texts()].count(r"$\lambda = \lambda_s$: above") == 1
+    assert [text.get_text() for text in figure.legends[0].get_texts()].count(
+        r"$\lambda = \lambda_s$: above"
+    ) == 1

@@ -1,4 +1,5 @@
-"""The response at a contact and Coulomb's law by angles, along e, 2hat and zhat: an oracle for those of vectors.
+"""The response at a contact and Coulomb's law by angles, along e, 2hat and zhat: an oracle for
+those of vectors.
 
 K is that of `response.mobility`; everything is singular at the poles.
 """
@@ -29,7 +30,9 @@ def bias(s: Any, z: Any, theta_dot: Any, phi_dot: Any, omega3: Any, b: Any) -> C
 
 def contact_acceleration(b: Components, K: Mobility, F: Components) -> Components:
     """Return b + K F."""
-    return Components(b.e + K.ee * F.e + K.ez * F.z, b.t + K.tt * F.t, b.z + K.ez * F.e + K.zz * F.z)
+    return Components(
+        b.e + K.ee * F.e + K.ez * F.z, b.t + K.tt * F.t, b.z + K.ez * F.e + K.zz * F.z
+    )
 
 
 def slip_force(b: Components, K: Mobility, n_e: Any, n_t: Any, mu: Any) -> Components:

@@ -1,6 +1,7 @@
 """A disk in memory on which operations fail, or power is lost, wherever a test wants it.
 
-Content is durable after a sync of its file, names after a sync of their folder, in any order before.
+Content is durable after a sync of its file, names after a sync of their folder, in any order
+before.
 """
 
 import errno
@@ -20,7 +21,10 @@ class _File:
 
 
 class ModelFolder(Folder):
-    """A folder on such a disk. Operation number `fault[1]` fails ("fail") or is the last ("power")."""
+    """A folder on such a disk.
+
+    Operation number `fault[1]` fails ("fail") or is the last ("power").
+    """
 
     threads = 1
 
@@ -29,7 +33,9 @@ class ModelFolder(Folder):
         self.now: dict[str, _File] = {}
         self.kept: dict[str, _File] = {}
         self.folders, self.kept_folders = {""}, {""}
-        self.journal: list[tuple[str, str, str, object]] = []  # folder, what, name, more: not on the disk yet
+        self.journal: list[
+            tuple[str, str, str, object]
+        ] = []  # folder, what, name, more: not on the disk yet
         self.count, self.fault, self.off = 0, ("", 0), False
         self.random = random.Random(0)
 
@@ -66,7 +72,9 @@ class ModelFolder(Folder):
         if name not in self.now:
             self.now[name] = _File()
             self.journal.append((name.rpartition("/")[0], "name", name, self.now[name]))
-        self.now[name].data = before + (data[: self.random.randrange(len(data) + 1)] if cut else data)
+        self.now[name].data = before + (
+            data[: self.random.randrange(len(data) + 1)] if cut else data
+        )
         if cut:
             self._fail()
 
@@ -93,7 +101,13 @@ class ModelFolder(Folder):
 
     def names(self, name: str) -> list[str]:
         within = f"{name}/" if name else ""
-        return sorted({path.removeprefix(within).partition("/")[0] for path in self.now if path.startswith(within)})
+        return sorted(
+            {
+                path.removeprefix(within).partition("/")[0]
+                for path in self.now
+                if path.startswith(within)
+            }
+        )
 
     def lock(self, name: str) -> int:
         self.read(name)
@@ -139,12 +153,19 @@ class ModelFolder(Folder):
             if file.data != file.durable:
                 least = len(file.durable) if file.data.startswith(file.durable) else 0
                 cut = chance.randrange(least, len(file.data) + 1)
-                torn = [file.durable, file.data, file.data[:cut], file.data[:cut] + bytes(len(file.data) - cut)]
+                torn = [
+                    file.durable,
+                    file.data,
+                    file.data[:cut],
+                    file.data[:cut] + bytes(len(file.data) - cut),
+                ]
                 file.durable = chance.choice(torn)
             file.data = file.durable
         whole = {name for name in self.kept_folders if self._parents(name) <= self.kept_folders}
         self.folders, self.kept_folders = whole, set(whole)
-        self.kept = {name: file for name, file in self.kept.items() if name.rpartition("/")[0] in whole}
+        self.kept = {
+            name: file for name, file in self.kept.items() if name.rpartition("/")[0] in whole
+        }
         self.now, self.journal = dict(self.kept), []
         self.again()
 

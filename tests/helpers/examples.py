@@ -35,7 +35,11 @@ def problem(
     law = used.laws.get(friction[0])
     record = law._make(friction[1][name] for name in law._fields) if law else Frictionless()
     form = used.forms[options.pop("form", next(iter(used.forms)))]
-    options = {"times": np.linspace(0, until, 101), "events": tuple(e.name for e in used.events), **options}
+    options = {
+        "times": np.linspace(0, until, 101),
+        "events": tuple(e.name for e in used.events),
+        **options,
+    }
     given = {"parameters": parameters, "friction": record, "initial": initial, "until": until}
     return Problem(system=used, form=form, **given, **options)
 
@@ -65,7 +69,10 @@ def at_start(made: Problem) -> dict[str, float]:
     """Quantities at t = 0, in SI units."""
     view = Observables(made)
     values = view.evaluate(made.start()[None, :])
-    return {q.name: float(values[q.name][0]) * float(made.scales.of(q.unit)) for q in made.system.quantities}
+    return {
+        q.name: float(values[q.name][0]) * float(made.scales.of(q.unit))
+        for q in made.system.quantities
+    }
 
 
 class Case(NamedTuple):
@@ -111,13 +118,21 @@ def reference(name: str, system: str, form: str, precision: str = "double") -> C
         times=times,
         precision=precision,
     )
-    values = {mine: np.array(stored[his], dtype=float) for his, mine in COLUMNS.items() if his in stored}
+    values = {
+        mine: np.array(stored[his], dtype=float) for his, mine in COLUMNS.items() if his in stored
+    }
     if "theta_unwrapped" in stored:
         values["theta"] = np.array(stored["theta_unwrapped"], dtype=float)
-    values["horizontal_force"] = np.hypot(np.array(stored["Fx"], float), np.array(stored["Fy"], float))
+    values["horizontal_force"] = np.hypot(
+        np.array(stored["Fx"], float), np.array(stored["Fy"], float)
+    )
     values["x"] = np.array(stored["r"], dtype=float)[:, 0]
     values["axis"] = np.array(stored["u"], dtype=float)
-    turnings = [(float(p["t"]), float(p["theta"])) for p in stored["turning_points"] if 0 < float(p["t"]) <= times[-1]]
+    turnings = [
+        (float(p["t"]), float(p["theta"]))
+        for p in stored["turning_points"]
+        if 0 < float(p["t"]) <= times[-1]
+    ]
     t, theta = np.array(turnings).T if turnings else (np.zeros(0), np.zeros(0))
     crossings = [(c["level"], float(c["t"])) for c in stored["crossings"]]
     return Case(made, times, values, t, theta, crossings)

@@ -1,7 +1,9 @@
-"""Faults of a real disk, on purpose: one operation on a file below a folder fails, or is the last one.
+"""Faults of a real disk, on purpose: one operation on a file below a folder fails, or is the last
+one.
 
-Ways: "once" (an error), "full" (half a write, and no room from then on), "killed" (half a write, and nothing more),
-"power" (the same, and all that was not synced is gone), "names" (the same, but names are kept: their files are empty).
+Ways: "once" (an error), "full" (half a write, and no room from then on), "killed" (half a write,
+and nothing more), "power" (the same, and all that was not synced is gone), "names" (the same, but
+names are kept: their files are empty).
 """
 
 import errno
@@ -28,10 +30,23 @@ class Faults:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, root: Path):
         self.root, self.count, self.at, self.way = root, 0, 0, ""
-        self.durable: dict[int, Any] = {}  # by inode: the content of a file, the names and inodes in a folder
+        self.durable: dict[
+            int, Any
+        ] = {}  # by inode: the content of a file, the names and inodes in a folder
         self.held: list[int] = []  # so that no inode is used again
         self.arm(0, "")
-        for name in ("open", "write", "fsync", "rename", "replace", "mkdir", "unlink", "remove", "rmdir", "link"):
+        for name in (
+            "open",
+            "write",
+            "fsync",
+            "rename",
+            "replace",
+            "mkdir",
+            "unlink",
+            "remove",
+            "rmdir",
+            "link",
+        ):
             monkeypatch.setattr(os, name, self._watched(name, getattr(os, name)))
 
     def arm(self, at: int, way: str) -> None:
@@ -48,7 +63,9 @@ class Faults:
         self.at, self.way = at, way
 
     def disarm(self) -> None:
-        """Begin anew without faults, as another process does; after a power failure, with what is durable."""
+        """Begin anew without faults, as another process does; after a power failure, with what is
+        durable.
+        """
         way, self.way = self.way, ""
         if way in ("power", "names") and self.count >= self.at:
             tree = {str(p.relative_to(self.root)): self._kept(p) for p in self.root.rglob("*")}
@@ -58,7 +75,9 @@ class Faults:
             self.root.mkdir()
             for name, data in tree.items():
                 place = self.root / name
-                place.mkdir(parents=True, exist_ok=True) if data is None else place.write_bytes(data)
+                place.mkdir(parents=True, exist_ok=True) if data is None else place.write_bytes(
+                    data
+                )
 
     def _kept(self, place: Path) -> bytes | None:
         return None if place.is_dir() else self.durable.get(place.stat().st_ino, b"")
@@ -74,7 +93,9 @@ class Faults:
         self.held.append(os.dup(descriptor))
         if stat.S_ISDIR(status.st_mode):
             with os.scandir(descriptor) as entries:
-                self.durable[status.st_ino] = {e.name: (e.inode(), e.is_dir(follow_symlinks=False)) for e in entries}
+                self.durable[status.st_ino] = {
+                    e.name: (e.inode(), e.is_dir(follow_symlinks=False)) for e in entries
+                }
         else:
             self.durable[status.st_ino] = Path(f"/proc/self/fd/{descriptor}").read_bytes()
 
@@ -103,7 +124,11 @@ class Faults:
             changes = name != "open" or given[1] & (os.O_CREAT | os.O_WRONLY)
             watched = changes and self._is_below(given[0], how)
             if watched:
-                half = (lambda: real(given[0], given[1][: len(given[1]) // 2])) if name == "write" else lambda: None
+                half = (
+                    (lambda: real(given[0], given[1][: len(given[1]) // 2]))
+                    if name == "write"
+                    else lambda: None
+                )
                 self._judge(name, half)
             result = real(*given, **how)
             if watched and name == "fsync":

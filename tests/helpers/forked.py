@@ -1,7 +1,8 @@
-"""The command line in a process of its own that finds everything imported: a fork of multiprocessing's server.
+"""The command line in a process of its own that finds everything imported: a fork of
+multiprocessing's server.
 
-Whatever stops or kills it cannot tell it from one that an interpreter began, 1.5 processor seconds earlier. What is
-about the start or the end of an interpreter takes `subprocess`.
+Whatever stops or kills it cannot tell it from one that an interpreter began, 1.5 processor seconds
+earlier. What is about the start or the end of an interpreter takes `subprocess`.
 """
 
 import multiprocessing
@@ -14,11 +15,18 @@ from pathlib import Path
 
 SERVER = multiprocessing.get_context("forkserver")
 SERVER.set_forkserver_preload(
-    ["tippetop.cli.run", "tippetop.runs.recording", "tippetop.runs.resuming", "tippetop.runs.forecast"]
+    [
+        "tippetop.cli.run",
+        "tippetop.runs.recording",
+        "tippetop.runs.resuming",
+        "tippetop.runs.forecast",
+    ]
 )
 
 
-def _work(arguments: Sequence[str], prelude: str, environment: dict[str, str], folder: str, streams: Path) -> None:
+def _work(
+    arguments: Sequence[str], prelude: str, environment: dict[str, str], folder: str, streams: Path
+) -> None:
     """In the fork."""
     for number, name in ((1, "out"), (2, "err")):
         os.dup2(os.open(streams / name, os.O_WRONLY | os.O_CREAT, 0o600), number)
@@ -33,7 +41,8 @@ def _work(arguments: Sequence[str], prelude: str, environment: dict[str, str], f
 
 
 class Forked:
-    """A command that has begun, in the environment and the folder of whoever begins it; used as `subprocess.Popen` is.
+    """A command that has begun, in the environment and the folder of whoever begins it; used as
+    `subprocess.Popen` is.
 
     Parameters
     ----------

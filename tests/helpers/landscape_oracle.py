@@ -1,4 +1,6 @@
-"""What the landscape is compared with: V of the published formula [T 4.12] and N(z) of section 5, in 60 digits."""
+"""What the landscape is compared with: V of the published formula [T 4.12] and N(z) of section 5,
+in 60 digits.
+"""
 
 import math
 
@@ -10,12 +12,21 @@ from tippetop.mechanics.systems import spinning, tippe_top
 
 
 mp.mp.dps = 60
-FIGURE = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 235 / 625 * 8e-6, "I3": 2 / 5 * 8e-6, "g": 9.82}  # figure 4.1
+FIGURE = {
+    "m": 0.02,
+    "R": 0.02,
+    "alpha": 0.3,
+    "I1": 235 / 625 * 8e-6,
+    "I3": 2 / 5 * 8e-6,
+    "g": 9.82,
+}  # figure 4.1
 
 
 def body(parameters):
     """The body in 60 digits: alpha*R is not rounded."""
-    return tippe_top.TippeTop.body_of({name: mp.mpf(x) for name, x in parameters.items()}, Frictionless())
+    return tippe_top.TippeTop.body_of(
+        {name: mp.mpf(x) for name, x in parameters.items()}, Frictionless()
+    )
 
 
 def parameters(alpha, gamma, sigma):
@@ -43,9 +54,11 @@ def z_of(q):
 
 
 def minimum(D, lam, b, near):
-    """F and q of the minimum of V, from the zero of N(z) next to q = `near`, bracketed and bisected by a secant.
+    """F and q of the minimum of V, from the zero of N(z) next to q = `near`, bracketed and bisected
+    by a secant.
 
-    Fails unless N changes sign from plus to minus with q within a factor 1 + 1e-6 of `near`: a minimum is there.
+    Fails unless N changes sign from plus to minus with q within a factor 1 + 1e-6 of `near`: a
+    minimum is there.
     """
     D, lam, near = mp.mpf(D), mp.mpf(lam), mp.mpf(near)
 
@@ -54,9 +67,13 @@ def minimum(D, lam, b, near):
 
     low, high = 1 / (1 + mp.mpf("1e-6")), 1 + mp.mpf("1e-6")
     f_low, f_high = N(low), N(high)
-    assert f_low > 0 > f_high, f"no minimum next to q = {float(near)} for D = {float(D)!r}, lambda = {float(lam)!r}"
+    assert f_low > 0 > f_high, (
+        f"no minimum next to q = {float(near)} for D = {float(D)!r}, lambda = {float(lam)!r}"
+    )
     # relative to near and to f_low, so that 50 digits are 50 digits, and it ends after 8 steps
-    factor = mp.findroot(lambda x: N(x) / f_low, (low, high), solver="anderson", tol=mp.mpf(10) ** -50, verify=False)
+    factor = mp.findroot(
+        lambda x: N(x) / f_low, (low, high), solver="anderson", tol=mp.mpf(10) ** -50, verify=False
+    )
     assert low < factor < high
     q = near * factor
     return potential(z_of(q), D, lam, b), q
@@ -87,7 +104,9 @@ def boxed(parameters, n, seed):
 
 
 def marked(parameters, n, seed):
-    """n random (D, lambda) within 1e-6 (relative) of the two marked lines, down to a rounding of them."""
+    """n random (D, lambda) within 1e-6 (relative) of the two marked lines, down to a rounding of
+    them.
+    """
     rng, lam0 = np.random.default_rng(seed), scales(parameters)[1]
     b = body(parameters)
     slopes = [float(spinning.slope(z, b)) for z in (1, -1)]

@@ -1,10 +1,12 @@
-"""The laws of mechanics as functions: each yields (what, found, expected) for a case at its random states.
+"""The laws of mechanics as functions: each yields (what, found, expected) for a case at its random
+states.
 
-A law that holds for some cases only says so by `only`: elsewhere it is not asked, and where it is asked it must compare
-something.
+A law that holds for some cases only says so by `only`: elsewhere it is not asked, and where it is
+asked it must compare something.
 
-Nothing here reads a formula that it judges: vectors, angular velocity, contact velocity and reaction are built again
-from the axis and the angular momentum, and derivatives along the flow are complex steps, exact to rounding.
+Nothing here reads a formula that it judges: vectors, angular velocity, contact velocity and
+reaction are built again from the axis and the angular momentum, and derivatives along the flow are
+complex steps, exact to rounding.
 """
 
 from collections import namedtuple
@@ -20,7 +22,8 @@ from tippetop.mechanics.variables import Variables
 
 
 STEP = 1e-30  # complex step: exact for any step this small
-TOLERANCE = 3e-11  # the states are of order one, the sums a few dozen terms; denominators are kept from zero
+# the states are of order one, the sums a few dozen terms; denominators are kept from zero
+TOLERANCE = 3e-11
 STATES = 60
 
 Pairs = Iterator[tuple[str, Any, Any]]
@@ -47,12 +50,17 @@ class Motion(NamedTuple):
 
 
 def vertical_inertia(z: Any, b: Any) -> Any:
-    """Half of I1 + m c^2 sin(theta)^2: the factor of theta'^2 where the reaction is vertical. [section 3.3]"""
+    """Half of I1 + m c^2 sin(theta)^2: the factor of theta'^2 where the reaction is vertical.
+
+    [section 3.3]
+    """
     return (b.I1 + b.m * b.c**2 * ((1 - z) * (1 + z))) / 2
 
 
 def vertical_potential(z: Any, Lz: Any, L3: Any, b: Any) -> Any:
-    """E - m|r'|^2/2 - vertical_inertia theta'^2 by L_z and L_3: without friction the potential of the nutation."""
+    """E - m|r'|^2/2 - vertical_inertia theta'^2 by L_z and L_3: without friction the potential of
+    the nutation.
+    """
     rotation = L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * b.I1 * ((1 - z) * (1 + z)))
     return b.m * b.g * (b.R - b.c * z) + rotation
 
@@ -94,15 +102,21 @@ class Case:
         """Derivative of function(q) along the flow."""
         q = self.state if q is None else q
         rates = self.rates(q) if rates is None else rates
-        shifted = refill(q, iter([x + 1j * STEP * r for x, r in zip(leaves(q), leaves(rates), strict=True)]))
+        shifted = refill(
+            q, iter([x + 1j * STEP * r for x, r in zip(leaves(q), leaves(rates), strict=True)])
+        )
         result = function(shifted)
         if isinstance(result, tuple):
-            return refill(result, iter([np.imag(np.asarray(leaf)) / STEP for leaf in leaves(result)]))
+            return refill(
+                result, iter([np.imag(np.asarray(leaf)) / STEP for leaf in leaves(result)])
+            )
         return np.imag(result) / STEP
 
     def quantity(self, name: str, q: Any = None) -> Any:
         """A quantity of the system."""
-        formula = next(quantity.formula for quantity in self.system.quantities if quantity.name == name)
+        formula = next(
+            quantity.formula for quantity in self.system.quantities if quantity.name == name
+        )
         return formula(self.form.scalars(self.state if q is None else q, self.body), self.body)
 
     def has(self, name: str) -> bool:
@@ -150,7 +164,9 @@ class Case:
 
 
 def momentum_about_centre(u: np.ndarray, q: Any, b: Any) -> np.ndarray:
-    """L of a body that rolls, by M about its contact: a.M = -lambda gives M_z, a linear system omega; D is not read."""
+    """L of a body that rolls, by M about its contact: a.M = -lambda gives M_z, a linear system
+    omega; D is not read.
+    """
     arm = b.c * u - b.R * np.array([0 * u[0], 0 * u[0], 0 * u[0] + 1])
     M = np.array([q.Mx, q.My, -(q.lam + arm[0] * q.Mx + arm[1] * q.My) / arm[2]])
     one, I1, I3, m = np.eye(3), *(np.asarray(value)[..., None, None] for value in (b.I1, b.I3, b.m))
@@ -172,7 +188,9 @@ class Angles(NamedTuple):
 
 
 def angles_of_integrals(q: Any, b: Any) -> Angles:
-    """Euler angles of z, z', D, lambda: L_3 from D = L_3 sqrt(d), L_z from lambda = R L_z - c L_3."""
+    """Euler angles of z, z', D, lambda: L_3 from D = L_3 sqrt(d), L_z from lambda = R
+    L_z - c L_3.
+    """
     s = np.sqrt(1 - q.z**2)
     gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
     L3 = q.D / np.sqrt(gamma + sigma * (alpha - q.z) ** 2 + sigma * gamma * s**2)
@@ -181,7 +199,7 @@ def angles_of_integrals(q: Any, b: Any) -> Angles:
     return Angles(theta, -q.z_dot / s, q.phi, (Lz - L3 * q.z) / (b.I1 * s**2), L3 / b.I3)
 
 
-# --- the laws -------------------------------------------------------------------------------------------------------
+# --- the laws -----------------------------------------------------------------------------------
 
 
 def only(where: Callable[[Any, Any], bool]) -> Callable[[Callable], Callable]:
@@ -252,8 +270,9 @@ def scalars_are_what_they_say(case: Case) -> Pairs:
 
 
 def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
-    """Axes 1 and 3 of the body turn with omega; at the start they are R_z(phi) R_y(theta) R_z(psi) of those of space,
-    psi comes back, and a mirror image has the mirrored axes."""
+    """Axes 1 and 3 of the body turn with omega; at the start they are R_z(phi) R_y(theta) R_z(psi)
+    of those of space, psi comes back, and a mirror image has the mirrored axes.
+    """
     form, b, e, m = case.form, case.body, case.angles, case.motion(case.state)
     psi = np.linspace(-3.0, 3.0, STATES)
     variables = Variables(form)
@@ -264,7 +283,9 @@ def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
         return joint(variables.names)(*q, *carried)
 
     q = start(e, psi)
-    rates = joint(variables.names)(*form.rates(q, b), *(integral.rate(q, q, b) for integral in variables.integrals))
+    rates = joint(variables.names)(
+        *form.rates(q, b), *(integral.rate(q, q, b) for integral in variables.integrals)
+    )
     axes = form.orientation.axes(q, q, b)
     change = case.along(lambda x: Pair(*form.orientation.axes(x, x, b)), q, rates)
     for name, axis, rate in zip(("axis 1", "axis 3"), axes, change, strict=True):
@@ -282,7 +303,9 @@ def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
     if hasattr(q, "fx"):
         along = case.along(lambda x: x.fx * x.ux + x.fy * x.uy + x.fz * x.uz, q, rates)
         yield "f stays transverse", along, 0 * along
-        off = q._replace(**{f"f{c}": 1.3 * getattr(q, f"f{c}") + 0.2 * getattr(q, f"u{c}") for c in "xyz"})
+        off = q._replace(
+            **{f"f{c}": 1.3 * getattr(q, f"f{c}") + 0.2 * getattr(q, f"u{c}") for c in "xyz"}
+        )
         for i, letter in enumerate("xyz"):
             yield (
                 f"axis 1 {letter} of an f that rounding has moved",
@@ -302,9 +325,17 @@ def rotated(phi: Any, theta: Any, psi: Any) -> tuple[np.ndarray, np.ndarray]:
     zero, one = 0 * theta, 0 * theta + 1
 
     def about_z(a: Any) -> np.ndarray:
-        return np.array([[np.cos(a), -np.sin(a), zero], [np.sin(a), np.cos(a), zero], [zero, zero, one]])
+        return np.array(
+            [[np.cos(a), -np.sin(a), zero], [np.sin(a), np.cos(a), zero], [zero, zero, one]]
+        )
 
-    lean = np.array([[np.cos(theta), zero, np.sin(theta)], [zero, one, zero], [-np.sin(theta), zero, np.cos(theta)]])
+    lean = np.array(
+        [
+            [np.cos(theta), zero, np.sin(theta)],
+            [zero, one, zero],
+            [-np.sin(theta), zero, np.cos(theta)],
+        ]
+    )
     R = np.einsum("ijn,jkn,kln->iln", about_z(phi), lean, about_z(psi))
     return R[:, 0], R[:, 2]
 
@@ -354,7 +385,9 @@ def contact_law(case: Case, m: Motion, change: Motion, N: Any) -> np.ndarray:
         "viscous": lambda: law.mu,
         "coulomb": lambda: law.mu / speed,
         "mixed": lambda: law.mu + law.mu_coulomb / speed,
-        "stribeck": lambda: (law.mu_static - (law.mu_static - law.mu) * (1 - np.exp(-v2 / law.v_s**2))) / speed,
+        "stribeck": lambda: (
+            (law.mu_static - (law.mu_static - law.mu) * (1 - np.exp(-v2 / law.v_s**2))) / speed
+        ),
         "latitude": lambda: law.mu * (1 + z) / 2 + law.mu_stem * (1 - z) / 2,
     }
     own = case.system.laws[case.law].coefficient  # of a package beside this one
@@ -369,7 +402,11 @@ def quantities_are_what_they_say(case: Case) -> Pairs:
     height = b.m * b.g * (b.R - b.c * m.u[2])
     arm_speed = np.cross(m.omega, m.arm, axis=0)
     yield "E", case.quantity("energy"), b.m * np.sum(m.s_dot**2, axis=0) / 2 + rotation + height
-    yield "E~", case.quantity("modified_energy"), b.m * np.sum(arm_speed**2, axis=0) / 2 + rotation + height
+    yield (
+        "E~",
+        case.quantity("modified_energy"),
+        b.m * np.sum(arm_speed**2, axis=0) / 2 + rotation + height,
+    )
     L3 = np.sum(m.L * m.u, axis=0)
     if case.has("jellett"):
         yield "lambda", case.quantity("jellett"), -np.sum(m.L * m.arm, axis=0)
@@ -391,7 +428,10 @@ def integrals_are_constant(case: Case) -> Pairs:
 
 
 def main_equation(case: Case) -> Pairs:
-    """E~ = inertia theta'^2 + V identically; D', L_z' and E~' by dv_A/dt. [T 4.17, 4.18, 4.22, 5.24, 5.26]"""
+    """E~ = inertia theta'^2 + V identically; D', L_z' and E~' by dv_A/dt.
+
+    [T 4.17, 4.18, 4.22, 5.24, 5.26]
+    """
     import importlib
 
     system, b, q = case.system, case.body, case.state
@@ -413,7 +453,9 @@ def main_equation(case: Case) -> Pairs:
     z, s2 = m.u[2], 1 - m.u[2] ** 2
     V = system.potential(z, *(case.quantity(name) for name in system.momenta), b)
     if hasattr(s, "Lz"):
-        left = case.quantity("energy") - b.m * s.speed2 / 2 - vertical_inertia(z, b) * s.z_dot**2 / s2
+        left = (
+            case.quantity("energy") - b.m * s.speed2 / 2 - vertical_inertia(z, b) * s.z_dot**2 / s2
+        )
         yield "vertical potential", vertical_potential(z, s.Lz, s.L3, b), left
     yield "METT", case.quantity("modified_energy"), system.theta_inertia(z, b) * s.z_dot**2 / s2 + V
     if case.has("routh"):
@@ -427,7 +469,10 @@ def main_equation(case: Case) -> Pairs:
 
 @only(lambda system, form: form.name == "euler" and system.frictional)
 def general_system(case: Case) -> Pairs:
-    """The rolling equations plus the acceleration of the contact give any motion. [T 3.36; section 12]"""
+    """The rolling equations plus the acceleration of the contact give any motion.
+
+    [T 3.36; section 12]
+    """
     import importlib
 
     rolling = importlib.import_module("tippetop.mechanics.contact.rolling.euler")
@@ -440,11 +485,15 @@ def general_system(case: Case) -> Pairs:
 
 
 def mirror(case: Case) -> Pairs:
-    """Reflection in the vertical plane y = 0 maps motions to motions; some quantities change sign."""
+    """Reflection in the vertical plane y = 0 maps motions to motions; some quantities
+    change sign.
+    """
     odd = ODD if not hasattr(case.state, "s") else {"nu_none"}
 
     def reflected(e: Any) -> Any:
-        return type(e)(*(-value if name in odd else value for name, value in zip(e._fields, e, strict=True)))
+        return type(e)(
+            *(-value if name in odd else value for name, value in zip(e._fields, e, strict=True))
+        )
 
     if hasattr(case.state, "s"):
         odd = {"theta", "theta_dot", "nu_x", "x"}
@@ -459,7 +508,9 @@ def mirror(case: Case) -> Pairs:
         for name in mine._fields:
             yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
     else:
-        signs = dict.fromkeys(("uy", "Lx", "Lz", "Mx", "L3", "ry_dot", "vy", "y", "phi", "D", "lam"), -1)
+        signs = dict.fromkeys(
+            ("uy", "Lx", "Lz", "Mx", "L3", "ry_dot", "vy", "y", "phi", "D", "lam"), -1
+        )
         mine, theirs = case.rates(case.state), case.rates(q)
         for name in mine._fields:
             yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
@@ -478,7 +529,9 @@ class Scale(NamedTuple):
 
 
 def units(case: Case) -> Pairs:
-    """Every formula keeps its unit: in other units of mass, length and time it gives the same, in those units."""
+    """Every formula keeps its unit: in other units of mass, length and time it gives the same, in
+    those units.
+    """
     scale = Scale()
     law = case.system.laws[case.law].units() if case.system.frictional else case.body.friction
 
@@ -491,7 +544,11 @@ def units(case: Case) -> Pairs:
     )
     rates, other = case.rates(case.state), case.rates(q, b)
     for name, unit in Variables(case.form, orientation=False).units.items():
-        yield f"rate of {name}", getattr(other, name), getattr(rates, name) * scale.of(unit) / scale.time
+        yield (
+            f"rate of {name}",
+            getattr(other, name),
+            getattr(rates, name) * scale.of(unit) / scale.time,
+        )
     s = case.form.scalars(q, b)
     for quantity in case.system.quantities:
         found = quantity.formula(s, b)
@@ -499,7 +556,9 @@ def units(case: Case) -> Pairs:
 
 
 def events_are_zero_where_they_should(case: Case) -> Pairs:
-    """turning has the sign of its sense times theta', equator vanishes with z, inverted at pi - 0.1."""
+    """turning has the sign of its sense times theta', equator vanishes with z, inverted at pi -
+    0.1.
+    """
     s = case.form.scalars(case.state, case.body)
     z, m = s.z, case.motion(case.state)
     for event in case.system.events:
@@ -519,14 +578,18 @@ def events_are_zero_where_they_should(case: Case) -> Pairs:
         elif event.name == "settled":
             yield event.name, value, np.sum(m.v[:2] ** 2, axis=0)
     for event in (e for e in case.system.events if e.name == "settled"):
-        still = case.angles._replace(**{name: 0 * z for name in case.angles._fields if name.startswith("nu_")})
+        still = case.angles._replace(
+            **{name: 0 * z for name in case.angles._fields if name.startswith("nu_")}
+        )
         s = case.form.scalars(case.of_angles(case.form, still), case.body)
         yield "settled, in units of 1e-12", 1e12 * event.formula(s, case.body), -1.0
 
 
 @only(lambda system, form: bool(form.domains))
 def domains_are_what_they_say(case: Case) -> Pairs:
-    """The jam is the denominator of g_n: upward contact acceleration per unit of force; the pole is sin^2."""
+    """The jam is the denominator of g_n: upward contact acceleration per unit of force; the pole is
+    sin^2.
+    """
     s, b, m = case.form.scalars(case.state, case.body), case.body, case.motion(case.state)
     for domain in case.form.domains:
         value = domain.formula(s, b)
@@ -560,14 +623,16 @@ LAWS: tuple[Callable[[Case], Pairs], ...] = (
 )
 
 
-# --- random bodies and states ---------------------------------------------------------------------------------------
+# --- random bodies and states -------------------------------------------------------------------
 
 
 def cases(systems: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
     """Every system x form x friction law of a contact that is a point, by name."""
     for name, system in systems.items():
         for form in system.forms:
-            for law in [law for law, rules in system.laws.items() if not rules.regions] or ("none",):
+            for law in [law for law, rules in system.laws.items() if not rules.regions] or (
+                "none",
+            ):
                 yield name, form, law
 
 
@@ -579,7 +644,9 @@ def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
         parameters["alpha"] = rng.uniform(0.1, 0.9, n)
     if "mu" in (record := system.laws[law]._fields if system.frictional else ()):
         friction = system.laws[law](*(rng.uniform(0.02, 0.2, n) for _ in record))
-        speeds = {name: rng.uniform(0.3, 1.0, n) for name in record if name in ("eps", "v_s", "v_k")}
+        speeds = {
+            name: rng.uniform(0.3, 1.0, n) for name in record if name in ("eps", "v_s", "v_k")
+        }
         friction = friction._replace(**speeds)
     else:
         from tippetop.mechanics.friction import Frictionless
@@ -593,7 +660,9 @@ def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
 
 
 def broken(pairs: Pairs, law: str, made: Case) -> str | None:
-    """The first pair that does not agree, with the state that failed; None if all do, and there was one."""
+    """The first pair that does not agree, with the state that failed; None if all do, and there was
+    one.
+    """
     what = None
     for what, found, expected in pairs:
         found, expected = np.broadcast_arrays(np.asarray(found), np.asarray(expected))
@@ -601,16 +670,25 @@ def broken(pairs: Pairs, law: str, made: Case) -> str | None:
         error = np.abs(found - expected) / size
         if not np.all(error < TOLERANCE):
             i = int(np.argmax(np.where(np.isfinite(error), error, np.inf)))
-            state = refill(made.state, iter([float(np.broadcast_to(x, error.shape)[i]) for x in leaves(made.state)]))
-            body = refill(made.body, iter([float(np.broadcast_to(x, error.shape)[i]) for x in leaves(made.body)]))
+            state = refill(
+                made.state,
+                iter([float(np.broadcast_to(x, error.shape)[i]) for x in leaves(made.state)]),
+            )
+            body = refill(
+                made.body,
+                iter([float(np.broadcast_to(x, error.shape)[i]) for x in leaves(made.body)]),
+            )
             return (
-                f"{law}: {what} is {found.flat[i]!r}, must be {expected.flat[i]!r} (error {error.flat[i]:.1e})\n"
+                f"{law}: {what} is {found.flat[i]!r}, must be {expected.flat[i]!r} (error "
+                f"{error.flat[i]:.1e})\n"
                 f"at {state}\nwith {body}"
             )
     return f"{law}: nothing was compared" if what is None else None
 
 
-def first_broken_of(systems: dict[str, Any], names: tuple[str, str, str], rng: np.random.Generator) -> str | None:
+def first_broken_of(
+    systems: dict[str, Any], names: tuple[str, str, str], rng: np.random.Generator
+) -> str | None:
     """The first law that a system breaks in a form with a friction law."""
     name, form, friction = names
     made = case(systems[name], form, friction, rng)
@@ -622,4 +700,6 @@ def first_broken_of(systems: dict[str, Any], names: tuple[str, str, str], rng: n
 
 def first_broken(systems: dict[str, Any], rng: Callable[[], np.random.Generator]) -> str | None:
     """The first law that any system breaks."""
-    return next(filter(None, (first_broken_of(systems, names, rng()) for names in cases(systems))), None)
+    return next(
+        filter(None, (first_broken_of(systems, names, rng()) for names in cases(systems))), None
+    )

@@ -1,4 +1,6 @@
-"""Parameters of tests that are tried at night only: what they cost is more than what they add to their siblings."""
+"""Parameters of tests that are tried at night only: what they cost is more than what they add to
+their siblings.
+"""
 
 from typing import Any
 

@@ -1,4 +1,6 @@
-"""The search of the compiled loop for zeros, extremes and bounds of polynomials, called with arrays."""
+"""The search of the compiled loop for zeros, extremes and bounds of polynomials, called with
+arrays.
+"""
 
 import ctypes
 from collections.abc import Iterable
@@ -7,7 +9,16 @@ import numpy as np
 
 from tippetop.engine.loop import TABLES, Loop, Motion, filled, library, new_motion
 from tippetop.engine.stepper import Called
-from tippetop.engine.tallies import HIGH, LOW, STEADY, StopRules, event_rows, new_log, new_samples, new_tallies
+from tippetop.engine.tallies import (
+    HIGH,
+    LOW,
+    STEADY,
+    StopRules,
+    event_rows,
+    new_log,
+    new_samples,
+    new_tallies,
+)
 from tippetop.mechanics.events import Event
 
 
@@ -30,27 +41,44 @@ class Given(Called):
 
 
 def crossings(p: np.ndarray, positive: bool, monotone: bool = False) -> tuple[np.ndarray, bool]:
-    """Return the zeros of p on [0, 1) where it changes sign, and whether it is positive at the end."""
+    """Return the zeros of p on [0, 1) where it changes sign, and whether it is positive
+    at the end.
+    """
     zeros = np.empty(64)
-    count = library().loop_crossings(_data(p), len(p), positive, monotone, ctypes.byref(_TABLES), _data(zeros))
+    count = library().loop_crossings(
+        _data(p), len(p), positive, monotone, ctypes.byref(_TABLES), _data(zeros)
+    )
     return zeros[:count], positive ^ bool(count % 2)
 
 
 def extremes(p: np.ndarray, low: float, high: float, monotone: bool = False) -> tuple[float, ...]:
-    """Return the least and the greatest of these values and those of p on [0, 1], and where p has them, else NaN."""
+    """Return the least and the greatest of these values and those of p on [0, 1], and where p has
+    them, else NaN.
+    """
     values, places = np.array([low, high]), np.empty(2)
-    library().loop_extremes(_data(p), len(p), monotone, ctypes.byref(_TABLES), _data(values), _data(places))
+    library().loop_extremes(
+        _data(p), len(p), monotone, ctypes.byref(_TABLES), _data(values), _data(places)
+    )
     return *values.tolist(), *places.tolist()
 
 
 def ranges(c: np.ndarray, shift: int, h: np.ndarray) -> np.ndarray:
-    """Return low, high and monotone (3, lanes) of variables with coefficients c (order + 1, lanes) over steps of length
-    h, or of their rates (shift 1)."""
+    """Return low, high and monotone (3, lanes) of variables with coefficients c (order + 1, lanes)
+    over steps of length h, or of their rates (shift 1).
+    """
     rows = event_rows([Event("", "", lambda s, b: None)], [(0, shift, 1.0, 0.0)], [])
     motion, tallies = new_motion(1, 0, *c.shape), new_tallies(rows, c.shape[1])
     motion.end[:] = np.inf
     rules = StopRules(-1, 0, np.inf, 1 << 62, 8, 0)
-    loop = Loop(motion, rows, tallies, new_log(0, 1), new_samples(0, 0), rules, Given([(0.0 * h, h, c[None])]))
+    loop = Loop(
+        motion,
+        rows,
+        tallies,
+        new_log(0, 1),
+        new_samples(0, 0),
+        rules,
+        Given([(0.0 * h, h, c[None])]),
+    )
     loop.drive(1)
     return tallies.functions[[LOW, HIGH, STEADY], 0]
 

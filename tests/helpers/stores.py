@@ -30,13 +30,19 @@ r.COMMIT_EVERY, r.ROWS_PER_CHUNK, r.EVENTS_PER_CHUNK = 0.02, 1000, 250
 def short_slices(monkeypatch: pytest.MonkeyPatch, commit_every: float = 0.0) -> None:
     """What PRELUDE does, with a commit after each slice, or after so many seconds."""
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", STEPS)
-    for name, value in (("COMMIT_EVERY", commit_every), ("ROWS_PER_CHUNK", 1000), ("EVENTS_PER_CHUNK", 250)):
+    for name, value in (
+        ("COMMIT_EVERY", commit_every),
+        ("ROWS_PER_CHUNK", 1000),
+        ("EVENTS_PER_CHUNK", 250),
+    ):
         monkeypatch.setattr(recording, name, value)
 
 
 def files(store: Path) -> dict[str, bytes]:
     """Every file of a store, by its path inside."""
-    return {str(p.relative_to(store)): p.read_bytes() for p in sorted(store.rglob("*")) if p.is_file()}
+    return {
+        str(p.relative_to(store)): p.read_bytes() for p in sorted(store.rglob("*")) if p.is_file()
+    }
 
 
 def assert_same(store: Path, other: Path) -> None:
@@ -111,7 +117,10 @@ def chunks(store: Path) -> list[int]:
     """The status of each chunk of a sweep: 0 to be done, 1 done, 2 failed."""
     state = state_of(store)
     count = -(-state.attributes["tops"] // state.attributes["chunk"])
-    return [1 if f"sweep/{k}" in state.chunks else 2 if f"sweep/{k}" in state.failed else 0 for k in range(count)]
+    return [
+        1 if f"sweep/{k}" in state.chunks else 2 if f"sweep/{k}" in state.failed else 0
+        for k in range(count)
+    ]
 
 
 def written(store: Path) -> int:

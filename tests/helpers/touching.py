@@ -30,7 +30,8 @@ STANDING: dict[str, Any] = {
     "initial": {"theta": 2.447, "phi_dot": -20.0, "omega3": 60.0},
     "run": {"until": 0.05},
 }
-"""A top that strikes the plane with its stem, hops from one ball to the other, and stands on both."""
+"""A top that strikes the plane with its stem, hops from one ball to the other, and stands on both.
+"""
 
 
 ROCKING: dict[str, Any] = {
@@ -47,9 +48,17 @@ def reference(name: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The tables of a case of the reference, with rows at its times, and the case."""
     case = json.loads((Path(__file__).parent.parent / "reference" / f"{name}.json").read_text())
     system = "gliding-cylinder" if "theta_unwrapped" in case else "tippe-top"
-    exact = {key: float(Fraction(value)) for key, value in case["parameters_exact"].items() if key != "restitution"}
+    exact = {
+        key: float(Fraction(value))
+        for key, value in case["parameters_exact"].items()
+        if key != "restitution"
+    }
     body = {"m", "R", "alpha", "g"}
-    inertia = {"I": exact["I1"]} if system == "gliding-cylinder" else {"I1": exact["I1"], "I3": exact["I3"]}
+    inertia = (
+        {"I": exact["I1"]}
+        if system == "gliding-cylinder"
+        else {"I1": exact["I1"], "I3": exact["I3"]}
+    )
     initial = {
         NAMES.get(key, key): value if isinstance(value, bool) else float(Fraction(value))
         for key, value in case["initial_exact"].items()

@@ -1,4 +1,6 @@
-"""Machine code of kernels on disk: found again, never stale, never another user's, and never in the way."""
+"""Machine code of kernels on disk: found again, never stale, never another user's, and never in the
+way.
+"""
 
 import importlib
 import os
@@ -21,7 +23,8 @@ TOY = {
     "@kernel\ndef rule(x):\n    return 2.0 * x + SHIFT\n",
     "numbers.py": "SHIFT = 1.0\n",
     "loops.py": "from tippetop_kernels.compilation import entry\nfrom .numbers import SHIFT\n\n"
-    "def total(f):\n    @entry\n    def total(x):\n        return f(x) + SHIFT\n\n    return total\n",
+    "def total(f):\n    @entry\n    def total(x):\n        return f(x) + SHIFT\n\n    return "
+    "total\n",
 }
 """A package of a formula and a loop, which the tests declare ours."""
 
@@ -55,9 +58,13 @@ def forget() -> None:
 
 
 def run(toy: Path, formula: Any = None, x: Any = 3.0) -> tuple[float, bool]:
-    """Return the result of the loop as in a new process, and whether its machine code was found on disk."""
+    """Return the result of the loop as in a new process, and whether its machine code was found on
+    disk.
+    """
     forget()
-    loop = importlib.import_module("toy.loops").total(formula or importlib.import_module("toy.rules").rule)
+    loop = importlib.import_module("toy.loops").total(
+        formula or importlib.import_module("toy.rules").rule
+    )
     compiled = loop.variant(x)
     return compiled(x), bool(compiled.stats.cache_hits)
 
@@ -72,10 +79,18 @@ def stored(cache: Path) -> list[Path]:
 
 @pytest.mark.parametrize(
     ("name", "old", "new", "result"),
-    [("rules.py", "2.0", "3.0", 11.0), ("numbers.py", "1.0", "2.0", 10.0), ("loops.py", "f(x) +", "f(x) -", 6.0)],
+    [
+        ("rules.py", "2.0", "3.0", 11.0),
+        ("numbers.py", "1.0", "2.0", 10.0),
+        ("loops.py", "f(x) +", "f(x) -", 6.0),
+    ],
 )
-def test_an_edit_anywhere_compiles_again(toy: Path, name: str, old: str, new: str, result: float) -> None:
-    """An edit of the formula, of a constant in another file, of the loop; the first text finds its code again."""
+def test_an_edit_anywhere_compiles_again(
+    toy: Path, name: str, old: str, new: str, result: float
+) -> None:
+    """An edit of the formula, of a constant in another file, of the loop; the first text finds its
+    code again.
+    """
     assert run(toy) == (8.0, False)
     edit(toy, name, old, new)
     assert run(toy) == (result, False)
@@ -126,7 +141,9 @@ def test_the_cache_of_the_host_is_restored_and_left_alone(
 
 
 @pytest.mark.parametrize("index", range(3))
-def test_no_flipped_bit_reaches_the_processor(toy: Path, cache: Path, index: int, rng: np.random.Generator) -> None:
+def test_no_flipped_bit_reaches_the_processor(
+    toy: Path, cache: Path, index: int, rng: np.random.Generator
+) -> None:
     run(toy)
     path = stored(cache)[index]
     content = bytearray(path.read_bytes())
@@ -145,7 +162,9 @@ def test_a_folder_that_others_can_write_is_not_used(toy: Path, cache: Path, mode
     assert run(toy) == (8.0, True)
 
 
-def test_without_a_folder_kernels_are_compiled(toy: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_folder_kernels_are_compiled(
+    toy: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "file").touch()
     for place in ("", str(tmp_path / "file")):
         monkeypatch.setenv("TIPPETOP_CACHE_DIR", place)
@@ -163,7 +182,9 @@ def test_folders_of_older_sources_are_removed(toy: Path, cache: Path) -> None:
     assert names.isdisjoint({"numba-8", "numba-9"})
 
 
-def test_the_folder_follows_the_users_caches(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_folder_follows_the_users_caches(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.delenv("TIPPETOP_CACHE_DIR", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert compilation.cache_folder() == tmp_path / "tippetop" / "kernels"

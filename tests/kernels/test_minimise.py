@@ -1,4 +1,6 @@
-"""The minimiser and its roots on functions whose answers are known, called from other people's numba code."""
+"""The minimiser and its roots on functions whose answers are known, called from other people's
+numba code.
+"""
 
 import math
 from typing import NamedTuple
@@ -10,7 +12,15 @@ import pytest
 from tippetop_kernels.compilation import kernel
 from tippetop_kernels.grid import minima, on_threads
 from tippetop_kernels.level_crossings import Level, band_of
-from tippetop_kernels.minimise import LARGEST, MOST_EXTREMES, SMALLEST, Status, extremes, lowest, minimise
+from tippetop_kernels.minimise import (
+    LARGEST,
+    MOST_EXTREMES,
+    SMALLEST,
+    Status,
+    extremes,
+    lowest,
+    minimise,
+)
 
 
 class Hill(NamedTuple):
@@ -52,7 +62,9 @@ def theirs(centres, tilt):
 
 def test_minimum_is_found_from_a_bad_guess_inside_foreign_code():
     centres = np.linspace(-60, 60, 101)
-    np.testing.assert_allclose(np.log(theirs(centres, 0.5)), centres - math.asinh(0.5), rtol=1e-14, atol=1e-14)
+    np.testing.assert_allclose(
+        np.log(theirs(centres, 0.5)), centres - math.asinh(0.5), rtol=1e-14, atol=1e-14
+    )
 
 
 @numba.njit(parallel=True)
@@ -103,7 +115,9 @@ def test_single_minimum_is_counted_once():
 
 @pytest.mark.parametrize("width", [1e-5, 0.1, 1.0, 20.0])
 def test_crossings_of_a_hanging_chain(width):
-    low, high, level, *_ = band_of(excess, [math.exp(2.0)], 1, 0, math.cosh(width), 1e-15, Hill(2.0, 0.0), 0)
+    low, high, level, *_ = band_of(
+        excess, [math.exp(2.0)], 1, 0, math.cosh(width), 1e-15, Hill(2.0, 0.0), 0
+    )
     assert level == Level.ABOVE
     rounding = 1e-15 + 3e-16 * math.cosh(width) / math.sinh(width)
     assert math.log(low) == pytest.approx(2 - width, abs=4 * rounding)
@@ -111,8 +125,16 @@ def test_crossings_of_a_hanging_chain(width):
 
 
 def test_levels_of_a_hanging_chain():
-    found = [band_of(excess, [1.0], 1, 0, V, 1e-12, Hill(0.0, 0.0), 0) for V in (1.0, 0.5, math.nan, math.cosh(100.0))]
-    assert [level for _, _, level, *_ in found] == [Level.TOUCHING, Level.BELOW, Level.UNDEFINED, Level.ABOVE]
+    found = [
+        band_of(excess, [1.0], 1, 0, V, 1e-12, Hill(0.0, 0.0), 0)
+        for V in (1.0, 0.5, math.nan, math.cosh(100.0))
+    ]
+    assert [level for _, _, level, *_ in found] == [
+        Level.TOUCHING,
+        Level.BELOW,
+        Level.UNDEFINED,
+        Level.ABOVE,
+    ]
     assert found[0][:2] == (1.0, 1.0)
     assert found[3][:2] == (SMALLEST, LARGEST)
 
@@ -134,7 +156,8 @@ def no_ends(x, y, p, r):
 
 @pytest.mark.slow
 def test_grid_of_minima():
-    """The grid settles every point, from a good guess by its steps, from a bad one (half of the points) by the bracket.
+    """The grid settles every point, from a good guess by its steps, from a bad one (half of the
+    points) by the bracket.
 
     One guess for both: every other function is another kernel, which compiles for seconds.
     """

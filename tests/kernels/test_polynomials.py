@@ -1,4 +1,6 @@
-"""Sign changes and extremes of polynomials, against polynomials made of known roots and dense scans."""
+"""Sign changes and extremes of polynomials, against polynomials made of known roots and dense
+scans.
+"""
 
 import numpy as np
 import pytest
@@ -10,7 +12,9 @@ from polynomials import crossings, extremes, ranges
 
 
 def test_known_roots_are_found_and_no_others(rng: np.random.Generator) -> None:
-    """Roots inside, outside, near the ends and in near pairs; coefficients up to order 19 as a step has them."""
+    """Roots inside, outside, near the ends and in near pairs; coefficients up to order 19 as a step
+    has them.
+    """
     for trial in range(300):
         inside = np.sort(rng.uniform(0.001, 0.999, rng.integers(0, 6)))
         if trial % 3 == 0 and len(inside):
@@ -27,12 +31,15 @@ def test_known_roots_are_found_and_no_others(rng: np.random.Generator) -> None:
 
 
 def test_two_zeros_that_nearly_meet_are_crossings(rng: np.random.Generator) -> None:
-    """Where a function just dips beyond zero, as v^2 - 1e-12 does: both zeros, to what rounding leaves of them; none
-    where they are nearer than a millionth."""
+    """Where a function just dips beyond zero, as v^2 - 1e-12 does: both zeros, to what rounding
+    leaves of them; none where they are nearer than a millionth.
+    """
     for gap in (1e-1, 1e-3, 1e-5, 3e-6, 6e-7, 1e-8):
         for sign in (1.0, -1.0):
             middle = rng.uniform(0.05, 0.95)
-            others = np.polynomial.polynomial.polyfromroots(rng.choice([-1, 1], 4) * rng.uniform(1.5, 4, 4))
+            others = np.polynomial.polynomial.polyfromroots(
+                rng.choice([-1, 1], 4) * rng.uniform(1.5, 4, 4)
+            )
             pair = np.array([middle**2 - gap**2 / 4, -2 * middle, 1.0])
             p = np.zeros(20)
             p[:7] = sign * np.polynomial.polynomial.polymul(pair, others / abs(others[0]))
@@ -46,7 +53,9 @@ def test_two_zeros_that_nearly_meet_are_crossings(rng: np.random.Generator) -> N
 
 
 def test_a_zero_between_two_steps_counts_once() -> None:
-    """The step before ended negative, this one starts positive: rounding put the zero between them."""
+    """The step before ended negative, this one starts positive: rounding put the zero
+    between them.
+    """
     p = np.array([1e-17, 1.0, 0.0])
     np.testing.assert_array_equal(crossings(p, False)[0], [0.0])
     assert len(crossings(p, True)[0]) == 0
@@ -64,7 +73,10 @@ def test_extremes_are_those_of_a_dense_scan(rng: np.random.Generator) -> None:
         p = np.cos(a + k * np.pi / 2) * b**k / np.cumprod(np.maximum(k, 1))  # cos(a + b x)
         low, high, at_low, at_high = extremes(p, np.inf, -np.inf)
         scan = np.polynomial.polynomial.polyval(x, p)
-        assert (low, high) == (pytest.approx(scan.min(), abs=1e-8), pytest.approx(scan.max(), abs=1e-8))
+        assert (low, high) == (
+            pytest.approx(scan.min(), abs=1e-8),
+            pytest.approx(scan.max(), abs=1e-8),
+        )
         assert low <= scan.min() + 1e-14
         assert high >= scan.max() - 1e-14
         assert 0 <= min(at_low, at_high) <= max(at_low, at_high) <= 1
@@ -76,7 +88,9 @@ def test_extremes_are_those_of_a_dense_scan(rng: np.random.Generator) -> None:
 
 
 def test_a_dip_between_the_nodes_is_refined() -> None:
-    """A narrow dip whose bottom is at no node of the scan: where it is too, to the root of the rounding."""
+    """A narrow dip whose bottom is at no node of the scan: where it is too, to the root of the
+    rounding.
+    """
     bottom = 0.5 + 0.1 * 0.4142135623730951
     p = (1.0 + 300.0 * np.polynomial.Polynomial([-bottom, 1.0]) ** 2).coef
     low, _, at, _ = extremes(p, np.inf, -np.inf)
@@ -86,7 +100,9 @@ def test_a_dip_between_the_nodes_is_refined() -> None:
 
 @pytest.mark.parametrize("n", [33, 46, 47])
 def test_polynomials_of_the_highest_orders_are_searched(n: int, rng: np.random.Generator) -> None:
-    """cos(a + 3 x) to as many coefficients as quadruple precision has: no table ends before them."""
+    """cos(a + 3 x) to as many coefficients as quadruple precision has: no table ends
+    before them.
+    """
     k = np.arange(n)
     for a in rng.uniform(0, 6.3, 40):
         p = np.cos(a + k * np.pi / 2) * 3.0**k / np.cumprod(np.maximum(k, 1.0))
@@ -101,8 +117,9 @@ def test_polynomials_of_the_highest_orders_are_searched(n: int, rng: np.random.G
 
 
 def test_ranges_hold_what_they_bound(rng: np.random.Generator) -> None:
-    """Sines of all phases and lengths: no value of a dense scan lies outside, and what is called monotone is; then
-    zeros and extremes by the short way are those by the long one."""
+    """Sines of all phases and lengths: no value of a dense scan lies outside, and what is called
+    monotone is; then zeros and extremes by the short way are those by the long one.
+    """
     lanes, n = 32, 21
     k, h = np.arange(n + 1), rng.uniform(0.1, 2, lanes)
     a = rng.uniform(0, 6.3, lanes)
@@ -129,7 +146,9 @@ def test_ranges_hold_what_they_bound(rng: np.random.Generator) -> None:
 
 @settings(max_examples=200, deadline=None)
 @given(arrays(float, 21, elements=st.floats(width=32)), st.booleans())
-def test_zeros_and_extremes_of_any_numbers_lie_within_the_step(p: np.ndarray, positive: bool) -> None:
+def test_zeros_and_extremes_of_any_numbers_lie_within_the_step(
+    p: np.ndarray, positive: bool
+) -> None:
     """NaN and infinities too; the last sign follows from the number of zeros."""
     zeros, now = crossings(p, positive)
     assert np.all(np.diff(zeros) >= 0)

@@ -107,7 +107,9 @@ def twice(before, x, k):
     return closed(worked(before, x, k), x, k)
 
 
-@pytest.mark.parametrize("stages", [(), (whole,), (opened, twice), (opened, worked, closed)], ids=len)
+@pytest.mark.parametrize(
+    "stages", [(), (whole,), (opened, twice), (opened, worked, closed)], ids=len
+)
 def test_any_number_of_stages_makes_the_whole(stages: tuple, rng: np.random.Generator) -> None:
     function = by_stages(staged(*stages) if stages else whole)
     for x, k in rng.uniform(0.5, 2, (20, 2)).tolist():

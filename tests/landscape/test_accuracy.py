@@ -1,4 +1,6 @@
-"""F, its minimiser and its gradient against 60 digits: at random, next to the marked lines, for extreme bodies."""
+"""F, its minimiser and its gradient against 60 digits: at random, next to the marked lines, for
+extreme bodies.
+"""
 
 import landscape_oracle as oracle
 import mpmath as mp
@@ -34,7 +36,9 @@ def pointwise(t, D, lam, over=surface.minima):
 
 
 def worst(parameters, points):
-    """The largest error of F in ulp, found with q and alone, and of q relative to its conditioning, over the points."""
+    """The largest error of F in ulp, found with q and alone, and of q relative to its conditioning,
+    over the points.
+    """
     t, b = bodies.top(parameters), oracle.body(parameters)
     D, lam = points
     F, q, status = pointwise(t, D, lam)
@@ -89,8 +93,13 @@ def slopes_at(z, D, lam, b):
 @few_or_many
 @pytest.mark.parametrize("points", [oracle.boxed, oracle.scattered, oracle.marked])
 def test_gradient_is_that_of_the_exact_surface(points, count):
-    """To a few roundings, also where X of the minimum is 1e-12 of its terms; by the envelope theorem."""
-    for parameters in (oracle.FIGURE, *(oracle.parameters(*numbers) for numbers in EXTREME.values())):
+    """To a few roundings, also where X of the minimum is 1e-12 of its terms; by the envelope
+    theorem.
+    """
+    for parameters in (
+        oracle.FIGURE,
+        *(oracle.parameters(*numbers) for numbers in EXTREME.values()),
+    ):
         b = oracle.body(parameters)
         for x, y in zip(*points(parameters, count // 10, seed=4), strict=True):
             found = surface.minimal_surface(parameters, x, y)
@@ -111,7 +120,9 @@ def test_gradient_is_the_slope_of_the_surface():
         q = np.tan(found.theta.item() / 2) ** 2
         step = h * abs(mp.mpf(y))
         up, down = (oracle.minimum(x, mp.mpf(y) + s, b, q)[0] for s in (step, -step))
-        assert abs(found.F_lambda.item() - (up - down) / (2 * step)) <= 1e-10 * abs(found.F.item() / y)
+        assert abs(found.F_lambda.item() - (up - down) / (2 * step)) <= 1e-10 * abs(
+            found.F.item() / y
+        )
 
 
 def test_two_minima_and_the_lower_of_them():
@@ -124,7 +135,9 @@ def test_two_minima_and_the_lower_of_them():
     D = float(spinning.slope(-1, b)) * lam
     found = surface.minimal_surface(parameters, [D * (1 + 1e-4), D, D * (1 - 1e-4)], lam)  # D < 0
     q = np.geomspace(1e-12, 1e12, 200_001)
-    for x, F, status in zip(found.D.values, found.F.values.ravel(), found.status.values.ravel(), strict=True):
+    for x, F, status in zip(
+        found.D.values, found.F.values.ravel(), found.status.values.ravel(), strict=True
+    ):
         V = formulas.value(q, formulas.at_momenta(x, lam, t.coefficients), t.coefficients)
         assert V.min() >= F
         assert pytest.approx(V.min(), rel=1e-8) == F
@@ -139,7 +152,9 @@ def test_two_minima_of_which_the_end_is_the_lower():
     """Far above lambda_pi the inverted state is the lower of the two, and only approached."""
     parameters = oracle.parameters(0.3, 3.0, 4.0)
     for factor, status in ((1.02, Status.LOWER_OF_TWO), (3.0, Status.AT_UPPER_END)):
-        lines = marked_lines.marked_lines(parameters, factor * float(spinning.lambda_pi(oracle.body(parameters))))
+        lines = marked_lines.marked_lines(
+            parameters, factor * float(spinning.lambda_pi(oracle.body(parameters)))
+        )
         found = surface.minimal_surface(parameters, lines.D[1, 0].item(), lines["lambda"].item())
         assert found.status.item() == status
         if status == Status.AT_UPPER_END:
@@ -157,7 +172,9 @@ def test_second_minimum_appears_at_gamma_star():
 
 @numba.njit
 def minima_along(D, lam, r):
-    """The largest number of minima of V found on 400 values of q, e^-40 to e^40, at the points (D, lam)."""
+    """The largest number of minima of V found on 400 values of q, e^-40 to e^40, at the points (D,
+    lam).
+    """
     worst = 0
     for i in range(D.size):
         p, count, before = formulas.at_momenta(D[i], lam[i], r), 0, -1.0
@@ -171,7 +188,9 @@ def minima_along(D, lam, r):
 
 @pytest.mark.slow
 def test_no_second_minimum_below_gamma_star():
-    """1500 bodies in and out of the inverting class, at points around the marked lines: what `two_wells` rests on."""
+    """1500 bodies in and out of the inverting class, at points around the marked lines: what
+    `two_wells` rests on.
+    """
     rng, found = np.random.default_rng(8), 0
     for _ in range(1500):
         alpha, sigma = rng.uniform(0.001, 0.999), 10 ** rng.uniform(-2, 3)
@@ -180,8 +199,14 @@ def test_no_second_minimum_below_gamma_star():
         t, scale = bodies.top(parameters), oracle.scales(parameters)[1]
         slopes = np.array([spinning.slope(z, t.body) for z in (1, -1)])
         lam = scale * 10 ** rng.uniform(-1.5, 1.5, 60)
-        D = np.resize(slopes, 60) * lam * (1 + rng.choice([-1, 1], 60) * 10 ** rng.uniform(-8, 0, 60))
+        D = (
+            np.resize(slopes, 60)
+            * lam
+            * (1 + rng.choice([-1, 1], 60) * 10 ** rng.uniform(-8, 0, 60))
+        )
         count = minima_along(D, lam, t.coefficients)
-        assert count == 1 or t.two_wells, f"{count} minima for alpha = {alpha}, gamma = {gamma}, sigma = {sigma}"
+        assert count == 1 or t.two_wells, (
+            f"{count} minima for alpha = {alpha}, gamma = {gamma}, sigma = {sigma}"
+        )
         found += count > 1
     assert found > 50  # the scan does see second minima where they are allowed

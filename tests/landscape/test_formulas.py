@@ -1,4 +1,6 @@
-"""The landscape's formulas in plain floats, without kernels, against the published ones in 60 digits, at any q."""
+"""The landscape's formulas in plain floats, without kernels, against the published ones in 60
+digits, at any q.
+"""
 
 import math
 from collections.abc import Callable, Iterator
@@ -17,7 +19,9 @@ from tippetop.mechanics.doubledouble import DoubleDouble
 
 
 class At(NamedTuple):
-    """A point, a q, the exact potential as a function of q and the two momenta, and its value in 60 digits."""
+    """A point, a q, the exact potential as a function of q and the two momenta, and its value in 60
+    digits.
+    """
 
     q: float
     momenta: tuple[float, float]
@@ -44,7 +48,11 @@ def of_heavy_top(parameters: dict) -> Callable:
 
     def V(q: Any, L3: Any, Lz: Any) -> Any:
         z = (q - 1) / (q + 1)
-        return L3**2 / 2 / p["I3"] + (Lz - L3 * z) ** 2 / (2 * tip * (1 - z**2)) + p["m"] * p["g"] * p["l"] * z
+        return (
+            L3**2 / 2 / p["I3"]
+            + (Lz - L3 * z) ** 2 / (2 * tip * (1 - z**2))
+            + p["m"] * p["g"] * p["l"] * z
+        )
 
     return V
 
@@ -55,7 +63,10 @@ def heavy_points(seed: int) -> Iterator[tuple[float, float]]:
     for sign in (1, -1):
         yield from rng.uniform(-0.02, 0.02, (4, 2)).tolist()
         yield from (rng.choice([-1, 1], (4, 2)) * 10 ** rng.uniform(-8, 2, (4, 2))).tolist()
-        yield from ((x, sign * x * (1 + 10 ** rng.uniform(-15, -6))) for x in rng.uniform(-0.02, 0.02, 4).tolist())
+        yield from (
+            (x, sign * x * (1 + 10 ** rng.uniform(-15, -6)))
+            for x in rng.uniform(-0.02, 0.02, 4).tolist()
+        )
 
 
 @lru_cache
@@ -65,7 +76,11 @@ def cases(name: str) -> tuple[At, ...]:
     parameters, rng = BODIES[name], np.random.default_rng(7)
     t = bodies.top(parameters, "heavy-top" if heavy else "tippe-top")
     V = of_heavy_top(parameters) if heavy else of_tippe_top(parameters)
-    points = heavy_points(5) if heavy else ((x, y) for p in POINTS for x, y in np.array(p(parameters, 6, 5)).T.tolist())
+    points = (
+        heavy_points(5)
+        if heavy
+        else ((x, y) for p in POINTS for x, y in np.array(p(parameters, 6, 5)).T.tolist())
+    )
     made = []
     for momenta in points:
         p = formulas.at_momenta(*momenta, t.coefficients)
@@ -80,11 +95,17 @@ every_body = pytest.mark.parametrize("name", BODIES)
 
 @every_body
 def test_potential_is_rounded_once(name: str) -> None:
-    """Half a unit in the last place, and a little: the double-double has 25 digits next to the marked lines."""
+    """Half a unit in the last place, and a little: the double-double has 25 digits next to the
+    marked lines.
+    """
     for at in cases(name):
-        assert abs(mp.mpf(formulas.value(at.q, at.p, at.c)) - at.exact) <= 0.51 * math.ulp(float(at.exact)), at
+        assert abs(mp.mpf(formulas.value(at.q, at.p, at.c)) - at.exact) <= 0.51 * math.ulp(
+            float(at.exact)
+        ), at
         both = formulas.potential(at.q, at.p, at.c)
-        assert abs(mp.mpf(both.head) + mp.mpf(both.tail) - at.exact) <= scale(at) * mp.mpf(10) ** -25, at
+        assert (
+            abs(mp.mpf(both.head) + mp.mpf(both.tail) - at.exact) <= scale(at) * mp.mpf(10) ** -25
+        ), at
 
 
 def scale(at: At) -> Any:
@@ -124,10 +145,16 @@ def test_gradient_is_that_by_the_momenta(name: str) -> None:
     for at in cases(name):
         x, y = map(mp.mpf, at.momenta)
         exact = (
-            mp.diff(lambda x, at=at, y=y: at.V(mp.mpf(at.q), x, y), x, h=abs(x) * mp.mpf(10) ** -20),
-            mp.diff(lambda y, at=at, x=x: at.V(mp.mpf(at.q), x, y), y, h=abs(y) * mp.mpf(10) ** -20),
+            mp.diff(
+                lambda x, at=at, y=y: at.V(mp.mpf(at.q), x, y), x, h=abs(x) * mp.mpf(10) ** -20
+            ),
+            mp.diff(
+                lambda y, at=at, x=x: at.V(mp.mpf(at.q), x, y), y, h=abs(y) * mp.mpf(10) ** -20
+            ),
         )
-        for found, wanted, momentum in zip(formulas.gradient(at.q, at.p, at.c), exact, at.momenta, strict=True):
+        for found, wanted, momentum in zip(
+            formulas.gradient(at.q, at.p, at.c), exact, at.momenta, strict=True
+        ):
             assert abs(found - wanted) <= 1e-14 * (abs(wanted) + scale(at) / abs(momentum)), at
 
 
@@ -159,7 +186,12 @@ def test_infimum_lies_at_an_end_exactly_on_its_marked_line(name: str, z: int) ->
     gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
     rho = mp.sqrt(gamma + sigma * (alpha - z) ** 2) / (b.R * (z - alpha))
     h = b.R + b.c
-    lam_pi = 2 * h * mp.sqrt(b.m * b.g * b.c * b.I3 * (gamma + sigma * (1 + alpha) ** 2)) / (1 + b.m * b.R * h / b.I3)
+    lam_pi = (
+        2
+        * h
+        * mp.sqrt(b.m * b.g * b.c * b.I3 * (gamma + sigma * (1 + alpha) ** 2))
+        / (1 + b.m * b.R * h / b.I3)
+    )
     for factor in (0.01, 0.999, 1.001, 50.0):
         for sign in (1, -1):
             lam = float(sign * factor * lam_pi)
@@ -168,12 +200,17 @@ def test_infimum_lies_at_an_end_exactly_on_its_marked_line(name: str, z: int) ->
             assert formulas.ends(on, lam, formulas.at_momenta(on, lam, c), c) == expected
             for away in (1e-12, -1e-12):
                 off = on * (1 + away)
-                assert formulas.ends(off, lam, formulas.at_momenta(off, lam, c), c) == (False, False)
+                assert formulas.ends(off, lam, formulas.at_momenta(off, lam, c), c) == (
+                    False,
+                    False,
+                )
 
 
 @pytest.mark.parametrize("name", ["tippe-top", "two minima"])
 def test_pole_values_are_the_rates_of_X_where_X_vanishes_at_the_other_pole(name: str) -> None:
-    """Y = a + b q + k psi: without a it rises as |b'| q from q = 0, without b it tends to |a'| as q -> oo."""
+    """Y = a + b q + k psi: without a it rises as |b'| q from q = 0, without b it tends to |a'| as q
+    -> oo.
+    """
     none = DoubleDouble(0.0, 0.0)
     for at in cases(name):
         for q, p, which in ((1e-14, at.p._replace(a=none), 1), (1e14, at.p._replace(b=none), 0)):
@@ -189,7 +226,11 @@ def test_the_guess_is_sharpened_with_the_cube_of_its_error(a: float, b: float) -
     c = bodies.top(oracle.FIGURE).coefficients
     gain = mp.mpf(c.root_gamma_gain)
     a, b = a * c.root_gamma_gain, b * c.root_gamma_gain
-    root = mp.findroot(lambda s: mp.log(b**2 + (gain / (1 + mp.e**s)) ** 2) / 2 + s - mp.log(a), (-9, 9), "anderson")
+    root = mp.findroot(
+        lambda s: mp.log(b**2 + (gain / (1 + mp.e**s)) ** 2) / 2 + s - mp.log(a),
+        (-9, 9),
+        "anderson",
+    )
     for away in (0.1, 0.03, 0.01, 1e-3):
         for sign in (1, -1):
             rough = formulas.Sketch(float(mp.exp(root + sign * away)), a, b)

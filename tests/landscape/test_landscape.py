@@ -1,4 +1,6 @@
-"""The landscape against published numbers, laws and 60 digits: potential, surface, turning angles, periods, bands."""
+"""The landscape against published numbers, laws and 60 digits: potential, surface, turning angles,
+periods, bands.
+"""
 
 import landscape_oracle as oracle
 import mpmath as mp
@@ -16,20 +18,26 @@ from tippetop_kernels.level_crossings import Level
 from tippetop_kernels.minimise import Status
 
 
-# --- the potential --------------------------------------------------------------------------------------------------
+# --- the potential ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("z", [-0.7, 0.1, 1 - 1e-6, 1 - 1e-12, 1e-9 - 1, 1e-15 - 1])
 @pytest.mark.parametrize("line", [1, -1, 0])
 def test_potential_keeps_its_digits(z, line):
-    """Near the poles, on and off the marked lines, against the longer form of the source in 60 digits."""
+    """Near the poles, on and off the marked lines, against the longer form of the source in 60
+    digits.
+    """
     b, lam = oracle.body(oracle.FIGURE), 4e-6
     for away in (0.0, 1e-13, 1e-7, 0.3):
         D = 2.2e-4 if line == 0 else float(spinning.slope(line, b)) * lam * (1 + away)
         found = potential.potential(oracle.FIGURE, z, D, lam)
         exact = oracle.potential(mp.mpf(z), mp.mpf(D), mp.mpf(lam), b)
         assert oracle.ulps(found.V.item(), exact) <= 6
-        slope = mp.diff(lambda z, D=D: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b), mp.mpf(z), h=mp.mpf(10) ** -25)
+        slope = mp.diff(
+            lambda z, D=D: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b),
+            mp.mpf(z),
+            h=mp.mpf(10) ** -25,
+        )
         scale = abs(exact) / (1 - mp.mpf(z) ** 2)
         assert abs(found.V_z.item() - slope) <= 1e-14 * scale
 
@@ -38,7 +46,9 @@ def test_second_derivative_of_the_potential():
     b = oracle.body(oracle.FIGURE)
     for z, D, lam in ((0.3, 1e-4, 2e-6), (-0.8, -3e-4, 5e-6), (0.95, 4e-4, 1e-7)):
         found = potential.potential(oracle.FIGURE, z, D, lam)
-        exact = mp.diff(lambda z, D=D, lam=lam: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b), mp.mpf(z), 2)
+        exact = mp.diff(
+            lambda z, D=D, lam=lam: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b), mp.mpf(z), 2
+        )
         assert found.V_zz.item() == pytest.approx(float(exact), rel=1e-12)
 
 
@@ -61,7 +71,9 @@ def test_potential_of_heavy_tops(system):
     tip = HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2
     Z, A, B = np.meshgrid(z, L3, Lz, indexing="ij")
     exact = (
-        A**2 / 2 / HEAVY["I3"] + (B - A * Z) ** 2 / (2 * tip * (1 - Z**2)) + HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * Z
+        A**2 / 2 / HEAVY["I3"]
+        + (B - A * Z) ** 2 / (2 * tip * (1 - Z**2))
+        + HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * Z
     )
     np.testing.assert_allclose(found.V, exact, rtol=1e-14)
     assert found.V.dims == ("z", "L3", "Lz")
@@ -70,11 +82,13 @@ def test_potential_of_heavy_tops(system):
     np.testing.assert_allclose(found.V_z, (up - down) / (2 * h), rtol=1e-6, atol=1e-6)
 
 
-# --- the minimal surface --------------------------------------------------------------------------------------------
+# --- the minimal surface ------------------------------------------------------------------------
 
 
 def test_kernels_are_compiled_for_one_layout_of_axes(monkeypatch):
-    """`surface --out` announced one compilation, for every 29th point of an axis, and made a second one in silence."""
+    """`surface --out` announced one compilation, for every 29th point of an axis, and made a second
+    one in silence.
+    """
     D, lam = np.linspace(-1e-4, 1e-4, 30), np.linspace(0.0, 1e-4, 4)
     thin = surface.minimal_surface(CANONICAL, D[::29], lam[::-1][::-3], gradient=False)
     monkeypatch.setattr(numba, "njit", None)
@@ -83,7 +97,11 @@ def test_kernels_are_compiled_for_one_layout_of_axes(monkeypatch):
 
 
 def test_surface_lies_below_every_potential():
-    z, D, lam = np.cos(np.linspace(0.01, 3.13, 201)), np.linspace(-6e-4, 8e-4, 21), np.linspace(-6e-6, 7e-6, 17)
+    z, D, lam = (
+        np.cos(np.linspace(0.01, 3.13, 201)),
+        np.linspace(-6e-4, 8e-4, 21),
+        np.linspace(-6e-6, 7e-6, 17),
+    )
     F = surface.minimal_surface(CANONICAL, D, lam).F
     V = potential.potential(CANONICAL, np.sort(z), D, lam).V
     assert (F <= V).all()
@@ -118,8 +136,12 @@ TWO_MINIMA = oracle.parameters(0.3, 3.0, 4.0)  # alpha, gamma, sigma: above gamm
     ],
 )
 @pytest.mark.parametrize("even", [True, False])
-def test_rows_that_start_from_rows_before_them_end_at_the_same_surface(parameters, system, box, even):
-    """F alone, whose rows are carried on from one to the next over both marked lines, against F with its minimum."""
+def test_rows_that_start_from_rows_before_them_end_at_the_same_surface(
+    parameters, system, box, even
+):
+    """F alone, whose rows are carried on from one to the next over both marked lines, against F
+    with its minimum.
+    """
     t = bodies.top(parameters, system)
     assert t.two_wells == (parameters is TWO_MINIMA)
     x = np.linspace(-1, 1, 201) if even else np.sort(np.random.default_rng(3).uniform(-1, 1, 201))
@@ -153,13 +175,18 @@ def test_upright_line_lies_on_the_surface():
 
 
 def test_inverted_line_lies_on_the_surface_from_lambda_pi():
-    """D = rho_- lambda: V(-1) = F iff |lambda| >= lambda_pi; below, F is attained and strictly lower. (5.1)"""
+    """D = rho_- lambda: V(-1) = F iff |lambda| >= lambda_pi; below, F is attained and strictly
+    lower. (5.1)
+    """
     lam_pi = marked_lines.marked_lines(CANONICAL, 0.0).lambda_pi
     assert lam_pi == pytest.approx(1.70683e-6, rel=1e-5)  # section 14
     lam = lam_pi * np.array([0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 3.0, 10.0])
     lines = marked_lines.marked_lines(CANONICAL, lam)
     for i, value in enumerate(lam):
-        found, E = surface.minimal_surface(CANONICAL, lines.D[1, i].item(), value), lines.E[1, i].item()
+        found, E = (
+            surface.minimal_surface(CANONICAL, lines.D[1, i].item(), value),
+            lines.E[1, i].item(),
+        )
         if value < lam_pi:
             assert found.status.item() == Status.ATTAINED
             assert found.F.item() < E * (1 - 1e-9)
@@ -179,10 +206,15 @@ def test_boundary_values():
     lines = marked_lines.marked_lines(p, p["R"] * (1 - a) * L0)
     ratio = (1 - a) / (1 + a)
     np.testing.assert_allclose(lines.omega3[:, 0], [w0, -ratio * w0], rtol=1e-14)
-    D = [L0 * np.sqrt(gamma + sigma * (1 - a) ** 2), -ratio * L0 * np.sqrt(gamma + sigma * (1 + a) ** 2)]
+    D = [
+        L0 * np.sqrt(gamma + sigma * (1 - a) ** 2),
+        -ratio * L0 * np.sqrt(gamma + sigma * (1 + a) ** 2),
+    ]
     np.testing.assert_allclose(lines.D[:, 0], D, rtol=1e-14)
     spin = L0**2 / (2 * p["I3"])
-    np.testing.assert_allclose(lines.E[:, 0], [spin + weight * (1 - a), ratio**2 * spin + weight * (1 + a)], rtol=1e-14)
+    np.testing.assert_allclose(
+        lines.E[:, 0], [spin + weight * (1 - a), ratio**2 * spin + weight * (1 + a)], rtol=1e-14
+    )
 
 
 def test_nothing_moves_at_rest():
@@ -198,7 +230,9 @@ def test_nothing_moves_at_rest():
 def test_axes_of_the_plane_are_ordinary(D, lam):
     found = surface.minimal_surface(oracle.FIGURE, D, lam)
     q = np.tan(found.theta.item() / 2) ** 2
-    assert oracle.ulps(found.F.item(), oracle.minimum(D, lam, oracle.body(oracle.FIGURE), q)[0]) <= 4
+    assert (
+        oracle.ulps(found.F.item(), oracle.minimum(D, lam, oracle.body(oracle.FIGURE), q)[0]) <= 4
+    )
     assert found.status.item() == Status.ATTAINED
 
 
@@ -213,19 +247,34 @@ def test_what_is_not_finite_is_undefined():
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda: surface.minimal_surface(CANONICAL, [1e-4, 0.0], 1e-6), "`D` must ascend, but does not."),
-        (lambda: surface.minimal_surface(CANONICAL, [], 1e-6), "`D` must be a number or a one-dimensional"),
+        (
+            lambda: surface.minimal_surface(CANONICAL, [1e-4, 0.0], 1e-6),
+            "`D` must ascend, but does not.",
+        ),
+        (
+            lambda: surface.minimal_surface(CANONICAL, [], 1e-6),
+            "`D` must be a number or a one-dimensional",
+        ),
         (
             lambda: surface.minimal_surface(CANONICAL, 1e-4, [[1e-6]]),
             "`lambda` must be a number or a one-dim",
         ),
-        (lambda: surface.minimal_surface({}, 1e-4, 1e-6), "`parameters.m` must be given, but is missing"),
-        (lambda: bodies.top({**CANONICAL, "g": np.nan}), "`parameters.g` must be finite, greater than 0, but is nan"),
+        (
+            lambda: surface.minimal_surface({}, 1e-4, 1e-6),
+            "`parameters.m` must be given, but is missing",
+        ),
+        (
+            lambda: bodies.top({**CANONICAL, "g": np.nan}),
+            "`parameters.g` must be finite, greater than 0, but is nan",
+        ),
         (
             lambda: bodies.top({**CANONICAL, "alpha": 1.5}),
             "`parameters.alpha` must be .* less than 1, but is 1.5",
         ),
-        (lambda: bodies.top({**CANONICAL, "I1": -1.0}), "`parameters.I1` must be finite, greater than 0, but is -1"),
+        (
+            lambda: bodies.top({**CANONICAL, "I1": -1.0}),
+            "`parameters.I1` must be finite, greater than 0, but is -1",
+        ),
         (
             lambda: bodies.top({**HEAVY, "l": -0.1}, "heavy-top"),
             "`parameters.l` must be .* greater than 0, but is -0.1",
@@ -256,20 +305,27 @@ def test_surface_of_a_heavy_top_against_a_bounded_minimiser():
 
 def test_sleeping_top_lies_on_the_surface_when_it_is_stable():
     """L3 = Lz: theta = 0 is the infimum iff L3^2 >= 4 m g l I1*. [section 8]"""
-    threshold = np.sqrt(4 * HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * (HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2))
+    threshold = np.sqrt(
+        4 * HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * (HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2)
+    )
     for factor, status in ((0.9, Status.ATTAINED), (1.1, Status.AT_UPPER_END)):
         found = surface.minimal_surface(HEAVY, factor * threshold, factor * threshold, "heavy-top")
         assert found.status.item() == status
         assert (found.theta.item() == 0) == (factor > 1)
 
 
-# --- turning angles and periods -------------------------------------------------------------------------------------
+# --- turning angles and periods -----------------------------------------------------------------
 
 
 def test_rolling_top_swings_as_its_reference_run():
-    """Reference case 6: period and band of a rolling tippe top integrated with 200 bits (section 14)."""
+    """Reference case 6: period and band of a rolling tippe top integrated with 200 bits (section
+    14).
+    """
     found = turning.turning_angles(
-        CANONICAL, 3.176113719312522795797e-4, 1.770830502934459498575855e-6, 1.810356427261974764621e-2
+        CANONICAL,
+        3.176113719312522795797e-4,
+        1.770830502934459498575855e-6,
+        1.810356427261974764621e-2,
     )
     assert found.theta_min.item() == pytest.approx(0.512263136142123, rel=2e-14)
     assert found.theta_max.item() == pytest.approx(1.0, rel=2e-14)
@@ -299,16 +355,21 @@ def test_small_nutations_have_the_period_of_the_second_derivative():
 def test_turning_angles_are_where_the_potential_takes_the_energy():
     rng, b = np.random.default_rng(7), oracle.body(CANONICAL)
     D, lam = rng.uniform(-5e-4, 5e-4, 15), rng.uniform(1e-7, 7e-6, 15)
-    F = np.array([surface.minimal_surface(CANONICAL, x, y).F.item() for x, y in zip(D, lam, strict=True)])
+    F = np.array(
+        [surface.minimal_surface(CANONICAL, x, y).F.item() for x, y in zip(D, lam, strict=True)]
+    )
     E = F * (1 + 10 ** rng.uniform(-10, 1, 15))
     found = turning.turning_angles(CANONICAL, D, lam, E)
     assert (found.theta_min < found.theta_star).all()
     assert (found.theta_star < found.theta_max).all()
     for i in range(15):
         for name in ("theta_min", "theta_max"):
-            V = oracle.potential(mp.cos(mp.mpf(found[name][i].item())), mp.mpf(D[i]), mp.mpf(lam[i]), b)
+            V = oracle.potential(
+                mp.cos(mp.mpf(found[name][i].item())), mp.mpf(D[i]), mp.mpf(lam[i]), b
+            )
             slope = mp.diff(
-                lambda t, i=i: oracle.potential(mp.cos(t), mp.mpf(D[i]), mp.mpf(lam[i]), b), found[name][i].item()
+                lambda t, i=i: oracle.potential(mp.cos(t), mp.mpf(D[i]), mp.mpf(lam[i]), b),
+                found[name][i].item(),
             )
             assert abs(V - E[i]) <= 4e-16 * abs(slope) * np.pi + 1e-15 * E[i]
 
@@ -316,7 +377,12 @@ def test_turning_angles_are_where_the_potential_takes_the_energy():
 def test_levels_say_how_the_energy_lies():
     F = surface.minimal_surface(CANONICAL, 3e-4, 4e-6).F.item()
     found = turning.turning_angles(CANONICAL, 3e-4, 4e-6, [2 * F, F * (1 + 1e-13), 0.5 * F, np.nan])
-    assert found.level.values.tolist() == [Level.ABOVE, Level.TOUCHING, Level.BELOW, Level.UNDEFINED]
+    assert found.level.values.tolist() == [
+        Level.ABOVE,
+        Level.TOUCHING,
+        Level.BELOW,
+        Level.UNDEFINED,
+    ]
     assert found.theta_min[1] == found.theta_max[1] == found.theta_star[1]
     np.testing.assert_array_equal(np.isnan(found.theta_min), [False, False, True, True])
 
@@ -334,10 +400,12 @@ def test_shapes_and_labels_are_kept():
     found = turning.turning_angles(CANONICAL, D, 2e-6, 0.05)
     assert found.theta_max.dims == ("run", "time")
     assert found.theta_max.attrs["units"] == "rad"
-    assert turning.turning_angles(CANONICAL, np.full((2, 1), 1e-4), 2e-6, [0.05, 0.06, 0.07]).period.shape == (2, 3)
+    assert turning.turning_angles(
+        CANONICAL, np.full((2, 1), 1e-4), 2e-6, [0.05, 0.06, 0.07]
+    ).period.shape == (2, 3)
 
 
-# --- along a run ----------------------------------------------------------------------------------------------------
+# --- along a run --------------------------------------------------------------------------------
 
 
 def test_band_of_an_inversion_holds_it_and_meets_its_turnings(inverting_run):
@@ -346,7 +414,9 @@ def test_band_of_an_inversion_holds_it_and_meets_its_turnings(inverting_run):
     groups, attrs = inverting_run
     found, logged, _ = along_run.band(groups["trajectory"], groups["events"], attrs)
     theta = found.theta.values
-    assert (theta >= found.theta_min.values - 1e-6).all()  # the square root of the rounding of E~, at a touch
+    assert (
+        theta >= found.theta_min.values - 1e-6
+    ).all()  # the square root of the rounding of E~, at a touch
     assert (theta <= found.theta_max.values + 1e-6).all()
     assert logged.time.size > 300
     assert np.abs(logged.theta - logged.edge).max() < 2e-5

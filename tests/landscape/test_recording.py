@@ -1,4 +1,6 @@
-"""Surfaces on disk: chunk by chunk, resumable, the same as in memory; and the commands that write and draw them."""
+"""Surfaces on disk: chunk by chunk, resumable, the same as in memory; and the commands that write
+and draw them.
+"""
 
 import json
 import os
@@ -25,7 +27,9 @@ D, LAM = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
 def test_store_is_the_surface(tmp_path):
     seen = []
     path = recording.write(
-        tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16), progress=lambda *a: seen.append(a)
+        tmp_path / "F.zarr",
+        Surface.over(PARAMETERS, D, LAM, chunk=16),
+        progress=lambda *a: seen.append(a),
     )
     stored, exact = root.open_group(path, "surface"), surface.minimal_surface(PARAMETERS, D, LAM)
     for name in ("F", "z", "status", "D", "lambda"):
@@ -43,7 +47,9 @@ class Stop(Exception):
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """The store of the surface, which nothing has disturbed."""
-    return recording.write(tmp_path_factory.mktemp("whole") / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
+    return recording.write(
+        tmp_path_factory.mktemp("whole") / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16)
+    )
 
 
 def stopped(path, after, chunk=16):
@@ -63,7 +69,9 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
     stopped(tmp_path / "F.zarr", after=5)
     worked = []
     minima = surface.minima
-    monkeypatch.setattr(recording.surface, "minima", lambda *a: (a[1].size > 2 and worked.append(1)) or minima(*a))
+    monkeypatch.setattr(
+        recording.surface, "minima", lambda *a: (a[1].size > 2 and worked.append(1)) or minima(*a)
+    )
     recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
     assert len(worked) == 7
     assert_same(tmp_path / "F.zarr", whole)
@@ -73,8 +81,12 @@ def test_surface_has_one_writer(tmp_path):
     def second(done, of):
         recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
 
-    with pytest.raises(errors.StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"):
-        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16), progress=second)
+    with pytest.raises(
+        errors.StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"
+    ):
+        recording.write(
+            tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16), progress=second
+        )
     recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
 
 
@@ -114,7 +126,15 @@ def test_existing_store_is_left_alone(tmp_path):
 
 def test_surface_command(tmp_path, capsys):
     out, picture = tmp_path / "F.zarr", tmp_path / "F.png"
-    words = ["--D=-6e-4:8e-4:21", "--lambda", "0:7e-6:31", "--out", str(out), "--figure", str(picture)]
+    words = [
+        "--D=-6e-4:8e-4:21",
+        "--lambda",
+        "0:7e-6:31",
+        "--out",
+        str(out),
+        "--figure",
+        str(picture),
+    ]
     assert outcome(["surface", "inverting", *words]) == 0
     assert root.open_group(out, "surface").F.shape == (21, 31)
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -123,14 +143,27 @@ def test_surface_command(tmp_path, capsys):
     assert outcome(["info", str(out), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["content"] == "surface"
     assert outcome(["surface", "inverting", *words]) == 5  # the picture is there
-    assert f"`{picture}` exists: name another picture, or say --overwrite." in capsys.readouterr().err
+    assert (
+        f"`{picture}` exists: name another picture, or say --overwrite." in capsys.readouterr().err
+    )
     assert outcome(["surface", "inverting", *words[:-2]]) == 0
     assert "is finished: nothing to do" in "".join(capsys.readouterr())
 
 
 def test_potential_command(tmp_path, capsys):
     out = tmp_path / "V.zarr"
-    words = ["--D", "3e-4", "--lambda", "4e-6", "--n", "101", "--out", str(out), "--figure", str(tmp_path / "V.svg")]
+    words = [
+        "--D",
+        "3e-4",
+        "--lambda",
+        "4e-6",
+        "--n",
+        "101",
+        "--out",
+        str(out),
+        "--figure",
+        str(tmp_path / "V.svg"),
+    ]
     assert outcome(["potential", "inverting", *words, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     V = root.open_group(out, "potential").V
@@ -148,7 +181,15 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
         calls.append(1)
         raise KeyboardInterrupt
 
-    words = ["surface", "inverting", "--D=-6e-4:8e-4:21", "--lambda", "0:7e-6:31", "--out", str(tmp_path / "F.zarr")]
+    words = [
+        "surface",
+        "inverting",
+        "--D=-6e-4:8e-4:21",
+        "--lambda",
+        "0:7e-6:31",
+        "--out",
+        str(tmp_path / "F.zarr"),
+    ]
     with monkeypatch.context() as patched:
         patched.setattr(recording.surface, "minima", stop)
         assert outcome(words) == 130
@@ -165,7 +206,10 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
         (["surface", "inverting", "--D", "0:1", "--figure", "F.png"], "--D must be min:max:n"),
         (["surface", "inverting", "--D", "0:nan:5", "--figure", "F.png"], "--D must be min:max:n"),
         (["potential", "inverting", "--D", "nan", "--lambda", "0"], "--D must be finite"),
-        (["potential", "inverting", "--D", "0", "--lambda", "0", "--n", "1"], "--n must be at least 2"),
+        (
+            ["potential", "inverting", "--D", "0", "--lambda", "0", "--n", "1"],
+            "--n must be at least 2",
+        ),
     ],
 )
 def test_wrong_words_are_one_sentence(words, sentence, capsys, tmp_path, monkeypatch):
@@ -205,7 +249,9 @@ def exchange(one, other):
 
 
 def written(part, name, place, value):
-    """Between the corners of a chunk, with the checksum that fits: as a chunk of a place with other points."""
+    """Between the corners of a chunk, with the checksum that fits: as a chunk of a place with other
+    points.
+    """
     zarr.open_group(part, mode="r+")[f"surface/{name}"][place] = value
 
 
@@ -226,8 +272,19 @@ def test_a_damaged_unfinished_surface_ends_in_the_same_bits(damage, whole, tmp_p
 
 def test_the_command_computes_on_as_many_threads_as_are_asked_for(tmp_path, monkeypatch):
     asked, usual = [], grid.on_threads
-    monkeypatch.setattr(grid, "on_threads", lambda work, n, threads: (asked.append(threads), usual(work, n, threads)))
+    monkeypatch.setattr(
+        grid,
+        "on_threads",
+        lambda work, n, threads: (asked.append(threads), usual(work, n, threads)),
+    )
     axes = ["--D", "-1e-4:1e-4:3", "--lambda", "0:1e-5:3"]
-    words = ["--out", str(tmp_path / "F.zarr"), "--figure", str(tmp_path / "F.png"), "--threads", "1"]
+    words = [
+        "--out",
+        str(tmp_path / "F.zarr"),
+        "--figure",
+        str(tmp_path / "F.png"),
+        "--threads",
+        "1",
+    ]
     assert outcome(["surface", "inverting", *axes, *words]) == 0
     assert set(asked) == {1}

@@ -1,4 +1,6 @@
-"""Bodies whose potential has two wells: the band is that of the well where the body is, and the other one is named."""
+"""Bodies whose potential has two wells: the band is that of the well where the body is, and the
+other one is named.
+"""
 
 import functools
 
@@ -52,11 +54,15 @@ def test_both_bands_are_given_and_theta_chooses(two_wells):
     for start, here, there in ((theta[0], near, far), (theta[2], far, near)):
         found = turning.turning_angles(PARAMETERS, D, lam, energy, theta=start)
         assert (found.theta_min.item(), found.theta_max.item()) == pytest.approx(here, abs=1e-5)
-        assert (found.other_theta_min.item(), found.other_theta_max.item()) == pytest.approx(there, abs=1e-5)
+        assert (found.other_theta_min.item(), found.other_theta_max.item()) == pytest.approx(
+            there, abs=1e-5
+        )
         assert found.theta_star.item() == pytest.approx(start, abs=1e-5)
         assert found.F.item() == pytest.approx(V[0] if start == theta[0] else V[2], rel=1e-9)
     by_depth = turning.turning_angles(PARAMETERS, D, lam, energy)
-    assert by_depth.theta_star.item() == pytest.approx(theta[0] if V[0] < V[2] else theta[2], abs=1e-5)
+    assert by_depth.theta_star.item() == pytest.approx(
+        theta[0] if V[0] < V[2] else theta[2], abs=1e-5
+    )
 
 
 def test_levels_above_the_barrier_and_in_one_well_only(two_wells):
@@ -70,7 +76,9 @@ def test_levels_above_the_barrier_and_in_one_well_only(two_wells):
         assert found.F.item() == pytest.approx(min(V), rel=1e-9)
     (only,) = bands(D, lam, lower)
     deep, shallow = (theta[0], theta[2]) if V[0] < V[2] else (theta[2], theta[0])
-    found = turning.turning_angles(PARAMETERS, D, lam, [lower, lower, np.nan], theta=[deep, shallow, deep])
+    found = turning.turning_angles(
+        PARAMETERS, D, lam, [lower, lower, np.nan], theta=[deep, shallow, deep]
+    )
     assert (found.theta_min[0].item(), found.theta_max[0].item()) == pytest.approx(only, abs=1e-5)
     assert found.level.values.tolist() == [Level.ABOVE, Level.BELOW, Level.UNDEFINED]
     assert np.isnan(found.other_theta_min[0].item())
@@ -92,7 +100,9 @@ def test_the_band_of_a_run_holds_the_run():
     run = tippetop.run(build.problem(tables)).datasets()["trajectory"]
     found = turning.band(PARAMETERS, run, "rolling-tippe-top")
     theta = run["theta"].values
-    assert theta.min() == pytest.approx(found.theta_min.values.min(), abs=1e-4)  # the rows miss the turning by some
+    assert theta.min() == pytest.approx(
+        found.theta_min.values.min(), abs=1e-4
+    )  # the rows miss the turning by some
     assert theta.max() == pytest.approx(found.theta_max.values.max(), abs=1e-9)
     assert np.isfinite(found.other_theta_min.values).all()
     assert (found.other_theta_max.values < theta.min()).all()

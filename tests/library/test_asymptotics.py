@@ -1,4 +1,6 @@
-"""Asymptotic states, the least energy of a lambda, the general system, rates as columns, and theta made again."""
+"""Asymptotic states, the least energy of a lambda, the general system, rates as columns, and theta
+made again.
+"""
 
 import json
 import math
@@ -11,7 +13,9 @@ import tippetop as tt
 from tippetop.cli import outcome
 
 
-TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.4e-6, I3=3.2e-6, g=9.82)  # gamma = 0.75 < gamma_plus
+TOP = tt.TippeTop(
+    m=0.02, R=0.02, alpha=0.3, I1=2.4e-6, I3=3.2e-6, g=9.82
+)  # gamma = 0.75 < gamma_plus
 LAM = 2.6e-6
 RATES = ["theta", "routh", "modified_energy", "routh_rate", "modified_energy_rate"]
 
@@ -29,7 +33,9 @@ def test_asymptotic_states_are_the_critical_points_of_the_least_energy() -> None
     mirrored = tt.theory.asymptotic_states(TOP, -LAM)
     for one, other in zip(states, mirrored, strict=True):
         start = {"theta": one.theta, "phi_dot": one.phi_dot, "omega3": one.omega3}
-        problem = tt.run(TOP, tt.friction.Viscous(mu=0.3), start=start, until=1e-3, output_times=[0.0, 1e-3])
+        problem = tt.run(
+            TOP, tt.friction.Viscous(mu=0.3), start=start, until=1e-3, output_times=[0.0, 1e-3]
+        )
         assert float(problem.trajectory.jellett[0]) == pytest.approx(LAM, rel=1e-12)
         assert float(problem.trajectory.energy[0]) == pytest.approx(one.energy, rel=1e-12)
         assert (one.theta, one.omega3, one.phi_dot) == (other.theta, -other.omega3, -other.phi_dot)
@@ -45,9 +51,21 @@ def test_no_state_has_less_energy_than_the_least() -> None:
 def test_the_general_system_is_the_gliding_top_with_its_contact_acceleration() -> None:
     """From differences of a run: w_x = nu_x' - phi' nu_y, w_y = nu_y' + phi' nu_x."""
     h, columns = 1e-6, ["theta", "theta_dot", "phi_dot", "omega3", "nu_x", "nu_y"]
-    start = {"theta": 0.8, "theta_dot": 3.0, "phi_dot": 10.0, "omega3": 90.0, "nu_x": 0.2, "nu_y": -0.1}
+    start = {
+        "theta": 0.8,
+        "theta_dot": 3.0,
+        "phi_dot": 10.0,
+        "omega3": 90.0,
+        "nu_x": 0.2,
+        "nu_y": -0.1,
+    }
     run = tt.run(
-        TOP, tt.friction.Viscous(mu=0.3), start=start, until=2 * h, output_times=[0.0, h, 2 * h], columns=columns
+        TOP,
+        tt.friction.Viscous(mu=0.3),
+        start=start,
+        until=2 * h,
+        output_times=[0.0, h, 2 * h],
+        columns=columns,
     )
     before, now, after = (run.trajectory.isel(time=i) for i in range(3))
     rate = {name: (float(after[name]) - float(before[name])) / (2 * h) for name in columns}
@@ -66,7 +84,11 @@ def test_the_general_system_is_the_gliding_top_with_its_contact_acceleration() -
 @pytest.mark.parametrize(
     ("source", "start", "pairs"),
     [
-        ("inverting", {"theta": 0.8}, (("routh", "routh_rate"), ("modified_energy", "modified_energy_rate"))),
+        (
+            "inverting",
+            {"theta": 0.8},
+            (("routh", "routh_rate"), ("modified_energy", "modified_energy_rate")),
+        ),
         ("gliding-heavy-top", {}, (("Lz", "Lz_rate"), ("modified_energy", "modified_energy_rate"))),
     ],
 )
@@ -75,12 +97,16 @@ def test_rates_are_columns_when_a_run_asks_for_them(source: str, start: dict, pa
     rows = tt.run(source, start=start, until=0.1, output_step=1e-4, columns=columns).trajectory
     for name, its_rate in pairs:
         assert rows[its_rate].attrs["units"] in ("kg m2 s-2", "W")
-        difference = np.gradient(rows[name].values, rows.time.values)[1:-1] - rows[its_rate].values[1:-1]
+        difference = (
+            np.gradient(rows[name].values, rows.time.values)[1:-1] - rows[its_rate].values[1:-1]
+        )
         assert abs(difference).max() < 1e-3 * abs(rows[its_rate].values).max()
 
 
 def test_rates_are_not_columns_of_other_runs(tmp_path: Path) -> None:
-    assert not {"routh_rate", "modified_energy_rate"} & set(tt.run("inverting", until=0.01).trajectory)
+    assert not {"routh_rate", "modified_energy_rate"} & set(
+        tt.run("inverting", until=0.01).trajectory
+    )
     with pytest.raises(tt.InputError, match="routh_rate"):
         tt.run("rolling", until=0.01, columns=["routh_rate"])
     stored = tt.run("inverting", until=0.01, columns=RATES, out=tmp_path / "r.zarr")

@@ -1,4 +1,6 @@
-"""Editors and type checkers know every option of a run: at run time, from the stub, and through mypy and jedi."""
+"""Editors and type checkers know every option of a run: at run time, from the stub, and through
+mypy and jedi.
+"""
 
 import ast
 import inspect
@@ -29,15 +31,21 @@ tt.derivatives.lyapunov("inverting", until=[1])
 def test_the_stub_is_what_its_generator_writes() -> None:
     generator = runpy.run_path(str(Path(__file__).parents[2] / ".ci" / "stub.py"))
     for name, module in generator["MODULES"].items():
-        assert STUBS[name].read_text() == generator["stub"](module), "write it again: python .ci/stub.py"
+        assert STUBS[name].read_text() == generator["stub"](module), (
+            "write it again: python .ci/stub.py"
+        )
 
 
 def test_signatures_and_help_have_every_option() -> None:
     trees = (ast.parse(stub.read_text()) for stub in STUBS.values())
-    stub = {node.name: node for tree in trees for node in tree.body if isinstance(node, ast.FunctionDef)}
+    stub = {
+        node.name: node for tree in trees for node in tree.body if isinstance(node, ast.FunctionDef)
+    }
     for function in (tt.run, tt.ensemble, tt.derivatives.sensitivities, tt.derivatives.lyapunov):
         typed = stub[function.__name__].args
-        assert [*inspect.signature(function).parameters] == [a.arg for a in (*typed.args, *typed.kwonlyargs)]
+        assert [*inspect.signature(function).parameters] == [
+            a.arg for a in (*typed.args, *typed.kwonlyargs)
+        ]
         assert set(OPTIONS) <= {*inspect.signature(function).parameters}
     text = inspect.getdoc(tt.run) or ""
     assert all(f"\n{name} : " in text for name in OPTIONS)
@@ -46,14 +54,21 @@ def test_signatures_and_help_have_every_option() -> None:
 @pytest.mark.slow
 def test_mypy_knows_options_and_their_values(tmp_path: Path) -> None:
     (tmp_path / "calls.py").write_text(CALLS)
-    found, *_ = api.run([str(tmp_path / "calls.py"), "--ignore-missing-imports", "--follow-imports=silent"])
-    assert [line.split(":")[1] for line in found.splitlines() if ": error:" in line] == ["5", "6", "7"]
+    found, *_ = api.run(
+        [str(tmp_path / "calls.py"), "--ignore-missing-imports", "--follow-imports=silent"]
+    )
+    assert [line.split(":")[1] for line in found.splitlines() if ": error:" in line] == [
+        "5",
+        "6",
+        "7",
+    ]
     assert 'did you mean "output"' in found
     assert "Literal['times', 'events', 'steps', 'keyframes']" in found
 
 
 @pytest.mark.parametrize(
-    ("typed", "known"), [("tt.run('x', output_", "output_step="), ("tt.run('x').traj", "trajectory")]
+    ("typed", "known"),
+    [("tt.run('x', output_", "output_step="), ("tt.run('x').traj", "trajectory")],
 )
 def test_jedi_completes(typed: str, known: str) -> None:
     """As Jupyter does while nothing has been run yet."""

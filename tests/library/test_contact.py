@@ -40,11 +40,15 @@ def test_a_law_without_eps_has_none_to_show() -> None:
 
 
 def test_contact_and_stem_are_keywords() -> None:
-    problem = tt.run(TOP, tt.friction.Viscous(mu=0.3), start=START, until=0.001, contact={"e_n": 0.5}).problem
+    problem = tt.run(
+        TOP, tt.friction.Viscous(mu=0.3), start=START, until=0.001, contact={"e_n": 0.5}
+    ).problem
     assert problem.contact.e_n == 0.5
     assert problem.on_liftoff == "fly"
     with pytest.raises(InputError, match=r"stem.h` must exceed R - r"):
-        tt.run(TOP, tt.friction.Viscous(mu=0.3), start=START, until=1.0, stem={"r": 0.004, "h": 0.01})
+        tt.run(
+            TOP, tt.friction.Viscous(mu=0.3), start=START, until=1.0, stem={"r": 0.004, "h": 0.01}
+        )
     with pytest.raises(InputError, match="`contact` must be a mapping"):
         tt.run(TOP, tt.friction.Viscous(mu=0.3), start=START, until=1.0, contact=0.5)
 
@@ -69,7 +73,11 @@ def _number(run: tt.Run, kind: str) -> int:
 def test_a_stored_run_is_the_run_that_was_saved(run: tt.Run, tmp_path: Path) -> None:
     stored = tt.open(run.save(tmp_path / "run.zarr"))
     for name in ("trajectory", "events", "phases", "impacts"):
-        assert getattr(stored, name).drop_attrs(deep=False).identical(getattr(run, name).drop_attrs(deep=False)), name
+        assert (
+            getattr(stored, name)
+            .drop_attrs(deep=False)
+            .identical(getattr(run, name).drop_attrs(deep=False))
+        ), name
     assert stored.summary.to_dict() == run.summary.to_dict()
     assert [line for line in str(stored).splitlines() if line.startswith("phases")] == [
         line for line in str(run).splitlines() if line.startswith("phases")
@@ -93,7 +101,9 @@ def test_a_run_starts_where_another_has_ended(tmp_path: Path) -> None:
     went_on = tt.run({**BOUNCE, "initial": {}}, start=tmp_path / "a.zarr", until=0.2)
     whole = tt.run(BOUNCE, until=0.22)
     np.testing.assert_allclose(went_on.impacts.time + 0.02, whole.impacts.time, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(went_on.trajectory.theta[-1], whole.trajectory.theta[-1], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(
+        went_on.trajectory.theta[-1], whole.trajectory.theta[-1], rtol=0, atol=1e-11
+    )
 
 
 def test_a_problem_can_be_pickled(run: tt.Run) -> None:
@@ -128,9 +138,13 @@ def test_a_top_whose_contact_is_not_unique_is_marked(run: tt.Run) -> None:
 
 
 def test_theory_of_a_run_is_that_of_its_ball(run: tt.Run) -> None:
-    assert tt.theory.thresholds(run)["lambda_s"].value == tt.theory.thresholds(TOP)["lambda_s"].value
+    assert (
+        tt.theory.thresholds(run)["lambda_s"].value == tt.theory.thresholds(TOP)["lambda_s"].value
+    )
     band = tt.landscapes.band(run)
-    flies = run.trajectory.phase.values == run.trajectory.phase.attrs["flag_meanings"].split().index("flight")
+    flies = run.trajectory.phase.values == run.trajectory.phase.attrs[
+        "flag_meanings"
+    ].split().index("flight")
     assert np.isnan(band.theta_min.values[flies]).all()
     rolls = band.isel(time=~flies)
     assert (rolls.theta_min <= rolls.theta + 1e-9).all()
@@ -147,18 +161,33 @@ def test_a_top_that_drills_ends_near_a_pole_with_a_class(theta: float) -> None:
     start = {"theta": theta, "omega3": 180.0}
     law = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
     drills = tt.run({**BOUNCE, "friction": law, "initial": start, "run": {"until": 1e-4}})
-    slides = tt.run(TOP, tt.friction.Viscous(mu=3 * np.pi * 0.3 / (8 * 5e-4 * 180.0)), start=start, until=1e-4)
+    slides = tt.run(
+        TOP, tt.friction.Viscous(mu=3 * np.pi * 0.3 / (8 * 5e-4 * 180.0)), start=start, until=1e-4
+    )
     assert drills.summary.outcome == slides.summary.outcome
     np.testing.assert_allclose(
-        tt.theory.linear_modes(drills, omega3=180.0), tt.theory.linear_modes(slides, omega3=180.0), rtol=1e-13
+        tt.theory.linear_modes(drills, omega3=180.0),
+        tt.theory.linear_modes(slides, omega3=180.0),
+        rtol=1e-13,
     )
 
 
 def test_a_top_that_is_not_followed_to_its_end_has_no_class() -> None:
-    """An impact that makes energy ends the run: neither the run nor the row of an ensemble calls that a fate."""
-    start, contact = {"theta": 1.66, "nu_x": -0.66, "nu_z": -1.0}, {"restitution": "newton", "e_n": 1.0}
+    """An impact that makes energy ends the run: neither the run nor the row of an ensemble calls
+    that a fate.
+    """
+    start, contact = (
+        {"theta": 1.66, "nu_x": -0.66, "nu_z": -1.0},
+        {"restitution": "newton", "e_n": 1.0},
+    )
     law = {"law": "coulomb", "mu": 0.31}
-    scenario = {**BOUNCE, "friction": law, "contact": contact, "initial": start, "run": {"until": 1e-4}}
+    scenario = {
+        **BOUNCE,
+        "friction": law,
+        "contact": contact,
+        "initial": start,
+        "run": {"until": 1e-4},
+    }
     alone = tt.run(scenario)
     assert alone.summary.status == "ended"
     assert not hasattr(alone.summary, "outcome")
@@ -169,13 +198,25 @@ def test_a_top_that_is_not_followed_to_its_end_has_no_class() -> None:
 
 
 def test_a_stem_under_the_plane_is_refused() -> None:
-    with pytest.raises(InputError, match=r"`initial.gap` must be at least .*: the stem would be under the plane"):
+    with pytest.raises(
+        InputError, match=r"`initial.gap` must be at least .*: the stem would be under the plane"
+    ):
         tt.run(
-            TOP, tt.friction.Viscous(mu=0.3), stem=STEM, start={"theta": 3.0, "omega3": 100.0, "gap": 1e-9}, until=1e-3
+            TOP,
+            tt.friction.Viscous(mu=0.3),
+            stem=STEM,
+            start={"theta": 3.0, "omega3": 100.0, "gap": 1e-9},
+            until=1e-3,
         )
     least = STEM["r"] - BODY["R"] - STEM["h"] * np.cos(3.0)
     given, left_out = (
-        tt.run(TOP, tt.friction.Viscous(mu=0.3), stem=STEM, start={"theta": 3.0, "omega3": 100.0, **gap}, until=1e-3)
+        tt.run(
+            TOP,
+            tt.friction.Viscous(mu=0.3),
+            stem=STEM,
+            start={"theta": 3.0, "omega3": 100.0, **gap},
+            until=1e-3,
+        )
         for gap in ({"gap": least}, {})
     )
     assert given.trajectory.gap_stem.min() > -1e-15

@@ -1,4 +1,6 @@
-"""Runs whose contact opens and closes do what other runs do: own events and columns, keyframes, settling, quad."""
+"""Runs whose contact opens and closes do what other runs do: own events and columns, keyframes,
+settling, quad.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -13,13 +15,22 @@ from tippetop.mechanics.units import ONE
 
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994285714285714e-6, "I3": 3.2e-6, "g": 9.82}
 SLENDER = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
-THROWN = {"theta": 0.5, "theta_dot": 60.0, "phi_dot": 5.0, "omega3": 30.0, "nu_x": 0.1, "nu_y": -0.2}
+THROWN = {
+    "theta": 0.5,
+    "theta_dot": 60.0,
+    "phi_dot": 5.0,
+    "omega3": 30.0,
+    "nu_x": 0.1,
+    "nu_y": -0.2,
+}
 ROCKING = {"theta": 1.5, "theta_dot": 20.0, "phi_dot": -20.0, "omega3": 60.0}
 COULOMB, VISCOUS = {"law": "coulomb", "mu": 0.3}, {"law": "viscous", "mu": 2.0}
 DRILLING = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
 
 
-def scenario(friction: dict, initial: dict, until: float, body: dict = BODY, **more: Any) -> dict[str, Any]:
+def scenario(
+    friction: dict, initial: dict, until: float, body: dict = BODY, **more: Any
+) -> dict[str, Any]:
     more.setdefault("contact", {"e_n": 0.5})
     return {"system": "tippe-top", "parameters": body, "friction": friction, "initial": initial,
             "run": {"until": until}, **more}  # fmt: skip
@@ -41,19 +52,31 @@ def times(run: Any, kind: str) -> np.ndarray:
 def test_events_and_columns_of_users_mean_the_same_in_every_phase(case: str) -> None:
     """Every passage of a dense scan, on the ground, on the stem and in the air."""
     rows = tt.run(CASES[case], output_step=2e-5).trajectory
-    level, low = (float(np.ptp(v) / 2 + v.min()) for v in (np.cos(rows.theta.values), rows.z.values))
+    level, low = (
+        float(np.ptp(v) / 2 + v.min()) for v in (np.cos(rows.theta.values), rows.z.values)
+    )
     radius = CASES[case]["parameters"]["R"]
     above = tt.extending.Event(
-        "above", "z rises", formula(lambda s, b: level - s.z), kept=(tt.extending.Kept("times", "count", "n"),)
+        "above",
+        "z rises",
+        formula(lambda s, b: level - s.z),
+        kept=(tt.extending.Kept("times", "count", "n"),),
     )
-    high = tt.extending.Event("high", "the centre of mass is high", formula(lambda s, b: s.height - low / radius * b.R))
+    high = tt.extending.Event(
+        "high", "the centre of mass is high", formula(lambda s, b: s.height - low / radius * b.R)
+    )
     twice = tt.extending.Quantity("twice", "2z", ONE, "twice z", formula(lambda s, b: 2 * s.z))
     run = tt.run(CASES[case], events=[above, high], columns=["theta", twice])
-    for name, values in (("above", level - np.cos(rows.theta.values)), ("high", rows.z.values - low)):
+    for name, values in (
+        ("above", level - np.cos(rows.theta.values)),
+        ("high", rows.z.values - low),
+    ):
         passed = np.flatnonzero(np.diff(np.sign(values)))
         np.testing.assert_allclose(times(run, name), rows.time.values[passed], rtol=0, atol=2.1e-5)
     assert run.summary.kept["times"] == len(times(run, "above")) > 1
-    np.testing.assert_allclose(run.trajectory.twice, 2 * np.cos(run.trajectory.theta), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(
+        run.trajectory.twice, 2 * np.cos(run.trajectory.theta), rtol=0, atol=1e-14
+    )
 
 
 def test_the_name_of_an_event_of_the_contact_is_taken() -> None:
@@ -65,15 +88,21 @@ def test_the_name_of_an_event_of_the_contact_is_taken() -> None:
 @pytest.mark.parametrize("case", CASES)
 def test_a_replay_has_the_bits_of_the_rows(case: str, tmp_path: Path) -> None:
     span = {"until": 0.125}
-    run = tt.run(CASES[case], output="keyframes", keyframe_steps=10, out=tmp_path / "run.zarr", **span)
-    rows, whole = run.replay(0.0625, 0.125, 2**-9), tt.run(CASES[case], output_step=2**-9, **span).trajectory
+    run = tt.run(
+        CASES[case], output="keyframes", keyframe_steps=10, out=tmp_path / "run.zarr", **span
+    )
+    rows, whole = (
+        run.replay(0.0625, 0.125, 2**-9),
+        tt.run(CASES[case], output_step=2**-9, **span).trajectory,
+    )
     for name in ("theta", "x", "energy", "phase", "ball"):
         np.testing.assert_array_equal(rows[name].values, whole[name].values[32:], err_msg=name)
 
 
 def test_a_top_that_may_fly_settles_when_one_that_may_not_does() -> None:
     runs = [
-        tt.run("inverting", until=300.0, stop_when="settled", output="events", on_liftoff=w) for w in ("stop", "fly")
+        tt.run("inverting", until=300.0, stop_when="settled", output="events", on_liftoff=w)
+        for w in ("stop", "fly")
     ]
     assert [run.summary.status for run in runs] == ["settled", "settled"]
     assert [run.summary.outcome for run in runs] == ["inverted", "inverted"]
@@ -101,10 +130,15 @@ def test_a_top_in_the_air_has_not_settled() -> None:
     assert run.summary.outcome == "bouncing"
 
 
-@pytest.mark.parametrize(("start", "until"), [(THROWN, 0.06), ({"theta": 0.1, "omega3": 155.0}, 0.05)])
+@pytest.mark.parametrize(
+    ("start", "until"), [(THROWN, 0.06), ({"theta": 0.1, "omega3": 155.0}, 0.05)]
+)
 def test_runs_under_coulombs_law_in_quad_agree_with_80_bits(start: dict, until: float) -> None:
     """To what 80 bits can show: through liftoff, impact and stick."""
-    ends = [tt.run(scenario(COULOMB, start, until), precision=p, output="events") for p in ("longdouble", "quad")]
+    ends = [
+        tt.run(scenario(COULOMB, start, until), precision=p, output="events")
+        for p in ("longdouble", "quad")
+    ]
     kinds = [run.events.kind.values.tolist() for run in ends]
     assert kinds[0] == kinds[1]
     np.testing.assert_allclose(ends[0].events.time, ends[1].events.time, rtol=0, atol=1e-16)
@@ -114,7 +148,13 @@ def test_runs_under_coulombs_law_in_quad_agree_with_80_bits(start: dict, until: 
 def test_a_slide_that_begins_outside_the_friction_cone_has_its_row_at_once() -> None:
     """Its first steps are so short that their polynomials mean nothing before them."""
     body = {"m": 0.006, "R": 0.015, "alpha": 0.45773133498543367, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
-    start = {"theta": 1.4074573419766757, "phi_dot": 7.937053797883742, "omega3": 41.604276802429794}
-    rows = tt.run(scenario({"law": "coulomb", "mu": 0.2}, start, 0.003, body), output_step=0.001).trajectory
+    start = {
+        "theta": 1.4074573419766757,
+        "phi_dot": 7.937053797883742,
+        "omega3": 41.604276802429794,
+    }
+    rows = tt.run(
+        scenario({"law": "coulomb", "mu": 0.2}, start, 0.003, body), output_step=0.001
+    ).trajectory
     assert rows.omega3.values[0] == pytest.approx(start["omega3"], rel=1e-7)
     assert np.ptp(rows.normal_force.values) < 1e-3

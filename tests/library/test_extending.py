@@ -1,4 +1,6 @@
-"""A system, a law, an event and a column that are not in the package: in Python, and by entry points in TOML."""
+"""A system, a law, an event and a column that are not in the package: in Python, and by entry
+points in TOML.
+"""
 
 import dataclasses
 import json
@@ -34,13 +36,17 @@ def own(monkeypatch: pytest.MonkeyPatch) -> Iterator:
     import quadratic_tops
 
     yield quadratic_tops
-    for registry, before in zip((systems.SYSTEMS, friction.LAWS, friction.SLIP), known, strict=True):
+    for registry, before in zip(
+        (systems.SYSTEMS, friction.LAWS, friction.SLIP), known, strict=True
+    ):
         registry.clear()
         registry.update(before)
 
 
 def test_a_law_of_ones_own(own) -> None:
-    """With drag = 0 it is viscous friction, to the last bit; with drag it takes more energy at the same mu."""
+    """With drag = 0 it is viscous friction, to the last bit; with drag it takes more energy at the
+    same mu.
+    """
     with pytest.raises(tt.InputError, match="must be registered"):
         tt.run(TOP, own.Quadratic(0.3, 0.0), start=START, until=0.5)
     tt.extending.register(own.Quadratic)
@@ -58,7 +64,11 @@ def test_a_law_of_ones_own(own) -> None:
 def law(name: str, fields: tuple[str, ...] = ("mu",), **given: Any) -> Any:
     """A law whose numbers are speeds."""
     rule = tt.extending.number(tt.extending.Unit(0, -1, 1, "s m-1"), "a number", least=0)
-    body = {"coefficient": formula(lambda v2, z, law: law.mu), **dict.fromkeys(fields, rule), **given}
+    body = {
+        "coefficient": formula(lambda v2, z, law: law.mu),
+        **dict.fromkeys(fields, rule),
+        **given,
+    }
     return type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body)
 
 
@@ -69,17 +79,24 @@ def test_a_law_need_not_use_all_its_numbers(own) -> None:
     run = tt.run(TOP, lazy(0.3, 5.0), start=START, until=0.2)
     plain = tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=0.2)
     np.testing.assert_array_equal(run.trajectory.theta, plain.trajectory.theta)
-    many = tt.ensemble(TOP, {"unused": np.array([1.0, 2.0])}, lazy(0.3, 5.0), start=START, until=0.2)
+    many = tt.ensemble(
+        TOP, {"unused": np.array([1.0, 2.0])}, lazy(0.3, 5.0), start=START, until=0.2
+    )
     np.testing.assert_allclose(many["theta_end"], float(plain.trajectory.theta[-1]), rtol=1e-12)
 
 
 def test_registering_refuses_what_would_be_mistaken(own) -> None:
     """A name that is another's already, and what cannot be a law; each in one sentence."""
     mine = law("Mine")
-    assert tt.extending.register(mine) is tt.extending.register(mine), "the same again changes nothing"
+    assert tt.extending.register(mine) is tt.extending.register(mine), (
+        "the same again changes nothing"
+    )
     for record, sentence in (
         (law("Other", key="mine"), "the name of a law must be new, but `mine` is that of Mine"),
-        (law("Other", key="modified"), "the name of a law must be new, but `modified` is one of gliding-cylinder"),
+        (
+            law("Other", key="modified"),
+            "the name of a law must be new, but `modified` is one of gliding-cylinder",
+        ),
         (law("Viscous"), "the name of a law must be new"),
         (law("Other", key=""), "must be letters"),
         (law("Other", key="a b"), "must be letters"),
@@ -101,7 +118,10 @@ def test_laws_know_it(own, rng: np.random.Generator) -> None:
     tt.extending.register(own.Quadratic)
     tt.extending.register(own.SCALED_TIPPE_TOP)
     assert (
-        laws.first_broken({"scaled-tippe-top": own.SCALED_TIPPE_TOP}, lambda: np.random.default_rng(rng.integers(1e9)))
+        laws.first_broken(
+            {"scaled-tippe-top": own.SCALED_TIPPE_TOP},
+            lambda: np.random.default_rng(rng.integers(1e9)),
+        )
         is None
     )
 
@@ -121,7 +141,12 @@ def test_it_means_the_same_inside_numba(own) -> None:
 
 def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
     run = tt.run(
-        "inverting", events=[own.EIGHTH], columns=[own.SPIN_ENERGY], start={"theta": 0.8}, until=3.0, output_step=0.001
+        "inverting",
+        events=[own.EIGHTH],
+        columns=[own.SPIN_ENERGY],
+        start={"theta": 0.8},
+        until=3.0,
+        output_step=0.001,
     )
     kinds = run.events["kind"].attrs["flag_meanings"].split()
     log = run.events.isel(event=run.events["kind"].values == kinds.index("eighth"))
@@ -134,7 +159,9 @@ def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
     assert rows["spin_energy"].attrs["units"] == "J"
     assert run.summary.event_counts.eighth == log.sizes["event"]
     plain = tt.run("inverting", start={"theta": 0.8}, until=3.0, output_step=0.001)
-    np.testing.assert_array_equal(rows["theta"], plain.trajectory["theta"], "what is watched does not change a bit")
+    np.testing.assert_array_equal(
+        rows["theta"], plain.trajectory["theta"], "what is watched does not change a bit"
+    )
     run.save(tmp_path / "own.zarr")
     stored = tt.open(tmp_path / "own.zarr")
     assert stored.trajectory.identical(rows)
@@ -143,21 +170,32 @@ def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
     with pytest.raises(tt.InputError, match="`theta` must be a new name"):
         tt.run(
             "inverting",
-            columns=[tt.extending.Quantity("theta", "", tt.extending.Unit(0, 0, 0, "1"), "", own.spin_energy)],
+            columns=[
+                tt.extending.Quantity(
+                    "theta", "", tt.extending.Unit(0, 0, 0, "1"), "", own.spin_energy
+                )
+            ],
         )
 
 
 def test_a_stored_run_with_records_of_ones_own_goes_on(own, tmp_path: Path) -> None:
-    """It is continued, certified and replayed with the records that it was made with; nothing of it is lost."""
+    """It is continued, certified and replayed with the records that it was made with; nothing of it
+    is lost.
+    """
     mine = {"events": [own.EIGHTH], "columns": [own.SPIN_ENERGY]}
     run = tt.run("inverting", **mine, start={"theta": 0.8}, until=0.1, out=tmp_path / "run.zarr")
     assert run.certify(0.05).theta < 1e-12
     assert "spin_energy" in run.replay(0.0, 0.05, 0.01)
     opened = tt.open(tmp_path / "run.zarr", **mine)
     assert opened.problem.system is run.problem.system
-    with pytest.raises(tt.InputError, match=r"the run has `eighth`, `spin_energy`, which tippe-top has not: give the"):
+    with pytest.raises(
+        tt.InputError,
+        match=r"the run has `eighth`, `spin_energy`, which tippe-top has not: give the",
+    ):
         tt.resume(tmp_path / "run.zarr", until=0.2)
-    with pytest.raises(tt.InputError, match=r"the run has `spin_energy`, which tippe-top has not: give the"):
+    with pytest.raises(
+        tt.InputError, match=r"the run has `spin_energy`, which tippe-top has not: give the"
+    ):
         tt.resume(tmp_path / "run.zarr", until=0.2, events=[own.EIGHTH])
     with pytest.raises(tt.InputError, match="must be given, but `eighth` is a name"):
         tt.resume(tmp_path / "run.zarr", until=0.2, events=["eighth"])
@@ -165,15 +203,28 @@ def test_a_stored_run_with_records_of_ones_own_goes_on(own, tmp_path: Path) -> N
     whole = tt.run("inverting", **mine, start={"theta": 0.8}, until=0.2)
     assert longer.events.equals(whole.events)
     np.testing.assert_array_equal(longer.trajectory.spin_energy, whole.trajectory.spin_energy)
-    assert tt.run("inverting", start=tmp_path / "run.zarr", until=0.01).trajectory.sizes["time"] == 11
+    assert (
+        tt.run("inverting", start=tmp_path / "run.zarr", until=0.01).trajectory.sizes["time"] == 11
+    )
 
 
 def test_names_of_events_and_columns_are_new_words(own) -> None:
-    """A name that a table has already would replace its column; one with a blank or a slash breaks a store."""
+    """A name that a table has already would replace its column; one with a blank or a slash breaks
+    a store.
+    """
     for name, sentence in (
-        *((name, "must be a new name") for name in ("psi", "orientation", "xyz", "wxyz", "time", "theta", "axis")),
-        *((name, "must be a new name") for name in ("turning", "kind", "amplitude", "significant", "jellett", "work")),
-        *((name, "must be letters, digits and _") for name in ("", "a b", "a/b", "..", "1x", "\u00e9", 3, None)),
+        *(
+            (name, "must be a new name")
+            for name in ("psi", "orientation", "xyz", "wxyz", "time", "theta", "axis")
+        ),
+        *(
+            (name, "must be a new name")
+            for name in ("turning", "kind", "amplitude", "significant", "jellett", "work")
+        ),
+        *(
+            (name, "must be letters, digits and _")
+            for name in ("", "a b", "a/b", "..", "1x", "\u00e9", 3, None)
+        ),
         *((name, "must not be one of") for name in ("work_lo", "state_ux", "drift_energy")),
     ):
         for given in (
@@ -195,16 +246,25 @@ def test_names_of_events_and_columns_are_new_words(own) -> None:
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"kept": (tt.extending.Kept("a", "middle", "x"),)}, "must be one of first, last, count, but is 'middle'"),
+        (
+            {"kept": (tt.extending.Kept("a", "middle", "x"),)},
+            "must be one of first, last, count, but is 'middle'",
+        ),
         ({"kept": (tt.extending.Kept("a", "first", "x", 2),)}, "must be -1, 0 or 1"),
-        ({"kept": (tt.extending.Kept("a", "first", "x"), tt.extending.Kept("a", "count", "x"))}, "`a` is given twice"),
+        (
+            {"kept": (tt.extending.Kept("a", "first", "x"), tt.extending.Kept("a", "count", "x"))},
+            "`a` is given twice",
+        ),
         ({"kept": ("a",)}, "must be Kept records"),
         ({"kept": 3}, "must be Kept records"),
         *(
             ({"kept": (tt.extending.Kept(name, "first", "x"),)}, "new name")
             for name in ("first_equator", "t_end", "status", "mu")
         ),
-        *(({"ends": word}, "must be a word other than") for word in ("finished", "running", "invalid", "todo", 5, "")),
+        *(
+            ({"ends": word}, "must be a word other than")
+            for word in ("finished", "running", "invalid", "todo", 5, "")
+        ),
         ({"direction": "up"}, "must be -1, 0 or 1"),
         ({"formula": None}, "must be a function"),
     ],
@@ -215,7 +275,9 @@ def test_an_event_of_ones_own_is_checked(own, changes: dict, sentence: str) -> N
 
 
 def test_a_second_event_of_a_kind_is_refused(own) -> None:
-    """A run follows one turning, one lasting event: of a second the log had rows that meant nothing."""
+    """A run follows one turning, one lasting event: of a second the log had rows that meant
+    nothing.
+    """
     for fields, sentence in (
         ({"sense": 1}, "`sense` .* is given in `turning` and `again`"),
         ({"lasting": True, "direction": 1}, "`lasting` .* is given in `settled` and `again`"),
@@ -231,7 +293,9 @@ def test_a_second_event_of_a_kind_is_refused(own) -> None:
 
 
 def test_which_events_are_logged(own) -> None:
-    """All by default, none of an empty list; user-defined ones next to those that are named, or alone."""
+    """All by default, none of an empty list; user-defined ones next to those that are named, or
+    alone.
+    """
 
     def logged(events) -> tuple[str, ...]:
         return tt.run("inverting", until=0.05, events=events).problem.events
@@ -242,14 +306,18 @@ def test_which_events_are_logged(own) -> None:
     assert logged(["turning"]) == logged("turning") == ("turning",)
     assert logged([own.EIGHTH]) == logged(own.EIGHTH) == ("eighth",)
     assert logged(["turning", own.EIGHTH]) == ("turning", "eighth")
-    kept = dataclasses.replace(own.EIGHTH, kept=[tt.extending.Kept("first_eighth", "first", "x")])  # a list is fine
+    kept = dataclasses.replace(
+        own.EIGHTH, kept=[tt.extending.Kept("first_eighth", "first", "x")]
+    )  # a list is fine
     run = tt.run("inverting", until=0.05, events=[], columns=own.SPIN_ENERGY)
     assert run.events.sizes["event"] == 0
     assert "spin_energy" in run.trajectory
     assert logged([kept]) == ("eighth",)
 
 
-@pytest.mark.parametrize("value", [5, True, 1.5, object(), np.array(1.0), np.array([1.0, 2.0]), [3], {"x": 1}, b"x"])
+@pytest.mark.parametrize(
+    "value", [5, True, 1.5, object(), np.array(1.0), np.array([1.0, 2.0]), [3], {"x": 1}, b"x"]
+)
 def test_events_and_columns_are_lists_of_records(value) -> None:
     with pytest.raises(tt.InputError, match=r"`events` must be|`run.events`|`events`"):
         tt.run("inverting", until=0.05, events=value)
@@ -259,22 +327,43 @@ def test_events_and_columns_are_lists_of_records(value) -> None:
 
 def test_a_system_of_ones_own(own) -> None:
     """Passed as a record or by its name, it is the tippe top in other numbers."""
-    run = tt.run(own.SCALED_TIPPE_TOP, tt.friction.Viscous(0.3), parameters=SCALED, start=START, until=2.0)
+    run = tt.run(
+        own.SCALED_TIPPE_TOP, tt.friction.Viscous(0.3), parameters=SCALED, start=START, until=2.0
+    )
     np.testing.assert_allclose(
-        run.trajectory.theta, tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=2.0).trajectory.theta, atol=1e-10
+        run.trajectory.theta,
+        tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=2.0).trajectory.theta,
+        atol=1e-10,
     )
     assert "spin_energy" in run.trajectory
     with pytest.raises(tt.InputError, match=r"`parameters.k3` must be at most 2\*k1"):
-        tt.run(own.SCALED_TIPPE_TOP, tt.friction.Viscous(0.3), parameters={**SCALED, "k3": 1.0}, start=START, until=2.0)
+        tt.run(
+            own.SCALED_TIPPE_TOP,
+            tt.friction.Viscous(0.3),
+            parameters={**SCALED, "k3": 1.0},
+            start=START,
+            until=2.0,
+        )
     tt.extending.register(own.SCALED_TIPPE_TOP)
-    tables = {"system": "scaled-tippe-top", "parameters": SCALED, "initial": START, "run": {"until": 0.5}}
+    tables = {
+        "system": "scaled-tippe-top",
+        "parameters": SCALED,
+        "initial": START,
+        "run": {"until": 0.5},
+    }
     assert "k1" in tt.run(tables, tt.friction.Viscous(0.3)).summary.parameters
-    many = tt.ensemble(tables, {"k1": np.array([0.3, 0.35, 0.4]), "mu": np.full(3, 0.3)}, tt.friction.Viscous(0.3))
+    many = tt.ensemble(
+        tables, {"k1": np.array([0.3, 0.35, 0.4]), "mu": np.full(3, 0.3)}, tt.friction.Viscous(0.3)
+    )
     assert list(many["status"].values) == [1, 1, 1]
 
 
-def test_workers_of_a_sweep_know_packages_only(own, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is registered in this process alone runs in it; with workers, that is said before anything is tried."""
+def test_workers_of_a_sweep_know_packages_only(
+    own, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is registered in this process alone runs in it; with workers, that is said before
+    anything is tried.
+    """
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(systems, "REGISTERED_HERE", set())
     tt.extending.register(own.Quadratic)
@@ -282,7 +371,9 @@ def test_workers_of_a_sweep_know_packages_only(own, tmp_path: Path, monkeypatch:
     (tmp_path / "scenario.toml").write_text(SCENARIO)
     (tmp_path / "plan.toml").write_text(PLAN)
     for where in ({"workers": 2}, {"scheduler": "tcp://127.0.0.1:1"}):
-        with pytest.raises(tt.InputError, match="`scaled-tippe-top` must come from an installed package"):
+        with pytest.raises(
+            tt.InputError, match="`scaled-tippe-top` must come from an installed package"
+        ):
             tt.sweep("plan.toml", "sweep.zarr", **where)
     assert not (tmp_path / "sweep.zarr").exists()
     assert list(tt.sweep("plan.toml", "sweep.zarr")["status"].values) == [1] * 5
@@ -291,7 +382,9 @@ def test_workers_of_a_sweep_know_packages_only(own, tmp_path: Path, monkeypatch:
         'scenario = "inverting"\n[set.friction]\nlaw = "quadratic"\nmu = 0.3\ndrag = 1.0\n'
         '[[axis]]\nof = "initial.omega3"\nlinspace = [90.0, 200.0]\nn = 2\n'
     )
-    with pytest.raises(tt.InputError, match="the friction law `quadratic` must come from an installed package"):
+    with pytest.raises(
+        tt.InputError, match="the friction law `quadratic` must come from an installed package"
+    ):
         tt.sweep("law.toml", "law.zarr", workers=2)
     for workers in ("x", 0, -1, 1.5, True):
         with pytest.raises(tt.InputError, match="`workers` must be a whole number"):
@@ -350,19 +443,25 @@ def installed(folder: Path) -> Path:
     project = tomllib.loads((PACKAGE / "pyproject.toml").read_text())["project"]
     info = folder / f"quadratic_tops-{project['version']}.dist-info"
     info.mkdir()
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n")
+    (info / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
+    )
     groups = project["entry-points"].items()
-    lines = (f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in entries.items()) for group, entries in groups)
+    lines = (
+        f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in entries.items())
+        for group, entries in groups
+    )
     (info / "entry_points.txt").write_text("\n".join(lines))
     return folder
 
 
 @pytest.mark.parametrize("more", [[], pytest.param(["sweep"], marks=pytest.mark.slow)])
 def test_an_installed_package_is_known_by_name(more: list[str], tmp_path: Path) -> None:
-    """check, run, info, plot, sweep and systems know what the entry points of an installed package name.
+    """check, run, info, plot, sweep and systems know what the entry points of an installed package
+    name.
 
-    A sweep of a law of one's own in this process has its own test; its lanes, which the check of a plan tries too,
-    compile for ten seconds.
+    A sweep of a law of one's own in this process has its own test; its lanes, which the check of a
+    plan tries too, compile for ten seconds.
     """
     (tmp_path / "scenario.toml").write_text(SCENARIO)
     (tmp_path / "plan.toml").write_text(PLAN)

@@ -36,11 +36,17 @@ def times(run: Any, kind: str) -> np.ndarray:
 
 
 def bounces(until: float = 3.0, **run: Any) -> Any:
-    tables = {"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1.0}}
+    tables = {
+        "system": "bouncing-point",
+        "parameters": {"g": 9.81, "e": 0.5},
+        "initial": {"h": 1.0},
+    }
     return tt.run(tables, until=until, **run)
 
 
-@pytest.mark.parametrize(("precision", "bound"), [("double", 1e-13), ("longdouble", 1e-15), ("quad", 1e-15)])
+@pytest.mark.parametrize(
+    ("precision", "bound"), [("double", 1e-13), ("longdouble", 1e-15), ("quad", 1e-15)]
+)
 def test_a_point_bounces_when_it_must(page: dict, precision: str, bound: float) -> None:
     found = times(bounces(precision=precision), "bounce")
     hops = 2 * np.sqrt(2 / 9.81) * 0.5 ** np.arange(1, len(found))
@@ -73,7 +79,9 @@ def test_nothing_is_said_of_an_inclination_that_is_not_there(page: dict) -> None
 
 @pytest.mark.parametrize("kind", ["theta", "energy", "drift", "states"])
 def test_a_figure_of_what_is_not_there_is_refused(page: dict, kind: str) -> None:
-    with pytest.raises(tt.InputError, match=f"`{kind}` is drawn for .* only; this is a bouncing point"):
+    with pytest.raises(
+        tt.InputError, match=f"`{kind}` is drawn for .* only; this is a bouncing point"
+    ):
         bounces().plot(kind)
 
 
@@ -93,7 +101,9 @@ def test_a_body_may_have_constants_and_no_gravity(page: dict) -> None:
 
     point = SYSTEMS["bouncing-point"]
     body = page["NamedTuple"]("B", [("a", Any), ("e", Any), ("friction", Any)])
-    fall = dataclasses.replace(point.phases["fall"], forms=page["Form"]("plain", point.angles, falling))
+    fall = dataclasses.replace(
+        point.phases["fall"], forms=page["Form"]("plain", point.angles, falling)
+    )
     other = dataclasses.replace(
         point,
         name="constant-point",
@@ -127,13 +137,20 @@ def test_each_step_of_each_phase_has_a_row(page: dict) -> None:
 
 def test_a_replay_continues_in_its_phase(page: dict, tmp_path: Path) -> None:
     run = bounces(output="keyframes", keyframe_steps=2, out=tmp_path / "run.zarr")
-    rows, whole = run.replay(0.5, 1.5, 0.125), bounces(output_times=np.arange(0.5, 1.6, 0.125).tolist())
+    rows, whole = (
+        run.replay(0.5, 1.5, 0.125),
+        bounces(output_times=np.arange(0.5, 1.6, 0.125).tolist()),
+    )
     np.testing.assert_array_equal(rows.h.values, whole.trajectory.h.values[: len(rows.time)])
 
 
 def test_a_block_sticks_and_slips_with_its_period(page: dict) -> None:
     b = page["belt"]
-    frequency, torn, middle = np.sqrt(b["k"]), b["sticks"] * b["g"] / b["k"], b["mu"] * b["g"] / b["k"]
+    frequency, torn, middle = (
+        np.sqrt(b["k"]),
+        b["sticks"] * b["g"] / b["k"],
+        b["mu"] * b["g"] / b["k"],
+    )
     slipping = 2 * (np.pi - np.arctan2((torn - middle) * frequency, b["belt"])) / frequency
     period = slipping + 2 * (torn - middle) / b["belt"]
     slips, sticks = times(page["run"], "slips"), times(page["run"], "sticks")
@@ -144,14 +161,20 @@ def test_a_block_sticks_and_slips_with_its_period(page: dict) -> None:
 
 def test_an_ensemble_of_them_is_refused_or_the_runs_of_each(page: dict) -> None:
     with pytest.raises(tt.InputError, match="`form` must be"):
-        tt.ensemble({"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}},
-                    {"parameters.e": [0.3, 0.6]}, until=1.0)  # fmt: skip
+        tt.ensemble(
+            {"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}},
+            {"parameters.e": [0.3, 0.6]},
+            until=1.0,
+        )
 
 
 @pytest.mark.parametrize(
     ("way", "words"),
     [
-        (Exit("ground", ("nowhere",), None), "must lead to phases of the system, but leads to 'nowhere'"),
+        (
+            Exit("ground", ("nowhere",), None),
+            "must lead to phases of the system, but leads to 'nowhere'",
+        ),
         (Exit("sky", ("rest",), None), "sky"),
     ],
 )
@@ -170,7 +193,10 @@ def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
         changes["exits"] = (Exit("ground", ("fall",), jump),)
     phases = {**point.phases, "fall": dataclasses.replace(fall, **changes)}
     tt.extending.register(dataclasses.replace(point, name="broken-point", phases=phases))
-    return tt.run({"system": "broken-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}}, until=2)
+    return tt.run(
+        {"system": "broken-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}},
+        until=2,
+    )
 
 
 @pytest.mark.parametrize(
@@ -187,7 +213,9 @@ def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
         (("fall", {"h": 0.1}, {"zeros": {"ground": 1}}), "no root of multiplicity 1"),
     ],
 )
-def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(page: dict, returned: Any, words: str) -> None:
+def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(
+    page: dict, returned: Any, words: str
+) -> None:
     def jump(x: Any, world: Any) -> Any:
         if returned is None:
             return None
@@ -203,12 +231,18 @@ def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(page: dict, re
     ("jump", "status", "words"),
     [
         (lambda x, world: 1 / 0, "stalled", "fails: ZeroDivisionError: division by zero"),
-        (lambda x, world: Next("fall", x._replace(v=np.nan)), "non-finite", "must lead to a finite state"),
+        (
+            lambda x, world: Next("fall", x._replace(v=np.nan)),
+            "non-finite",
+            "must lead to a finite state",
+        ),
         (lambda x, world: Next("fall", x), "stalled", "at last from `fall` to `fall` by `ground`"),
         (lambda x, world: Next("fall", x, ends="broken"), "ended", "by `ground` from phase `fall`"),
     ],
 )
-def test_a_run_ends_with_the_place_of_a_jump_without_an_end(page: dict, jump: Any, status: str, words: str) -> None:
+def test_a_run_ends_with_the_place_of_a_jump_without_an_end(
+    page: dict, jump: Any, status: str, words: str
+) -> None:
     summary = broken(page, jump).summary
     assert summary.status == status
     assert words in summary.reason
@@ -221,13 +255,19 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     phases = {
         "both `enter` and `leave`": {"rest": dataclasses.replace(rest, enter=lambda x, b: x)},
         "must take arrays": {"rest": dataclasses.replace(rest, enter=lambda x, b: x, leave=scalar)},
-        "an event with a formula": {"fall": dataclasses.replace(fall, exits=(Exit("rests", ("rest",), None),))},
-        "Event `ground` with the direction of the phases before": {"rest": dataclasses.replace(rest, events=(other,))},
+        "an event with a formula": {
+            "fall": dataclasses.replace(fall, exits=(Exit("rests", ("rest",), None),))
+        },
+        "Event `ground` with the direction of the phases before": {
+            "rest": dataclasses.replace(rest, events=(other,))
+        },
         "no jump can log it": {"fall": dataclasses.replace(fall, exits=())},
     }
     for words, changed in phases.items():
         with pytest.raises(tt.InputError, match=words):
-            tt.extending.register(dataclasses.replace(point, name="broken", phases=point.phases | changed))
+            tt.extending.register(
+                dataclasses.replace(point, name="broken", phases=point.phases | changed)
+            )
 
 
 def scalar(q: Any, b: Any) -> Any:
@@ -237,6 +277,10 @@ def scalar(q: Any, b: Any) -> Any:
 
 def test_a_phase_that_changes_the_common_state_is_refused(page: dict) -> None:
     point, state = SYSTEMS["bouncing-point"], page["State"]
-    spoilt = dataclasses.replace(point.phases["rest"], enter=lambda x, b: x, leave=lambda q, b: state(q.h + 1, q.v))
+    spoilt = dataclasses.replace(
+        point.phases["rest"], enter=lambda x, b: x, leave=lambda q, b: state(q.h + 1, q.v)
+    )
     with pytest.raises(tt.InputError, match="must keep the common state"):
-        tt.extending.register(dataclasses.replace(point, name="broken-point", phases={**point.phases, "rest": spoilt}))
+        tt.extending.register(
+            dataclasses.replace(point, name="broken-point", phases={**point.phases, "rest": spoilt})
+        )

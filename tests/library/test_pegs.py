@@ -22,9 +22,17 @@ TOP = tt.TippeTop(**BODY)
 PEG = tt.TippeTop(**{**BODY, "alpha": -BODY["alpha"]})
 START = {"theta": 0.5, "theta_dot": 2.0, "phi_dot": 5.0, "omega3": 60.0}
 MOTIONS: dict[str, dict[str, Any]] = {
-    "slip": {"system": "tippe-top", "friction": {"law": "viscous", "mu": 0.3}, "initial": {**START, "nu_x": 0.1}},
+    "slip": {
+        "system": "tippe-top",
+        "friction": {"law": "viscous", "mu": 0.3},
+        "initial": {**START, "nu_x": 0.1},
+    },
     "roll": {"system": "rolling-tippe-top", "initial": START},
-    "stick": {"system": "tippe-top", "friction": {"law": "coulomb", "mu": 0.3}, "initial": {**START, "nu_y": 0.01}},
+    "stick": {
+        "system": "tippe-top",
+        "friction": {"law": "coulomb", "mu": 0.3},
+        "initial": {**START, "nu_y": 0.01},
+    },
     "resist": {
         "system": "tippe-top",
         "friction": {"law": "coulomb", "mu": 0.3, "mu_r": 1e-4, "mu_d": 1e-4},
@@ -42,7 +50,8 @@ MOTIONS: dict[str, dict[str, Any]] = {
 def turned(tables: dict[str, Any]) -> dict[str, Any]:
     """The scenario of the same body with its axis turned round."""
     start = {
-        name: -x if name in ("theta_dot", "omega3", "nu_x", "nu_y") else x for name, x in tables["initial"].items()
+        name: -x if name in ("theta_dot", "omega3", "nu_x", "nu_y") else x
+        for name, x in tables["initial"].items()
     }
     start |= {"theta": math.pi - start["theta"], "phi": math.pi}
     return {**tables, "parameters": PEG._asdict(), "initial": start}
@@ -69,19 +78,30 @@ def growth(b: Any, omega3: float, up: int) -> float:
     across = [name for name in names if name not in along]
 
     def rates(moved: str, step: float) -> np.ndarray:
-        at = form.rates(refill(form.units, iter([along.get(x, 0.0) + step * (x == moved) for x in names])), b)
+        at = form.rates(
+            refill(form.units, iter([along.get(x, 0.0) + step * (x == moved) for x in names])), b
+        )
         return np.array([getattr(at, name) for name in across])
 
     columns = [(rates(name, 1e-6) - rates(name, -1e-6)) / 2e-6 for name in across]
     return float(np.linalg.eigvals(np.array(columns).T).real.max())
 
 
-def test_spins_of_pegs_are_stable_where_differences_of_the_motion_decay(rng: np.random.Generator) -> None:
+def test_spins_of_pegs_are_stable_where_differences_of_the_motion_decay(
+    rng: np.random.Generator,
+) -> None:
     seen = set()
     for _ in range(200):
         m, R, g, size = rng.uniform(0.8, 1.2, 4)
         I3 = 0.4 * m * R**2 * size
-        numbers = {"m": m, "R": R, "g": g, "I3": I3, "alpha": -rng.uniform(0.1, 0.9), "I1": I3 * rng.uniform(0.6, 1.6)}
+        numbers = {
+            "m": m,
+            "R": R,
+            "g": g,
+            "I3": I3,
+            "alpha": -rng.uniform(0.1, 0.9),
+            "I1": I3 * rng.uniform(0.6, 1.6),
+        }
         peg = tt.TippeTop(**numbers)
         limits = tt.theory.thresholds(peg)
         for lam in rng.uniform(0.3, 3, 4) * limits["lambda_de"].value:
@@ -98,10 +118,19 @@ def test_spins_of_pegs_are_stable_where_differences_of_the_motion_decay(rng: np.
 
 
 @pytest.mark.parametrize(("ratio", "stable"), [(0.9, False), (1.1, True)])
-def test_the_upright_spin_of_a_rolling_peg_stays_above_lambda_pi_alone(ratio: float, stable: bool) -> None:
-    omega3 = ratio * tt.theory.thresholds(PEG)["lambda_pi"].value / (PEG.I3 * PEG.R * (1 - PEG.alpha))
+def test_the_upright_spin_of_a_rolling_peg_stays_above_lambda_pi_alone(
+    ratio: float, stable: bool
+) -> None:
+    omega3 = (
+        ratio * tt.theory.thresholds(PEG)["lambda_pi"].value / (PEG.I3 * PEG.R * (1 - PEG.alpha))
+    )
     start = {"theta": 1e-5, "omega3": omega3}
-    tables = {"system": "rolling-tippe-top", "parameters": PEG._asdict(), "initial": start, "run": {"until": 3.0}}
+    tables = {
+        "system": "rolling-tippe-top",
+        "parameters": PEG._asdict(),
+        "initial": start,
+        "run": {"until": 3.0},
+    }
     assert (float(tt.run({**tables, "form": "vector"}).trajectory["theta"].max()) < 1e-3) is stable
     assert (
         f"upright spin of this lambda is {'' if stable else 'un'}stable"
@@ -126,7 +155,11 @@ def test_no_run_of_a_random_peg_contradicts_what_is_predicted(rng: np.random.Gen
         problem = build.problem(tables)
         start = forecast.at_start(problem)
         regime = tt.theory.regime(tt.TippeTop(**body), start["jellett"])
-        known = {"upright": regime.upright, "inverted": regime.inverted, "tumbling": bool(regime.tumbling)}
+        known = {
+            "upright": regime.upright,
+            "inverted": regime.inverted,
+            "tumbling": bool(regime.tumbling),
+        }
         outcome = solve(problem, keep=False).report["outcome"]
         assert known.get(outcome, True)
         met.add(outcome)
@@ -158,13 +191,20 @@ def test_asymptotic_states_of_a_peg_are_critical_points_of_its_least_energy() ->
 
 def test_the_landscape_of_a_peg_is_that_of_the_top_with_D_turned_round() -> None:
     D, lam, z = np.linspace(-2e-4, 3e-4, 11), np.linspace(0, 4e-6, 9), np.linspace(-0.9, 0.9, 7)
-    top, peg = tt.landscapes.minimal_surface(TOP, D=D, lam=lam), tt.landscapes.minimal_surface(PEG, D=-D[::-1], lam=lam)
+    top, peg = (
+        tt.landscapes.minimal_surface(TOP, D=D, lam=lam),
+        tt.landscapes.minimal_surface(PEG, D=-D[::-1], lam=lam),
+    )
     for name, sign in (("F", 1), ("z", -1), ("F_D", -1), ("F_lambda", 1)):
         np.testing.assert_allclose(peg[name][::-1], sign * top[name], rtol=1e-13)
     V = SYSTEMS["tippe-top"].potential(z, 2e-5, 2e-6, PEG.body())
-    np.testing.assert_allclose(tt.landscapes.potential(PEG, z, D=2e-5, lam=2e-6)["V"], V, rtol=1e-13)
+    np.testing.assert_allclose(
+        tt.landscapes.potential(PEG, z, D=2e-5, lam=2e-6)["V"], V, rtol=1e-13
+    )
     swing = tt.landscapes.turning_angles(PEG, D=-2e-5, lam=2e-6, energy=6e-3)
-    exact = tt.theory.nutation(PEG, D=-2e-5, lam=2e-6, energy=6e-3, theta=float(swing["theta_star"]))
+    exact = tt.theory.nutation(
+        PEG, D=-2e-5, lam=2e-6, energy=6e-3, theta=float(swing["theta_star"])
+    )
     assert [float(swing[name]) for name in exact._fields] == pytest.approx(exact, rel=1e-12)
     lines = tt.landscapes.marked_lines(PEG, np.array([1e-6, 2e-6]))
     assert lines["on_surface"].values.tolist() == [[False, True], [True, True]]
@@ -177,28 +217,38 @@ def test_the_landscape_of_a_peg_is_that_of_the_top_with_D_turned_round() -> None
         ({"alpha": -1.0}, "`parameters.alpha` must be greater than -1.0, but is -1"),
     ],
 )
-def test_no_top_has_its_centre_of_mass_in_the_centre_or_outside(wrong: dict[str, float], sentence: str) -> None:
+def test_no_top_has_its_centre_of_mass_in_the_centre_or_outside(
+    wrong: dict[str, float], sentence: str
+) -> None:
     with pytest.raises(tt.InputError, match=sentence):
         tt.TippeTop(**{**BODY, **wrong})
 
 
-@pytest.mark.parametrize("how", [{"linspace": [-0.2, 0.2], "n": 4}, {"values": [0.1, -0.1]}, {"between": [-0.1, 0.3]}])
+@pytest.mark.parametrize(
+    "how", [{"linspace": [-0.2, 0.2], "n": 4}, {"values": [0.1, -0.1]}, {"between": [-0.1, 0.3]}]
+)
 def test_an_axis_of_a_sweep_keeps_the_sign_of_alpha(how: dict[str, Any]) -> None:
     plan: dict[str, Any] = {"scenario": "inverting", "axis": [{"of": "parameters.alpha", **how}]}
     if "between" in how:
         plan["sample"] = {"method": "random", "n": 4, "seed": 1}
-    with pytest.raises(tt.InputError, match=r"`parameters\.alpha` must keep its sign along an axis, but goes from"):
+    with pytest.raises(
+        tt.InputError, match=r"`parameters\.alpha` must keep its sign along an axis, but goes from"
+    ):
         Plan.from_tables(plan)
 
 
 def test_a_fit_keeps_the_sign_of_alpha() -> None:
     for value in (-0.25, 0.25):
         scale = scale_of(TippeTop.parameters["alpha"], value)
-        assert sorted(map(scale.outside, (scale.low, scale.high))) == sorted((0.0, math.copysign(1, value)))
+        assert sorted(map(scale.outside, (scale.low, scale.high))) == sorted(
+            (0.0, math.copysign(1, value))
+        )
 
 
 def test_a_peg_with_a_stem_stands_on_it_only_with_its_centre_of_mass_above() -> None:
     for alpha, stands in ((-0.2, True), (-0.9, False)):
         stem = ["stem.r='12 mm'", "stem.h='10 mm'"]
-        problem = build.load("leine-glocker-stem", [f"parameters.alpha={alpha}", "friction.mu=0.1", *stem])
+        problem = build.load(
+            "leine-glocker-stem", [f"parameters.alpha={alpha}", "friction.mu=0.1", *stem]
+        )
         assert ("lambda_s_stem" in forecast.assessment(problem)["thresholds"]) is stands

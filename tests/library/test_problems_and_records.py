@@ -1,4 +1,6 @@
-"""What a record holds cannot be changed, and a Problem that was replaced is checked as one that is loaded."""
+"""What a record holds cannot be changed, and a Problem that was replaced is checked as one that is
+loaded.
+"""
 
 import copy
 import dataclasses
@@ -40,7 +42,11 @@ def test_what_a_record_holds_cannot_be_changed(mapping: Callable) -> None:
 def test_a_problem_is_copied_with_what_it_holds() -> None:
     """By pickle, deepcopy, replace; the times of its rows, too, stay as they are."""
     problem = tt.load("inverting", ["run.output_times=[0.1, 0.2]"], until=0.3)
-    for same in (copy.deepcopy(problem), pickle.loads(pickle.dumps(problem)), dataclasses.replace(problem)):
+    for same in (
+        copy.deepcopy(problem),
+        pickle.loads(pickle.dumps(problem)),
+        dataclasses.replace(problem),
+    ):
         assert (same.parameters, same.initial) == (problem.parameters, problem.initial)
         with pytest.raises(TypeError, match="cannot be changed"):
             same.initial["theta"] = 9.0
@@ -54,10 +60,22 @@ PROBLEM = tt.load("inverting")
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"parameters": {**PROBLEM.parameters, "alpha": 5.0}}, "`parameters.alpha` must be less than 1.0, but is 5"),
-        ({"parameters": {**PROBLEM.parameters, "m": np.nan}}, "`parameters.m` must be a finite number"),
-        ({"parameters": {**PROBLEM.parameters, "m": "x"}}, "`parameters.m` must be a number, but is 'x'"),
-        ({"parameters": 3}, "`parameters` of a Problem must be a mapping of names to numbers, but is 3"),
+        (
+            {"parameters": {**PROBLEM.parameters, "alpha": 5.0}},
+            "`parameters.alpha` must be less than 1.0, but is 5",
+        ),
+        (
+            {"parameters": {**PROBLEM.parameters, "m": np.nan}},
+            "`parameters.m` must be a finite number",
+        ),
+        (
+            {"parameters": {**PROBLEM.parameters, "m": "x"}},
+            "`parameters.m` must be a number, but is 'x'",
+        ),
+        (
+            {"parameters": 3},
+            "`parameters` of a Problem must be a mapping of names to numbers, but is 3",
+        ),
         ({"initial": {"theta": 9.0}}, "`initial.theta` must be at most 3.14159"),
         ({"events": ("nosuch",)}, "`events` must be of turning, .*, but has 'nosuch'"),
         ({"events": "turning"}, "`events` of a Problem must be a tuple of names"),
@@ -65,13 +83,18 @@ PROBLEM = tt.load("inverting")
         ({"until": -1.0}, "`until` must be greater than 0"),
         ({"until": "x"}, "`until` must be a number, but is 'x'"),
         ({"form": "nosuch"}, "`form` of a Problem must be a Form of its system, but is 'nosuch'"),
-        ({"friction": 0.3}, "`friction` of a Problem must be the record of a known law, but is 0.3"),
+        (
+            {"friction": 0.3},
+            "`friction` of a Problem must be the record of a known law, but is 0.3",
+        ),
         ({"tolerance": -1.0}, "`tolerance` must be "),
         ({"precision": "half"}, "`precision` must be .double., .longdouble. or .quad."),
     ],
 )
 def test_a_problem_that_was_replaced_is_checked(changes: dict[str, Any], sentence: str) -> None:
-    """dataclasses.replace made tops that cannot be; some gave rows, others were called too stiff."""
+    """dataclasses.replace made tops that cannot be; some gave rows, others were called
+    too stiff.
+    """
     with pytest.raises(tt.InputError, match=sentence):
         tt.run(dataclasses.replace(PROBLEM, **changes))
     with pytest.raises(tt.InputError, match=sentence):
@@ -90,7 +113,9 @@ def test_a_problem_that_was_replaced_is_checked(changes: dict[str, Any], sentenc
     ],
 )
 def test_a_problem_that_was_replaced_by_the_same_is_the_same(problem: Callable) -> None:
-    """What is checked again is what it was, down to its system; and one that was checked is not checked twice."""
+    """What is checked again is what it was, down to its system; and one that was checked is not
+    checked twice.
+    """
     before = problem()
     again = checked(dataclasses.replace(before))
     assert again is not before

@@ -1,4 +1,6 @@
-"""The public names: all there, documented, as the stub says; and the calls that the documentation shows."""
+"""The public names: all there, documented, as the stub says; and the calls that the documentation
+shows.
+"""
 
 import ast
 import inspect
@@ -29,11 +31,13 @@ def run() -> tt.Run:
     return tt.run(TOP, tt.friction.Viscous(mu=0.3), start=START, until=8.0)
 
 
-# --- names ----------------------------------------------------------------------------------------------------------
+# --- names --------------------------------------------------------------------------------------
 
 
 def test_the_stub_says_what_the_package_has() -> None:
-    """Type checkers read the stub, Python the module: they name the same things in the same places."""
+    """Type checkers read the stub, Python the module: they name the same things in the
+    same places.
+    """
     stub = ast.parse((Path(tt.__file__).parent / "__init__.pyi").read_text())
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
     typed = {alias.asname: node.module for node in imports for alias in node.names if alias.asname}
@@ -42,7 +46,9 @@ def test_the_stub_says_what_the_package_has() -> None:
     assert len(dir(tt)) == 25
     for name, module in typed.items():
         place = sys.modules[f"tippetop.{module}"] if module else tt
-        assert getattr(tt, name) is (getattr(place, name) if module else sys.modules[f"tippetop.{name}"])
+        assert getattr(tt, name) is (
+            getattr(place, name) if module else sys.modules[f"tippetop.{name}"]
+        )
     assert re.fullmatch(r"\d+\.\d+\.\d+.*", tt.__version__)
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = tt.nothing  # type: ignore[attr-defined]
@@ -63,23 +69,31 @@ def test_help_says_what_goes_in_and_comes_out(name: str) -> None:
     parameters = inspect.signature(function).parameters
     sections = ["Returns", *(["Parameters"] if parameters else [])]
     for section in sections:
-        assert re.search(rf"^{section}\n-+$", text, re.MULTILINE), f"{name} has no section {section}"
+        assert re.search(rf"^{section}\n-+$", text, re.MULTILINE), (
+            f"{name} has no section {section}"
+        )
     described = re.search(r"^Parameters\n-+\n(.*?)(?=^\w+\n-+$|\Z)", text, re.MULTILINE | re.DOTALL)
     for parameter in parameters:
         assert described is not None
-        assert re.search(rf"(?<!\w){parameter}(?!\w)", described[1]), f"{name} does not describe {parameter}"
+        assert re.search(rf"(?<!\w){parameter}(?!\w)", described[1]), (
+            f"{name} does not describe {parameter}"
+        )
 
 
-@pytest.mark.parametrize("name", [name for name, public in PUBLIC.items() if inspect.isclass(public)])
+@pytest.mark.parametrize(
+    "name", [name for name, public in PUBLIC.items() if inspect.isclass(public)]
+)
 def test_every_class_says_what_it_is(name: str) -> None:
     kind = PUBLIC[name]
     text = inspect.getdoc(kind) or ""
     assert text.partition("\n")[0].strip()
     if kind.__module__.startswith("tippetop.library") and inspect.signature(kind).parameters:
-        assert re.search(r"^(Parameters|Attributes)\n-+$", text, re.MULTILINE) or name == "StoredRun"
+        assert (
+            re.search(r"^(Parameters|Attributes)\n-+$", text, re.MULTILINE) or name == "StoredRun"
+        )
 
 
-# --- bodies and laws ------------------------------------------------------------------------------------------------
+# --- bodies and laws ----------------------------------------------------------------------------
 
 
 def test_a_body_is_checked_when_it_is_made() -> None:
@@ -99,13 +113,21 @@ def test_a_body_is_checked_when_it_is_made() -> None:
     assert len(found.value.sentences) == 3
     with pytest.raises(tt.InputError, match="I3` must be at most 2"):
         tt.TippeTop(m=1, R=1, alpha=0.5, I1=1, I3=3, g=9.82)
-    with pytest.raises(tt.InputError, match=r"`friction.mu` must be at least 0.0.*\n.*eps` must be greater than 0.0"):
+    with pytest.raises(
+        tt.InputError,
+        match=r"`friction.mu` must be at least 0.0.*\n.*eps` must be greater than 0.0",
+    ):
         tt.friction.Coulomb(mu=-1, eps=0)
-    with pytest.raises(tt.InputError, match="a Problem must stand alone, but is given beside `until`, `output_step`"):
+    with pytest.raises(
+        tt.InputError,
+        match="a Problem must stand alone, but is given beside `until`, `output_step`",
+    ):
         tt.run(tt.load("inverting"), until=1.0, output_step=0.1)
     with pytest.raises(tt.InputError, match=r"`parameters.m` must be a number, but is 'one'"):
         tt.HeavyTop(m="one", l=1, I1=1, I3=1, g=9.82)  # type: ignore[arg-type]
-    mixed = tt.TippeTop(m=np.float64(0.02), R=np.array(0.02), alpha=0.3, I1=np.float32(2.0), I3=np.int64(1), g=9.82)
+    mixed = tt.TippeTop(
+        m=np.float64(0.02), R=np.array(0.02), alpha=0.3, I1=np.float32(2.0), I3=np.int64(1), g=9.82
+    )
     assert all(type(value) is float for value in mixed._asdict().values())
     assert repr(tt.friction.Viscous(mu=0.3)) == "Viscous(mu=0.3)"
     assert tt.friction.Viscous(0.3) == tt.friction.Viscous(np.float64(0.3))
@@ -140,7 +162,7 @@ def test_a_body_and_a_law_make_a_problem(top, law, system: str) -> None:
         assert problem.friction == law
 
 
-# --- run ------------------------------------------------------------------------------------------------------------
+# --- run ----------------------------------------------------------------------------------------
 
 
 def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
@@ -155,7 +177,13 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
     for other in (
         tt.run("inverting", **same),
         tt.run("inverting", ["run.until=8", "run.output_step=0.008"]),
-        tt.run("inverting", friction={"mu": np.float64(0.3)}, parameters=TOP, initial={"theta": 0.1}, **same),
+        tt.run(
+            "inverting",
+            friction={"mu": np.float64(0.3)},
+            parameters=TOP,
+            initial={"theta": 0.1},
+            **same,
+        ),
         tt.run(tables),
         tt.run(tt.load("inverting", ["run.until=8", "run.output_step=0.008"])),
     ):
@@ -166,7 +194,9 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
     rolling = tt.run("inverting", system="rolling-tippe-top", until=0.1)
     assert rolling.summary.system == "rolling-tippe-top"
     times = np.linspace(0, 0.1, 3)
-    some = tt.run("inverting", start={"psi_dot": 150.0}, until=0.1, output_times=times, events=["turning"])
+    some = tt.run(
+        "inverting", start={"psi_dot": 150.0}, until=0.1, output_times=times, events=["turning"]
+    )
     np.testing.assert_array_equal(some.trajectory["time"], times)
     assert "omega3" not in some.summary.initial
 
@@ -185,11 +215,17 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
         (("inverting",), {"events": ["landing"]}, "^`events` must be of turning"),
         (("inverting",), {"start": 0.1}, "^`start` must be a mapping"),
         (("inverting",), {"friction": {"mu": 0.1, "eps": 1.0}}, "friction.eps"),
-        (("inverting",), {"output_step": 0.1, "output_times": [0.0]}, "^`output_step` must stand alone"),
+        (
+            ("inverting",),
+            {"output_step": 0.1, "output_times": [0.0]},
+            "^`output_step` must stand alone",
+        ),
         (("inverting",), {"system": "mars-rover"}, "^`system` must be one of"),
     ],
 )
-def test_misuse_is_one_sentence_in_the_words_of_the_call(arguments: tuple, options: dict, sentence: str) -> None:
+def test_misuse_is_one_sentence_in_the_words_of_the_call(
+    arguments: tuple, options: dict, sentence: str
+) -> None:
     with pytest.raises(tt.InputError, match=sentence) as found:
         tt.run(*arguments, **options)
     assert "--set" not in str(found.value)
@@ -222,8 +258,12 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
         _ = run.summary.colour
     assert max(run.drift.values()) < 1e-13
     assert run.trajectory["theta"].attrs["units"] == "rad"
-    assert run.events.sizes["event"] == sum(n for k, n in run.summary.event_counts.items() if "signif" not in k)
-    assert float(run.final["uz"]) == pytest.approx(float(np.cos(run.trajectory["theta"][-1])), abs=1e-12)
+    assert run.events.sizes["event"] == sum(
+        n for k, n in run.summary.event_counts.items() if "signif" not in k
+    )
+    assert float(run.final["uz"]) == pytest.approx(
+        float(np.cos(run.trajectory["theta"][-1])), abs=1e-12
+    )
     assert run.final["Lz"].attrs["units"] == "kg m2 s-1"
     tree = run.to_datatree()
     assert set(tree.children) == {"trajectory", "events"}
@@ -243,7 +283,9 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
         ("gliding-cylinder", ["run.until=1"]),
     ],
 )
-def test_a_saved_run_is_the_recorded_one_file_by_file(preset: str, sets: list[str], tmp_path: Path) -> None:
+def test_a_saved_run_is_the_recorded_one_file_by_file(
+    preset: str, sets: list[str], tmp_path: Path
+) -> None:
     recorded, saved = tmp_path / "recorded.zarr", tmp_path / "saved.zarr"
     record(tt.load(preset, sets), recorded)
     run = tt.run(preset, sets)
@@ -283,7 +325,9 @@ def test_every_kind_of_store_opens(tmp_path: Path) -> None:
     D, lam = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
     recording.write(tmp_path / "F.zarr", recording.Surface.over(TOP._asdict(), D, lam))
     surface = tt.open(tmp_path / "F.zarr")
-    np.testing.assert_array_equal(surface["F"], tt.landscapes.minimal_surface(TOP, D=D, lam=lam)["F"])
+    np.testing.assert_array_equal(
+        surface["F"], tt.landscapes.minimal_surface(TOP, D=D, lam=lam)["F"]
+    )
     (tmp_path / "plan.toml").write_text(
         'scenario = "inverting"\nset.run.until = 0.1\n'
         '[[axis]]\nof = "initial.omega3"\nlinspace = [100.0, 150.0]\nn = 2\n'
@@ -292,7 +336,10 @@ def test_every_kind_of_store_opens(tmp_path: Path) -> None:
     tt.sweep(tmp_path / "plan.toml", tmp_path / "S.zarr", workers=1)
     table = tt.open(tmp_path / "S.zarr")
     assert table.sizes["top"] == 6
-    assert dict(tt.open(tmp_path / "S.zarr", gridded=True).sizes) == {"initial.omega3": 2, "friction.mu": 3}
+    assert dict(tt.open(tmp_path / "S.zarr", gridded=True).sizes) == {
+        "initial.omega3": 2,
+        "friction.mu": 3,
+    }
     with pytest.raises(tt.StoreError, match="is a file, not a store"):
         tt.open(tmp_path / "plan.toml")
 
@@ -304,16 +351,20 @@ def test_a_run_in_another_thread() -> None:
     thread = threading.Thread(target=lambda: found.append(tt.run("inverting", until=0.2)))
     thread.start()
     thread.join()
-    np.testing.assert_array_equal(found[0].trajectory["theta"], tt.run("inverting", until=0.2).trajectory["theta"])
+    np.testing.assert_array_equal(
+        found[0].trajectory["theta"], tt.run("inverting", until=0.2).trajectory["theta"]
+    )
 
 
-# --- many tops ------------------------------------------------------------------------------------------------------
+# --- many tops ----------------------------------------------------------------------------------
 
 
 def test_an_ensemble_takes_bare_names_and_bodies() -> None:
     spins, frictions = np.array([100.0, 130.0, 155.0]), np.array([0.1, 0.2, 0.3])
     bare = tt.ensemble("inverting", {"omega3": spins, "mu": frictions}, until=0.5, threads=1)
-    dotted = tt.ensemble("inverting", {"initial.omega3": spins, "friction.mu": frictions}, until=0.5, threads=1)
+    dotted = tt.ensemble(
+        "inverting", {"initial.omega3": spins, "friction.mu": frictions}, until=0.5, threads=1
+    )
     body = tt.ensemble(
         TOP,
         {"omega3": list(spins), "mu": tuple(frictions)},
@@ -330,7 +381,7 @@ def test_an_ensemble_takes_bare_names_and_bodies() -> None:
         tt.ensemble("inverting", [1.0])  # type: ignore[arg-type]
 
 
-# --- theory and landscape -------------------------------------------------------------------------------------------
+# --- theory and landscape -----------------------------------------------------------------------
 
 
 def test_the_landscape_takes_bodies_and_letters(run: tt.Run) -> None:
@@ -339,7 +390,9 @@ def test_the_landscape_takes_bodies_and_letters(run: tt.Run) -> None:
     assert by_letter.identical(tt.landscapes.minimal_surface(TOP._asdict(), D, lam))
     assert by_letter["F"].equals(tt.landscapes.minimal_surface(run, D=D, lam=lam)["F"])
     heavy = tt.landscapes.minimal_surface(HEAVY, L3=D, Lz=D)
-    assert heavy.identical(tt.landscapes.minimal_surface(HEAVY._asdict(), D, D, "gliding-heavy-top"))
+    assert heavy.identical(
+        tt.landscapes.minimal_surface(HEAVY._asdict(), D, D, "gliding-heavy-top")
+    )
     V = tt.landscapes.potential(TOP, np.linspace(-0.9, 0.9, 181), D=D[1], lam=lam[1])
     assert float(V["V"].min()) >= float(by_letter["F"][1, 1])
     with pytest.raises(tt.InputError) as found:
@@ -362,9 +415,14 @@ def test_the_theory_takes_bodies(run: tt.Run) -> None:
     assert tt.theory.thresholds(HEAVY)["spin_sleeping"].value > 0
     assert tt.theory.linear_modes(TOP, tt.friction.Viscous(0.3), omega3=155.0)[0].real > 0
     assert np.all(np.abs(tt.theory.linear_modes(TOP, omega3=155.0).real) < 1e-9)
-    assert len(tt.theory.linear_modes(TOP, tt.friction.Frictionless(), omega3=155.0, inverted=True)) == 3
+    assert (
+        len(tt.theory.linear_modes(TOP, tt.friction.Frictionless(), omega3=155.0, inverted=True))
+        == 3
+    )
     rows = run.trajectory.isel(time=100)
-    D, lam, energy, theta = (float(rows[name]) for name in ("routh", "jellett", "modified_energy", "theta"))
+    D, lam, energy, theta = (
+        float(rows[name]) for name in ("routh", "jellett", "modified_energy", "theta")
+    )
     point, grid = (
         tt.theory.nutation(TOP, energy=energy, theta=theta, D=D, lam=lam),
         tt.landscapes.turning_angles(TOP, D=D, lam=lam, energy=energy),
@@ -396,16 +454,31 @@ def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:
         found = tt.theory.reconstruct(source)
         known = np.isfinite(found["theta"].values)
         assert known.mean() > 0.8
-        np.testing.assert_allclose(found["theta"][known], run.trajectory["theta"][known], rtol=0, atol=1e-7)
+        np.testing.assert_allclose(
+            found["theta"][known], run.trajectory["theta"][known], rtol=0, atol=1e-7
+        )
         assert found.attrs["mismatch"] < 1e-8
     with pytest.raises(tt.InputError, match="must be one of a tippe top"):
         tt.theory.reconstruct(tt.run(CYLINDER, start={"theta": 0.5}, until=0.1))
 
 
-# --- arguments that are wrong ----------------------------------------------------------------------------------------
+# --- arguments that are wrong -------------------------------------------------------------------
 
 NO_PATH = (3, None, 1.5, True, ["x"], b"x", "", np.array(["a"]))
-NO_NUMBER = (None, "x", np.nan, np.inf, True, [1], np.array([1.0, 2.0]), 1 + 1j, 10**400, {}, object(), b"1")
+NO_NUMBER = (
+    None,
+    "x",
+    np.nan,
+    np.inf,
+    True,
+    [1],
+    np.array([1.0, 2.0]),
+    1 + 1j,
+    10**400,
+    {},
+    object(),
+    b"1",
+)
 
 
 @pytest.mark.parametrize("value", NO_PATH, ids=repr)
@@ -439,7 +512,10 @@ def test_what_is_no_finite_number_is_refused(value) -> None:
         *(
             []
             if value is None
-            else [lambda: tt.theory.reconstruct(rolling, period=value), lambda: rolling.certify(value)]
+            else [
+                lambda: tt.theory.reconstruct(rolling, period=value),
+                lambda: rolling.certify(value),
+            ]
         ),
     ):
         with pytest.raises(tt.InputError, match=r"must be a (finite )?number|must be given"):
@@ -453,14 +529,18 @@ def test_what_is_something_else_is_refused(run: tt.Run, tmp_path: Path) -> None:
     for sentence, call in {
         "`nope` is neither": lambda: tt.load(Path("nope")),
         "`system` is not a table": lambda: tt.run("inverting", friction={"system.y": 1}, until=0.1),
-        "`form` is not a table": lambda: tt.run({**tables, "form": "vector"}, friction={"form.y": 1}, until=0.1),
+        "`form` is not a table": lambda: tt.run(
+            {**tables, "form": "vector"}, friction={"form.y": 1}, until=0.1
+        ),
         "`parameters`": lambda: tt.run(tables, parameters={"m": 0.2}, until=0.1),
-        "but has modified": lambda: tt.theory.linear_modes(TOP, tt.friction.Modified(mu=0.1, v_k=0.1), omega3=10.0),
+        "but has modified": lambda: tt.theory.linear_modes(
+            TOP, tt.friction.Modified(mu=0.1, v_k=0.1), omega3=10.0
+        ),
         "`law` must be the record of a friction law": lambda: TOP.body(3),
         "`run` must be a Run, but is 3": lambda: tt.theory.reconstruct(3),  # type: ignore[arg-type]
         "`period` must be greater than 0": lambda: tt.theory.reconstruct(run, period=-1.0),
-        "`period` must be longer than the 0.008 s between two rows, but is 1e-300 s": lambda: tt.theory.reconstruct(
-            run, period=1e-300
+        "`period` must be longer than the 0.008 s between two rows, but is 1e-300 s": lambda: (
+            tt.theory.reconstruct(run, period=1e-300)
         ),
         "some hundred in each nutation, but has 1": lambda: tt.theory.reconstruct(
             tt.run("inverting", until=0.1, output_times=[0.0])
@@ -470,9 +550,13 @@ def test_what_is_something_else_is_refused(run: tt.Run, tmp_path: Path) -> None:
         "the kind of figure must be one of .* but is .*x": lambda: run.plot(["x"]),  # type: ignore[arg-type]
         "must end with the format": lambda: run.plot("theta", tmp_path / "theta"),
         "must end with the format of a figure": lambda: run.plot("theta", tmp_path / "theta.doc"),
-        "`omega3` must be a number, but is 'a'": lambda: tt.ensemble("inverting", {"omega3": ["a"]}, until=0.1),
+        "`omega3` must be a number, but is 'a'": lambda: tt.ensemble(
+            "inverting", {"omega3": ["a"]}, until=0.1
+        ),
         "`threads` must be a whole": lambda: tt.ensemble("inverting", spins, until=0.1, threads=0),
-        "`threads` must be a whole number": lambda: tt.ensemble("inverting", spins, until=0.1, threads="x"),  # type: ignore[arg-type]
+        "`threads` must be a whole number": lambda: tt.ensemble(
+            "inverting", spins, until=0.1, threads="x"
+        ),  # type: ignore[arg-type]
         "`progress` must be": lambda: tt.ensemble("inverting", spins, until=0.1, progress=3),  # type: ignore[arg-type]
     }.items():
         with pytest.raises(tt.InputError, match=sentence):
@@ -480,7 +564,9 @@ def test_what_is_something_else_is_refused(run: tt.Run, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_a_stored_run_is_found_from_everywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_stored_run_is_found_from_everywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A relative path means the folder in which it was given."""
     monkeypatch.chdir(tmp_path)
     made = tt.run("inverting", until=0.1, out="run.zarr")
@@ -492,9 +578,13 @@ def test_a_stored_run_is_found_from_everywhere(tmp_path: Path, monkeypatch: pyte
 
 
 def test_every_folder_with_modules_is_a_package() -> None:
-    """The import contracts look at packages only: a folder without __init__.py would escape them."""
+    """The import contracts look at packages only: a folder without __init__.py would
+    escape them.
+    """
     root = Path(tt.__file__).parent
-    bare = {path.parent for path in root.rglob("*.py") if not (path.parent / "__init__.py").exists()}
+    bare = {
+        path.parent for path in root.rglob("*.py") if not (path.parent / "__init__.py").exists()
+    }
     assert not bare
 
 

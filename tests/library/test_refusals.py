@@ -1,4 +1,6 @@
-"""What cannot be used is refused with one sentence that names it: laws, events, columns, systems, arguments."""
+"""What cannot be used is refused with one sentence that names it: laws, events, columns, systems,
+arguments.
+"""
 
 import threading
 from collections.abc import Callable, Iterator
@@ -32,8 +34,13 @@ def forgotten() -> Iterator[None]:
 
 def law(name: str, coefficient: Callable) -> Any:
     """A registered law with one number, mu."""
-    body = {"mu": tt.extending.number(SECOND_PER_METRE, "a number"), "coefficient": formula(coefficient)}
-    return tt.extending.register(type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body))
+    body = {
+        "mu": tt.extending.number(SECOND_PER_METRE, "a number"),
+        "coefficient": formula(coefficient),
+    }
+    return tt.extending.register(
+        type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body)
+    )
 
 
 @pytest.mark.parametrize(
@@ -43,14 +50,31 @@ def law(name: str, coefficient: Callable) -> Any:
             lambda v2, z, law: -law.mu,
             r"k of the friction law `mine` must be at least 0, .* feeds energy, but is -0.3 s/m",
         ),
-        (lambda v2, z, law: law.mu * z, r"at least 0, .* but is -0.3 s/m at \|v_A\| = 0 m/s, cos\(theta\) = -1"),
-        (lambda v2, z, law: law.mu * float("nan"), "k of the friction law `mine` must be finite, but is nan"),
-        (lambda v2, z, law: law.mu / sqrt(v2), r"must be finite, but is inf s/m at \|v_A\| = 0 m/s"),
-        (lambda v2, z, law: None, "the formula of the friction law `mine` must return one number, but returns None"),
+        (
+            lambda v2, z, law: law.mu * z,
+            r"at least 0, .* but is -0.3 s/m at \|v_A\| = 0 m/s, cos\(theta\) = -1",
+        ),
+        (
+            lambda v2, z, law: law.mu * float("nan"),
+            "k of the friction law `mine` must be finite, but is nan",
+        ),
+        (
+            lambda v2, z, law: law.mu / sqrt(v2),
+            r"must be finite, but is inf s/m at \|v_A\| = 0 m/s",
+        ),
+        (
+            lambda v2, z, law: None,
+            "the formula of the friction law `mine` must return one number, but returns None",
+        ),
     ],
 )
-def test_a_law_that_feeds_energy_or_is_no_number_is_refused(coefficient: Callable, sentence: str) -> None:
-    """Before anything is said of the top: no fate, no run. Many tops, too: each that is so is invalid."""
+def test_a_law_that_feeds_energy_or_is_no_number_is_refused(
+    coefficient: Callable, sentence: str
+) -> None:
+    """Before anything is said of the top: no fate, no run.
+
+    Many tops, too: each that is so is invalid.
+    """
     mine = law("mine", coefficient)
     with pytest.raises(tt.InputError, match=sentence) as caught:
         tt.run("inverting", mine(0.3), until=0.1)
@@ -71,12 +95,21 @@ def test_of_many_tops_those_whose_law_feeds_energy_are_invalid() -> None:
 @pytest.mark.parametrize(
     ("value", "sentence"),
     [
-        (lambda s, b: s.z * float("nan"), "the formula of the {} must be finite at the start, but is nan"),
-        (lambda s, b: 1 / (s.z - s.z), "the formula of the {} must be finite at the start, but is inf"),
+        (
+            lambda s, b: s.z * float("nan"),
+            "the formula of the {} must be finite at the start, but is nan",
+        ),
+        (
+            lambda s, b: 1 / (s.z - s.z),
+            "the formula of the {} must be finite at the start, but is inf",
+        ),
         (lambda s, b: None, "the formula of the {} must return one number, but returns None"),
         (lambda s, b: s.nothing, "the formula of the {} fails: AttributeError"),
         (lambda s, b: (s.z, s.z), r"the formula of the {} must return one number, but returns \("),
-        (lambda s, b: np.array([s.z]), r"the formula of the {} must return one number, but returns array\("),
+        (
+            lambda s, b: np.array([s.z]),
+            r"the formula of the {} must return one number, but returns array\(",
+        ),
         (lambda s, b: "x", "the formula of the {} must return one number, but returns 'x'"),
         (lambda s, b: 1j, "the formula of the {} must return one number, but returns 1j"),
     ],
@@ -84,7 +117,11 @@ def test_of_many_tops_those_whose_law_feeds_energy_are_invalid() -> None:
 def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) -> None:
     """It was said that the parameters overflow, or that the equations are too stiff."""
     with pytest.raises(tt.InputError, match=sentence.format("column `mine`")):
-        tt.run("inverting", until=0.1, columns=[tt.extending.Quantity("mine", "q", JOULE, "mine", formula(value))])
+        tt.run(
+            "inverting",
+            until=0.1,
+            columns=[tt.extending.Quantity("mine", "q", JOULE, "mine", formula(value))],
+        )
     with pytest.raises(tt.InputError, match=sentence.format("event `mine`")):
         tt.run("inverting", until=0.1, events=[tt.extending.Event("mine", "mine", formula(value))])
 
@@ -100,11 +137,23 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
         ({"parameters": {}}, r"must take its parameters \(none\), but fail: KeyError"),
         ({"body": lambda parameters, law: 1 / 0}, "but fail: ZeroDivisionError"),
         ({"body": lambda parameters, law: 1.0}, "fail: |must give NamedTuples"),
-        ({"scales": lambda b: (1.0,)}, r"`scales` of `mine` must give a mass and a length, .* but gives \(1.0,\)"),
+        (
+            {"scales": lambda b: (1.0,)},
+            r"`scales` of `mine` must give a mass and a length, .* but gives \(1.0,\)",
+        ),
         ({"scales": lambda b: (1.0, 0.0)}, "finite and greater than 0, but gives"),
-        ({"checks": lambda p: None}, "`checks` of `mine` must give a list of sentences, but gives None"),
-        ({"checks": lambda p: 1 / 0}, "`checks` of `mine` must give .*, but fails: ZeroDivisionError"),
-        ({"start": lambda *a: None}, "`start` of `mine` must give a record as `angles` is, but gives None"),
+        (
+            {"checks": lambda p: None},
+            "`checks` of `mine` must give a list of sentences, but gives None",
+        ),
+        (
+            {"checks": lambda p: 1 / 0},
+            "`checks` of `mine` must give .*, but fails: ZeroDivisionError",
+        ),
+        (
+            {"start": lambda *a: None},
+            "`start` of `mine` must give a record as `angles` is, but gives None",
+        ),
         ({"events": (3,)}, "`events` of phase `slip` of `mine` must be Event records, but has 3"),
         ({"events": "turning"}, "must be Event records, but has 'turning'"),
         ({"quantities": (3,)}, "must be Quantity records, but has 3"),
@@ -134,7 +183,10 @@ def test_the_systems_of_the_package_pass_these_checks() -> None:
         ({"unit": "kg"}, "`unit` of the number `x` must be a Unit, but is 'kg'"),
         ({"above": 3, "below": 1}, "greater than 3, less than 1, for `x`, but none is"),
         ({"above": 1, "most": 1}, "but none is"),
-        ({"above": 0, "default": -1}, "`default` of the number `x` must be finite, greater than 0, but is -1"),
+        (
+            {"above": 0, "default": -1},
+            "`default` of the number `x` must be finite, greater than 0, but is -1",
+        ),
     ],
 )
 def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence: str) -> None:
@@ -148,34 +200,72 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
     [
         (lambda: tt.TippeTop(**{**BODY, "m": 10**400}), "`parameters.m` must be a"),
         (lambda: tt.TippeTop(**{**BODY, "R": 10**400, "I1": "2*m"}), "`parameters.R` must be a"),
-        (lambda: tt.run("inverting", until=1e308, output_step=1e307), r"`until` must be at most 1e\+16"),
-        (lambda: tt.run("inverting", tt.friction.Viscous), r"a record such as Viscous\(...\), but is the class"),
+        (
+            lambda: tt.run("inverting", until=1e308, output_step=1e307),
+            r"`until` must be at most 1e\+16",
+        ),
+        (
+            lambda: tt.run("inverting", tt.friction.Viscous),
+            r"a record such as Viscous\(...\), but is the class",
+        ),
         (lambda: tt.run("inverting", 0.3), r"a record such as Viscous\(mu=0.3\), but is 0.3"),
-        (lambda: tt.run("inverting", start={"theta": 1}, initial={"theta": 2}), "`start` and `initial` are the same"),
+        (
+            lambda: tt.run("inverting", start={"theta": 1}, initial={"theta": 2}),
+            "`start` and `initial` are the same",
+        ),
         (lambda: tt.run("inverting", stop=True), "`stop` must be a threading.Event, but is True"),  # type: ignore[arg-type]
         (lambda: tt.run("inverting", progress="x"), "`progress` must be True or False"),  # type: ignore[arg-type]
-        (lambda: tt.landscapes.minimal_surface("inverting", D=[1e-4, 1e-4], lam=4e-6), "`D` must ascend"),
-        (lambda: tt.landscapes.minimal_surface("inverting", D=[], lam=4e-6), "`D` must be a number or"),
+        (
+            lambda: tt.landscapes.minimal_surface("inverting", D=[1e-4, 1e-4], lam=4e-6),
+            "`D` must ascend",
+        ),
+        (
+            lambda: tt.landscapes.minimal_surface("inverting", D=[], lam=4e-6),
+            "`D` must be a number or",
+        ),
         (lambda: tt.landscapes.marked_lines("inverting", []), "`lambda` must be a number or"),
         (lambda: tt.derivatives.sensitivities("inverting", ["nu"]), "`nu` must be one of"),
-        (lambda: tt.extending.Unit("a", 2, -2, "J"), "powers of a Unit must be whole numbers, but are 'a', 2, -2"),  # type: ignore[arg-type]
+        (
+            lambda: tt.extending.Unit("a", 2, -2, "J"),
+            "powers of a Unit must be whole numbers, but are 'a', 2, -2",
+        ),  # type: ignore[arg-type]
         (lambda: tt.extending.Unit(1, 2, -2, 3), "`symbol` of a Unit must be a text, but is 3"),  # type: ignore[arg-type]
-        (lambda: tt.extending.Unit(1, 2, -2, "m"), r'powers of a Unit "m" must be \(0, 1, 0\), but are \(1, 2, -2\)'),
+        (
+            lambda: tt.extending.Unit(1, 2, -2, "m"),
+            r'powers of a Unit "m" must be \(0, 1, 0\), but are \(1, 2, -2\)',
+        ),
         (lambda: tt.extending.Unit(1, 2, -2, "kg m2 s-1"), r"must be \(1, 2, -1\), but are"),
         (
             lambda: tt.run(
-                "inverting", until=0.1, columns=[tt.extending.Quantity("q", 3, ONE, None, lambda s, b: s.z)]
+                "inverting",
+                until=0.1,
+                columns=[tt.extending.Quantity("q", 3, ONE, None, lambda s, b: s.z)],
             ),  # type: ignore[arg-type]
-            "`symbol` of the column `q` must be a text, but is 3.\n`long_name` of the column `q` must be a text",
+            "`symbol` of the column `q` must be a text, but is 3.\n`long_name` of the column "
+            "`q` must be a text",
         ),
         (
-            lambda: tt.run("inverting", until=0.1, events=[tt.extending.Event("e", 3, lambda s, b: s.z)]),  # type: ignore[arg-type]
+            lambda: tt.run(
+                "inverting", until=0.1, events=[tt.extending.Event("e", 3, lambda s, b: s.z)]
+            ),  # type: ignore[arg-type]
             "`long_name` of the event `e` must be a text, but is 3",
         ),
-        (lambda: tt.theory.asymptotic_states("inverting", 1e300), r"`lam` must give energies .*, but 1e\+300 does not"),
-        (lambda: tt.compare(3, "inverting"), "`others` must be a path or a list of paths, but is 3"),  # type: ignore[arg-type]
-        (lambda: tt.run("inverting", until=0.01).plot("theta", beside=3), "`beside` must be a list of Runs, but is 3"),  # type: ignore[arg-type]
-        (lambda: tt.run("inverting", until=0.01).plot("theta", beside=[3]), r"must be a list of Runs, but is \[3\]"),  # type: ignore[list-item]
+        (
+            lambda: tt.theory.asymptotic_states("inverting", 1e300),
+            r"`lam` must give energies .*, but 1e\+300 does not",
+        ),
+        (
+            lambda: tt.compare(3, "inverting"),
+            "`others` must be a path or a list of paths, but is 3",
+        ),  # type: ignore[arg-type]
+        (
+            lambda: tt.run("inverting", until=0.01).plot("theta", beside=3),
+            "`beside` must be a list of Runs, but is 3",
+        ),  # type: ignore[arg-type]
+        (
+            lambda: tt.run("inverting", until=0.01).plot("theta", beside=[3]),
+            r"must be a list of Runs, but is \[3\]",
+        ),  # type: ignore[list-item]
         (
             lambda: tt.theory.linear_modes("cohen-coulomb", omega3=100),
             "must be finite as v_A goes to 0, .* give Coulomb",
@@ -219,7 +309,9 @@ def test_numbers_of_other_libraries_are_numbers() -> None:
 
 
 def test_a_top_of_another_name_is_still_a_top() -> None:
-    """thresholds and linear_modes know the body, by whatever name the system goes; potential takes a preset's name."""
+    """thresholds and linear_modes know the body, by whatever name the system goes; potential takes
+    a preset's name.
+    """
     mine = tt.extending.register(tt.extending.SYSTEMS["tippe-top"].replace(name="mine"))
     from tippetop.library.scenarios import problem_of
 
@@ -234,17 +326,33 @@ def test_a_page_says_which_columns_it_lacks() -> None:
     """`run.orientation = true` is no remedy where the run keeps other columns."""
     run = tt.run("inverting", until=0.05, columns=["theta", "orientation"])
     with pytest.raises(
-        tt.InputError, match=r"a page must have the columns `axis`, `L`, .* which this run has not kept"
+        tt.InputError,
+        match=r"a page must have the columns `axis`, `L`, .* which this run has not kept",
     ):
         run.view()
-    needed = ["theta", "orientation", "axis", "L", "omega3", "phi", "nu_x", "nu_y", "x", "y", "routh", "jellett"]
+    needed = [
+        "theta",
+        "orientation",
+        "axis",
+        "L",
+        "omega3",
+        "phi",
+        "nu_x",
+        "nu_y",
+        "x",
+        "y",
+        "routh",
+        "jellett",
+    ]
     assert tt.run("inverting", until=0.05, columns=needed).view()
 
 
 @pytest.mark.parametrize("rows", [{"output": "events"}, {"output_step": 0.01}])
 def test_too_few_rows_are_refused_and_not_pondered(rows: dict[str, Any]) -> None:
     """A reconstruction from two rows in each swing took for ever."""
-    with pytest.raises(tt.InputError, match=r"some hundred in each nutation, but has [12] between two turnings"):
+    with pytest.raises(
+        tt.InputError, match=r"some hundred in each nutation, but has [12] between two turnings"
+    ):
         tt.theory.reconstruct(tt.run("inverting", until=0.2, **rows))
 
 
@@ -269,10 +377,13 @@ class Entry(NamedTuple):
 
 
 def test_entry_points_that_cannot_be_taken_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A name that is taken, another name than that of the record, and what is no record: a sentence each."""
+    """A name that is taken, another name than that of the record, and what is no record: a sentence
+    each.
+    """
     body = {"mu": tt.extending.number(ONE, "mu"), "coefficient": lambda v2, z, law: law.mu}
     taken, mine = (
-        type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body) for name in ("Viscous", "Mine")
+        type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body)
+        for name in ("Viscous", "Mine")
     )
     top = tt.extending.SYSTEMS["tippe-top"].replace(name="my-top")
     entries = [
@@ -282,21 +393,28 @@ def test_entry_points_that_cannot_be_taken_are_named(monkeypatch: pytest.MonkeyP
         Entry("tippetop.systems", "other-name", top),
         Entry("tippetop.systems", "wrong", 3),
     ]
-    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: [e for e in entries if e.group == group])
+    monkeypatch.setattr(
+        "importlib.metadata.entry_points", lambda group: [e for e in entries if e.group == group]
+    )
     with pytest.warns(UserWarning, match="of tippetop") as warned:
         systems.load_entry_points.__wrapped__()
     assert [str(each.message) for each in warned] == [
-        "`viscous` of tippetop.friction is left out: the name of a law must be new, but `viscous` is that of Viscous.",
-        "`other-name` of tippetop.friction is known as `mine`, the key of its class, and by no other.",
+        "`viscous` of tippetop.friction is left out: the name of a law must be new, but "
+        "`viscous` is that of Viscous.",
+        "`other-name` of tippetop.friction is known as `mine`, the key of its class, and by no "
+        "other.",
         "`wrong` of tippetop.friction is left out: it must be a FrictionLaw, but is 3.",
-        "`other-name` of tippetop.systems is known as `my-top`, the name of its System, and by no other.",
+        "`other-name` of tippetop.systems is known as `my-top`, the name of its System, and by "
+        "no other.",
         "`wrong` of tippetop.systems is left out: it must be a System, but is 3.",
     ]
     assert "my-top" in tt.extending.SYSTEMS
 
 
 def test_every_list_of_laws_is_the_same() -> None:
-    """What a run takes, tt.extending.LAWS, the manual and a sentence; each says of which systems a law is."""
+    """What a run takes, tt.extending.LAWS, the manual and a sentence; each says of which systems a
+    law is.
+    """
     named = {section.title: section.text for section in reference.friction()}
     del named["coulomb (without eps)"]
     assert named.keys() == tt.extending.LAWS.keys() >= {"viscous", "none", "modified", "contensou"}
@@ -308,7 +426,9 @@ def test_every_list_of_laws_is_the_same() -> None:
         with pytest.raises(tt.InputError) as refused:
             tt.run("inverting", system=name, friction={"law": "nosuch"})
         sentence = next(s for s in refused.value.sentences if "`friction.law`" in s)
-        assert sorted(sentence.partition(" one of ")[2].partition(", but")[0].split(", ")) == sorted(laws)
+        assert sorted(
+            sentence.partition(" one of ")[2].partition(", but")[0].split(", ")
+        ) == sorted(laws)
 
 
 def test_a_start_of_none_is_no_number() -> None:

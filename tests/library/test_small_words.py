@@ -1,4 +1,6 @@
-"""What the library answers to people: what may stand for a top, short representations, pickles, faults that name."""
+"""What the library answers to people: what may stand for a top, short representations, pickles,
+faults that name.
+"""
 
 import copy
 import pickle
@@ -44,20 +46,29 @@ def test_a_run_has_its_law_and_a_rolling_one_none(run: tt.Run) -> None:
     )
     other = tt.friction.Viscous(mu=0.1)
     np.testing.assert_array_equal(
-        tt.theory.linear_modes(run, other, omega3=155.0), tt.theory.linear_modes(TOP, other, omega3=155.0)
+        tt.theory.linear_modes(run, other, omega3=155.0),
+        tt.theory.linear_modes(TOP, other, omega3=155.0),
     )
 
 
 def test_what_is_no_top_is_refused_in_a_sentence() -> None:
     for source, sentence in (
-        ("rolling-cylinder", "must be a TippeTop or a HeavyTop, but is that of the system rolling-cylinder"),
+        (
+            "rolling-cylinder",
+            "must be a TippeTop or a HeavyTop, but is that of the system rolling-cylinder",
+        ),
         (3.0, "a Run, a Problem or the name of a preset, but is 3.0"),
-        (tt.Cylinder(m=1.0, R=1.0, alpha=0.1, I=0.4, g=9.8), "must be a TippeTop or a HeavyTop, but is Cylinder"),
+        (
+            tt.Cylinder(m=1.0, R=1.0, alpha=0.1, I=0.4, g=9.8),
+            "must be a TippeTop or a HeavyTop, but is Cylinder",
+        ),
         ("invertin", "neither a TOML file nor a preset"),
     ):
         with pytest.raises(tt.InputError, match=sentence):
             tt.theory.thresholds(source)
-    with pytest.raises(tt.InputError, match=r"must be a record such as Coulomb\(\.\.\.\), but is 'coulomb'"):
+    with pytest.raises(
+        tt.InputError, match=r"must be a record such as Coulomb\(\.\.\.\), but is 'coulomb'"
+    ):
         tt.theory.linear_modes(TOP, "coulomb", omega3=3.0)
 
 
@@ -84,7 +95,11 @@ def test_every_integrated_variable_has_a_unit_and_a_meaning(run: tt.Run) -> None
         for form in system.forms.values():
             variables = Variables(form)
             for name in variables.units:
-                assert _meaning(name, system, variables)["long_name"], (system.name, form.name, name)
+                assert _meaning(name, system, variables)["long_name"], (
+                    system.name,
+                    form.name,
+                    name,
+                )
     gliding = SYSTEMS["gliding-heavy-top"]
     about = _meaning("Lx", gliding, Variables(gliding.forms["contact"]))["long_name"]
     assert about == "angular momentum about the contact point, x component"
@@ -115,9 +130,18 @@ def test_stores_are_overwritten_in_the_words_of_the_call(run: tt.Run, tmp_path: 
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda: tt.run("inverting", untill=3), r"run\(\) has no argument `untill`. Did you mean `until`\?"),
-        (lambda: tt.TippeTop(m=1, R=1, alfa=0.3, I1=1, I3=1, g=9), "has no argument `alfa`. Did you mean `alpha`"),
-        (lambda: tt.friction.Coulomb(mu=0.3, epsilon=1e-3), "has no argument `epsilon`. Did you mean `eps`"),
+        (
+            lambda: tt.run("inverting", untill=3),
+            r"run\(\) has no argument `untill`. Did you mean `until`\?",
+        ),
+        (
+            lambda: tt.TippeTop(m=1, R=1, alfa=0.3, I1=1, I3=1, g=9),
+            "has no argument `alfa`. Did you mean `alpha`",
+        ),
+        (
+            lambda: tt.friction.Coulomb(mu=0.3, epsilon=1e-3),
+            "has no argument `epsilon`. Did you mean `eps`",
+        ),
     ],
 )
 def test_a_mistyped_keyword_is_answered_with_the_nearest(call, sentence: str) -> None:
@@ -139,7 +163,9 @@ def test_formulas_that_fail_name_themselves_and_keep_the_cause() -> None:
         ({"events": tt.extending.Event("mine", "mine", wrong)}, "the event `mine`"),
         ({"columns": tt.extending.Quantity("own", "o", unit, "own", wrong)}, "the column `own`"),
     ):
-        with pytest.raises(tt.InputError, match=f"the formula of {words} fails: AttributeError") as raised:
+        with pytest.raises(
+            tt.InputError, match=f"the formula of {words} fails: AttributeError"
+        ) as raised:
             tt.run("inverting", until=0.1, **options)
         assert isinstance(raised.value.__cause__, AttributeError)
 
@@ -149,9 +175,13 @@ def test_a_law_that_fails_names_itself() -> None:
         return law.nu
 
     body = {"mu": friction.LAWS["viscous"].parameters["mu"], "coefficient": coefficient}
-    Odd: Any = tt.extending.register(type(tt.extending.FrictionLaw)("Odd", (tt.extending.FrictionLaw,), body))
+    Odd: Any = tt.extending.register(
+        type(tt.extending.FrictionLaw)("Odd", (tt.extending.FrictionLaw,), body)
+    )
     try:
-        with pytest.raises(tt.InputError, match="the formula of the friction law `odd` fails") as raised:
+        with pytest.raises(
+            tt.InputError, match="the formula of the friction law `odd` fails"
+        ) as raised:
             tt.run("inverting", friction=Odd(0.3), until=0.1)
         assert isinstance(raised.value.__cause__, AttributeError)
     finally:
@@ -168,9 +198,13 @@ def test_runs_problems_and_systems_are_pickled_by_name(run: tt.Run) -> None:
         assert again.trajectory.identical(made.trajectory)
         assert again.summary.to_dict() == made.summary.to_dict()
     assert copy.deepcopy(run.problem).system is run.problem.system
-    own = tt.run("inverting", until=0.02, events=tt.extending.Event("mine", "mine", lambda s, b: s.z - 0.5))
+    own = tt.run(
+        "inverting", until=0.02, events=tt.extending.Event("mine", "mine", lambda s, b: s.z - 0.5)
+    )
     for thing in (own, own.problem, own.problem.system):
-        with pytest.raises(pickle.PicklingError, match="cannot be pickled: its formulas are functions"):
+        with pytest.raises(
+            pickle.PicklingError, match="cannot be pickled: its formulas are functions"
+        ):
             pickle.dumps(thing)
         assert copy.copy(thing.problem if thing is own else thing) is not None
 
@@ -178,13 +212,19 @@ def test_runs_problems_and_systems_are_pickled_by_name(run: tt.Run) -> None:
 def test_one_number_is_varied_once() -> None:
     """Of two names of it the last one won."""
     both = {"omega3": [150.0], "initial.omega3": [155.0]}
-    with pytest.raises(tt.InputError, match=r"`initial\.omega3` must be given once, but is given as `omega3` and"):
+    with pytest.raises(
+        tt.InputError, match=r"`initial\.omega3` must be given once, but is given as `omega3` and"
+    ):
         tt.ensemble("inverting", both, until=0.05)
 
 
-@pytest.mark.parametrize("given", [{"columns": ["theta"]}, {"output": "events"}, {"output_step": 0.1}])
+@pytest.mark.parametrize(
+    "given", [{"columns": ["theta"]}, {"output": "events"}, {"output_step": 0.1}]
+)
 def test_an_ensemble_is_not_asked_for_rows(given: dict) -> None:
-    with pytest.raises(tt.InputError, match=rf"`{next(iter(given))}` must not be given in an ensemble: it keeps no"):
+    with pytest.raises(
+        tt.InputError, match=rf"`{next(iter(given))}` must not be given in an ensemble: it keeps no"
+    ):
         tt.ensemble("inverting", {"omega3": [150.0]}, until=0.05, **given)
 
 

@@ -52,7 +52,9 @@ def test_nothing_but_the_attributes_is_read_before_it_is_asked_for(
     assert sorted(opened) == ["events", "trajectory"]
 
 
-def test_the_text_of_both_is_the_same_but_for_the_time_it_took(stored: tt.StoredRun, run: tt.Run) -> None:
+def test_the_text_of_both_is_the_same_but_for_the_time_it_took(
+    stored: tt.StoredRun, run: tt.Run
+) -> None:
     mine, other = str(stored).splitlines(), str(run).splitlines()
     assert mine[2:] == other[2:]
     assert other[1].startswith(mine[1] + ", integrated in ")

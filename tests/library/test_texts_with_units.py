@@ -1,4 +1,6 @@
-"""Numbers of the library's functions may be texts with units, and what is no number is refused in a sentence."""
+"""Numbers of the library's functions may be texts with units, and what is no number is refused in a
+sentence.
+"""
 
 import math
 from pathlib import Path
@@ -14,12 +16,17 @@ def test_a_text_stands_for_its_number() -> None:
     """In modes, regimes, accelerations and nutation, as in scenarios."""
     spin = 1480 * 2 * math.pi / 60
     np.testing.assert_array_equal(
-        tt.theory.linear_modes("inverting", omega3="1480 rpm"), tt.theory.linear_modes("inverting", omega3=spin)
+        tt.theory.linear_modes("inverting", omega3="1480 rpm"),
+        tt.theory.linear_modes("inverting", omega3=spin),
     )
     assert tt.theory.regime("inverting", "7 g m^3/s") == tt.theory.regime("inverting", 7e-3)
-    assert tt.theory.asymptotic_states("inverting", "7e-6 kg m3 s-1") == tt.theory.asymptotic_states("inverting", 7e-6)
+    assert tt.theory.asymptotic_states(
+        "inverting", "7e-6 kg m3 s-1"
+    ) == tt.theory.asymptotic_states("inverting", 7e-6)
     half = tt.theory.accelerations("inverting", theta="30 deg", omega3="100 rad/s")
-    assert half == pytest.approx(tt.theory.accelerations("inverting", theta=math.radians(30), omega3=100.0), rel=1e-14)
+    assert half == pytest.approx(
+        tt.theory.accelerations("inverting", theta=math.radians(30), omega3=100.0), rel=1e-14
+    )
     given = {"theta": 0.1, "D": 4e-4, "lam": 7e-6}
     assert tt.theory.nutation("inverting", energy="100 mJ", **given) == tt.theory.nutation(
         "inverting", energy=0.1, **given
@@ -36,10 +43,16 @@ def test_landscapes_rows_and_replays_take_texts_too(tmp_path: Path) -> None:
     assert tt.theory.least_energy("inverting", "30 deg", 4e-6) == pytest.approx(
         tt.theory.least_energy("inverting", math.radians(30), "4e-6 kg m3 s-1"), rel=1e-14
     )
-    turning = tt.landscapes.turning_angles("inverting", energy="100 mJ", theta="6 deg", D="0.4 g m^2/s", lam=7e-6)
-    same = tt.landscapes.turning_angles("inverting", energy=0.1, theta=math.radians(6), D=4e-4, lam=7e-6)
+    turning = tt.landscapes.turning_angles(
+        "inverting", energy="100 mJ", theta="6 deg", D="0.4 g m^2/s", lam=7e-6
+    )
+    same = tt.landscapes.turning_angles(
+        "inverting", energy=0.1, theta=math.radians(6), D=4e-4, lam=7e-6
+    )
     np.testing.assert_allclose(turning.theta_min, same.theta_min, rtol=1e-13)
-    problem = problem_of("inverting", until="10 ms", output_times=["1 ms", 0.002], sensitivities="friction.mu")
+    problem = problem_of(
+        "inverting", until="10 ms", output_times=["1 ms", 0.002], sensitivities="friction.mu"
+    )
     assert (problem.times[:].tolist(), problem.sensitivities) == ([0.001, 0.002], ("friction.mu",))
     run = tt.run("inverting", until="10 ms", output="keyframes", out=tmp_path / "run.zarr")
     assert run.replay("0 s", "10 ms", "5 ms").time.values.tolist() == [0.0, 0.005, 0.01]
@@ -54,18 +67,38 @@ def test_an_ensemble_varies_texts() -> None:
     """Beside numbers, in SI units."""
     mixed = tt.ensemble("inverting", {"omega3": ["1480 rpm", 150.0]}, until="10 ms")
     np.testing.assert_array_equal(mixed["initial.omega3"], [1480 * 2 * math.pi / 60, 150.0])
-    np.testing.assert_array_equal(tt.ensemble("inverting", {"until": ["20 ms", 0.01]}).t_end, [0.02, 0.01])
+    np.testing.assert_array_equal(
+        tt.ensemble("inverting", {"until": ["20 ms", 0.01]}).t_end, [0.02, 0.01]
+    )
 
 
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda: tt.theory.linear_modes("inverting", omega3="3 kg"), "`omega3` must be in rad s-1 .*but is"),
-        (lambda: tt.ensemble("inverting", {"omega3": ["3 kg"]}), "`omega3` must be in rad s-1 .*but is"),
-        (lambda: tt.ensemble("inverting", {"omega3": [None]}), "`omega3` must be an array of numbers"),
-        (lambda: tt.theory.least_energy("inverting", "x", 1.0), "`theta` must be a number, but is 'x'"),
-        (lambda: tt.theory.least_energy("inverting", [0.1, 4], 1.0), r"`theta` must lie in \[0, pi\], but is 4"),
-        (lambda: tt.theory.least_energy("inverting", math.nan, 1.0), "`theta` must be a finite number, but is nan"),
+        (
+            lambda: tt.theory.linear_modes("inverting", omega3="3 kg"),
+            "`omega3` must be in rad s-1 .*but is",
+        ),
+        (
+            lambda: tt.ensemble("inverting", {"omega3": ["3 kg"]}),
+            "`omega3` must be in rad s-1 .*but is",
+        ),
+        (
+            lambda: tt.ensemble("inverting", {"omega3": [None]}),
+            "`omega3` must be an array of numbers",
+        ),
+        (
+            lambda: tt.theory.least_energy("inverting", "x", 1.0),
+            "`theta` must be a number, but is 'x'",
+        ),
+        (
+            lambda: tt.theory.least_energy("inverting", [0.1, 4], 1.0),
+            r"`theta` must lie in \[0, pi\], but is 4",
+        ),
+        (
+            lambda: tt.theory.least_energy("inverting", math.nan, 1.0),
+            "`theta` must be a finite number, but is nan",
+        ),
         (
             lambda: tt.theory.nutation("inverting", D=3e-4, lam=4e-6, energy=1e-2, theta=9),
             r"`theta` must lie in \[0, pi\]",
@@ -82,8 +115,14 @@ def test_an_ensemble_varies_texts() -> None:
             lambda: tt.landscapes.turning_angles("inverting", D=1e-4, lam=4e-6, energy=math.nan),
             "`energy` must be a finite number",
         ),
-        (lambda: tt.landscapes.minimal_surface("inverting", D=1e-4, lam=math.nan), "`lam` must be a finite number"),
-        (lambda: tt.theory.thresholds(3), "the body must be a TippeTop or a HeavyTop, a Run, a Problem"),
+        (
+            lambda: tt.landscapes.minimal_surface("inverting", D=1e-4, lam=math.nan),
+            "`lam` must be a finite number",
+        ),
+        (
+            lambda: tt.theory.thresholds(3),
+            "the body must be a TippeTop or a HeavyTop, a Run, a Problem",
+        ),
         (
             lambda: tt.landscapes.minimal_surface(tt.load("gliding-cylinder"), 1.0, 1.0),
             "the system must be one of tippe-top",
@@ -92,7 +131,10 @@ def test_an_ensemble_varies_texts() -> None:
             lambda: tt.theory.least_energy("inverting", [1, 2], [1, 2, 3]),
             r"must have shapes that broadcast.*\(2,\) and \(3,\)",
         ),
-        (lambda: tt.landscapes.potential("inverting", ["a"], D=1e-4, lam=7e-6), "`z` must be a number, but is 'a'"),
+        (
+            lambda: tt.landscapes.potential("inverting", ["a"], D=1e-4, lam=7e-6),
+            "`z` must be a number, but is 'a'",
+        ),
         (
             lambda: tt.landscapes.turning_angles("inverting", D="a", lam=7e-6, energy=1),
             "`D` must be a number, but is 'a'",

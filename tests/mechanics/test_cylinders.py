@@ -27,7 +27,9 @@ def test_round_cylinder_follows_the_closed_form() -> None:
     decay = np.exp(-(inertia + m * R**2) / inertia * 0.3 * 9.82 * t)
     np.testing.assert_allclose(rows["nu_x"], 0.5 * decay, rtol=1e-13)
     final = (m * R * 0.5 + (inertia + m * R**2) * 3.0) / (inertia + m * R**2)
-    np.testing.assert_allclose(rows["theta_dot"], final - m * R / (inertia + m * R**2) * 0.5 * decay, rtol=1e-13)
+    np.testing.assert_allclose(
+        rows["theta_dot"], final - m * R / (inertia + m * R**2) * 0.5 * decay, rtol=1e-13
+    )
     made = examples.run("gliding-cylinder", ROUND, {"nu_x": 0.5}, 0.2, VISCOUS)
     rows = examples.columns(made)
     assert rows["nu_x"][-1] == pytest.approx(0.08537113947514, rel=1e-12)
@@ -40,20 +42,28 @@ def test_cylinder_is_the_planar_tippe_top() -> None:
     top = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 4e-6, "I3": 3e-6, "g": 9.82}
     flat = examples.columns(examples.run("gliding-cylinder", BODY, start, 0.4, VISCOUS))
     solid = examples.columns(examples.run("tippe-top", top, start, 0.4, VISCOUS))
-    side = np.sign(flat["theta"])  # the top's axis leans to the other side where the cylinder's angle is negative
+    side = np.sign(
+        flat["theta"]
+    )  # the top's axis leans to the other side where the cylinder's angle is negative
     assert set(side) == {-1, 1}
     for name in ("theta", "theta_dot", "nu_x"):
-        np.testing.assert_allclose(side * flat[name], solid[name], rtol=1e-12, atol=1e-12, err_msg=name)
+        np.testing.assert_allclose(
+            side * flat[name], solid[name], rtol=1e-12, atol=1e-12, err_msg=name
+        )
     for name in ("energy", "normal_force", "x", "modified_energy", "friction_power"):
         np.testing.assert_allclose(flat[name], solid[name], rtol=1e-12, atol=1e-13, err_msg=name)
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_liftoff_where_theta_dot_squared_cos_theta_is_minus_g_over_R_alpha(mu: float) -> None:
-    made = examples.run("gliding-cylinder", BODY, {"theta": 1.0, "theta_dot": 60.0}, 2.0, ("viscous", {"mu": mu}))
+    made = examples.run(
+        "gliding-cylinder", BODY, {"theta": 1.0, "theta_dot": 60.0}, 2.0, ("viscous", {"mu": mu})
+    )
     assert made.status is Status.LIFTOFF
     last = made.problem.variables.names
-    state = dict(zip(last, made.final * np.array([float(w) for w in made.problem.weights()]), strict=True))
+    state = dict(
+        zip(last, made.final * np.array([float(w) for w in made.problem.weights()]), strict=True)
+    )
     assert state["theta_dot"] ** 2 * state["z"] == pytest.approx(-9.82 / (0.02 * 0.3), rel=1e-12)
 
 
@@ -64,7 +74,9 @@ def test_turning_points_of_an_oscillation_alternate() -> None:
     assert np.all(turning.theta_dot_sign == np.where(turning.theta > 0, -1, 1))
 
 
-@pytest.mark.parametrize(("amplitude", "period"), [(0.5, 0.5329210375359308), (2.0, 0.8321650553406782)])
+@pytest.mark.parametrize(
+    ("amplitude", "period"), [(0.5, 0.5329210375359308), (2.0, 0.8321650553406782)]
+)
 def test_period_of_the_rolling_cylinder(amplitude: float, period: float) -> None:
     made = examples.problem("rolling-cylinder", BODY, {"theta": amplitude}, 2 * period)
     b, start = examples.si(made), examples.at_start(made)
@@ -82,20 +94,30 @@ def test_period_of_the_rolling_cylinder(amplitude: float, period: float) -> None
 
 def test_rolling_cylinder_keeps_its_energy_over_many_turns() -> None:
     made = examples.run(
-        "rolling-cylinder", BODY, {"theta": 0.6, "theta_dot": 30.0}, 100.0, events=(), on_liftoff="continue"
+        "rolling-cylinder",
+        BODY,
+        {"theta": 0.6, "theta_dot": 30.0},
+        100.0,
+        events=(),
+        on_liftoff="continue",
     )
     assert made.report["theta_end"] > 1000
     assert made.report["drift"]["energy"] < 5 * 2.2e-16 * math.sqrt(made.report["steps"])
 
 
 def test_gliding_tends_to_rolling_as_one_over_mu() -> None:
-    """The source calls v_A -> 0 inconsistent with a vertical reaction. Really: v_A tends to zero as 1/mu while the
-    friction force mu g_n v_A tends to the horizontal reaction of rolling, so the motion tends to rolling."""
+    """The source calls v_A -> 0 inconsistent with a vertical reaction.
+
+    Really: v_A tends to zero as 1/mu while the friction force mu g_n v_A tends to the horizontal
+    reaction of rolling, so the motion tends to rolling.
+    """
     start, until = {"theta": 0.5, "theta_dot": 2.0}, 0.5
     rolling = examples.columns(examples.run("rolling-cylinder", BODY, start, until))
     motion, speed, force = [], [], []
     for mu in (50.0, 100.0, 200.0, 400.0):
-        rows = examples.columns(examples.run("gliding-cylinder", BODY, start, until, ("viscous", {"mu": mu})))
+        rows = examples.columns(
+            examples.run("gliding-cylinder", BODY, start, until, ("viscous", {"mu": mu}))
+        )
         motion.append(np.abs(rows["theta"] - rolling["theta"]).max())
         speed.append(np.abs(rows["nu_x"][10:]).max())
         push = np.abs(mu * rows["normal_force"] * rows["nu_x"])[10:]
@@ -105,11 +127,20 @@ def test_gliding_tends_to_rolling_as_one_over_mu() -> None:
         assert np.all(np.abs(measured - 1) < 0.1), (errors, measured)
 
 
-# --- the modified reaction ------------------------------------------------------------------------------------------
+# --- the modified reaction ----------------------------------------------------------------------
 
 
-def modified(parameters: dict, start: dict, until: float, mu: float = 0.05, v_k: float = 0.1, **options):
-    return examples.run("gliding-cylinder", parameters, start, until, ("modified", {"mu": mu, "v_k": v_k}), **options)
+def modified(
+    parameters: dict, start: dict, until: float, mu: float = 0.05, v_k: float = 0.1, **options
+):
+    return examples.run(
+        "gliding-cylinder",
+        parameters,
+        start,
+        until,
+        ("modified", {"mu": mu, "v_k": v_k}),
+        **options,
+    )
 
 
 def test_modified_reaction_of_a_round_cylinder() -> None:
@@ -134,7 +165,9 @@ def test_modified_reaction_may_feed_energy_in() -> None:
 
 
 def test_modified_reaction_tends_to_rolling() -> None:
-    """For v_A = 0 it is the reaction of rolling exactly (kappa = 1): the rolling motion is a solution."""
+    """For v_A = 0 it is the reaction of rolling exactly (kappa = 1): the rolling motion is a
+    solution.
+    """
     start = {"theta": 0.5, "theta_dot": 2.0}
     rolling = examples.columns(examples.run("rolling-cylinder", BODY, start, 1.0))
     rows = examples.columns(modified(BODY, start, 1.0))

@@ -1,4 +1,6 @@
-"""Friction of a patch: against quadratures of Coulomb's law over the pressure of Hertz, at every point of the disc."""
+"""Friction of a patch: against quadratures of Coulomb's law over the pressure of Hertz, at every
+point of the disc.
+"""
 
 import heyoka as hy
 import mpmath as mp
@@ -10,14 +12,17 @@ from tippetop.mechanics.operand import Vector
 
 
 def quadrature(x: float, pressure: str = "hertz") -> tuple[mp.mpf, mp.mpf]:
-    """f and m of a disc of radius 1 that turns with Omega = 1 while its centre slides with x: over rings, by elliptic
-    integrals of one ring (a point of it slides with x e + r t)."""
+    """f and m of a disc of radius 1 that turns with Omega = 1 while its centre slides with x: over
+    rings, by elliptic integrals of one ring (a point of it slides with x e + r t).
+    """
     x = mp.mpf(x)
 
     def ring(r: mp.mpf) -> tuple[mp.mpf, mp.mpf]:
         """The mean of the unit vector of slip along e, and of its moment, over a ring."""
         total, root = x + r, abs(x - r) / (x + r)
-        inverse = 1 / (mp.agm(1, root) * total) if root else mp.mpf(0)  # mean of 1/|..|; x^2 - r^2 vanishes there
+        inverse = (
+            1 / (mp.agm(1, root) * total) if root else mp.mpf(0)
+        )  # mean of 1/|..|; x^2 - r^2 vanishes there
         mean = 2 * total * mp.ellipe((1 - root) * (1 + root)) / mp.pi
         along = (mean + (x**2 - r**2) * inverse) / (2 * x)
         return along, (mean + (r**2 - x**2) * inverse) / 2
@@ -46,8 +51,12 @@ def test_the_quadrature_knows_the_uniform_pressure() -> None:
         x = mp.mpf("0.6")
         E, K = mp.ellipe(x**2), mp.ellipk(x**2)
         f, m = quadrature(0.6, "uniform")
-        assert float(f) == pytest.approx(float(4 / (3 * mp.pi * x) * ((1 + x**2) * E - (1 - x**2) * K)), rel=1e-14)
-        assert float(m) == pytest.approx(float(4 / (9 * mp.pi) * ((4 - 2 * x**2) * E - (1 - x**2) * K)), rel=1e-14)
+        assert float(f) == pytest.approx(
+            float(4 / (3 * mp.pi * x) * ((1 + x**2) * E - (1 - x**2) * K)), rel=1e-14
+        )
+        assert float(m) == pytest.approx(
+            float(4 / (9 * mp.pi) * ((4 - 2 * x**2) * E - (1 - x**2) * K)), rel=1e-14
+        )
 
 
 def test_regions_meet() -> None:
@@ -77,7 +86,9 @@ def test_one_potential_has_both_as_derivatives(rng: np.random.Generator) -> None
     ):
         made = law(w2, U2)
         F, M = made.k * hy.sqrt(w2), made.twist * hy.sqrt(U2)
-        slopes = hy.cfunc([hy.diff(F, U2) * hy.sqrt(U2), hy.diff(M, w2) * hy.sqrt(w2)], vars=[w2, U2])
+        slopes = hy.cfunc(
+            [hy.diff(F, U2) * hy.sqrt(U2), hy.diff(M, w2) * hy.sqrt(w2)], vars=[w2, U2]
+        )
         U = rng.uniform(0.5, 2, 20)
         w = U * rng.uniform(*ratio, 20)
         by_U, by_w = slopes(np.array([w**2, U**2]))
@@ -97,6 +108,10 @@ def test_a_patch_takes_energy() -> None:
 
 
 def test_rolling_resistance_is_a_torque_against_the_horizontal_turn() -> None:
-    assert disc.rolling_torque(2.0, Vector(3.0, -4.0, 9.0), 1e-3) == pytest.approx((-1.2e-3, 1.6e-3, 0), rel=1e-15)
-    smooth = disc.rolling_torque(2.0, Vector(3.0, -4.0, 9.0), 1e-3, still=12.0)  # hypot(3, 4, 12) = 13
+    assert disc.rolling_torque(2.0, Vector(3.0, -4.0, 9.0), 1e-3) == pytest.approx(
+        (-1.2e-3, 1.6e-3, 0), rel=1e-15
+    )
+    smooth = disc.rolling_torque(
+        2.0, Vector(3.0, -4.0, 9.0), 1e-3, still=12.0
+    )  # hypot(3, 4, 12) = 13
     assert smooth == pytest.approx((-6e-3 / 13, 8e-3 / 13, 0), rel=1e-15)

@@ -1,4 +1,6 @@
-"""The heavy tops: closed form, published numbers, the limit of the tippe top, and the upright gliding top."""
+"""The heavy tops: closed form, published numbers, the limit of the tippe top, and the upright
+gliding top.
+"""
 
 import math
 
@@ -25,15 +27,25 @@ from tippetop.scenario import build
 def closed(made) -> heavy_top_motion.ClosedForm:
     b, start = examples.si(made), examples.at_start(made)
     inertia = heavy_top.tip_inertia(b)
-    return heavy_top_motion.closed_form(start["energy"], start["Lz"], start["L3"], inertia, b.I3, -b.m * b.g * b.c)
+    return heavy_top_motion.closed_form(
+        start["energy"], start["Lz"], start["L3"], inertia, b.I3, -b.m * b.g * b.c
+    )
 
 
 @pytest.mark.parametrize("form", ["vector", at_night("euler")])
-def test_the_impulse_beside_the_motion_changes_no_bit_of_it(form: str, rng: np.random.Generator) -> None:
-    """Whatever shares products with the equations of motion may: of twelve starts, four or five kept their bits."""
+def test_the_impulse_beside_the_motion_changes_no_bit_of_it(
+    form: str, rng: np.random.Generator
+) -> None:
+    """Whatever shares products with the equations of motion may: of twelve starts, four or five
+    kept their bits.
+    """
     made: dict[int, hy.taylor_adaptive] = {}
     for _ in range(12):
-        start = {"theta": rng.uniform(0.3, 2.5), "phi_dot": rng.normal(0, 10), "omega3": rng.normal(0, 100)}
+        start = {
+            "theta": rng.uniform(0.3, 2.5),
+            "phi_dot": rng.normal(0, 10),
+            "omega3": rng.normal(0, 100),
+        }
         problem = examples.problem("heavy-top", HEAVY, start, 0.5, form=form, orientation=False)
         rates = equations_of_motion(
             formulas_of(problem.system, problem.form.name, Frictionless), problem.variables
@@ -41,8 +53,12 @@ def test_the_impulse_beside_the_motion_changes_no_bit_of_it(form: str, rng: np.r
         moving = problem.variables.moving
         ends = []
         for n in (moving, len(rates)):
-            integrator = made.setdefault(n, hy.taylor_adaptive(rates[:n], np.ones(n), high_accuracy=True))
-            integrator.pars[:] = [float(leaf) for leaf in leaves(problem.internal_body)][: len(integrator.pars)]
+            integrator = made.setdefault(
+                n, hy.taylor_adaptive(rates[:n], np.ones(n), high_accuracy=True)
+            )
+            integrator.pars[:] = [float(leaf) for leaf in leaves(problem.internal_body)][
+                : len(integrator.pars)
+            ]
             integrator.time, integrator.state[:] = 0.0, problem.start()[:n]
             integrator.propagate_until(float(problem.internal_time(0.5)))
             ends.append(integrator.state[:moving].copy())
@@ -77,7 +93,9 @@ def test_published_heavy_tops() -> None:
     m, R, l = 0.02, 0.02, 0.04
     pivot = 3 / 20 * m * (R**2 + l**2 / 4)
     joneja = {"m": m, "l": l, "I1": pivot - m * l**2, "I3": 0.3 * m * R**2, "g": 9.81}
-    assert joneja["I1"] < 0  # the published cone is not a body of this tip: only the moment about the pivot enters
+    assert (
+        joneja["I1"] < 0
+    )  # the published cone is not a body of this tip: only the moment about the pivot enters
     exudyn = {"m": 15.0, "l": 1.0, "I1": 0.234375, "I3": 0.46875, "g": 9.81}
     made = examples.run(
         "heavy-top",
@@ -90,12 +108,16 @@ def test_published_heavy_tops() -> None:
     assert rows["theta"][-1] == pytest.approx(2.122316990777, abs=1e-11)
     assert rows["phi"][-1] == pytest.approx(-0.790871611821, abs=1e-11)
     start = {"theta": 0.1, "psi_dot": 125.0}
-    rows = examples.columns(examples.run("heavy-top", joneja, start, 1.0, times=np.array([0.0, 0.99999, 1.0])))
+    rows = examples.columns(
+        examples.run("heavy-top", joneja, start, 1.0, times=np.array([0.0, 0.99999, 1.0]))
+    )
     np.testing.assert_allclose(rows["theta"][1:], [0.239331610776, 0.239334535444], atol=1e-11)
 
 
 def test_period_of_the_fixed_top() -> None:
-    made = examples.problem("heavy-top", examples.SLENDER, {"theta": 0.5, "phi_dot": 5.0, "omega3": 300.0}, 0.3)
+    made = examples.problem(
+        "heavy-top", examples.SLENDER, {"theta": 0.5, "phi_dot": 5.0, "omega3": 300.0}, 0.3
+    )
     b, start = examples.si(made), examples.at_start(made)
     found = nutation.nutation(
         lambda z: heavy_top.theta_inertia(z, b),
@@ -126,7 +148,10 @@ def test_motions_have_names(initial: dict[str, float], name: str) -> None:
     made = examples.problem("heavy-top", HEAVY, initial, 1.0)
     b, start = examples.si(made), examples.at_start(made)
     arguments = heavy_top.tip_inertia(b), b.I3, -b.m * b.g * b.c
-    assert heavy_top_motion.heavy_top_motion(start["energy"], start["Lz"], start["L3"], *arguments) == name
+    assert (
+        heavy_top_motion.heavy_top_motion(start["energy"], start["Lz"], start["L3"], *arguments)
+        == name
+    )
 
 
 def test_regular_precession_has_its_name() -> None:
@@ -134,14 +159,18 @@ def test_regular_precession_has_its_name() -> None:
     inertia, theta, omega3 = 8e-5 + 0.1 * 0.04**2, 0.6, 200.0
     a, half, weight = inertia * math.cos(theta), 5e-5 * omega3 / 2, 0.1 * 9.82 * 0.04
     slow = (half - math.sqrt(half**2 - a * weight)) / a
-    made = examples.problem("heavy-top", HEAVY, {"theta": theta, "phi_dot": slow, "omega3": omega3}, 1.0)
+    made = examples.problem(
+        "heavy-top", HEAVY, {"theta": theta, "phi_dot": slow, "omega3": omega3}, 1.0
+    )
     b, start = examples.si(made), examples.at_start(made)
-    name = heavy_top_motion.heavy_top_motion(start["energy"], start["Lz"], start["L3"], inertia, b.I3, weight)
+    name = heavy_top_motion.heavy_top_motion(
+        start["energy"], start["Lz"], start["L3"], inertia, b.I3, weight
+    )
     assert name == "regular precession"
     assert np.ptp(examples.columns(solve(made))["theta"]) < 1e-13
 
 
-# --- the tippe top with R alpha = -l, R -> 0 ------------------------------------------------------------------------
+# --- the tippe top with R alpha = -l, R -> 0 ----------------------------------------------------
 
 
 def small_sphere(R: float) -> contact.Touch:
@@ -156,8 +185,11 @@ def orders(errors: list[float]) -> np.ndarray:
     return np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
 
 
-def test_equations_and_integrals_of_the_tippe_top_tend_to_the_gliding_heavy_top(rng: np.random.Generator) -> None:
-    """Rates, jellett -> l L_3, (I1* lambda - l sqrt(I3 I1*) D)/(I1 R) -> L_z, V and d: all to first order in R.
+def test_equations_and_integrals_of_the_tippe_top_tend_to_the_gliding_heavy_top(
+    rng: np.random.Generator,
+) -> None:
+    """Rates, jellett -> l L_3, (I1* lambda - l sqrt(I3 I1*) D)/(I1 R) -> L_z, V and d: all to first
+    order in R.
 
     [T 5.57-5.77]"""
     e = gliding_euler.EulerState(*rng.uniform(0.2, 1.0, 6))
@@ -174,7 +206,9 @@ def test_equations_and_integrals_of_the_tippe_top_tend_to_the_gliding_heavy_top(
         D, lam = tippe_top.routh(scalars, b), contact.jellett(scalars, b)
         errors["rates"].append(np.abs(np.array(gliding_euler.euler_rates(e, b)) - limit).max())
         errors["jellett"].append(abs(lam - 0.04 * s.L3))
-        errors["Lz"].append(abs((inertia * lam - 0.04 * math.sqrt(b.I3 * inertia) * D) / (b.I1 * R) - Lz))
+        errors["Lz"].append(
+            abs((inertia * lam - 0.04 * math.sqrt(b.I3 * inertia) * D) / (b.I1 * R) - Lz)
+        )
         errors["V"].append(abs(tippe_top.potential(s.z, D, lam, b) - V))
         errors["d"].append(abs(tippe_top.d(s.z, b) - inertia / b.I3))
     for name, found in errors.items():
@@ -184,11 +218,15 @@ def test_equations_and_integrals_of_the_tippe_top_tend_to_the_gliding_heavy_top(
 def test_motions_of_the_tippe_top_tend_to_the_gliding_heavy_top() -> None:
     """theta(t) after half a second converges to first order in R."""
     start, until = {"theta": 0.4, "omega3": 300.0, "nu_x": 0.05, "nu_y": -0.02}, 0.5
-    exact = examples.columns(examples.run("gliding-heavy-top", HEAVY, start, until, ("viscous", {"mu": 0.3})))["theta"]
+    exact = examples.columns(
+        examples.run("gliding-heavy-top", HEAVY, start, until, ("viscous", {"mu": 0.3}))
+    )["theta"]
     errors = []
     for R in RADII:
         parameters = {"m": 0.1, "R": R, "alpha": -0.04 / R, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
-        made = examples.run("tippe-top", parameters, start, until, ("viscous", {"mu": 0.3}), on_liftoff="continue")
+        made = examples.run(
+            "tippe-top", parameters, start, until, ("viscous", {"mu": 0.3}), on_liftoff="continue"
+        )
         errors.append(np.abs(examples.columns(made)["theta"] - exact).max())
     assert np.all(np.abs(orders(errors) - 1) < 0.05), errors
 
@@ -210,7 +248,9 @@ def test_main_equation_of_the_gliding_heavy_top_along_a_run() -> None:
 
 
 def test_the_fallen_top_stops_at_the_plane() -> None:
-    made = examples.run("gliding-heavy-top", HEAVY, {"theta": 0.4, "omega3": 10.0}, 4.0, ("viscous", {"mu": 0.3}))
+    made = examples.run(
+        "gliding-heavy-top", HEAVY, {"theta": 0.4, "omega3": 10.0}, 4.0, ("viscous", {"mu": 0.3})
+    )
     assert made.status is Status.FALLEN
     assert made.report["theta_end"] == pytest.approx(math.pi / 2, abs=1e-12)
     assert list(made.events.kind) == [2]
@@ -219,7 +259,11 @@ def test_the_fallen_top_stops_at_the_plane() -> None:
 def test_forms_of_one_motion_agree() -> None:
     start = {"theta": 0.4, "omega3": 300.0, "nu_x": 0.05, "nu_y": -0.02, "phi": 0.3}
     rows = [
-        examples.columns(examples.run("gliding-heavy-top", HEAVY, start, 2.0, ("viscous", {"mu": 0.3}), form=form))
+        examples.columns(
+            examples.run(
+                "gliding-heavy-top", HEAVY, start, 2.0, ("viscous", {"mu": 0.3}), form=form
+            )
+        )
         for form in SYSTEMS["gliding-heavy-top"].forms
     ]
     for other in rows[1:]:
@@ -236,11 +280,16 @@ def test_view_of_the_vectors() -> None:
 
 
 def test_the_angular_momentum_of_a_gliding_top_is_about_its_centre_of_mass() -> None:
-    """L.3hat = L_3, for the column L; the quantity L_z is about the tip, and more by m l^2 phi' sin(theta)^2."""
+    """L.3hat = L_3, for the column L; the quantity L_z is about the tip, and more by m l^2 phi'
+    sin(theta)^2.
+    """
     run = solve(build.load("gliding-heavy-top", until=0.2))
     c = {name: column.values for name, column in run.columns().items()}
     m, l = run.problem.parameters["m"], run.problem.parameters["l"]
     np.testing.assert_allclose(np.sum(c["L"] * c["axis"], axis=1), c["L3"], rtol=1e-13)
     np.testing.assert_allclose(
-        c["L"][:, 2], c["Lz"] - m * l**2 * c["phi_dot"] * np.sin(c["theta"]) ** 2, rtol=1e-12, atol=1e-15
+        c["L"][:, 2],
+        c["Lz"] - m * l**2 * c["phi_dot"] * np.sin(c["theta"]) ** 2,
+        rtol=1e-12,
+        atol=1e-15,
     )

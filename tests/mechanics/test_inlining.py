@@ -29,7 +29,9 @@ def vectors(count: int, rng: np.random.Generator) -> list[Vector]:
     return [Vector(*numbers) for numbers in rng.normal(0, 1, (count, 3)).tolist()]
 
 
-@pytest.mark.parametrize("formula", [mixed, lambda u, b: [dot(u, u), u.x / b.m], lambda u, b: u.z * b.friction[0]])
+@pytest.mark.parametrize(
+    "formula", [mixed, lambda u, b: [dot(u, u), u.x / b.m], lambda u, b: u.z * b.friction[0]]
+)
 def test_bits_are_those_of_the_formula(formula, rng: np.random.Generator) -> None:
     straight = inlining.straight(formula, (*vectors(1, rng), BALL))
     assert straight is not formula

@@ -24,17 +24,23 @@ ASKED = [
 
 
 @pytest.mark.parametrize(("system", "form", "friction", "law"), ASKED)
-def test_law(system: str, form: str, friction: str, law: Callable, rng: np.random.Generator) -> None:
+def test_law(
+    system: str, form: str, friction: str, law: Callable, rng: np.random.Generator
+) -> None:
     case = laws.case(SYSTEMS[system], form, friction, rng)
     assert (message := laws.broken(law(case), law.__name__, case)) is None, message
 
 
 def test_every_law_is_asked_of_every_system_unless_it_says_why_not() -> None:
-    """Laws without `only` are asked everywhere; each of the others somewhere, and not everywhere."""
+    """Laws without `only` are asked everywhere; each of the others somewhere, and not
+    everywhere.
+    """
     everywhere = len(list(laws.cases(SYSTEMS)))
     for law in laws.LAWS:
         asked = sum(param.values[-1] is law for param in ASKED)
-        assert 0 < asked < everywhere if hasattr(law, "where") else asked == everywhere, law.__name__
+        assert 0 < asked < everywhere if hasattr(law, "where") else asked == everywhere, (
+            law.__name__
+        )
 
 
 def test_a_law_that_is_broken_or_compares_nothing_is_told(rng: np.random.Generator) -> None:
@@ -71,7 +77,9 @@ def evaluated(expressions: list, q: tuple, case: laws.Case) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("system", "form", "friction"), list(laws.cases(SYSTEMS)))
-def test_formulas_mean_the_same_to_heyoka(system: str, form: str, friction: str, rng: np.random.Generator) -> None:
+def test_formulas_mean_the_same_to_heyoka(
+    system: str, form: str, friction: str, rng: np.random.Generator
+) -> None:
     """Rates and quantities compiled by heyoka are those of numpy."""
     case, q, b = compiled(system, form, friction, rng)
     used = SYSTEMS[system]
@@ -84,20 +92,32 @@ def test_formulas_mean_the_same_to_heyoka(system: str, form: str, friction: str,
         np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-13 * (1 + np.max(np.abs(theirs))))
 
 
-@pytest.mark.parametrize(("system", "form"), [(s, f) for s, f in EVERY_FORM if len(SYSTEMS[s].forms) > 1])
-def test_chart_commutes_with_the_flow_by_symbolic_jacobian(system: str, form: str, rng: np.random.Generator) -> None:
+@pytest.mark.parametrize(
+    ("system", "form"), [(s, f) for s, f in EVERY_FORM if len(SYSTEMS[s].forms) > 1]
+)
+def test_chart_commutes_with_the_flow_by_symbolic_jacobian(
+    system: str, form: str, rng: np.random.Generator
+) -> None:
     """J(chart) rates = rates(chart), the Jacobian derived by heyoka."""
     used = SYSTEMS[system]
     case, e, b = compiled(system, next(reversed(used.forms)), simplest(system), rng)
-    q, carried = Variables(used.forms[form], orientation=False).start({}, e, hy.sin(e.theta), hy.cos(e.theta), b)
+    q, carried = Variables(used.forms[form], orientation=False).start(
+        {}, e, hy.sin(e.theta), hy.cos(e.theta), b
+    )
     chart = [*q, *carried]
     rates = case.rates(e, b)
-    pushed = [sum((hy.diff(y, x) * r for x, r in zip(e, rates, strict=True)), hy.expression(0.0)) for y in chart]
+    pushed = [
+        sum((hy.diff(y, x) * r for x, r in zip(e, rates, strict=True)), hy.expression(0.0))
+        for y in chart
+    ]
     found = evaluated(pushed, e, case)
     expected = case.rates(case.of_angles(used.forms[form], case.angles), form=used.forms[form])
     for mine, theirs in zip(found, expected, strict=True):
         np.testing.assert_allclose(
-            mine, np.broadcast_to(theirs, mine.shape), rtol=0, atol=1e-12 * (1 + np.max(np.abs(theirs)))
+            mine,
+            np.broadcast_to(theirs, mine.shape),
+            rtol=0,
+            atol=1e-12 * (1 + np.max(np.abs(theirs))),
         )
 
 
@@ -107,12 +127,18 @@ def test_chart_commutes_with_the_flow_by_symbolic_jacobian(system: str, form: st
         (s, f) if (s, f) == ("gliding-cylinder", "angle") else at_night(s, f) for s, f in EVERY_FORM
     ],
 )
-def test_formulas_mean_the_same_inside_numba(system: str, form: str, rng: np.random.Generator) -> None:
+def test_formulas_mean_the_same_inside_numba(
+    system: str, form: str, rng: np.random.Generator
+) -> None:
     """Rates and the first quantity, called from a compiled function, have the bits of numpy."""
     import numba
 
     case = laws.case(SYSTEMS[system], form, simplest(system), rng)
-    rates, scalars, quantity = case.form.rates, case.form.scalars, SYSTEMS[system].quantities[0].formula
+    rates, scalars, quantity = (
+        case.form.rates,
+        case.form.scalars,
+        SYSTEMS[system].quantities[0].formula,
+    )
     integrals = [integral.rate for integral in case.form.integrals]
 
     @numba.njit(error_model="numpy")
@@ -125,8 +151,14 @@ def test_formulas_mean_the_same_inside_numba(system: str, form: str, rng: np.ran
     alone = [compiled_alone(rate) for rate in integrals]
 
     for i in range(5):
-        q = refill(case.state, iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.state)]))
-        b = refill(case.body, iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.body)]))
+        q = refill(
+            case.state,
+            iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.state)]),
+        )
+        b = refill(
+            case.body,
+            iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.body)]),
+        )
         found, value = inside(q, b)
         assert tuple(found) == tuple(rates(q, b))
         assert value == quantity(scalars(q, b), b)
@@ -155,6 +187,10 @@ def test_taylor_decomposition_has_not_grown(system: str, form: str) -> None:
     """The sizes that were reached: a slowdown shows here without a clock."""
     used = SYSTEMS[system]
     law = used.laws["viscous"] if used.frictional else Frictionless
-    equations = equations_of_motion(formulas_of(used, form, law), Variables(used.forms[form], orientation=False)).rates
-    integrator = hy.taylor_adaptive(equations, np.ones(len(equations)), tol=1e-3, compact_mode=True, opt_level=0)
+    equations = equations_of_motion(
+        formulas_of(used, form, law), Variables(used.forms[form], orientation=False)
+    ).rates
+    integrator = hy.taylor_adaptive(
+        equations, np.ones(len(equations)), tol=1e-3, compact_mode=True, opt_level=0
+    )
     assert len(integrator.decomposition) == DECOMPOSITION[system, form]

@@ -1,4 +1,6 @@
-"""The linear modes of the spinning states, against the equations of motion themselves, linearised by complex steps."""
+"""The linear modes of the spinning states, against the equations of motion themselves, linearised
+by complex steps.
+"""
 
 import math
 from typing import Any
@@ -21,7 +23,11 @@ either_end = pytest.mark.parametrize("inverted", [False, True])
 def bodies(rng: np.random.Generator, friction: Any, n: int, *, tip: bool = False) -> Touch:
     """n bodies with numbers of order one; with a tip, R = 0 and c < 0."""
     m, R, alpha, I1, I3, g = rng.uniform(0.6, 1.5, (6, n))
-    return Touch(m, 0 * R, -R, I1, I3, g, friction) if tip else Touch(m, R, 0.6 * alpha * R, I1, I3, g, friction)
+    return (
+        Touch(m, 0 * R, -R, I1, I3, g, friction)
+        if tip
+        else Touch(m, R, 0.6 * alpha * R, I1, I3, g, friction)
+    )
 
 
 def each(b: Touch) -> list[Touch]:
@@ -30,13 +36,18 @@ def each(b: Touch) -> list[Touch]:
 
 
 def linearised(system: str, omega3: float, b: Touch, up: int) -> np.ndarray:
-    """The characteristic polynomial of what moves across the axis next to a spin: axis, angular momentum, velocity."""
+    """The characteristic polynomial of what moves across the axis next to a spin: axis, angular
+    momentum, velocity.
+    """
     form = SYSTEMS[system].forms["vector"]
     names = form.units._fields
     along = {"uz": up, "Lz": up * b.I3 * omega3, "L3": b.I3 * omega3}
     across = [name for name in names if name not in along]
     rates = [
-        form.rates(refill(form.units, iter([along.get(x, 0.0) + 1j * STEP * (x == moved) for x in names])), b)
+        form.rates(
+            refill(form.units, iter([along.get(x, 0.0) + 1j * STEP * (x == moved) for x in names])),
+            b,
+        )
         for moved in across
     ]
     return np.poly([[np.imag(getattr(rate, name)) / STEP for rate in rates] for name in across])
@@ -49,9 +60,12 @@ def polynomial(p: np.ndarray) -> np.ndarray:
 
 @either_end
 @pytest.mark.parametrize(
-    ("system", "friction"), [*(("tippe-top", name) for name in FRICTION), ("gliding-heavy-top", "viscous")]
+    ("system", "friction"),
+    [*(("tippe-top", name) for name in FRICTION), ("gliding-heavy-top", "viscous")],
 )
-def test_modes_of_a_gliding_body(system: str, friction: str, inverted: bool, rng: np.random.Generator) -> None:
+def test_modes_of_a_gliding_body(
+    system: str, friction: str, inverted: bool, rng: np.random.Generator
+) -> None:
     for b in each(bodies(rng, FRICTION[friction], 5, tip=system != "tippe-top")):
         omega3 = rng.uniform(-2, 2)
         expected = linearised(system, omega3, b, -1 if inverted else 1)
@@ -61,7 +75,9 @@ def test_modes_of_a_gliding_body(system: str, friction: str, inverted: bool, rng
 
 @either_end
 @pytest.mark.parametrize("system", ["rolling-tippe-top", "heavy-top"])
-def test_modes_of_a_body_whose_contact_is_at_rest(system: str, inverted: bool, rng: np.random.Generator) -> None:
+def test_modes_of_a_body_whose_contact_is_at_rest(
+    system: str, inverted: bool, rng: np.random.Generator
+) -> None:
     for b in each(bodies(rng, Frictionless(), 5, tip=system == "heavy-top")):
         omega3 = rng.uniform(-2, 2)
         expected = linearised(system, omega3, b, -1 if inverted else 1)
@@ -75,13 +91,20 @@ def test_modes_of_a_body_whose_contact_is_at_rest(system: str, inverted: bool, r
 def test_unstable_is_what_has_a_mode_that_grows(
     tip: bool, gliding: bool, inverted: bool, rng: np.random.Generator
 ) -> None:
-    """Of many bodies at once as of each; both kinds are among them, but for tips, which hang or glide out."""
+    """Of many bodies at once as of each; both kinds are among them, but for tips, which hang or
+    glide out.
+    """
     b, omega3 = bodies(rng, Viscous(0.3), 300, tip=tip), rng.uniform(-6, 6, 300)
     found = modes.is_unstable(omega3, b, inverted=inverted, gliding=gliding)
     of = modes.linear_modes if gliding else modes.rolling_modes
-    expected = [of(w, one, inverted=inverted)[0].real > 1e-9 for w, one in zip(omega3.tolist(), each(b), strict=True)]
+    expected = [
+        of(w, one, inverted=inverted)[0].real > 1e-9
+        for w, one in zip(omega3.tolist(), each(b), strict=True)
+    ]
     assert found.tolist() == expected
-    assert len({*expected}) == (1 if tip and (gliding or inverted) else 2 if gliding or inverted or tip else 1)
+    assert len({*expected}) == (
+        1 if tip and (gliding or inverted) else 2 if gliding or inverted or tip else 1
+    )
 
 
 @either_end
@@ -96,8 +119,12 @@ def test_however_weak_or_strong_friction_is_the_same_spins_are_unstable(
 
 
 @pytest.mark.parametrize("faster", [1.0, 1e4])
-def test_without_friction_nothing_but_rounding_grows_in_a_fast_top(faster: float, rng: np.random.Generator) -> None:
-    """A gliding tip: the sleeping top is stable above 2 sqrt(m g l I1)/I3, about its centre of mass, in any units."""
+def test_without_friction_nothing_but_rounding_grows_in_a_fast_top(
+    faster: float, rng: np.random.Generator
+) -> None:
+    """A gliding tip: the sleeping top is stable above 2 sqrt(m g l I1)/I3, about its centre of
+    mass, in any units.
+    """
     b = bodies(rng, Frictionless(), 100, tip=True)
     b = b._replace(g=b.g * faster**2)
     limit = 2 * np.sqrt(b.m * b.g * -b.c * b.I1) / b.I3

@@ -1,4 +1,6 @@
-"""A formula means the same in every world: floats, complex numbers, arrays of any precision, heyoka, numba."""
+"""A formula means the same in every world: floats, complex numbers, arrays of any precision,
+heyoka, numba.
+"""
 
 import math
 from collections.abc import Callable
@@ -92,14 +94,18 @@ WORLDS = (
 
 
 @pytest.mark.parametrize("world", WORLDS, ids=lambda world: world.__name__)
-def test_elementary_functions_agree_with_40_digits(world: Callable, rng: np.random.Generator) -> None:
+def test_elementary_functions_agree_with_40_digits(
+    world: Callable, rng: np.random.Generator
+) -> None:
     with mp.workdps(40):
         for x, y in rng.uniform(0.2, 2.0, (20, 2)):
             a, b = mp.mpf(x), mp.mpf(y)
             exact = mp.sqrt(1 + a * a) + mp.sin(a) * mp.cos(b) + mp.exp(-a) + mp.atan2(b, a) / 2
             wide = isinstance(found := world(x, y), np.longdouble)
             number = (
-                mp.mpf(float(found)) + mp.mpf(float(found - np.longdouble(float(found)))) if wide else mp.mpf(found)
+                mp.mpf(float(found)) + mp.mpf(float(found - np.longdouble(float(found))))
+                if wide
+                else mp.mpf(found)
             )
             assert abs(number / exact - 1) < (2.0**-61 if wide else 2.0**-50)
 
@@ -120,7 +126,7 @@ def test_a_float_stays_a_number_and_an_expression_an_expression() -> None:
         assert isinstance(found, hy.expression)
 
 
-# --- vectors --------------------------------------------------------------------------------------------------------
+# --- vectors ------------------------------------------------------------------------------------
 
 
 def vectors(rng: np.random.Generator, count: int) -> list[Vector]:
@@ -131,7 +137,9 @@ def test_vectors_obey_the_laws_of_vectors(rng: np.random.Generator) -> None:
     a, b, c = vectors(rng, 3)
     zero = np.zeros(50)
     np.testing.assert_allclose(dot(cross(a, b), a), zero, atol=1e-14)
-    np.testing.assert_allclose(dot(cross(a, b), cross(a, b)) + dot(a, b) ** 2, dot(a, a) * dot(b, b), rtol=1e-13)
+    np.testing.assert_allclose(
+        dot(cross(a, b), cross(a, b)) + dot(a, b) ** 2, dot(a, a) * dot(b, b), rtol=1e-13
+    )
     np.testing.assert_allclose(cross(a, b), np.array(times(-1, cross(b, a))))
     triple = plus(times(dot(a, c), b), times(-dot(a, b), c))  # a x (b x c) = b (a.c) - c (a.b)
     np.testing.assert_allclose(cross(a, cross(b, c)), triple, atol=1e-13)
@@ -153,7 +161,7 @@ def test_vectors_are_vectors_inside_numba_too(rng: np.random.Generator) -> None:
         np.testing.assert_allclose(found, 0, atol=1e-14)
 
 
-# --- products with their rounding -----------------------------------------------------------------------------------
+# --- products with their rounding ---------------------------------------------------------------
 
 
 @numba.njit
@@ -163,7 +171,9 @@ def _error_inside(x, y):
 
 @pytest.mark.parametrize("error", [product_error, _error_inside], ids=["Dekker", "fma"])
 def test_a_product_and_its_error_are_exact(error: Callable, rng: np.random.Generator) -> None:
-    """x y = fl(x y) + error, as rational numbers; in numba by another algorithm, with the same result."""
+    """x y = fl(x y) + error, as rational numbers; in numba by another algorithm, with the same
+    result.
+    """
     numbers = rng.uniform(-1, 1, (300, 2)) * 10.0 ** rng.uniform(-100, 100, (300, 2))
     for x, y in numbers.tolist():
         assert Fraction(x) * Fraction(y) == Fraction(x * y) + Fraction(float(error(x, y)))
@@ -181,9 +191,14 @@ def exact(x: doubledouble.DoubleDouble) -> Fraction:
 
 
 def test_two_doubles_calculate_with_twice_the_digits(rng: np.random.Generator) -> None:
-    """Sums, products and quotients of head + tail against rational numbers: to 2^-100 of the largest part."""
+    """Sums, products and quotients of head + tail against rational numbers: to 2^-100 of the
+    largest part.
+    """
     for a, b, c, d in rng.uniform(0.5, 2, (200, 4)).tolist():
-        x, y = doubledouble.DoubleDouble(a, c * 2.0**-54), doubledouble.DoubleDouble(b, -d * 2.0**-54)
+        x, y = (
+            doubledouble.DoubleDouble(a, c * 2.0**-54),
+            doubledouble.DoubleDouble(b, -d * 2.0**-54),
+        )
         found = {
             "sum": (doubledouble.plus(x, y), exact(x) + exact(y)),
             "difference": (doubledouble.minus(x, y), exact(x) - exact(y)),
@@ -209,7 +224,7 @@ def test_a_decimal_number_keeps_its_digits_in_two_doubles() -> None:
         assert abs(Decimal(found.head) + Decimal(found.tail) - x) < Decimal("1e-33")
 
 
-# --- records --------------------------------------------------------------------------------------------------------
+# --- records ------------------------------------------------------------------------------------
 
 
 class Inner(NamedTuple):

@@ -1,4 +1,6 @@
-"""Which way the body is turned: psi and the quaternion, against an integration of their own and against each other."""
+"""Which way the body is turned: psi and the quaternion, against an integration of their own and
+against each other.
+"""
 
 import dataclasses
 import math
@@ -34,7 +36,9 @@ def matrices(columns: dict[str, np.ndarray]) -> np.ndarray:
 def omega(problem: Problem, columns: dict[str, np.ndarray]) -> Callable:
     """The angular velocity of a run as a function of time, by L and the axis alone."""
     b = problem.body()
-    transverse = b.I1 + (b.m * b.c**2 if problem.system.name == "heavy-top" else 0.0)  # whose L is about the tip
+    transverse = b.I1 + (
+        b.m * b.c**2 if problem.system.name == "heavy-top" else 0.0
+    )  # whose L is about the tip
     u, L = columns["axis"], columns["L"]
     along = np.sum(u * L, axis=1)[:, None] * u
     return make_interp_spline(columns["time"], (L - along) / transverse + along / b.I3, k=7)
@@ -56,7 +60,9 @@ WAYS = [
 ]
 
 
-@pytest.mark.parametrize(("preset", "settings"), [WAYS[0], *(at_night(*way) for way in WAYS[1::2]), *WAYS[2::2]])
+@pytest.mark.parametrize(
+    ("preset", "settings"), [WAYS[0], *(at_night(*way) for way in WAYS[1::2]), *WAYS[2::2]]
+)
 def test_the_body_turns_with_its_angular_velocity(preset: str, settings: tuple) -> None:
     """R' = omega x R, integrated by SciPy from the first row, gives the last one."""
     problem = load(preset, *settings, until=0.3)
@@ -89,10 +95,13 @@ def test_the_body_turns_with_its_angular_velocity(preset: str, settings: tuple) 
 def test_forms_agree(preset: str, forms: tuple[str, ...]) -> None:
     """And psi is the last of the angles about z, y, z."""
     first, *others = (
-        examples.columns(solve(load(preset, f"form={form}", "initial.psi=0.4", until=0.3))) for form in forms
+        examples.columns(solve(load(preset, f"form={form}", "initial.psi=0.4", until=0.3)))
+        for form in forms
     )
     assert first["psi"][0] == pytest.approx(0.4, abs=1e-14)
-    by_angles = Rotation.from_euler("ZYZ", np.stack([first[n] for n in ("phi", "theta", "psi")], axis=1)).as_matrix()
+    by_angles = Rotation.from_euler(
+        "ZYZ", np.stack([first[n] for n in ("phi", "theta", "psi")], axis=1)
+    ).as_matrix()
     np.testing.assert_allclose(by_angles, matrices(first), rtol=0, atol=1e-13)
     for other in others:
         np.testing.assert_allclose(matrices(other), matrices(first), rtol=0, atol=1e-9)
@@ -103,7 +112,9 @@ def test_forms_agree(preset: str, forms: tuple[str, ...]) -> None:
 @pytest.mark.slow
 def test_an_inverting_top_is_followed_to_the_other_pole() -> None:
     """Eight seconds and 180 turns; psi is NaN where theta is 0 exactly, the orientation is not."""
-    problem = build.load("inverting", [*POLES[:1], "initial.theta_dot=1.0", "run.output_step=2e-4"], 8.0)
+    problem = build.load(
+        "inverting", [*POLES[:1], "initial.theta_dot=1.0", "run.output_step=2e-4"], 8.0
+    )
     columns = examples.columns(solve(problem))
     assert columns["theta"][-1] > 3.1
     assert np.isnan(columns["psi"]).tolist() == [True] + [False] * (len(columns["time"]) - 1)
@@ -131,13 +142,18 @@ def test_a_cylinder_turns_about_the_horizontal(preset: str) -> None:
     columns = examples.columns(solve(load(preset)))
     assert "psi" not in columns
     np.testing.assert_allclose(
-        matrices(columns), Rotation.from_euler("y", columns["theta"][:, None]).as_matrix(), rtol=0, atol=1e-14
+        matrices(columns),
+        Rotation.from_euler("y", columns["theta"][:, None]).as_matrix(),
+        rtol=0,
+        atol=1e-14,
     )
 
 
 @pytest.mark.parametrize("preset", ["inverting", "rolling", "gliding-heavy-top", "heavy-top"])
 def test_the_orientation_has_no_effect_on_the_run(preset: str) -> None:
-    """Left out or turned by psi: the same steps and the same bits of all other columns and events."""
+    """Left out or turned by psi: the same steps and the same bits of all other columns
+    and events.
+    """
     problem = load(preset)
     runs = [solve(p) for p in (problem, dataclasses.replace(problem, orientation=False))]
     turned = solve(load(preset, "initial.psi=2.5"))
@@ -150,7 +166,9 @@ def test_the_orientation_has_no_effect_on_the_run(preset: str) -> None:
         assert getattr(runs[0].events, name).tobytes() == getattr(runs[1].events, name).tobytes()
     assert runs[0].report["steps"] == runs[1].report["steps"]
     twist = Rotation.from_rotvec([0.0, 0.0, 2.5]).as_matrix()
-    np.testing.assert_allclose(matrices(examples.columns(turned)), matrices(columns) @ twist, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(
+        matrices(examples.columns(turned)), matrices(columns) @ twist, rtol=0, atol=1e-13
+    )
 
 
 def test_mirrored_runs_have_mirrored_orientations() -> None:
@@ -166,7 +184,11 @@ def test_mirrored_runs_have_mirrored_orientations() -> None:
 def test_quaternions_of_rotations(rng: np.random.Generator) -> None:
     """As SciPy gives them, up to the sign; half turns too, where w = 0."""
     turns = Rotation.concatenate(
-        [Rotation.random(1000, random_state=rng), Rotation.from_rotvec(math.pi * np.eye(3)), Rotation.identity(1)]
+        [
+            Rotation.random(1000, random_state=rng),
+            Rotation.from_rotvec(math.pi * np.eye(3)),
+            Rotation.identity(1),
+        ]
     )
     R = turns.as_matrix()
     found = quaternion(R[:, :, 0].T, R[:, :, 2].T)

@@ -12,7 +12,9 @@ from tippetop.friction import Contensou, Coulomb, Viscous
 from tippetop.mechanics.friction import LAWS
 
 
-@pytest.mark.parametrize("operand", [np.array([-1.0, 2.0]), hy.expression("x"), np.longdouble(-1), 1j])
+@pytest.mark.parametrize(
+    "operand", [np.array([-1.0, 2.0]), hy.expression("x"), np.longdouble(-1), 1j]
+)
 def test_operands_of_formulas_pass_unchecked(operand: object) -> None:
     kept = Viscous(mu=operand).mu  # type: ignore[arg-type]
     assert type(kept) is type(operand)
@@ -32,7 +34,11 @@ def test_scalars_and_texts_become_floats() -> None:
 def test_the_numbers_that_are_given_choose_the_record() -> None:
     """All of one face; parts take their defaults."""
     exact, smooth, turned = Coulomb(0.3), Coulomb(0.3, 1e-3), Coulomb(0.3, mu_d="0.1 mm")
-    assert [law._fields for law in (exact, smooth, turned)] == [("mu",), ("mu", "eps"), ("mu", "mu_r", "mu_d")]
+    assert [law._fields for law in (exact, smooth, turned)] == [
+        ("mu",),
+        ("mu", "eps"),
+        ("mu", "mu_r", "mu_d"),
+    ]
     assert all(isinstance(law, Coulomb) and law.face is Coulomb for law in (exact, smooth, turned))
     assert exact.eps is None
     assert repr(turned) == "Coulomb(mu=0.3, mu_r=0.0, mu_d=0.0001)"
@@ -56,11 +62,15 @@ def test_records_of_different_classes_differ() -> None:
 
 
 def test_a_keyword_that_is_unknown_names_the_nearest() -> None:
-    with pytest.raises(TypeError, match=r"Contensou\(\) has no argument `pach`\. Did you mean `patch`"):
+    with pytest.raises(
+        TypeError, match=r"Contensou\(\) has no argument `pach`\. Did you mean `patch`"
+    ):
         Contensou(0.3, pach=1e-3)  # type: ignore[call-arg]
     with pytest.raises(TypeError, match=r"TippeTop\(\): missing a required argument: 'R'"):
         tt.TippeTop(m=1.0)  # type: ignore[call-arg]
 
 
 def test_help_lists_the_numbers_with_units_and_intervals() -> None:
-    assert "eps : float, optional\n    Regularisation speed eps [m s-1], greater than 0." in (Coulomb.__doc__ or "")
+    assert "eps : float, optional\n    Regularisation speed eps [m s-1], greater than 0." in (
+        Coulomb.__doc__ or ""
+    )

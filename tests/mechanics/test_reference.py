@@ -10,7 +10,9 @@ from tippetop.engine.status import Status
 from tippetop.runs.run import solve
 
 
-CASES = [  # double precision; the inversion amplifies rounding a thousandfold, the cylinder turns over sixteen times
+# double precision; the inversion amplifies rounding a thousandfold, the cylinder turns over sixteen
+# times
+CASES = [
     ("case1_inverting", "tippe-top", "vector", 2e-12),
     ("case3_noninverting_low", "tippe-top", "vector", 1e-14),
     ("case3_noninverting_low", "tippe-top", "euler", 1e-13),
@@ -34,7 +36,11 @@ def test_reference(name: str, system: str, form: str, tolerance: float) -> None:
     assert made.status is Status.FINISHED
     found = examples.columns(made)
     for column in found.keys() & case.values.keys():
-        size = max(1.0, np.abs(case.values[column]).max()) if column in ("theta", "axis", "x") else None
+        size = (
+            max(1.0, np.abs(case.values[column]).max())
+            if column in ("theta", "axis", "x")
+            else None
+        )
         size = size or np.abs(case.values[column]).max() or 1.0
         error = np.abs(found[column] - case.values[column]).max() / size
         assert error < tolerance, f"{column}: {error:.1e}"
@@ -42,7 +48,9 @@ def test_reference(name: str, system: str, form: str, tolerance: float) -> None:
     assert len(turning.time) == len(case.turnings)
     np.testing.assert_allclose(turning.time, case.turnings, rtol=0, atol=1e-12)
     np.testing.assert_allclose(turning.theta, case.turning_angles, rtol=0, atol=10 * tolerance)
-    assert np.all(np.diff(turning.theta_dot_sign) != 0)  # minima and maxima alternate: none missed, none twice
+    assert np.all(
+        np.diff(turning.theta_dot_sign) != 0
+    )  # minima and maxima alternate: none missed, none twice
 
 
 def test_the_inversion_crosses_the_equator_when_it_should() -> None:
@@ -61,14 +69,18 @@ def test_more_digits_agree_with_the_reference(precision: str) -> None:
     """Half a second of the inversion, to what 80 bits can show."""
     case = examples.reference("case1_inverting", "tippe-top", "vector", precision)
     until = 0.5
-    made = solve(dataclasses.replace(case.problem, until=until, times=case.times[case.times <= until]))
+    made = solve(
+        dataclasses.replace(case.problem, until=until, times=case.times[case.times <= until])
+    )
     n = len(made.times)
     assert np.abs(examples.columns(made)["theta"] - case.values["theta"][:n]).max() < 3e-16
     t = made.events.of("turning").time
     np.testing.assert_allclose(t, case.turnings[case.turnings < until], rtol=0, atol=2e-16)
 
 
-@pytest.mark.parametrize(("name", "system", "form", "tolerance"), [c for c in CASES if c[2] == "euler"])
+@pytest.mark.parametrize(
+    ("name", "system", "form", "tolerance"), [c for c in CASES if c[2] == "euler"]
+)
 def test_forms_agree_in_longdouble(name: str, system: str, form: str, tolerance: float) -> None:
     one = examples.reference(name, system, form, "longdouble").problem
     other = examples.reference(name, system, "vector", "longdouble").problem

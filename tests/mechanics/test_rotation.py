@@ -31,9 +31,13 @@ def test_products_axes_and_turned_vectors(rng: np.random.Generator) -> None:
     (a, p), (b, q) = random(rng, 50), random(rng, 50)
     assert_is(a * b, rotation.after(p, q))
     assert_is(a.inv(), rotation.inverse(p))
-    np.testing.assert_allclose(np.array(rotation.axes(p)).transpose(2, 1, 0), a.as_matrix(), atol=1e-14)
+    np.testing.assert_allclose(
+        np.array(rotation.axes(p)).transpose(2, 1, 0), a.as_matrix(), atol=1e-14
+    )
     v = rng.normal(size=(50, 3))
-    np.testing.assert_allclose(np.array(rotation.rotated(p, Vector(*v.T))).T, a.apply(v), atol=1e-14)
+    np.testing.assert_allclose(
+        np.array(rotation.rotated(p, Vector(*v.T))).T, a.apply(v), atol=1e-14
+    )
 
 
 def test_a_swing_turns_one_axis_to_another_and_nothing_about_it(rng: np.random.Generator) -> None:
@@ -57,7 +61,9 @@ def test_a_cubic_is_given_by_its_ends(rng: np.random.Generator) -> None:
     np.testing.assert_allclose(rotation.cubic(p(0), slope(0), p(1), slope(1), s), p(s), atol=1e-14)
 
 
-def test_between_has_the_rotations_of_its_ends_and_the_velocities_of_their_axes(rng: np.random.Generator) -> None:
+def test_between_has_the_rotations_of_its_ends_and_the_velocities_of_their_axes(
+    rng: np.random.Generator,
+) -> None:
     for _ in range(20):
         (_, p), (turns, _) = random(rng, 1), random(rng, 1)
         p, h = Quaternion(*(float(x[0]) for x in p)), 0.1
@@ -68,9 +74,14 @@ def test_between_has_the_rotations_of_its_ends_and_the_velocities_of_their_axes(
         for s, end, w in ((0.0, p, wp), (1.0, q, wq)):
             found = rotation.between(p, wp, q, wq, h, s)
             assert abs(abs(np.dot(found, end)) - 1) < 1e-14
-            low, high = (np.array(rotation.axes(rotation.between(p, wp, q, wq, h, s + ds))[2]) for ds in steps)
+            low, high = (
+                np.array(rotation.axes(rotation.between(p, wp, q, wq, h, s + ds))[2])
+                for ds in steps
+            )
             moved = np.cross(w, rotation.axes(end)[2])
-            np.testing.assert_allclose((high - low) / (2e-5 * h), moved, atol=1e-7 * np.linalg.norm(w))
+            np.testing.assert_allclose(
+                (high - low) / (2e-5 * h), moved, atol=1e-7 * np.linalg.norm(w)
+            )
         assert abs(np.linalg.norm(rotation.between(p, wp, q, wq, h, 0.4)) - 1) < 1e-14
 
 
@@ -93,10 +104,16 @@ def test_the_pages_compute_the_same(rng: np.random.Generator) -> None:
     p, q = (Quaternion(*(float(v[0]) for v in r)) for r in (p, q))
     w, o = Vector(*rng.normal(size=3)), Vector(*rng.normal(size=3))
     script = rotations.module().replace("export ", "")
-    calls = f"[between({[*p]}, {[*map(float, w)]}, {[*q]}, {[*map(float, o)]}, 0.3, 0.4), axes({[*p]}), "
+    calls = (
+        f"[between({[*p]}, {[*map(float, w)]}, {[*q]}, {[*map(float, o)]}, 0.3, 0.4), "
+        f"axes({[*p]}), "
+    )
     calls += f"outer({[*map(float, w)]}, {[*map(float, o)]})]"
     done = subprocess.run(
-        [str(NODE), "-e", f"{script} console.log(JSON.stringify({calls}))"], capture_output=True, text=True, check=True
+        [str(NODE), "-e", f"{script} console.log(JSON.stringify({calls}))"],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     found = json.loads(done.stdout)
     np.testing.assert_allclose(found[0], rotation.between(p, w, q, o, 0.3, 0.4), rtol=1e-13)

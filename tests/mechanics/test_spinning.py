@@ -1,4 +1,6 @@
-"""The spinning states of a tippe top and the wells of its potential, against the published V in 60 digits."""
+"""The spinning states of a tippe top and the wells of its potential, against the published V in 60
+digits.
+"""
 
 from typing import Any
 
@@ -26,13 +28,17 @@ def end_slope(z: int, lam: Any, b: Any) -> Any:
     """dV/dz at an end on its marked line, by V a little away and its limit, extrapolated."""
     D = spinning.slope(z, b) * lam
     V = [oracle.potential(z * (1 - n * SMALL), D, lam, b) for n in (1, 2, 3)]
-    return (-5 * V[0] + 8 * V[1] - 3 * V[2]) / (-2 * z * SMALL)  # exact for a parabola, a rate at n = 0
+    return (-5 * V[0] + 8 * V[1] - 3 * V[2]) / (
+        -2 * z * SMALL
+    )  # exact for a parabola, a rate at n = 0
 
 
 @every_body
 @every_end
 def test_a_marked_line_is_where_the_potential_has_an_end(name: str, z: int) -> None:
-    """Next to it V grows like 1/(1 - z^2), on it it does not; D is that of a spin about the axis."""
+    """Next to it V grows like 1/(1 - z^2), on it it does not; D is that of a spin about
+    the axis.
+    """
     b, lam = oracle.body(BODIES[name]), mp.mpf("3e-6")
     D = spinning.momentum(z, lam, b)
     assert spinning.slope(z, b) * lam == D
@@ -40,7 +46,9 @@ def test_a_marked_line_is_where_the_potential_has_an_end(name: str, z: int) -> N
     assert abs(on / spinning.energy(z, lam, b) - 1) < 1e-18
     assert off / on > 1e6
     spin = thresholds.spin(z, lam, b)
-    assert abs(b.I3 * spin * (b.R * z - b.c) / lam - 1) < 1e-50  # L_3 times the arm: Jellett's integral
+    assert (
+        abs(b.I3 * spin * (b.R * z - b.c) / lam - 1) < 1e-50
+    )  # L_3 times the arm: Jellett's integral
     assert abs(b.I3 * spin * mp.sqrt(tippe_top.d(z, b)) / D - 1) < 1e-50
 
 
@@ -75,7 +83,9 @@ def test_critical_function_is_the_slope_of_the_potential(name: str) -> None:
 
 
 def bend(gamma: Any, alpha: float, sigma: float) -> Any:
-    """d2V/dz2 at the inverted end where V is level there: negative iff V falls away from it, to another minimum."""
+    """d2V/dz2 at the inverted end where V is level there: negative iff V falls away from it, to
+    another minimum.
+    """
     b = oracle.body(oracle.parameters(0.5, 1.0, 1.0))
     I3 = b.m * b.R**2 / mp.mpf(sigma)
     b = b._replace(I3=I3, I1=gamma * I3, c=mp.mpf(alpha) * b.R)
@@ -85,11 +95,21 @@ def bend(gamma: Any, alpha: float, sigma: float) -> Any:
     return b, (V[0] - 2 * V[1] + V[2]) / step**2
 
 
-@pytest.mark.parametrize(("alpha", "sigma"), [(0.3, 2.5), (0.3, 4.0), (0.7, 1.1), (0.05, 30.0), (0.95, 0.9)])
-def test_a_second_minimum_appears_where_the_potential_bends_down_at_its_level_end(alpha: float, sigma: float) -> None:
-    """gamma*, found from V alone, is where `two_minima` changes sign, and what `two_wells_from` gives. [section 5]"""
-    star = mp.findroot(lambda gamma: bend(gamma, alpha, sigma)[1], (1 + alpha, 4), solver="anderson", tol=1e-30)
+@pytest.mark.parametrize(
+    ("alpha", "sigma"), [(0.3, 2.5), (0.3, 4.0), (0.7, 1.1), (0.05, 30.0), (0.95, 0.9)]
+)
+def test_a_second_minimum_appears_where_the_potential_bends_down_at_its_level_end(
+    alpha: float, sigma: float
+) -> None:
+    """gamma*, found from V alone, is where `two_minima` changes sign, and what `two_wells_from`
+    gives. [section 5]
+    """
+    star = mp.findroot(
+        lambda gamma: bend(gamma, alpha, sigma)[1], (1 + alpha, 4), solver="anderson", tol=1e-30
+    )
     for gamma in star * (1 + np.array([-1e-8, 1e-8, -0.1, 0.1, 3.0])):
         b, bent = bend(gamma, alpha, sigma)
         assert mp.sign(tippe_top.two_minima(b)) == mp.sign(bent) == mp.sign(star - gamma)
-    assert thresholds.two_wells_from(refill(b, map(float, leaves(b)))) == pytest.approx(float(star), rel=1e-9)
+    assert thresholds.two_wells_from(refill(b, map(float, leaves(b)))) == pytest.approx(
+        float(star), rel=1e-9
+    )

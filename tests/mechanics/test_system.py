@@ -35,7 +35,12 @@ FALL = Form(
     lambda q, carried, b: q,
 )
 REST = Form(
-    "height", Still(METRE), lambda q, b: Still(0), lambda q, b: q, lambda e, s, z, b: Still(0), lambda q, c, b: q
+    "height",
+    Still(METRE),
+    lambda q, b: Still(0),
+    lambda q, b: q,
+    lambda e, s, z, b: Still(0),
+    lambda q, c, b: q,
 )
 LANDING = Event("landing", "y = 0", lambda q, b: q.y, -1)
 
@@ -48,9 +53,13 @@ def land(x: Height, world: Any) -> Next:
 
 
 FLIGHT = Phase({"height": FALL}, (), (LANDING,), (Exit("landing", ("flight", "rest"), land),))
-ON_PLANE = Phase({"height": REST}, enter=lambda x, b: Still(x.y), leave=lambda q, b: Height(q.y, 0.0))
+ON_PLANE = Phase(
+    {"height": REST}, enter=lambda x, b: Still(x.y), leave=lambda q, b: Height(q.y, 0.0)
+)
 PHASES = {"flight": FLIGHT, "rest": ON_PLANE}
-BALL = dataclasses.replace(SYSTEMS["tippe-top"], name="ball", phases=PHASES, integrals=(), undefined_at_poles=())
+BALL = dataclasses.replace(
+    SYSTEMS["tippe-top"], name="ball", phases=PHASES, integrals=(), undefined_at_poles=()
+)
 
 
 @pytest.mark.parametrize("system", [*SYSTEMS.values(), BALL], ids=lambda system: system.name)
@@ -81,7 +90,9 @@ def test_a_phase_must_keep_the_common_state() -> None:
     assert wrong_answers(BALL) == []
     lossy = dataclasses.replace(FLIGHT, leave=lambda q, b: Height(q.y, 2 * q.y_dot))
     (fault,) = wrong_answers(dataclasses.replace(BALL, phases={"flight": lossy, "rest": ON_PLANE}))
-    assert fault.startswith("`enter` and `leave` of phase `flight` of `ball` must keep the common state, but Height(")
+    assert fault.startswith(
+        "`enter` and `leave` of phase `flight` of `ball` must keep the common state, but Height("
+    )
 
 
 @pytest.mark.parametrize(
@@ -91,9 +102,15 @@ def test_a_phase_must_keep_the_common_state() -> None:
             {"exits": (Exit("liftoff", ("rest",), land),)},
             "must end in an event of its own, but has an exit by 'liftoff'",
         ),
-        ({"exits": (Exit("landing", ("roll",), land),)}, "must lead to phases of the system, but leads to 'roll'"),
+        (
+            {"exits": (Exit("landing", ("roll",), land),)},
+            "must lead to phases of the system, but leads to 'roll'",
+        ),
         ({"exits": (Exit("landing", (), land),)}, "must lead somewhere by 'landing'"),
-        ({"exits": FLIGHT.exits * 2}, "exit by the event 'landing' must be there once, but is there 2 times"),
+        (
+            {"exits": FLIGHT.exits * 2},
+            "exit by the event 'landing' must be there once, but is there 2 times",
+        ),
         ({"events": (LANDING, LANDING)}, "event 'landing' must be there once"),
         ({"forms": {"vector": FALL}}, "must call the form 'height' by its name"),
         ({"forms": {}}, "must have a form, but has none"),
@@ -101,7 +118,9 @@ def test_a_phase_must_keep_the_common_state() -> None:
     ],
 )
 def test_contradictions_are_named(changes: dict[str, Any], sentence: str) -> None:
-    broken = dataclasses.replace(BALL, phases={**BALL.phases, "flight": dataclasses.replace(FLIGHT, **changes)})
+    broken = dataclasses.replace(
+        BALL, phases={**BALL.phases, "flight": dataclasses.replace(FLIGHT, **changes)}
+    )
     (fault,) = inconsistencies(broken)
     assert sentence in fault
 
@@ -117,15 +136,27 @@ def test_contradictions_are_named(changes: dict[str, Any], sentence: str) -> Non
         (
             {"lasting": True, "direction": 1},
             {"lasting": True, "direction": -1},
-            "`lasting` (what a motion settles into) must be that of one event, but is given in `a` and `b`.",
+            "`lasting` (what a motion settles into) must be that of one event, but is given in "
+            "`a` and `b`.",
         ),
-        ({"extremes": "f"}, {"extremes": "g"}, "`extremes` (the quantity whose least and greatest values"),
-        ({"lasting": True, "direction": 0}, {}, "`direction` of the event `a` must be -1 or 1, for it is `lasting`"),
+        (
+            {"extremes": "f"},
+            {"extremes": "g"},
+            "`extremes` (the quantity whose least and greatest values",
+        ),
+        (
+            {"lasting": True, "direction": 0},
+            {},
+            "`direction` of the event `a` must be -1 or 1, for it is `lasting`",
+        ),
     ],
 )
 def test_a_run_follows_one_event_of_a_kind(first: dict, second: dict, sentence: str) -> None:
     """A second one was registered without a word, and never looked at."""
-    events = [dataclasses.replace(LANDING, name=name, **fields) for name, fields in (("a", first), ("b", second))]
+    events = [
+        dataclasses.replace(LANDING, name=name, **fields)
+        for name, fields in (("a", first), ("b", second))
+    ]
     rest = dataclasses.replace(FLIGHT, events=tuple(events), exits=())
     (fault,) = inconsistencies(dataclasses.replace(BALL, phases={**BALL.phases, "flight": rest}))
     assert fault.startswith(sentence)

@@ -58,7 +58,9 @@ def test_modes_change_sign_at_the_thresholds(gamma: float, inverted: bool) -> No
     for mu in (0.01, 0.3, 3.0):
         for factor in (0.99, 1.01):
             spin = thresholds.spin_of(factor * limit, b, inverted=inverted)
-            growth = modes.linear_modes(spin, b._replace(friction=Viscous(mu)), inverted=inverted)[0].real
+            growth = modes.linear_modes(spin, b._replace(friction=Viscous(mu)), inverted=inverted)[
+                0
+            ].real
             assert (growth < 0) == ((factor > 1) == inverted)
 
 
@@ -70,13 +72,20 @@ def test_modes_are_the_growth_of_a_run(inverted: bool) -> None:
     theta = math.pi - 1e-6 if inverted else 1e-6
     until = 0.5
     made = examples.run(
-        "tippe-top", examples.CANONICAL, {"theta": theta, "omega3": omega3}, until, ("viscous", {"mu": 0.3})
+        "tippe-top",
+        examples.CANONICAL,
+        {"theta": theta, "omega3": omega3},
+        until,
+        ("viscous", {"mu": 0.3}),
     )
     axis = examples.columns(made)["axis"]
     tilt, t = axis[:, 0] + 1j * axis[:, 1], made.times
     motions = np.exp(np.outer(t, p))  # three modes carry the tilt exactly, to first order
     weights, *_ = np.linalg.lstsq(motions / np.abs(motions).max(axis=0), tilt, rcond=None)
-    assert np.abs(motions / np.abs(motions).max(axis=0) @ weights - tilt).max() < 1e-6 * np.abs(tilt).max()
+    assert (
+        np.abs(motions / np.abs(motions).max(axis=0) @ weights - tilt).max()
+        < 1e-6 * np.abs(tilt).max()
+    )
 
 
 def test_infinitely_strong_friction_is_rolling() -> None:
@@ -93,12 +102,14 @@ def test_regularised_coulomb_counts_by_its_slope_at_rest() -> None:
     np.testing.assert_allclose(coulomb, viscous, rtol=1e-14)
 
 
-# --- tumbling -------------------------------------------------------------------------------------------------------
+# --- tumbling -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("gamma", [0.6, 0.72, 0.936, 1.2, 1.5])
 def test_tumbling_states_are_steady(gamma: float) -> None:
-    """All rates of the Euler form but phi' vanish; lambda is that of the formula; the quartic finds the state again."""
+    """All rates of the Euler form but phi' vanish; lambda is that of the formula; the quartic finds
+    the state again.
+    """
     b = with_gamma(gamma)
     low, high = tumbling.tumbling_limits(b)
     for z in np.linspace(low, high, 9)[1:-1]:
@@ -127,12 +138,18 @@ def test_tumbling_is_stable_where_lambda_falls(gamma: float) -> None:
 def test_regimes_follow_gamma() -> None:
     """Bistability below gamma_+, two stable spins below gamma_c, as the corrected theorem says."""
     b = with_gamma(0.936)
-    assert regimes.regime(0.5 * thresholds.lambda_u(b), b).sentence() == "only the upright spin is stable"
+    assert (
+        regimes.regime(0.5 * thresholds.lambda_u(b), b).sentence()
+        == "only the upright spin is stable"
+    )
     between = regimes.regime(0.5 * (thresholds.lambda_u(b) + thresholds.lambda_s(b)), b)
     assert not between.upright
     assert not between.inverted
     assert len(between.tumbling) == 1
-    assert regimes.regime(1.1 * thresholds.lambda_s(b), b).sentence() == "only the inverted spin is stable"
+    assert (
+        regimes.regime(1.1 * thresholds.lambda_s(b), b).sentence()
+        == "only the inverted spin is stable"
+    )
     b = with_gamma(0.8)  # gamma_c < 0.8 < gamma_+: a fold, tumbling states near z = 1 are unstable
     folded = regimes.regime(0.97 * thresholds.lambda_u(b), b)
     assert folded.upright
@@ -149,7 +166,9 @@ def test_regimes_follow_gamma() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("gamma", "factor"), [(0.936, 0.4), (0.936, 0.7), (0.936, 1.3), (1.2, 0.6)])
+@pytest.mark.parametrize(
+    ("gamma", "factor"), [(0.936, 0.4), (0.936, 0.7), (0.936, 1.3), (1.2, 0.6)]
+)
 def test_runs_end_in_the_predicted_state(gamma: float, factor: float) -> None:
     """With one attractor, a tilted start ends there. factor: lambda/lambda_s."""
     b = with_gamma(gamma)
@@ -159,7 +178,12 @@ def test_runs_end_in_the_predicted_state(gamma: float, factor: float) -> None:
     parameters = {**examples.CANONICAL, "I1": b.I1}
     spin = lam / (b.I3 * (b.R * math.cos(0.3) - b.c)) / 1.0
     made = examples.run(
-        "tippe-top", parameters, {"theta": 0.3, "omega3": spin}, 300.0, ("viscous", {"mu": 0.3}), events=()
+        "tippe-top",
+        parameters,
+        {"theta": 0.3, "omega3": spin},
+        300.0,
+        ("viscous", {"mu": 0.3}),
+        events=(),
     )
     lam = examples.at_start(made.problem)["jellett"]
     found = regimes.regime(lam, b)
@@ -167,7 +191,7 @@ def test_runs_end_in_the_predicted_state(gamma: float, factor: float) -> None:
     assert made.report["theta_end"] == pytest.approx(end, abs=1e-5)
 
 
-# --- heavy tops -----------------------------------------------------------------------------------------------------
+# --- heavy tops ---------------------------------------------------------------------------------
 
 
 def test_sleeping_top_with_a_fixed_tip() -> None:
@@ -185,19 +209,30 @@ def test_upright_gliding_heavy_top_is_unstable_at_every_speed(factor: float, mu:
     spin = factor * thresholds.sleeping_spin(TIP)
     L3, inertia = b.I3 * spin, b.I1
     weight = b.m * b.g * 0.04
-    cubic = np.polyadd(np.polymul([inertia, -1j * L3, -weight], [1, mu * b.g]), [mu * weight * 0.04, 0, 0])
+    cubic = np.polyadd(
+        np.polymul([inertia, -1j * L3, -weight], [1, mu * b.g]), [mu * weight * 0.04, 0, 0]
+    )
     found = modes.linear_modes(spin, b)
-    np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(np.roots(cubic)), rtol=1e-7, atol=1e-10)
+    np.testing.assert_allclose(
+        np.sort_complex(found), np.sort_complex(np.roots(cubic)), rtol=1e-7, atol=1e-10
+    )
     assert found[0].real > 0
     assert modes.linear_modes(spin, b, inverted=True)[0].real < 1e-9
 
 
 def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
-    """2.4 times the threshold, 1e-3 rad from upright: the tilt grows as the leading mode says, to 1 % over 60 s."""
+    """2.4 times the threshold, 1e-3 rad from upright: the tilt grows as the leading mode says, to 1
+    % over 60 s.
+    """
     spin = 2.44 * thresholds.sleeping_spin(TIP)
     growth = modes.linear_modes(spin, TIP)[0].real
     made = examples.run(
-        "gliding-heavy-top", examples.HEAVY, {"theta": 1e-3, "omega3": spin}, 60.0, ("viscous", {"mu": 0.3}), events=()
+        "gliding-heavy-top",
+        examples.HEAVY,
+        {"theta": 1e-3, "omega3": spin},
+        60.0,
+        ("viscous", {"mu": 0.3}),
+        events=(),
     )
     theta, t = examples.columns(made)["theta"], made.times
     late = t > 10
@@ -205,10 +240,18 @@ def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
     assert np.polyfit(t[late], np.log(theta[late]), 1)[0] == pytest.approx(growth, rel=1e-2)
 
 
-def start_of(name: str, theta: float = 0.1, law: tuple = ("viscous", {"mu": 0.3}), **more: float) -> Problem:
+def start_of(
+    name: str, theta: float = 0.1, law: tuple = ("viscous", {"mu": 0.3}), **more: float
+) -> Problem:
     """A start of a system with its usual numbers."""
-    system, numbers = SYSTEMS[name], examples.HEAVY if "heavy" in name else {**examples.CANONICAL, "I": 4e-6}
-    initial = {"theta": theta, **{key: value for key, value in more.items() if key in system.initial}}
+    system, numbers = (
+        SYSTEMS[name],
+        examples.HEAVY if "heavy" in name else {**examples.CANONICAL, "I": 4e-6},
+    )
+    initial = {
+        "theta": theta,
+        **{key: value for key, value in more.items() if key in system.initial},
+    }
     return examples.problem(name, {k: numbers[k] for k in system.parameters}, initial, 1.0, law)
 
 
@@ -224,8 +267,12 @@ def test_every_system_of_ours_has_an_outlook() -> None:
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
-def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """No threshold, no regime, no fate, no inversion: knowledge comes with the record, not with a name."""
+def test_nothing_is_said_of_a_system_that_brings_no_theory(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No threshold, no regime, no fate, no inversion: knowledge comes with the record, not with a
+    name.
+    """
     toy = dataclasses.replace(
         SYSTEMS[name],
         name=f"toy-{name}",
@@ -241,7 +288,14 @@ def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str, monkeypatc
     found = forecast.assessment(made)
     assert set(found) == {"auto_form", "at_start", "expected"}
     assert forecast.comments(made) == {}
-    report = {"reason": "end.", "steps": 1, "event_counts": {}, "theta_end": 0.1, "nutational_band": {}, "drift": {}}
+    report = {
+        "reason": "end.",
+        "steps": 1,
+        "event_counts": {},
+        "theta_end": 0.1,
+        "nutational_band": {},
+        "drift": {},
+    }
     inversion = dict.fromkeys(("first_equator", "last_equator", "inverted_at"))
     words = dict(lines({**report, "system": toy.name, "inversion": inversion}))
     assert "inversion" not in words
@@ -298,20 +352,28 @@ def test_any_number_that_rubs_is_friction(law: tuple) -> None:
 
 @pytest.mark.parametrize("name", ["gliding-cylinder", "rolling-cylinder"])
 def test_a_cylinder_rocks_at_the_frequency_that_is_named(name: str) -> None:
-    """Against a run: it turns every half period; without friction its centre of mass stays above one place."""
+    """Against a run: it turns every half period; without friction its centre of mass stays above
+    one place.
+    """
     made = start_of(name, 1e-4, ("none", {}))
     named = float(forecast.assessment(made)["regime"].split()[-2])
     made = dataclasses.replace(made, until=20 * math.pi / named)
-    np.testing.assert_allclose(np.diff(solve(made).events.of("turning").time), math.pi / named, rtol=1e-5)
+    np.testing.assert_allclose(
+        np.diff(solve(made).events.of("turning").time), math.pi / named, rtol=1e-5
+    )
 
 
-@pytest.mark.parametrize("name", ["heavy-top", "gliding-heavy-top", "tippe-top", "rolling-tippe-top"])
+@pytest.mark.parametrize(
+    "name", ["heavy-top", "gliding-heavy-top", "tippe-top", "rolling-tippe-top"]
+)
 @pytest.mark.parametrize("law", [("none", {}), ("viscous", {"mu": 0.3})], ids=["none", "viscous"])
 def test_a_start_exactly_at_a_pole_stays_there(name: str, law: tuple) -> None:
     for theta in (0.0, math.pi):
         found = forecast.assessment(start_of(name, theta, law, omega3=122.8))
         assert "stays at the pole until it is disturbed" in found.get("fate", "")
-    assert "stays" not in forecast.assessment(start_of(name, 0.1, law, omega3=122.8)).get("fate", "")
+    assert "stays" not in forecast.assessment(start_of(name, 0.1, law, omega3=122.8)).get(
+        "fate", ""
+    )
 
 
 def test_a_law_of_one_system_is_not_taken_for_none() -> None:
@@ -328,5 +390,7 @@ def test_modes_beyond_the_doubles_are_nan_and_the_outlook_says_no_rate() -> None
     top = SYSTEMS["gliding-heavy-top"]
     start = {"L3": 0.01, "energy": 0.1, "Lz": 0.01, "at_pole": 0.0}
     with np.errstate(all="ignore"):
-        outlook = top.outlook(top.body_of({"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}, law), start)
+        outlook = top.outlook(
+            top.body_of({"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}, law), start
+        )
     assert outlook.regime.startswith("upright spin unstable at every speed: the top")

@@ -16,7 +16,11 @@ from tippetop.runs.run import solve
 
 
 VISCOUS = ("viscous", {"mu": 0.3})
-FAST = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}  # periods below: computed by quadrature in 30 digits
+FAST = {
+    "theta": 1.0,
+    "phi_dot": 10.0,
+    "omega3": 100.0,
+}  # periods below: computed by quadrature in 30 digits
 
 
 def significant_turnings(made) -> tuple[np.ndarray, np.ndarray]:
@@ -53,7 +57,9 @@ def test_period_of_the_rolling_tippe_top() -> None:
         ),
     ],
 )
-def test_period_without_friction(system: str, parameters: dict, initial: dict, period: float, other: float) -> None:
+def test_period_without_friction(
+    system: str, parameters: dict, initial: dict, period: float, other: float
+) -> None:
     made = examples.problem(system, parameters, initial, 3.2 * period)
     b, s, z = examples.si(made), math.sin(initial["theta"]), math.cos(initial["theta"])
     start = SYSTEMS[system].start(initial, s, z, b)
@@ -74,7 +80,9 @@ def test_period_without_friction(system: str, parameters: dict, initial: dict, p
 @pytest.mark.parametrize("form", ["vector", "euler"])
 @pytest.mark.parametrize("until", [100.0, pytest.param(1e4, marks=pytest.mark.slow)])
 def test_rolling_keeps_its_integrals(form: str, until: float) -> None:
-    """lambda, D and E drift by rounding alone: 2e-16 times the root of the number of steps, times a few."""
+    """lambda, D and E drift by rounding alone: 2e-16 times the root of the number of steps, times a
+    few.
+    """
     made = examples.run(
         "rolling-tippe-top",
         examples.CANONICAL,
@@ -94,18 +102,24 @@ def test_rolling_separates() -> None:
     b, rows = examples.si(made.problem), examples.columns(made)
     z = np.cos(rows["theta"])
     V = tippe_top.potential(z, rows["routh"][0], rows["jellett"][0], b)
-    np.testing.assert_allclose(tippe_top.theta_inertia(z, b) * rows["theta_dot"] ** 2 + V, rows["energy"], rtol=1e-13)
+    np.testing.assert_allclose(
+        tippe_top.theta_inertia(z, b) * rows["theta_dot"] ** 2 + V, rows["energy"], rtol=1e-13
+    )
 
 
 def test_strong_friction_rolls() -> None:
     """With mu growing the gliding top tends to the rolling one, as 1/mu."""
     initial, until = {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0}, 0.05
-    rolling = examples.columns(examples.run("rolling-tippe-top", examples.CANONICAL, initial, until))["theta"]
+    rolling = examples.columns(
+        examples.run("rolling-tippe-top", examples.CANONICAL, initial, until)
+    )["theta"]
     distance = [
         np.abs(
-            examples.columns(examples.run("tippe-top", examples.CANONICAL, initial, until, ("viscous", {"mu": mu})))[
-                "theta"
-            ]
+            examples.columns(
+                examples.run(
+                    "tippe-top", examples.CANONICAL, initial, until, ("viscous", {"mu": mu})
+                )
+            )["theta"]
             - rolling
         ).max()
         for mu in (100.0, 200.0, 400.0)
@@ -115,7 +129,9 @@ def test_strong_friction_rolls() -> None:
 
 
 @pytest.mark.parametrize("theta", [0.0, math.pi])
-@pytest.mark.parametrize("system", ["tippe-top", "rolling-tippe-top", "gliding-heavy-top", "heavy-top"])
+@pytest.mark.parametrize(
+    "system", ["tippe-top", "rolling-tippe-top", "gliding-heavy-top", "heavy-top"]
+)
 def test_exact_start_at_a_pole_stays_there(system: str, theta: float) -> None:
     """The spinning states are solutions; nothing divides by sin(theta), no digit of theta moves."""
     parameters = examples.HEAVY if "heavy" in system else examples.CANONICAL
@@ -129,14 +145,18 @@ def test_exact_start_at_a_pole_stays_there(system: str, theta: float) -> None:
 
 
 def test_no_friction_keeps_the_energy() -> None:
-    made = examples.run("tippe-top", examples.CANONICAL, {"theta": 0.5, "omega3": 120.0, "nu_x": 0.1}, 5.0)
+    made = examples.run(
+        "tippe-top", examples.CANONICAL, {"theta": 0.5, "omega3": 120.0, "nu_x": 0.1}, 5.0
+    )
     energy = examples.columns(made)["energy"]
     assert np.abs(energy / energy[0] - 1).max() < 1e-14
 
 
 def test_a_kilogram_and_a_gram_move_alike() -> None:
     """Another size: lengths times 4, times times 2 and masses times 8 give the same angles."""
-    small = examples.problem("tippe-top", examples.CANONICAL, {"theta": 0.3, "omega3": 155.0}, 2.0, VISCOUS)
+    small = examples.problem(
+        "tippe-top", examples.CANONICAL, {"theta": 0.3, "omega3": 155.0}, 2.0, VISCOUS
+    )
     p = examples.CANONICAL
     scaled = {
         "m": 8 * p["m"],
@@ -146,14 +166,24 @@ def test_a_kilogram_and_a_gram_move_alike() -> None:
         "I3": 128 * p["I3"],
         "g": p["g"],
     }
-    large = examples.problem("tippe-top", scaled, {"theta": 0.3, "omega3": 77.5}, 4.0, ("viscous", {"mu": 0.15}))
+    large = examples.problem(
+        "tippe-top", scaled, {"theta": 0.3, "omega3": 77.5}, 4.0, ("viscous", {"mu": 0.15})
+    )
     one, other = examples.columns(solve(small)), examples.columns(solve(large))
     np.testing.assert_allclose(other["theta"], one["theta"], rtol=0, atol=1e-13)
     np.testing.assert_allclose(other["energy"], one["energy"] * 32, rtol=1e-12)
 
 
 def test_mirrored_start_gives_the_mirrored_run() -> None:
-    start = {"theta": 0.4, "theta_dot": 1.0, "phi": 0.3, "phi_dot": 3.0, "omega3": 120.0, "nu_x": 0.1, "nu_y": -0.2}
+    start = {
+        "theta": 0.4,
+        "theta_dot": 1.0,
+        "phi": 0.3,
+        "phi_dot": 3.0,
+        "omega3": 120.0,
+        "nu_x": 0.1,
+        "nu_y": -0.2,
+    }
     odd = ("phi", "phi_dot", "omega3", "nu_y", "jellett", "routh")
     mirrored = {k: -v if k in odd else v for k, v in start.items()}
     one = examples.columns(examples.run("tippe-top", examples.CANONICAL, start, 1.0, VISCOUS))
@@ -185,7 +215,9 @@ def test_mirrored_start_gives_the_mirrored_run() -> None:
     ],
 )
 def test_every_friction_law_balances_the_energy(law: str, numbers: dict[str, float]) -> None:
-    made = examples.run("tippe-top", examples.CANONICAL, {"theta": 0.3, "omega3": 60.0}, 2.0, (law, numbers))
+    made = examples.run(
+        "tippe-top", examples.CANONICAL, {"theta": 0.3, "omega3": 60.0}, 2.0, (law, numbers)
+    )
     assert made.status is Status.FINISHED
     assert made.report["drift"]["jellett"] < 1e-13
     assert made.report["drift"]["energy_balance"] < 1e-12

@@ -1,4 +1,6 @@
-"""Where tumbling states exist, the least Jellett integral of one, and the curves of all asymptotic states."""
+"""Where tumbling states exist, the least Jellett integral of one, and the curves of all asymptotic
+states.
+"""
 
 import itertools
 import math
@@ -14,7 +16,9 @@ from tippetop.mechanics.theory.least_energy import asymptotic_states
 
 B = contact.Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
 GAMMAS = (0.6, 0.72, 0.8, 0.936, 1.2, 1.5)
-"""alpha is 0.3: below 0.7 tumbling states end before the upright pole, above 1.3 before the inverted one."""
+"""alpha is 0.3: below 0.7 tumbling states end before the upright pole, above 1.3 before the
+inverted one.
+"""
 every_gamma = pytest.mark.parametrize("gamma", GAMMAS)
 
 
@@ -40,19 +44,28 @@ def test_the_least_lambda_of_a_tumbling_state_is_that_of_a_dense_scan_of_each_bo
         assert least == pytest.approx(exact, rel=1e-5)
         assert tumbling.lambda_t(b) == least
     upright = np.array([thresholds.lambda_u(b) for b in some])
-    assert (found < (1 - 1e-9) * upright).tolist() == [True, True, False, False]  # below gamma_plus, which is 0.84
+    assert (found < (1 - 1e-9) * upright).tolist() == [
+        True,
+        True,
+        False,
+        False,
+    ]  # below gamma_plus, which is 0.84
 
 
 @every_gamma
 def test_curves_of_spinning_states_change_at_their_thresholds(gamma: float) -> None:
     b = with_gamma(gamma)
-    most = 1.5 * max(x for x in (thresholds.lambda_u(b), thresholds.lambda_s(b)) if math.isfinite(x))
+    most = 1.5 * max(
+        x for x in (thresholds.lambda_u(b), thresholds.lambda_s(b)) if math.isfinite(x)
+    )
     for kind, limit, calm, pole in (
         ("upright", thresholds.lambda_u(b), True, 1.0),
         ("inverted", thresholds.lambda_s(b), False, -1.0),
     ):
         made = [branch for branch in tumbling.branches(b, most) if branch.kind == kind]
-        expected = [(calm, 0.0, min(limit, most))] + ([(not calm, limit, most)] if limit < most else [])
+        expected = [(calm, 0.0, min(limit, most))] + (
+            [(not calm, limit, most)] if limit < most else []
+        )
         assert [(branch.stable, *branch.lam) for branch in made] == expected
         assert all((branch.z == pole).all() for branch in made)
 
@@ -74,7 +87,10 @@ def test_curves_of_tumbling_states_join_and_are_as_stable_as_the_regime_says(gam
             found = regimes.regime(float(lam), b)
             states = found.tumbling if branch.stable else found.unstable
             assert min(abs(math.cos(theta) - z) for theta in states) < 1e-6
-    for pole, limit in ((-1.0, thresholds.lambda_s(b)), (1.0, thresholds.lambda_u(b))):  # spins lose them there
+    for pole, limit in (
+        (-1.0, thresholds.lambda_s(b)),
+        (1.0, thresholds.lambda_u(b)),
+    ):  # spins lose them there
         if math.isfinite(limit):
             assert tumbling.tumbling_jellett(pole, b) == pytest.approx(limit, rel=1e-12)
 

@@ -59,7 +59,10 @@ def test_javascript_computes_what_python_does() -> None:
     text, results = written(JAVASCRIPT, ["x", "y"], lambda s: entangled(*s))
     points = np.random.default_rng(3).normal(size=(50, 2))
     script = f"const f = (x, y) => {{{text} return [{', '.join(results)}];}};"
-    found = run(f"{script} console.log(JSON.stringify({json.dumps(points.tolist())}.map(([x, y]) => f(x, y))))")
+    found = run(
+        f"{script} console.log(JSON.stringify({json.dumps(points.tolist())}.map(([x, y]) => "
+        "f(x, y))))"
+    )
     np.testing.assert_allclose(found, [entangled(*p) for p in points], rtol=1e-15)
 
 

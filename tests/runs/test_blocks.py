@@ -1,4 +1,6 @@
-"""Rows flow in blocks that are bounded, however many lie in a step; what cannot be held is refused."""
+"""Rows flow in blocks that are bounded, however many lie in a step; what cannot be held
+is refused.
+"""
 
 import threading
 import tracemalloc
@@ -26,7 +28,10 @@ class Largest(Memory):
 
 
 def test_memory_does_not_grow_with_the_rows_of_a_slice() -> None:
-    integrating, sink = Integration(build.load("inverting", ["run.output_step=1e-8"], until=0.01)), Largest()
+    integrating, sink = (
+        Integration(build.load("inverting", ["run.output_step=1e-8"], until=0.01)),
+        Largest(),
+    )
     tracemalloc.start()
     integrating.run(sink)
     peak = tracemalloc.get_traced_memory()[1]
@@ -53,11 +58,15 @@ def test_rows_that_nobody_keeps_are_not_even_counted_through() -> None:
 
 def test_rows_that_memory_cannot_hold_are_refused() -> None:
     problem = build.load("inverting", ["run.output_step=1e-11"], until=8.0)
-    with pytest.raises(InputError, match=r"must fit in .* of memory, but take .* give a store .--out, out=."):
+    with pytest.raises(
+        InputError, match=r"must fit in .* of memory, but take .* give a store .--out, out=."
+    ):
         solve(problem)
 
 
-def test_a_slice_of_many_rows_is_interrupted_before_its_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_slice_of_many_rows_is_interrupted_before_its_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Its rows, some 1e10, would take hours."""
     stop, rows = threading.Event(), recording.Recorder.rows
 

@@ -1,4 +1,6 @@
-"""A planted error is seen, by the drift of what a run must keep or by its witness; and none is seen in a sound run."""
+"""A planted error is seen, by the drift of what a run must keep or by its witness; and none is seen
+in a sound run.
+"""
 
 import dataclasses
 import math
@@ -19,19 +21,30 @@ from tippetop.scenario import build
 
 
 def report(t_end: float = 8.0, **drift: float) -> dict[str, Any]:
-    return {"t_end": t_end, "drift": {"jellett": 0.0, "energy_balance": 0.0, "axis_norm": 0.0, **drift}}
+    return {
+        "t_end": t_end,
+        "drift": {"jellett": 0.0, "energy_balance": 0.0, "axis_norm": 0.0, **drift},
+    }
 
 
 @pytest.mark.parametrize(
     ("name", "bound"),
-    [("jellett", 1e-13), ("axis_norm", 1e-13), ("energy_balance", 1e-12), ("routh", 1e-12), ("Lz", 1e-12)],
+    [
+        ("jellett", 1e-13),
+        ("axis_norm", 1e-13),
+        ("energy_balance", 1e-12),
+        ("routh", 1e-12),
+        ("Lz", 1e-12),
+    ],
 )
 def test_each_invariant_has_its_bound(name: str, bound: float) -> None:
     """The numbers of the contract; a drift that is no number is beyond any bound."""
     assert contract_violations(report(**{name: bound}), 2.2e-16) == []
     for drift in (1.01 * bound, np.inf, np.nan):
         (sentence,) = contract_violations(report(**{name: drift}), 2.2e-16)
-        assert sentence.startswith(f"the drift of {name.replace('_', ' ')} must be at most {bound:.1e}, but is ")
+        assert sentence.startswith(
+            f"the drift of {name.replace('_', ' ')} must be at most {bound:.1e}, but is "
+        )
 
 
 def test_the_bound_grows_like_a_random_walk_after_ten_thousand_seconds() -> None:
@@ -60,7 +73,9 @@ def spoil(monkeypatch: pytest.MonkeyPatch, spoiled: Any) -> None:
     monkeypatch.setattr(certificate, "solve", run)
 
 
-def test_a_planted_error_of_the_state_is_measured(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_planted_error_of_the_state_is_measured(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The axis of one row in the middle is tilted by a known angle: that angle is the error."""
     error, row = 3e-9, 1234
 
@@ -81,7 +96,9 @@ def test_a_planted_error_of_the_state_is_measured(problem: Problem, monkeypatch:
     assert sentence == "theta must be within 1e-10 of the wider run, but differs by 3.0e-09."
 
 
-def test_a_planted_error_of_an_event_is_measured(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_planted_error_of_an_event_is_measured(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def late(made: Solution) -> Solution:
         made.events.time[3] += 2e-6
         return made
@@ -92,7 +109,9 @@ def test_a_planted_error_of_an_event_is_measured(problem: Problem, monkeypatch: 
     assert found["theta"] < 1e-12
 
 
-def test_a_planted_error_of_the_place_is_measured(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_planted_error_of_the_place_is_measured(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def shift(made: Solution) -> Solution:
         x = made.problem.variables.names.index("x")
         made.rows[77, x] += 3e-9 / made.problem.weights()[x]
@@ -104,7 +123,9 @@ def test_a_planted_error_of_the_place_is_measured(problem: Problem, monkeypatch:
     assert found["y"] < 1e-12
 
 
-def test_an_angle_that_jumps_is_compared_as_an_angle(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_angle_that_jumps_is_compared_as_an_angle(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """An azimuth that is turned by nearly a full turn differs by the rest."""
 
     def turn(made: Solution) -> Solution:
@@ -150,11 +171,15 @@ def test_both_runs_have_a_progress_bar(problem: Problem, monkeypatch: pytest.Mon
 def test_another_end_is_seen(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
     spoil(
         monkeypatch,
-        lambda made: dataclasses.replace(made, progress=dataclasses.replace(made.progress, status=Status.LIFTOFF)),
+        lambda made: dataclasses.replace(
+            made, progress=dataclasses.replace(made.progress, status=Status.LIFTOFF)
+        ),
     )
     found = certificate.certificate(problem)
     assert found["same_end"] is False
-    assert certificate_violations(found) == ["the run must end as the wider run does, but ends otherwise."]
+    assert certificate_violations(found) == [
+        "the run must end as the wider run does, but ends otherwise."
+    ]
 
 
 def test_no_number_is_no_certificate() -> None:
@@ -179,9 +204,18 @@ def test_a_drift_that_is_not_finite_breaks_the_promise() -> None:
     assert sentence == "the drift of energy must be at most 1.0e-12, but is nan."
 
 
-def test_a_broken_promise_near_a_pole_names_the_form_that_keeps_it(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_broken_promise_near_a_pole_names_the_form_that_keeps_it(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     """A heavy top that swings through its lowest point: Euler's angles are singular there."""
-    sets = ["--set", "initial.omega3=0.0", "--set", "initial.theta=3.0", "--set", "initial.phi_dot=0.001"]
+    sets = [
+        "--set",
+        "initial.omega3=0.0",
+        "--set",
+        "initial.theta=3.0",
+        "--set",
+        "initial.phi_dot=0.001",
+    ]
     words = ["run", "heavy-top", *sets, "--until", "5", "--json"]
     assert outcome([*words, "--set", "form=euler"]) == 4
     said = capsys.readouterr().err.strip().splitlines()[-1]
@@ -200,7 +234,18 @@ def test_a_broken_promise_near_a_pole_names_the_form_that_keeps_it(capsys: pytes
         ("contact", {"energy": 1e-9, "axis_norm": 1e-9}, 0.01, False),
     ],
 )
-def test_another_form_is_named_where_it_is_the_remedy(form: str, drift: dict, theta: float, named: bool) -> None:
-    report = {"drift": drift, "theta_end": theta, "nutational_band": {"theta_min": None, "theta_max": None}}
-    attrs = {"form": form, "auto_form": {"form": "vector"}, "initial": {"theta": 1.2}, "report": report}
+def test_another_form_is_named_where_it_is_the_remedy(
+    form: str, drift: dict, theta: float, named: bool
+) -> None:
+    report = {
+        "drift": drift,
+        "theta_end": theta,
+        "nutational_band": {"theta_min": None, "theta_max": None},
+    }
+    attrs = {
+        "form": form,
+        "auto_form": {"form": "vector"},
+        "initial": {"theta": 1.2},
+        "report": report,
+    }
     assert bool(suggest_form(attrs)) == named

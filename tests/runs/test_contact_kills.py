@@ -1,4 +1,6 @@
-"""A run that gets SIGKILL right after a checkpoint in each phase of its contact, and is resumed: the same bytes."""
+"""A run that gets SIGKILL right after a checkpoint in each phase of its contact, and is resumed:
+the same bytes.
+"""
 
 import os
 import signal
@@ -21,7 +23,14 @@ from tippetop.store import root
 
 ON_STEM: dict[str, Any] = {
     "system": "tippe-top",
-    "parameters": {"m": 7.971e-3, "R": 1.55e-2, "alpha": 0.1688, "I1": 7.259e-7, "I3": 7.694e-7, "g": 9.81},
+    "parameters": {
+        "m": 7.971e-3,
+        "R": 1.55e-2,
+        "alpha": 0.1688,
+        "I1": 7.259e-7,
+        "I3": 7.694e-7,
+        "g": 9.81,
+    },
     "friction": {"law": "coulomb", "mu": 0.32},
     "stem": {"r": 3e-3, "h": 2.45e-2},
     "contact": {"e_n": 0.5},
@@ -35,9 +44,14 @@ DRILLS: dict[str, Any] = {
     "friction": {"law": "contensou", "mu": 0.3, "patch": 2e-3, "mu_r": 0.0},
     "contact": {"e_n": 0.0},
 }
-"""A top that rocks from its sphere to its stem, and stands on both, through every region of friction that drills."""
+"""A top that rocks from its sphere to its stem, and stands on both, through every region of
+friction that drills.
+"""
 
-LOADED: dict[str, Any] = {**BOUNCE, "friction": {"law": "coulomb", "mu": 0.3, "mu_r": 1e-4, "mu_d": 1e-4}}
+LOADED: dict[str, Any] = {
+    **BOUNCE,
+    "friction": {"law": "coulomb", "mu": 0.3, "mu_r": 1e-4, "mu_d": 1e-4},
+}
 """A top that bounces under torques of its contact, and rolls."""
 
 RUNS = {
@@ -52,14 +66,31 @@ RUNS = {
 PLACES = {
     ("thrown", "double"): [("slip", 1), ("flight", 1), ("roll", 1), ("slip", 5), ("flight", 2)],
     ("thrown", "longdouble"): [("slip", 2), ("flight", 1), ("roll", 1)],
-    ("stands", "double"): [("slip", 1), ("stem-slip", 1), ("stem-flight", 1), ("flight", 2), ("both", 1)],
+    ("stands", "double"): [
+        ("slip", 1),
+        ("stem-slip", 1),
+        ("stem-flight", 1),
+        ("flight", 2),
+        ("both", 1),
+    ],
     ("stands", "longdouble"): [("stem-slip", 1), ("stem-flight", 1), ("both", 1)],
     ("bounces", "double"): [("flight", 1), ("flight", 5), ("roll", 2), ("roll", 5)],
     ("on-stem", "double"): [
-        *(("stem-flight", 2), ("stem-slip", 1), ("stem-roll", 1), ("stem-slip", 5), ("stem-flight", 5)),
+        *(
+            ("stem-flight", 2),
+            ("stem-slip", 1),
+            ("stem-roll", 1),
+            ("stem-slip", 5),
+            ("stem-flight", 5),
+        ),
     ],
     ("drills", "double"): [
-        *(("slip-between", 1), ("slip-between", 5), ("stem-slip-outside", 2), ("both-between-outside", 1)),
+        *(
+            ("slip-between", 1),
+            ("slip-between", 5),
+            ("stem-slip-outside", 2),
+            ("both-between-outside", 1),
+        ),
     ],
     ("rocks", "double"): [("slip-inside", 3), ("rest", 1), ("rest", 2)],
     ("rocks", "longdouble"): [("rest", 1)],
@@ -76,7 +107,9 @@ def problem_of(name: str, precision: str) -> Problem:
 
 
 def killed(problem: Problem, store: Path, place: str, count: int) -> bool:
-    """Records a run in a process of its own, which is killed at its count-th checkpoint in a phase; whether it was."""
+    """Records a run in a process of its own, which is killed at its count-th checkpoint in a phase;
+    whether it was.
+    """
     left = [count]
     made: list[Integration] = []
 
@@ -91,7 +124,9 @@ def killed(problem: Problem, store: Path, place: str, count: int) -> bool:
             os.kill(os.getpid(), signal.SIGKILL)
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # Python 3.12: a fork has none of its other threads
+        warnings.simplefilter(
+            "ignore", DeprecationWarning
+        )  # Python 3.12: a fork has none of its other threads
         child = os.fork()
     if child == 0:
         try:

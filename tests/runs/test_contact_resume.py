@@ -1,4 +1,6 @@
-"""A run whose contact changes its phase continues bit by bit, in whichever phase it was interrupted."""
+"""A run whose contact changes its phase continues bit by bit, in whichever phase it was
+interrupted.
+"""
 
 import json
 from pathlib import Path
@@ -25,8 +27,19 @@ def with_run(tables: dict, **run: object) -> Problem:
 def gathered(memory: Memory) -> list[np.ndarray]:
     """All that a sink has taken, as arrays."""
     table = memory.table()
-    others = [np.concatenate([part[key] for part in parts]) for parts in memory.others.values() for key in parts[0]]
-    return [np.concatenate(memory.times), np.concatenate(memory.states), table.time, table.kind, table.theta, *others]
+    others = [
+        np.concatenate([part[key] for part in parts])
+        for parts in memory.others.values()
+        for key in parts[0]
+    ]
+    return [
+        np.concatenate(memory.times),
+        np.concatenate(memory.states),
+        table.time,
+        table.kind,
+        table.theta,
+        *others,
+    ]
 
 
 IN_WIDER_NUMBERS = [
@@ -44,7 +57,9 @@ IN_WIDER_NUMBERS = [
         pytest.param(THROWN, "double", id="thrown"),
         pytest.param(TURNING, "double", id="turning"),
         pytest.param(ROCKING, "double", id="rocking"),
-        pytest.param(STANDING, "double", id="standing", marks=pytest.mark.slow),  # 7 s, most of it compiling
+        pytest.param(
+            STANDING, "double", id="standing", marks=pytest.mark.slow
+        ),  # 7 s, most of it compiling
         *IN_WIDER_NUMBERS,
     ],
 )
@@ -54,9 +69,15 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, precis
     request = Request(integration, whole)
     snapshots = []
     while integration.status is None:
-        taken = [len(whole.times), len(whole.logs), {name: len(parts) for name, parts in whole.others.items()}]
+        taken = [
+            len(whole.times),
+            len(whole.logs),
+            {name: len(parts) for name, parts in whole.others.items()},
+        ]
         if integration.t_end > 0:
-            snapshots.append((integration.driver.track.name, json.dumps(integration.snapshot()), taken))
+            snapshots.append(
+                (integration.driver.track.name, json.dumps(integration.snapshot()), taken)
+            )
         integration.follow(integration.driver.advance(request, 3), whole)
     integration.fill(whole)
     kinds = {kind for kind, *_ in snapshots}
@@ -67,17 +88,26 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, precis
     for _, text, (times, logs, others) in chosen:
         again, memory = Integration(problem), Memory()
         again.restore(json.loads(text))
-        memory.times, memory.states, memory.logs = whole.times[:times], whole.states[:times], whole.logs[:logs]
+        memory.times, memory.states, memory.logs = (
+            whole.times[:times],
+            whole.states[:times],
+            whole.logs[:logs],
+        )
         memory.others = {name: whole.others[name][:count] for name, count in others.items()}
         again.run(memory)
-        assert [np.array_equal(a, b) for a, b in zip(gathered(memory), gathered(whole), strict=True)].count(False) == 0
+        assert [
+            np.array_equal(a, b) for a, b in zip(gathered(memory), gathered(whole), strict=True)
+        ].count(False) == 0
         assert again.progress().phases == integration.progress().phases
 
 
 @pytest.mark.slow
 def test_a_longer_end_gives_the_run_that_would_have_been_made_at_once(tmp_path: Path) -> None:
     """The end of the first comes in flight: the landing after it is not forgotten."""
-    short, long = with_run(BOUNCE, until=0.02, output_step=1e-3), with_run(BOUNCE, until=0.3, output_step=1e-3)
+    short, long = (
+        with_run(BOUNCE, until=0.02, output_step=1e-3),
+        with_run(BOUNCE, until=0.3, output_step=1e-3),
+    )
     recording.record(short, tmp_path / "a")
     assert solve(short).report["contact_phases"]["last"]["phase"] == "flight"
     resuming.extend(tmp_path / "a", 0.3)
@@ -85,7 +115,9 @@ def test_a_longer_end_gives_the_run_that_would_have_been_made_at_once(tmp_path: 
     assert_same(tmp_path / "a", tmp_path / "b")
 
 
-def test_an_interrupted_store_is_resumed_bit_by_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupted_store_is_resumed_bit_by_bit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     problem = with_run(BOUNCE, output_step=1e-3)
     recording.record(problem, tmp_path / "whole")
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 16)
@@ -110,7 +142,9 @@ def test_an_interrupted_store_is_resumed_bit_by_bit(tmp_path: Path, monkeypatch:
     one, other = (root.open_group(tmp_path / name, "phases").load() for name in ("run", "whole"))
     assert one.identical(other)
     for group in ("trajectory", "events", "impacts"):
-        one, other = (root.open_group(tmp_path / name, group).drop_attrs() for name in ("run", "whole"))
+        one, other = (
+            root.open_group(tmp_path / name, group).drop_attrs() for name in ("run", "whole")
+        )
         assert one.identical(other), group
 
 

@@ -28,7 +28,12 @@ OUTPUT = {
     "events": ["run.output_step=", "run.output=events"],
     "keyframes": ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=300"],
     "listed": ["run.output_step=", "run.output_times=[0.0, 0.5, 3.25]"],
-    "inverting": ["initial.phi_dot=0.0", "initial.theta=0.1", "initial.omega3=155.0", "friction.mu=0.3"],
+    "inverting": [
+        "initial.phi_dot=0.0",
+        "initial.theta=0.1",
+        "initial.omega3=155.0",
+        "friction.mu=0.3",
+    ],
     "settled": ["run.stop_when=settled"],
 }
 
@@ -59,8 +64,12 @@ def said(store: Path) -> dict[str, Any]:
     return root.root_of(store)
 
 
-@pytest.mark.parametrize("kind", [kind if kind in ("rows", "keyframes") else at_night(kind) for kind in OUTPUT])
-def test_a_run_that_is_continued_is_that_of_one_go(kind: str, at_once: Callable[..., Path], tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "kind", [kind if kind in ("rows", "keyframes") else at_night(kind) for kind in OUTPUT]
+)
+def test_a_run_that_is_continued_is_that_of_one_go(
+    kind: str, at_once: Callable[..., Path], tmp_path: Path
+) -> None:
     """From 3.3 s, in the midst of a step, to 47 s, some slices later."""
     sets = [ROWS, *OUTPUT[kind]]
     store = made(tmp_path / "run.zarr", 3.3, *sets)
@@ -86,13 +95,19 @@ def test_a_run_in_memory_that_is_saved_is_continued_too(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_in_wider_numbers(tmp_path: Path) -> None:
     sets = ["run.precision=longdouble", ROWS]
-    whole, store = made(tmp_path / "whole.zarr", 2.0, *sets), made(tmp_path / "run.zarr", 0.7, *sets)
+    whole, store = (
+        made(tmp_path / "whole.zarr", 2.0, *sets),
+        made(tmp_path / "run.zarr", 0.7, *sets),
+    )
     tt.resume(store, until=2.0)
     assert_same(store, whole)
 
 
 def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
-    whole, store = made(tmp_path / "whole.zarr", 110.0, "run.output_step=0.1"), tmp_path / "run.zarr"
+    whole, store = (
+        made(tmp_path / "whole.zarr", 110.0, "run.output_step=0.1"),
+        tmp_path / "run.zarr",
+    )
     with pytest.raises(KeyboardInterrupt):
         recording.record(
             build.load("inverting", [*TURNING, "run.output_step=0.1"], 100.0),
@@ -106,7 +121,9 @@ def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("moment", [at_night("at once"), "after a commit"])
-def test_killed_while_it_is_continued_it_is_resumed(moment: str, at_once: Callable[..., Path], tmp_path: Path) -> None:
+def test_killed_while_it_is_continued_it_is_resumed(
+    moment: str, at_once: Callable[..., Path], tmp_path: Path
+) -> None:
     whole, store = at_once(150.0, ROWS), copied(at_once(60.0, ROWS), tmp_path)
     prelude = "import tippetop.runs.recording as r; r.COMMIT_EVERY = 0.0"
     process = Forked(["resume", str(store), "--until", "150"], prelude)
@@ -119,7 +136,9 @@ def test_killed_while_it_is_continued_it_is_resumed(moment: str, at_once: Callab
     assert_same(store, whole)
 
 
-def test_while_it_is_continued_it_is_an_interrupted_run_whose_chunks_are_marked(tmp_path: Path) -> None:
+def test_while_it_is_continued_it_is_an_interrupted_run_whose_chunks_are_marked(
+    tmp_path: Path,
+) -> None:
     store = made(tmp_path / "run.zarr", 20.0, *OUTPUT["keyframes"])
     assert state_of(store).seal
     with pytest.raises(KeyboardInterrupt):
@@ -152,9 +171,15 @@ def test_whatever_fails_before_it_begins_leaves_the_finished_run(
     assert_same(store, at_once(20.0, ROWS))
 
 
-@pytest.mark.parametrize(("until", "sentence"), [("2", "later"), ("3", "later"), ("nan", "later"), ("-1", "later")])
+@pytest.mark.parametrize(
+    ("until", "sentence"), [("2", "later"), ("3", "later"), ("nan", "later"), ("-1", "later")]
+)
 def test_an_end_that_is_not_later_is_refused(
-    until: str, sentence: str, at_once: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    until: str,
+    sentence: str,
+    at_once: Callable[..., Path],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     store = copied(at_once(3.0), tmp_path)
     before = files(store)
@@ -176,7 +201,9 @@ def test_an_endless_end_is_refused_in_a_sentence(
 def test_a_run_that_an_event_has_ended_is_not_continued(tmp_path: Path) -> None:
     lifts = ["initial.omega3=300.0", "initial.theta=0.1", "initial.phi_dot=0.0", "friction.mu=0.3"]
     store = made(tmp_path / "run.zarr", 10.0, *lifts)
-    with pytest.raises(StoreError, match=r"must have come to its end to be continued, but: the body lifted off"):
+    with pytest.raises(
+        StoreError, match=r"must have come to its end to be continued, but: the body lifted off"
+    ):
         tt.resume(store, until=16.0)
 
 
@@ -193,7 +220,9 @@ def test_a_store_of_other_versions_is_refused(
     assert run.attributes["cpu"] == "another"
 
 
-def test_a_certificate_does_not_hinder_and_does_not_stay(at_once: Callable[..., Path], tmp_path: Path) -> None:
+def test_a_certificate_does_not_hinder_and_does_not_stay(
+    at_once: Callable[..., Path], tmp_path: Path
+) -> None:
     store = copied(at_once(3.0, ROWS), tmp_path)
     root.annotate(store, {"certificate": {"theta": 0.0}})
     tt.resume(store, until=4.0)

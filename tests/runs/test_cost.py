@@ -16,7 +16,9 @@ STEP, COMPILING = 1e-4, 3.0  # [s]
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[], float]:
-    """A clock that every step moves by 0.1 ms, and the first slice, which compiles, by three seconds."""
+    """A clock that every step moves by 0.1 ms, and the first slice, which compiles, by three
+    seconds.
+    """
     now, follow = [0.0], Integration.follow
 
     def counted(self: Integration, piece: Any, sink: Any) -> Any:
@@ -56,6 +58,7 @@ def test_a_run_that_ends_early_is_not_taken_for_longer(clock: Callable[[], float
 def test_many_rows_are_measured_in_short_slices() -> None:
     """A slice of 512 steps would make a million rows; they are part of the time."""
     few, many = (
-        cost.measured(build.load("inverting", [f"run.output_step={step}"], until=8.0)) for step in (1e-2, 1e-6)
+        cost.measured(build.load("inverting", [f"run.output_step={step}"], until=8.0))
+        for step in (1e-2, 1e-6)
     )
     assert many["seconds"] > 10 * few["seconds"]

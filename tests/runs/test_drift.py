@@ -1,4 +1,6 @@
-"""The drift that a run reports is that of its rows: told by runs that were made badly on purpose."""
+"""The drift that a run reports is that of its rows: told by runs that were made badly
+on purpose.
+"""
 
 from collections.abc import Callable
 
@@ -17,7 +19,9 @@ from tippetop.scenario import build
 def momenta(column: dict[str, np.ndarray], p: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
     """L_3, and L_z about a point of the axis where the moment across it is I1."""
     L3 = p["I3"] * column["omega3"]
-    return L3, p["I1"] * column["phi_dot"] * np.sin(column["theta"]) ** 2 + L3 * np.cos(column["theta"])
+    return L3, p["I1"] * column["phi_dot"] * np.sin(column["theta"]) ** 2 + L3 * np.cos(
+        column["theta"]
+    )
 
 
 def jellett(column: dict[str, np.ndarray], p: dict[str, float]) -> np.ndarray:
@@ -51,13 +55,17 @@ def energy(column: dict[str, np.ndarray], p: dict[str, float]) -> np.ndarray:
     ],
 )
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
-def test_the_drift_is_the_worst_relative_change(scenario: str, name: str, formula: Callable, tolerance: float) -> None:
+def test_the_drift_is_the_worst_relative_change(
+    scenario: str, name: str, formula: Callable, tolerance: float
+) -> None:
     sets = ["form=euler", f"run.tolerance={tolerance}", "run.output_step=0.0005"]
     run = solve(build.load(scenario, sets, until=2.0))
     values = formula(examples.columns(run), run.problem.parameters)
     worst = np.abs(values / values[0] - 1).max()
     assert worst > 1e-12  # it was made badly
-    assert run.report["drift"][name] == pytest.approx(worst, rel=0.05)  # rows, and the ends of steps
+    assert run.report["drift"][name] == pytest.approx(
+        worst, rel=0.05
+    )  # rows, and the ends of steps
 
 
 def sizes_of(*sets: str, scenario: str = "inverting") -> tuple[dict[str, float], dict[str, float]]:
@@ -75,7 +83,9 @@ def test_a_drift_is_relative_to_the_start(scenario: str) -> None:
 
 
 def test_a_drift_of_what_is_small_because_its_parts_cancel_is_relative_to_a_tenth_of_them() -> None:
-    """lambda = R L_z - c L_3 where cos(theta) = alpha, as it is for a top that hardly spins: the unit is then m g R."""
+    """lambda = R L_z - c L_3 where cos(theta) = alpha, as it is for a top that hardly spins: the
+    unit is then m g R.
+    """
     spins = ["initial.theta=1.2661036727794992", "initial.phi_dot=0.0", "initial.omega3=600.0"]
     problem = build.load("inverting", spins)
     size, start = sizes_of(*spins)
@@ -88,14 +98,27 @@ def test_a_drift_of_what_is_small_because_its_parts_cancel_is_relative_to_a_tent
 
 
 SLOW = {
-    "parameters": {"m": 1.53e-3, "R": 5.94e-3, "alpha": 0.817, "I1": 1.22e-8, "I3": 1.62e-8, "g": 9.82},
+    "parameters": {
+        "m": 1.53e-3,
+        "R": 5.94e-3,
+        "alpha": 0.817,
+        "I1": 1.22e-8,
+        "I3": 1.62e-8,
+        "g": 9.82,
+    },
     "initial": {"theta": 0.611, "phi_dot": 0.0, "omega3": -1.42},
 }
 
 
 def test_a_top_that_hardly_spins_keeps_the_contract() -> None:
-    """It swings: L becomes ten thousand times the lambda that it is made of, whose rounding is no drift of 1e-12."""
-    sets = [f"{table}.{name}={value}" for table, values in SLOW.items() for name, value in values.items()]
+    """It swings: L becomes ten thousand times the lambda that it is made of, whose rounding is no
+    drift of 1e-12.
+    """
+    sets = [
+        f"{table}.{name}={value}"
+        for table, values in SLOW.items()
+        for name, value in values.items()
+    ]
     run = solve(build.load("rolling", sets, until=50.0), keep=False)
     size, start = sizes_of(*sets, scenario="rolling")
     assert run.report["drift"]["jellett"] * size["jellett"] / abs(start["jellett"]) > 1e-13

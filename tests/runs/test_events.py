@@ -13,8 +13,12 @@ from tippetop.runs.run import solve
 from tippetop.scenario import build
 
 
-def count(theta: list[float], sign: list[int], end: float, pieces: int = 1) -> tuple[list[int], Tallies]:
-    """Return the turnings that are confirmed when they come in several pieces, and the tallies of the run."""
+def count(
+    theta: list[float], sign: list[int], end: float, pieces: int = 1
+) -> tuple[list[int], Tallies]:
+    """Return the turnings that are confirmed when they come in several pieces, and the tallies of
+    the run.
+    """
     tallies, found, waiting = new_tallies(event_rows([], [], []), 1), [], -1
     for rows in np.array_split(np.arange(len(theta) + 1), pieces):
         ways, angles = np.array([*sign, 0])[rows], np.array([*theta, end])[rows]
@@ -49,7 +53,9 @@ class TestSignificance:
     def test_they_are_the_extremes_of_the_path_that_a_zigzag_filter_keeps(
         self, pieces: int, rng: np.random.Generator
     ) -> None:
-        """Swings of a few quarters of the floor, exact in doubles, so that some are the floor itself."""
+        """Swings of a few quarters of the floor, exact in doubles, so that some are the floor
+        itself.
+        """
         for _ in range(200):
             sign = np.where(np.arange(30) % 2, 1, -1) * rng.choice([-1, 1])
             theta = np.cumsum(-sign * rng.integers(1, 9, 30)) * (NOISE_FLOOR / 4)
@@ -59,7 +65,9 @@ class TestSignificance:
 
 
 def zigzag(path: list[float], way: int) -> list[int]:
-    """The rows of the extremes from which a path comes back by the noise floor; the first is sought below for way 1."""
+    """The rows of the extremes from which a path comes back by the noise floor; the first is sought
+    below for way 1.
+    """
     kept, best = [], 0
     for row in range(1, len(path)):
         if way * (path[row] - path[best]) >= NOISE_FLOOR:
@@ -76,16 +84,22 @@ def test_the_band_is_that_of_the_turnings_that_count(rng: np.random.Generator) -
         swings = NOISE_FLOOR * 10.0 ** rng.uniform(-1, 3, 30)
         sign = np.where(np.arange(30) % 2, 1, -1)
         theta = 1.0 + np.cumsum(-sign * swings)
-        rows, tallies = count(theta.tolist(), sign.tolist(), float(theta[-1] + rng.uniform(-2, 2) * NOISE_FLOOR))
+        rows, tallies = count(
+            theta.tolist(), sign.tolist(), float(theta[-1] + rng.uniform(-2, 2) * NOISE_FLOOR)
+        )
         tally = tallies.lane[0]
         assert int(tally["turnings"]) == len(rows)
-        assert (float(tally["theta_min"]), float(tally["theta_max"])) == (theta[rows].min(), theta[rows].max())
+        assert (float(tally["theta_min"]), float(tally["theta_max"])) == (
+            theta[rows].min(),
+            theta[rows].max(),
+        )
 
 
 def test_settling_does_not_need_to_be_logged() -> None:
     sets = ["friction.mu=0.1", "initial.theta=0.1", "run.stop_when=settled"]
     both = [
-        solve(build.load("inverting", [*sets, *more], 400.0), keep=False) for more in ([], ['run.events=["liftoff"]'])
+        solve(build.load("inverting", [*sets, *more], 400.0), keep=False)
+        for more in ([], ['run.events=["liftoff"]'])
     ]
     assert both[0].status is both[1].status is Status.SETTLED
     assert both[0].reason == both[1].reason
@@ -108,7 +122,8 @@ def test_a_run_released_at_rest_does_not_log_its_start(assignments: list[str]) -
 
 AT_REST = {"initial.omega3": 0.0, "initial.theta": 0.0, "initial.phi_dot": 0.0, "friction.mu": 0.3}
 KNOWN = (
-    # a turning in the first step, which the integrator's own detection missed, finding the start twice
+    # a turning in the first step, which the integrator's own detection missed, finding the start
+    # twice
     (31.882596139055472, 2.448384987785755, -22.071083809249515, 0.5),
     # the first turning in the same step as the start, which the lanes missed
     (65.94886167813415, 0.022550316141261836, -3.450667221634134, 0.25),
@@ -116,9 +131,15 @@ KNOWN = (
 
 
 def test_starts_at_rest_log_every_turning_of_a_dense_scan(rng: np.random.Generator) -> None:
-    """Single runs tell when, lanes tell how many. A start at rest is a zero of theta' and no turning."""
+    """Single runs tell when, lanes tell how many.
+
+    A start at rest is a zero of theta' and no turning.
+    """
     low, high = np.array([0, 0.05, -30, 0.3]), np.array([170, 3.0, 30, 0.3])
-    starts = [dict(zip(AT_REST, values, strict=True)) for values in [*KNOWN, *rng.uniform(low, high, (18, 4))]]
+    starts = [
+        dict(zip(AT_REST, values, strict=True))
+        for values in [*KNOWN, *rng.uniform(low, high, (18, 4))]
+    ]
     for start in starts:
         sets = [f"{key}={float(value)!r}" for key, value in start.items()]
         run = solve(build.load("inverting", [*sets, "run.output_step=2e-5"], until=0.4))
@@ -126,7 +147,9 @@ def test_starts_at_rest_log_every_turning_of_a_dense_scan(rng: np.random.Generat
         found = run.events.of("turning").time
         sure = run.report["t_end"] - 1e-4  # the scan does not see a turning beyond its last row
         assert np.sum(found < sure) == np.sum(turns < sure), start
-        np.testing.assert_allclose(found[found < sure], turns[turns < sure], atol=2e-5, err_msg=str(start))
+        np.testing.assert_allclose(
+            found[found < sure], turns[turns < sure], atol=2e-5, err_msg=str(start)
+        )
         start["turnings"] = np.sum(run.events.significant & (run.events.kind == 0))
     assert sum(start["turnings"] for start in starts) > 100
     varied = {key: np.array([start[key] for start in starts]) for key in AT_REST}
@@ -144,15 +167,24 @@ def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
 
 
 def test_settling_is_told_in_wider_numbers_too() -> None:
-    """The stability of the pole is asked in doubles, whatever the run's precision: no eigenvalues in 80 bits."""
-    sets = ["friction.mu=0.1", "initial.theta=0.1", "run.stop_when=settled", "run.precision=longdouble"]
+    """The stability of the pole is asked in doubles, whatever the run's precision: no eigenvalues
+    in 80 bits.
+    """
+    sets = [
+        "friction.mu=0.1",
+        "initial.theta=0.1",
+        "run.stop_when=settled",
+        "run.precision=longdouble",
+    ]
     run = solve(build.load("inverting", sets, until=400.0), keep=False)
     assert run.status is Status.SETTLED
     assert run.report["theta_end"] > np.pi - 1e-6
 
 
 def test_a_top_that_will_leave_its_pole_has_not_settled(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its sliding dies at 1.67 s and returns half a minute later, when the unstable mode has grown: then it inverts."""
+    """Its sliding dies at 1.67 s and returns half a minute later, when the unstable mode has grown:
+    then it inverts.
+    """
     sets = ["friction.mu=0.03", "initial.theta=1e-6", "run.stop_when=settled"]
     problem = build.load("inverting", sets, until=400.0)
     run = solve(problem, keep=False)

@@ -1,4 +1,6 @@
-"""What `check` predicts, runs confirm: random bodies, friction laws and starts, at poles and away from them."""
+"""What `check` predicts, runs confirm: random bodies, friction laws and starts, at poles and away
+from them.
+"""
 
 import math
 from typing import Any
@@ -28,7 +30,9 @@ LAWS = [
 def top(law: tuple[str, dict[str, float]], until: float = 60.0, **start: float) -> Problem:
     """The canonical top under a law, or another of its parameters."""
     parameters = {**examples.CANONICAL, **{k: start.pop(k) for k in ("alpha", "I1") if k in start}}
-    return examples.problem("tippe-top", parameters, start, until, law, stop_when="settled", events=("settled",))
+    return examples.problem(
+        "tippe-top", parameters, start, until, law, stop_when="settled", events=("settled",)
+    )
 
 
 def random_start(rng: np.random.Generator) -> dict[str, Any]:
@@ -36,7 +40,13 @@ def random_start(rng: np.random.Generator) -> dict[str, Any]:
     theta = rng.choice([0.0, math.pi, rng.uniform(0.01, 3.1), rng.uniform(0.01, 0.3)])
     sliding = rng.choice([0.0, 0.2])
     alpha, omega3 = rng.uniform(0.1, 0.5), rng.choice([-1, 1]) * rng.uniform(0, 160)
-    return {"theta": theta, "omega3": omega3, "nu_x": sliding, "alpha": alpha, "I1": 3.2e-6 * rng.uniform(0.8, 1.2)}
+    return {
+        "theta": theta,
+        "omega3": omega3,
+        "nu_x": sliding,
+        "alpha": alpha,
+        "I1": 3.2e-6 * rng.uniform(0.8, 1.2),
+    }
 
 
 WORDS = {"inverted": "the inverted spin", "upright": "the upright spin", "tumbling": "tumbling"}
@@ -68,17 +78,26 @@ def test_what_slides_at_a_pole_leaves_it(theta: float) -> None:
 
 def test_a_top_that_lifts_off_at_once_has_lifted_off() -> None:
     made = top(("viscous", {"mu": 0.3}), theta=1.0, phi_dot=30.0, omega3=100.0)
-    run, lane = solve(made, keep=False), measure(Problems.vary(made, {"initial.theta": np.array([1.0])}), threads=1)
+    run, lane = (
+        solve(made, keep=False),
+        measure(Problems.vary(made, {"initial.theta": np.array([1.0])}), threads=1),
+    )
     assert run.report["outcome"] == CLASSES[lane.kind[0]] == "lifted-off"
     assert "g_n < 0" in run.reason
     force = forecast.at_start(made)["normal_force"]
-    assert run.report["normal_force"]["min"] == lane.columns["normal_force_min"][0] == pytest.approx(force)
+    assert (
+        run.report["normal_force"]["min"]
+        == lane.columns["normal_force_min"][0]
+        == pytest.approx(force)
+    )
     assert force < 0
 
 
 @pytest.mark.parametrize("law", [LAWS[2], LAWS[3]], ids=lambda law: law[0])
 def test_what_slides_almost_without_loss_has_not_settled(law: tuple[str, dict[str, float]]) -> None:
-    """Under a law that weakens with speed, or towards a pole; no spin is called stable, and none the end."""
+    """Under a law that weakens with speed, or towards a pole; no spin is called stable, and none
+    the end.
+    """
     for theta in (0.02, 0.5):
         made = top(law, until=1.0, theta=theta, omega3=155.0, nu_x=1.0)
         assert "fate" not in forecast.assessment(made)
@@ -105,7 +124,9 @@ def test_a_gliding_heavy_top_falls_to_the_plane_if_it_is_above(theta: float) -> 
 
 
 def test_no_growth_rate_of_nothing() -> None:
-    made = examples.problem("gliding-heavy-top", examples.HEAVY, {"theta": 0.1, "omega3": 200.0}, 1.0, LAWS[3])
+    made = examples.problem(
+        "gliding-heavy-top", examples.HEAVY, {"theta": 0.1, "omega3": 200.0}, 1.0, LAWS[3]
+    )
     assert "growth rate" not in forecast.assessment(made)["regime"]
 
 

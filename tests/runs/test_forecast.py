@@ -1,4 +1,6 @@
-"""What is said of a run before it is made: quantities of the start from first principles, and what it will take."""
+"""What is said of a run before it is made: quantities of the start from first principles, and what
+it will take.
+"""
 
 import math
 
@@ -10,7 +12,9 @@ from tippetop.scenario import build
 
 
 def test_quantities_of_the_start_are_those_of_a_spinning_ball() -> None:
-    """Tilted, spinning about its axis, its contact at rest: the centre moves with R omega3 sin(theta), and no more."""
+    """Tilted, spinning about its axis, its contact at rest: the centre moves with R omega3
+    sin(theta), and no more.
+    """
     problem = build.load("inverting", ["initial.theta=0.4", "initial.omega3=80.0"])
     p, found = problem.parameters, forecast.at_start(problem)
     c, s, z, L3 = p["R"] * p["alpha"], math.sin(0.4), math.cos(0.4), p["I3"] * 80.0
@@ -40,8 +44,16 @@ def test_steps_are_foretold_to_an_order_of_magnitude(preset: str) -> None:
 
 @pytest.mark.parametrize("speed", [1.0, 6.0])
 def test_steps_of_friction_that_drills_grow_as_its_disc_slows(speed: float) -> None:
-    """Until it comes to rest, after which it takes few; measured: 0.4 to 2 times what the run takes."""
-    disc = ["friction.patch=2e-3", "initial.centre_at_rest=", "initial.theta=1.0", f"initial.omega3={speed}", "stem="]
+    """Until it comes to rest, after which it takes few; measured: 0.4 to 2 times what the run
+    takes.
+    """
+    disc = [
+        "friction.patch=2e-3",
+        "initial.centre_at_rest=",
+        "initial.theta=1.0",
+        f"initial.omega3={speed}",
+        "stem=",
+    ]
     problem = build.load("leine-glocker-drilling", disc, until=1.0)
     made = solve(problem, keep=False)
     assert made.report["contact_phases"]["last"]["phase"] == "rest"
@@ -51,7 +63,8 @@ def test_steps_of_friction_that_drills_grow_as_its_disc_slows(speed: float) -> N
 def test_a_disc_without_sliding_friction_costs_what_one_with_hardly_any_does() -> None:
     sets = ["friction.mu_r=1e-4", "friction.mu={}"]
     none, hardly = (
-        cost.estimate(build.load("leine-glocker-drilling", [s.format(mu) for s in sets], 1.0)) for mu in (0.0, 1e-12)
+        cost.estimate(build.load("leine-glocker-drilling", [s.format(mu) for s in sets], 1.0))
+        for mu in (0.0, 1e-12)
     )
     assert none == hardly
 
@@ -65,7 +78,9 @@ def test_cost_is_proportional_to_what_is_asked_for() -> None:
     faster = cost.estimate(build.load("inverting", ["initial.omega3=310.0"], until=100.0))
     assert faster["steps"] == pytest.approx(2 * base["steps"], abs=1)
     seconds = [
-        cost.estimate(build.load("inverting", [f"run.precision={precision}"], until=100.0))["seconds"]
+        cost.estimate(build.load("inverting", [f"run.precision={precision}"], until=100.0))[
+            "seconds"
+        ]
         for precision in ("double", "longdouble", "quad")
     ]
     assert seconds == sorted(seconds)
@@ -77,7 +92,9 @@ def test_advice_is_given_to_long_runs_in_double_only() -> None:
     better = build.load("rolling").system.long_form
     vector = forecast.assessment(build.load("rolling", ["form=vector"], forecast.LONG))["advice"]
     assert f'form = "{better}"' in vector
-    in_better_form = forecast.assessment(build.load("rolling", [f"form={better}"], forecast.LONG))["advice"]
+    in_better_form = forecast.assessment(build.load("rolling", [f"form={better}"], forecast.LONG))[
+        "advice"
+    ]
     assert "form" not in in_better_form
     assert "tolerance" in in_better_form
     for sets, until in (
@@ -100,7 +117,9 @@ def test_only_regularised_friction_of_what_inverts_speaks_of_eps() -> None:
 
 
 def test_the_spin_that_a_stem_needs_is_the_published_one():
-    """Leine and Glocker's top: 21.700 rad/s upright, 88.107 on its stem; nothing is promised where sliding may stop."""
+    """Leine and Glocker's top: 21.700 rad/s upright, 88.107 on its stem; nothing is promised where
+    sliding may stop.
+    """
     facts = forecast.assessment(build.load("leine-glocker-drilling"))
     assert facts["thresholds"]["spin_upright"]["value"] == pytest.approx(21.700, abs=1e-3)
     assert facts["thresholds"]["spin_stem"]["value"] == pytest.approx(88.107, abs=1e-3)

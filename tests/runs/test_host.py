@@ -1,4 +1,6 @@
-"""The library leaves its host alone: it runs in any thread, keeps the host's signal handlers, and stops when asked."""
+"""The library leaves its host alone: it runs in any thread, keeps the host's signal handlers, and
+stops when asked.
+"""
 
 import ast
 import signal
@@ -75,7 +77,9 @@ def after(slices: int, work: Callable[[], Any]) -> Callable[[object], None]:
 def test_a_run_stops_and_continues_in_any_thread(undisturbed: Path, tmp_path: Path) -> None:
     store, stop = tmp_path / "run.zarr", threading.Event()
     with pytest.raises(Interrupted):
-        elsewhere(lambda: recording.record(problem(), store, progress=after(2, stop.set), stop=stop))
+        elsewhere(
+            lambda: recording.record(problem(), store, progress=after(2, stop.set), stop=stop)
+        )
     assert 0 < root.attributes(store)["report"]["t_end"] < 20
     stop.clear()
     with pytest.raises(Interrupted):
@@ -84,10 +88,14 @@ def test_a_run_stops_and_continues_in_any_thread(undisturbed: Path, tmp_path: Pa
     assert_same(store, undisturbed)
 
 
-def test_an_exception_frees_the_lock_and_leaves_what_can_be_resumed(undisturbed: Path, tmp_path: Path) -> None:
+def test_an_exception_frees_the_lock_and_leaves_what_can_be_resumed(
+    undisturbed: Path, tmp_path: Path
+) -> None:
     store = tmp_path / "run.zarr"
     with pytest.raises(KeyboardInterrupt):
-        recording.record(problem(), store, progress=after(3, lambda: signal.raise_signal(signal.SIGINT)))
+        recording.record(
+            problem(), store, progress=after(3, lambda: signal.raise_signal(signal.SIGINT))
+        )
     Ledger.locked(store).release()
     assert [thread for thread in threading.enumerate() if thread.name.startswith("store")] == []
     resuming.resume(store)
@@ -95,7 +103,9 @@ def test_an_exception_frees_the_lock_and_leaves_what_can_be_resumed(undisturbed:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_the_host_keeps_its_handlers(number: signal.Signals, undisturbed: Path, tmp_path: Path) -> None:
+def test_the_host_keeps_its_handlers(
+    number: signal.Signals, undisturbed: Path, tmp_path: Path
+) -> None:
     seen: list[int] = []
 
     def mine(number: int, _: object) -> None:
@@ -103,7 +113,9 @@ def test_the_host_keeps_its_handlers(number: signal.Signals, undisturbed: Path, 
 
     before = signal.signal(number, mine)
     try:
-        recording.record(problem(), tmp_path / "run.zarr", progress=after(3, lambda: signal.raise_signal(number)))
+        recording.record(
+            problem(), tmp_path / "run.zarr", progress=after(3, lambda: signal.raise_signal(number))
+        )
         assert signal.getsignal(number) is mine
     finally:
         signal.signal(number, before)
@@ -121,21 +133,37 @@ seen = []
 signal.signal(signal.SIGINT, lambda *_: seen.append(1))
 integration.STEPS_PER_SLICE = 512
 problem = build.load("inverting")
-recording.record(problem, {str(tmp_path / "run.zarr")!r}, progress=lambda _: signal.raise_signal(signal.SIGINT))
+interrupt = lambda _: signal.raise_signal(signal.SIGINT)
+recording.record(problem, {str(tmp_path / "run.zarr")!r}, progress=interrupt)
 print(len(seen))
 """
     script = Forked(prelude=code)
-    assert (*script.communicate(), script.returncode) == ("2\n", "", 0)  # after the first two of three slices
+    assert (*script.communicate(), script.returncode) == (
+        "2\n",
+        "",
+        0,
+    )  # after the first two of three slices
 
 
 def test_a_sweep_stops_and_continues_in_any_thread(tmp_path: Path) -> None:
     axis = {"of": "friction.mu", "values": [0.1, 0.2, 0.3, 0.4]}
-    document = {"scenario": "inverting", "set": {"run": {"until": 0.2}}, "axis": [axis], "chunk": 2, "runs": [1]}
+    document = {
+        "scenario": "inverting",
+        "set": {"run": {"until": 0.2}},
+        "axis": [axis],
+        "chunk": 2,
+        "runs": [1],
+    }
     plan, store, stop = Plan.from_tables(document), tmp_path / "S.zarr", threading.Event()
     seen: list[int] = []
     before = signal.signal(signal.SIGINT, lambda *_: seen.append(1))
     try:  # the host's own Ctrl-C is called, and the sweep goes its way
-        tippetop.sweep(plan, tmp_path / "whole.zarr", workers=1, progress=lambda *_: signal.raise_signal(signal.SIGINT))
+        tippetop.sweep(
+            plan,
+            tmp_path / "whole.zarr",
+            workers=1,
+            progress=lambda *_: signal.raise_signal(signal.SIGINT),
+        )
     finally:
         signal.signal(signal.SIGINT, before)
     assert len(seen) == 3
@@ -151,7 +179,9 @@ def test_a_sweep_stops_and_continues_in_any_thread(tmp_path: Path) -> None:
 
 
 def test_a_second_run_to_one_place_is_refused(tmp_path: Path) -> None:
-    """Without and with --overwrite, while the first is on its way: it finishes as if nothing had been."""
+    """Without and with --overwrite, while the first is on its way: it finishes as if nothing had
+    been.
+    """
     store, sentences = tmp_path / "run.zarr", []
 
     def another(overwrite: bool) -> None:
@@ -168,7 +198,9 @@ def test_a_second_run_to_one_place_is_refused(tmp_path: Path) -> None:
     recording.record(problem(), store, overwrite=True)
 
 
-def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)
     store, moved = tmp_path / "run.zarr", tmp_path / "moved.zarr"
     slices: list[object] = []
@@ -185,7 +217,15 @@ def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(tmp_path: Path, mon
     resuming.resume(moved)  # what it had is all there
 
 
-OF_THE_PROCESS = {"signal.signal", "setLevel", "disable", "mallopt", "set_logger_level_critical", "environ", "putenv"}
+OF_THE_PROCESS = {
+    "signal.signal",
+    "setLevel",
+    "disable",
+    "mallopt",
+    "set_logger_level_critical",
+    "environ",
+    "putenv",
+}
 ALLOWED = {
     "cli": OF_THE_PROCESS,
     "engine/taylor.py": {"set_logger_level_critical"},  # in a function for whoever owns the process

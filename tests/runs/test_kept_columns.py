@@ -1,4 +1,6 @@
-"""`columns` of a run: what is kept has the bits that it has beside everything else; what is left out is said."""
+"""`columns` of a run: what is kept has the bits that it has beside everything else; what is left
+out is said.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -34,7 +36,9 @@ def asked(*names: str) -> str:
 
 @pytest.mark.parametrize("preset", list(SOME))
 def test_what_is_kept_has_the_bits_that_it_has_beside_everything(preset: str) -> None:
-    """Columns, events, end and report; the turn of the body is integrated only where a column needs it."""
+    """Columns, events, end and report; the turn of the body is integrated only where a column needs
+    it.
+    """
     whole = solve(build.load(preset, until=1.0))
     some = solve(build.load(preset, [asked(*SOME[preset])], until=1.0))
     kept, every = some.columns(), whole.columns()
@@ -63,7 +67,9 @@ def test_wider_columns_come_with_their_low_parts(precision: str) -> None:
 
 
 def test_a_store_keeps_them_and_is_continued_with_them(tmp_path: Path) -> None:
-    """The store of a run in memory, of one that is recorded, and of one that is continued are the same files."""
+    """The store of a run in memory, of one that is recorded, and of one that is continued are the
+    same files.
+    """
     names = ("phi_dot", "theta", "time")  # the time is there in any case
     recording.record(build.load("inverting", [asked(*names)], until=2.0), tmp_path / "whole.zarr")
     recording.record(build.load("inverting", [asked(*names)], until=0.7), tmp_path / "run.zarr")
@@ -73,12 +79,28 @@ def test_a_store_keeps_them_and_is_continued_with_them(tmp_path: Path) -> None:
     tt.run("inverting", until=2.0, columns=names).save(tmp_path / "saved.zarr")
     assert_same(tmp_path / "saved.zarr", tmp_path / "whole.zarr")
     assert tt.open(tmp_path / "whole.zarr").summary.run.columns == ["theta", "phi_dot"]
-    assert outcome(["export", str(tmp_path / "whole.zarr"), "--to", "csv", "--out", str(tmp_path / "run.csv")]) == 0
-    assert (tmp_path / "run.csv").read_text().splitlines()[0] == "time [s],phi_dot [rad s-1],theta [rad]"
+    assert (
+        outcome(
+            [
+                "export",
+                str(tmp_path / "whole.zarr"),
+                "--to",
+                "csv",
+                "--out",
+                str(tmp_path / "run.csv"),
+            ]
+        )
+        == 0
+    )
+    assert (tmp_path / "run.csv").read_text().splitlines()[
+        0
+    ] == "time [s],phi_dot [rad s-1],theta [rad]"
 
 
 def test_a_replay_has_the_columns_of_its_run(tmp_path: Path) -> None:
-    source = build.load("inverting", [asked("theta"), "run.output_step=", "run.output=keyframes"], until=2.0)
+    source = build.load(
+        "inverting", [asked("theta"), "run.output_step=", "run.output=keyframes"], until=2.0
+    )
     recording.record(source, tmp_path / "run.zarr")
     rows: Any = tt.open(tmp_path / "run.zarr")
     rows = rows.replay(1.0, 1.5, 0.1)
@@ -92,14 +114,23 @@ def test_a_column_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str
     said = capsys.readouterr().err
     assert "`run.columns` must be of theta, theta_dot" in said
     assert "has 'phi_dott'. Did you mean `phi_dot`?" in said
-    assert outcome(["run", "inverting", "--set", asked("psi"), "--set", "run.orientation=false"]) == 2
-    assert "`run.orientation` must be true where `run.columns` has 'psi', but is false." in capsys.readouterr().err
-    with pytest.raises(InputError, match=r"`columns` must be of theta, theta_dot.* but has 'friction_power'"):
+    assert (
+        outcome(["run", "inverting", "--set", asked("psi"), "--set", "run.orientation=false"]) == 2
+    )
+    assert (
+        "`run.orientation` must be true where `run.columns` has 'psi', but is false."
+        in capsys.readouterr().err
+    )
+    with pytest.raises(
+        InputError, match=r"`columns` must be of theta, theta_dot.* but has 'friction_power'"
+    ):
         tt.run("heavy-top", columns=["friction_power"])
 
 
 def test_columns_of_ones_own_are_kept_beside_those_that_are_named() -> None:
-    own = tt.extending.Quantity("height", "h", tt.extending.Unit(0, 1, 0, "m"), "height", lambda s, b: s.z)
+    own = tt.extending.Quantity(
+        "height", "h", tt.extending.Unit(0, 1, 0, "m"), "height", lambda s, b: s.z
+    )
 
     def kept(columns: Any, tables: Any = "inverting") -> set[str]:
         return set(tt.run(tables, until=0.01, columns=columns).trajectory.data_vars)
@@ -117,12 +148,22 @@ def test_columns_of_ones_own_are_kept_beside_those_that_are_named() -> None:
 def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
     run = tt.run("inverting", until=2.0, columns=["theta", "work"])
     run.plot("theta")
-    for kind, name in (("drift", "energy"), ("energy", "modified_energy"), ("sphere", "axis"), ("band", "routh")):
+    for kind, name in (
+        ("drift", "energy"),
+        ("energy", "modified_energy"),
+        ("sphere", "axis"),
+        ("band", "routh"),
+    ):
         with pytest.raises(InputError, match=f"the figure `{kind}` must have .*`{name}`"):
             run.plot(kind)
-    with pytest.raises(InputError, match="the band along a run must have `routh`, `jellett`, `modified_energy`, which"):
+    with pytest.raises(
+        InputError,
+        match="the band along a run must have `routh`, `jellett`, `modified_energy`, which",
+    ):
         tt.landscapes.band(run)
-    with pytest.raises(InputError, match="what theta is reconstructed from must have `modified_energy`"):
+    with pytest.raises(
+        InputError, match="what theta is reconstructed from must have `modified_energy`"
+    ):
         tt.theory.reconstruct(run)
     arguments = ["run", "inverting", "--columns", "work", "--figure", str(tmp_path / "theta.png")]
     assert outcome(arguments) == 2
@@ -132,14 +173,22 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("preset", ["inverting", at_night("flying")])
 def test_a_figure_needs_no_more_than_it_names(preset: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a run that keeps what the catalogue says alone, each figure shows what it shows of the whole run."""
+    """Of a run that keeps what the catalogue says alone, each figure shows what it shows of the
+    whole run.
+    """
     monkeypatch.setattr(film, "PIXELS", 20)
 
     def shown(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> list[Any]:
         picture = drawing.figure_of(kind, groups, attrs)
         lines = [np.asarray(line.get_data()) for axes in picture.axes for line in axes.get_lines()]
-        marks = [np.ma.filled(some.get_offsets()) for axes in picture.axes for some in axes.collections]
-        words = [text.get_text() for axes in picture.axes for text in (*axes.texts, axes.title, axes.xaxis.label)]
+        marks = [
+            np.ma.filled(some.get_offsets()) for axes in picture.axes for some in axes.collections
+        ]
+        words = [
+            text.get_text()
+            for axes in picture.axes
+            for text in (*axes.texts, axes.title, axes.xaxis.label)
+        ]
         labels = [label for axes in picture.axes for label in axes.get_legend_handles_labels()[1]]
         return [*lines, *marks, np.array(words), np.array(labels)]
 

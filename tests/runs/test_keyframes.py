@@ -1,4 +1,6 @@
-"""Keyframes and replay: a run that keeps no rows gives those of any part, with the bits that it would have stored."""
+"""Keyframes and replay: a run that keeps no rows gives those of any part, with the bits that it
+would have stored.
+"""
 
 import signal
 from pathlib import Path
@@ -44,7 +46,9 @@ def times_of(start: float, until: float, step: float) -> np.ndarray:
 def same_columns(mine: xr.Dataset, yours: xr.Dataset) -> None:
     assert sorted(mine.variables) == sorted(yours.variables)
     for name in yours.variables:
-        assert np.asarray(mine[name].values).tobytes() == np.asarray(yours[name].values).tobytes(), name
+        assert (
+            np.asarray(mine[name].values).tobytes() == np.asarray(yours[name].values).tobytes()
+        ), name
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +56,9 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return stored(tmp_path_factory.mktemp("kept") / "run.zarr", 40.0, *KEYFRAMES)
 
 
-def test_a_store_of_keyframes_holds_them_the_events_and_the_summary_of_the_same_run(kept: Path, tmp_path: Path) -> None:
+def test_a_store_of_keyframes_holds_them_the_events_and_the_summary_of_the_same_run(
+    kept: Path, tmp_path: Path
+) -> None:
     rows = stored(tmp_path / "rows.zarr", 40.0)
     attrs, with_rows = root.attributes(kept), root.attributes(rows)
     assert attrs["report"] == with_rows["report"]
@@ -66,7 +72,9 @@ def test_a_store_of_keyframes_holds_them_the_events_and_the_summary_of_the_same_
     assert sum(len(content) for content in files(kept / "keyframes").values()) < 200_000
 
 
-@pytest.mark.parametrize(("start", "until", "step"), [(0.0, 3.0, 0.01), (20.0, 21.0, 1e-3), (39.5, 40.0, 0.017)])
+@pytest.mark.parametrize(
+    ("start", "until", "step"), [(0.0, 3.0, 0.01), (20.0, 21.0, 1e-3), (39.5, 40.0, 0.017)]
+)
 def test_a_replay_has_the_bits_of_the_rows_that_the_run_would_have_stored(
     start: float, until: float, step: float, kept: Path, tmp_path: Path
 ) -> None:
@@ -96,7 +104,9 @@ def test_a_replay_in_wider_numbers_has_the_same_bits(precision: str, tmp_path: P
     store = stored(tmp_path / "kept.zarr", 1.0, *KEYFRAMES, *wide)
     assert root.open_group(store, "keyframes").sizes["keyframe"] > 1
     times = times_of(0.9, 1.0, 0.01)
-    rows = stored(tmp_path / "rows.zarr", 1.0, "run.output_step=", listed(times), f"run.precision={precision}")
+    rows = stored(
+        tmp_path / "rows.zarr", 1.0, "run.output_step=", listed(times), f"run.precision={precision}"
+    )
     same_columns(tt.open(store).replay(0.9, 1.0, 0.01), tt.open(rows).trajectory)
 
 
@@ -121,9 +131,22 @@ def test_a_run_with_rows_is_replayed_from_its_start_if_that_is_near(
         tt.open(store).replay(3.0, 4.0, 0.1)
 
 
-def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(kept: Path, tmp_path: Path) -> None:
+def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(
+    kept: Path, tmp_path: Path
+) -> None:
     out = tmp_path / "rows.zarr"
-    words = ["replay", str(kept), "--from", "20", "--until", "21", "--step", "0.001", "--out", str(out)]
+    words = [
+        "replay",
+        str(kept),
+        "--from",
+        "20",
+        "--until",
+        "21",
+        "--step",
+        "0.001",
+        "--out",
+        str(out),
+    ]
     assert outcome(words) == 0
     run = tt.open(out)
     same_columns(run.trajectory, tt.open(kept).replay(20.0, 21.0, 0.001))
@@ -147,7 +170,10 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(kept: 
         (["--from", "2", "--until", "1", "--step", "0.1"], "must end after they begin"),
         (["--from", "1", "--until", "2", "--step", "0"], "must be greater than 0"),
         (["--from", "1", "--until", "2", "--step", "1e-13"], "at most 1e"),
-        (["--from", "1", "--until", "1.00000000000001", "--step", "1e-15"], "must be at least 1.78e-15 s"),
+        (
+            ["--from", "1", "--until", "1.00000000000001", "--step", "1e-15"],
+            "must be at least 1.78e-15 s",
+        ),
         (["--from", "nan", "--until", "2", "--step", "1"], "must be within"),
         (["--from", "1", "--until", "2", "--step", "nan"], "must be greater than 0"),
     ],
@@ -160,9 +186,13 @@ def test_times_outside_the_run_are_refused_in_a_sentence(
     assert not (tmp_path / "rows.zarr").exists()
 
 
-def test_other_versions_are_refused_unless_accepted(kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_versions_are_refused_unless_accepted(
+    kept: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(provenance, "cpu", lambda: "another")
-    with pytest.raises(StoreError, match=r"must be replayed by the versions and processor.*--accept-other-version"):
+    with pytest.raises(
+        StoreError, match=r"must be replayed by the versions and processor.*--accept-other-version"
+    ):
         tt.open(kept).replay(1.0, 2.0, 0.1)
     assert tt.open(kept).replay(1.0, 2.0, 0.1, accept_other_version=True).sizes["time"] == 11
 
@@ -182,7 +212,11 @@ def test_damaged_keyframes_are_said(tmp_path: Path) -> None:
 def test_a_run_that_is_not_finished_is_not_replayed(tmp_path: Path) -> None:
     store = tmp_path / "run.zarr"
     with pytest.raises(KeyboardInterrupt):
-        recording.record(problem(400.0, *KEYFRAMES), store, progress=lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+        recording.record(
+            problem(400.0, *KEYFRAMES),
+            store,
+            progress=lambda _: (_ for _ in ()).throw(KeyboardInterrupt),
+        )
     with pytest.raises(StoreError, match="must be finished to be replayed"):
         tt.open(store).replay(1.0, 2.0, 0.1)
 
@@ -190,11 +224,24 @@ def test_a_run_that_is_not_finished_is_not_replayed(tmp_path: Path) -> None:
 def test_killed_and_resumed_a_run_with_keyframes_is_bit_identical(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    prelude = "import tippetop.runs.recording as r, tippetop.runs.keyframes as k; r.COMMIT_EVERY, k.PER_CHUNK = 0.0, 8"
+    prelude = (
+        "import tippetop.runs.recording as r, tippetop.runs.keyframes as k; "
+        "r.COMMIT_EVERY, k.PER_CHUNK = 0.0, 8"
+    )
     sets = [word for s in (*TURNING, *KEYFRAMES[1:]) for word in ("--set", s)]
 
     def command(store: Path) -> list[str]:
-        return ["run", "inverting", "--set", "run.output_step=", *sets, "--until", "15", "--out", str(store)]
+        return [
+            "run",
+            "inverting",
+            "--set",
+            "run.output_step=",
+            *sets,
+            "--until",
+            "15",
+            "--out",
+            str(store),
+        ]
 
     def keyframes(store: Path) -> int:
         return state_of(store).rows.get("keyframes", 0) if acknowledged(store) >= 0 else 0
@@ -217,7 +264,16 @@ def test_keyframes_need_a_store_and_a_picture_rows(
 ) -> None:
     with pytest.raises(InputError, match="`out` must be given"):
         tt.run("inverting", until=1.0, output="keyframes")
-    words = ["run", "inverting", "--set", "run.output_step=", "--set", "run.output=keyframes", "--until", "1"]
+    words = [
+        "run",
+        "inverting",
+        "--set",
+        "run.output_step=",
+        "--set",
+        "run.output=keyframes",
+        "--until",
+        "1",
+    ]
     assert outcome([*words, "--figure", str(tmp_path / "a.png")]) == 2
     assert "must keep rows" in capsys.readouterr().err
     assert outcome(["plot", str(kept), "theta", "--out", str(tmp_path / "a.png")]) == 2
@@ -226,7 +282,13 @@ def test_keyframes_need_a_store_and_a_picture_rows(
 
 
 @pytest.mark.parametrize(
-    ("key", "value"), [("keyframe_steps", 0), ("keyframe_steps", 1.5), ("keyframe_steps", "many"), ("output", "frames")]
+    ("key", "value"),
+    [
+        ("keyframe_steps", 0),
+        ("keyframe_steps", 1.5),
+        ("keyframe_steps", "many"),
+        ("output", "frames"),
+    ],
 )
 def test_settings_of_keyframes_are_checked(key: str, value: object) -> None:
     with pytest.raises(InputError, match=f"`{key}` must be"):

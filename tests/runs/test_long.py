@@ -1,4 +1,6 @@
-"""What long and accurate runs leave: wide numbers without loss, exports, thin reading, and the contract."""
+"""What long and accurate runs leave: wide numbers without loss, exports, thin reading, and the
+contract.
+"""
 
 import dataclasses
 import json
@@ -30,8 +32,12 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize(("precision", "bits"), [("longdouble", 63), ("quad", 105)])
 def test_wide_rows_are_stored_without_losing_digits(precision: str, bits: int) -> None:
-    """hi + lo gives the integrated number back to the bits that two doubles hold, unit conversion included."""
-    problem = build.load("inverting", [f"run.precision={precision}", "run.output_step=0.1"], until=0.3)
+    """hi + lo gives the integrated number back to the bits that two doubles hold, unit conversion
+    included.
+    """
+    problem = build.load(
+        "inverting", [f"run.precision={precision}", "run.output_step=0.1"], until=0.3
+    )
     run = solve(problem)
     columns, weights = run.columns(), problem.weights()
     index = problem.variables.names.index("Lx")
@@ -69,25 +75,37 @@ def test_an_export_says_the_same_as_the_store(store: Path, tmp_path: Path, to: s
 
 def test_an_export_of_events_names_their_kinds(store: Path, tmp_path: Path) -> None:
     out = tmp_path / "events.csv"
-    assert outcome(["export", str(store), "--to", "csv", "--group", "events", "--out", str(out)]) == 0
+    assert (
+        outcome(["export", str(store), "--to", "csv", "--group", "events", "--out", str(out)]) == 0
+    )
     assert set(pd.read_csv(out)["kind"]) == {"turning", "equator", "inverted"}
 
 
 def test_a_group_that_is_named_is_exported_alone(store: Path, tmp_path: Path) -> None:
     out = tmp_path / "events.nc"
-    assert outcome(["export", str(store), "--to", "netcdf", "--group", "events", "--out", str(out)]) == 0
+    assert (
+        outcome(["export", str(store), "--to", "netcdf", "--group", "events", "--out", str(out)])
+        == 0
+    )
     with xr.open_datatree(out, engine="h5netcdf") as tree:
         assert [group.name for group in tree.leaves] == ["events"]
 
 
-def test_a_scenario_has_no_group_to_be_exported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_scenario_has_no_group_to_be_exported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "top.xml"
-    assert outcome(["export", "inverting", "--to", "mjcf", "--group", "events", "--out", str(out)]) == 2
+    assert (
+        outcome(["export", "inverting", "--to", "mjcf", "--group", "events", "--out", str(out)])
+        == 2
+    )
     assert "--group must be left out with --to mjcf" in capsys.readouterr().err
     assert not out.exists()
 
 
-def test_a_bad_export_is_said(store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_bad_export_is_said(
+    store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "a"
     assert outcome(["export", str(store), "--to", "pdf", "--out", str(out)]) == 2
     out.write_text("mine")
@@ -98,12 +116,18 @@ def test_a_bad_export_is_said(store: Path, tmp_path: Path, capsys: pytest.Captur
     assert out.read_text().startswith("time [s],")
 
 
-def test_a_run_without_rows_is_exported_by_its_other_tables(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    sets = [part for text in ("run.output=keyframes", "run.output_step=") for part in ("--set", text)]
+def test_a_run_without_rows_is_exported_by_its_other_tables(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sets = [
+        part for text in ("run.output=keyframes", "run.output_step=") for part in ("--set", text)
+    ]
     run, rows = str(tmp_path / "k.zarr"), tmp_path / "rows.csv"
     assert outcome(["run", "inverting", "--until", "1", *sets, "--out", run]) == 0
     assert outcome(["export", run, "--to", "csv", "--out", str(rows)]) == 2
-    assert "must have rows to be exported, but has none: say --group events" in capsys.readouterr().err
+    assert (
+        "must have rows to be exported, but has none: say --group events" in capsys.readouterr().err
+    )
     assert outcome(["export", run, "--to", "csv", "--group", "trajectory", "--out", str(rows)]) == 0
     assert "L_x [kg m2 s-1],L_y [kg m2 s-1],L_z [kg m2 s-1]" in rows.read_text()
 
@@ -121,7 +145,9 @@ def test_a_thin_reading_loses_no_peak(store: Path) -> None:
 
 
 def test_a_certificate_measures_the_error_of_the_run() -> None:
-    """Against a run that is spoiled on purpose, it must show the damage; against a good one, the promise holds."""
+    """Against a run that is spoiled on purpose, it must show the damage; against a good one, the
+    promise holds.
+    """
     problem = build.load("inverting", until=3.0)
     good = certificate.certificate(problem)
     assert good["theta"] < 1e-12
@@ -144,7 +170,12 @@ def test_a_broken_promise_is_said_and_exits_with_4(
 
 def test_certify_is_kept_in_the_store(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "run.zarr"
-    assert outcome(["run", "inverting", "--until", "2", "--certify", "--window", "1", "--out", str(path)]) == 0
+    assert (
+        outcome(
+            ["run", "inverting", "--until", "2", "--certify", "--window", "1", "--out", str(path)]
+        )
+        == 0
+    )
     capsys.readouterr()
     assert outcome(["info", str(path), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["certificate"]["window"] == [0.0, 1.0]
@@ -159,7 +190,9 @@ def test_check_advises_the_form_that_lasts(capsys: pytest.CaptureFixture[str]) -
 
 
 def unevenness(parameter: float, rng: np.random.Generator) -> float:
-    """The mean error of rounding a product with a parameter, in its standard deviations, at worst."""
+    """The mean error of rounding a product with a parameter, in its standard
+    deviations, at worst.
+    """
     found = []
     for low in np.linspace(0.5, 0.95, 10):
         x = rng.uniform(low, low + 0.05, 100_000)
@@ -191,15 +224,23 @@ def test_a_reduced_start_next_to_a_pole_is_refused(theta: float) -> None:
 @pytest.mark.parametrize("theta", [1e-3, np.pi - 1e-3])
 def test_a_reduced_start_that_is_allowed_keeps_theta(theta: float) -> None:
     runs = [
-        solve(build.load("rolling", [f"initial.theta={theta!r}", f"form={form}", "run.output_step=0.01"]))
+        solve(
+            build.load(
+                "rolling", [f"initial.theta={theta!r}", f"form={form}", "run.output_step=0.01"]
+            )
+        )
         for form in ("vector", "reduced")
     ]
     vector, reduced = (run.columns()["theta"].values for run in runs)
     np.testing.assert_allclose(reduced, vector, rtol=0, atol=5e-15 / 1e-3)
 
 
-def test_products_with_the_parameters_of_the_reduced_form_round_evenly(rng: np.random.Generator) -> None:
-    """With alpha = 3/10 and I3 = 2/5, as in the other forms, they do not: that drives energy one way in long runs."""
+def test_products_with_the_parameters_of_the_reduced_form_round_evenly(
+    rng: np.random.Generator,
+) -> None:
+    """With alpha = 3/10 and I3 = 2/5, as in the other forms, they do not: that drives energy one
+    way in long runs.
+    """
     reduced, vector = (
         [float(p) for p in leaves(build.load("rolling", [f"form={form}"]).internal_body)]
         for form in ("reduced", "vector")
@@ -212,7 +253,10 @@ def test_a_band_of_more_turnings_than_can_be_seen_is_one_piece(rng: np.random.Ge
     """Thinned logs have gaps everywhere: a piece for each took 10 ms to draw."""
     t = np.cumsum(rng.exponential(1.0, (25_000, 2)).ravel())
     low, high = (t[::2], np.full(25_000, 0.5)), (t[1::2], np.full(25_000, 1.0))
-    assert len(theta.bands(tuple(x[:500] for x in low), tuple(x[:500] for x in high), np.empty(0))) > 10
+    assert (
+        len(theta.bands(tuple(x[:500] for x in low), tuple(x[:500] for x in high), np.empty(0)))
+        > 10
+    )
     ((when, bottom, top),) = theta.bands(low, high, np.empty(0))
     assert (when[0], when[-1]) == (t[0], t[-1])
     assert (bottom == 0.5).all()

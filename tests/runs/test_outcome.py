@@ -1,4 +1,6 @@
-"""What has become of a top: near an unstable pole it is under way, and liftoff is known; in runs and lanes alike."""
+"""What has become of a top: near an unstable pole it is under way, and liftoff is known; in runs
+and lanes alike.
+"""
 
 import json
 
@@ -19,7 +21,11 @@ from tippetop.scenario import build
 def outcomes(sets: list[str], until: float, **variations: list[float]) -> tuple[str, str]:
     """The outcome of a single run, and the class of the same top in a lane."""
     problem = build.load("inverting", sets, until=until)
-    lane = measure(Problems.vary(problem, {"initial.theta": np.array([problem.initial["theta"]])}), threads=1, lanes=4)
+    lane = measure(
+        Problems.vary(problem, {"initial.theta": np.array([problem.initial["theta"]])}),
+        threads=1,
+        lanes=4,
+    )
     return solve(problem, keep=False).report["outcome"], CLASSES[lane.kind[0]]
 
 
@@ -28,18 +34,30 @@ def outcomes(sets: list[str], until: float, **variations: list[float]) -> tuple[
     [
         (["initial.theta=1e-6"], 0.5, "under-way"),  # within 0.1 rad of a pole that it will leave
         (["initial.theta=0.05"], 0.05, "under-way"),
-        (["initial.theta=1e-3", "initial.omega3=10.0"], 1.0, "upright"),  # slow: the upright spin is stable
-        (["initial.theta=3.1", "initial.omega3=-10.0"], 0.02, "under-way"),  # and the inverted one is not
+        (
+            ["initial.theta=1e-3", "initial.omega3=10.0"],
+            1.0,
+            "upright",
+        ),  # slow: the upright spin is stable
+        (
+            ["initial.theta=3.1", "initial.omega3=-10.0"],
+            0.02,
+            "under-way",
+        ),  # and the inverted one is not
         (["initial.theta=3.1", "initial.omega3=-155.0"], 0.5, "inverted"),
         (["initial.omega3=300.0"], 6.0, "lifted-off"),
     ],
 )
-def test_a_top_near_a_pole_is_there_only_if_it_stays(sets: list[str], until: float, expected: str) -> None:
+def test_a_top_near_a_pole_is_there_only_if_it_stays(
+    sets: list[str], until: float, expected: str
+) -> None:
     assert outcomes(sets, until) == (expected, expected)
 
 
 def test_a_settled_that_does_not_last_is_no_time_in_a_lane() -> None:
-    """In planar motion sliding dies for a moment at every swing: a run marks none of these as significant."""
+    """In planar motion sliding dies for a moment at every swing: a run marks none of these as
+    significant.
+    """
     problem = build.load("inverting", ["initial.omega3=0.0"], until=1.0)
     run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0).solution
     assert len(run.events.of("settled").time) > 3
@@ -79,14 +97,26 @@ def test_without_friction_nothing_ends(theta: float) -> None:
 
 @pytest.mark.parametrize("theta", [0.05, 0.11])
 def test_what_rolls_for_ever_near_a_pole_is_rolling(theta: float) -> None:
-    sets = [f"initial.theta={theta}", "friction.law=coulomb", "friction.mu=0.3", "stem.r=0.004", "stem.h=0.017"]
-    assert solve(build.load("inverting", sets, until=0.5), keep=False).report["outcome"] == "rolling"
+    sets = [
+        f"initial.theta={theta}",
+        "friction.law=coulomb",
+        "friction.mu=0.3",
+        "stem.r=0.004",
+        "stem.h=0.017",
+    ]
+    assert (
+        solve(build.load("inverting", sets, until=0.5), keep=False).report["outcome"] == "rolling"
+    )
 
 
 def test_a_top_at_a_pole_stays_there() -> None:
     """Unstable or not: nothing disturbs it."""
-    assert forecast.assessment(build.load("inverting", ["initial.theta=0"]))["fate"].startswith("stays at the pole")
-    assert forecast.assessment(build.load("inverting", ["initial.theta=1e-9"]))["fate"].startswith("ends in")
+    assert forecast.assessment(build.load("inverting", ["initial.theta=0"]))["fate"].startswith(
+        "stays at the pole"
+    )
+    assert forecast.assessment(build.load("inverting", ["initial.theta=1e-9"]))["fate"].startswith(
+        "ends in"
+    )
 
 
 def test_what_eps_decides_knows_liftoff() -> None:
@@ -95,6 +125,9 @@ def test_what_eps_decides_knows_liftoff() -> None:
     found = forecast.assessment(build.load("inverting", sets, until=1.5))
     by_eps = found["inversion_by_eps"]
     assert by_eps["first_equator"]["value"] == [None, None, None]
-    logs = [solve(build.load("inverting", [*sets[:2], f"friction.eps={eps}"], until=1.5)) for eps in (5e-3, 1e-2, 2e-2)]
+    logs = [
+        solve(build.load("inverting", [*sets[:2], f"friction.eps={eps}"], until=1.5))
+        for eps in (5e-3, 1e-2, 2e-2)
+    ]
     assert by_eps["lifted_at"]["value"] == [log.events.of("liftoff").time[0] for log in logs]
     assert regularisation(found).count("lifts off before, at ") == 3

@@ -1,4 +1,6 @@
-"""A store knows the events and columns of one's own again: with others it is not continued, replayed or certified."""
+"""A store knows the events and columns of one's own again: with others it is not continued,
+replayed or certified.
+"""
 
 import dataclasses
 from pathlib import Path
@@ -46,7 +48,11 @@ def unwritten_otherwise(s, b):
 
 
 GONE = tt.extending.Event(
-    "gone", "it has gone", leaves, ends="gone", kept=(tt.extending.Kept("left", "first", "when it went"),)
+    "gone",
+    "it has gone",
+    leaves,
+    ends="gone",
+    kept=(tt.extending.Kept("left", "first", "when it went"),),
 )
 HEIGHT = tt.extending.Quantity("height", "h", ONE, "the height", height)
 MINE = {"events": [GONE], "columns": [HEIGHT]}
@@ -107,11 +113,15 @@ def test_the_window_of_a_certificate_ends_where_the_run_does(store: Path) -> Non
 
 
 @pytest.mark.parametrize("direction", [-1, 0, 1])
-def test_a_run_and_an_ensemble_keep_the_same_of_the_passages_that_an_event_detects(direction: int) -> None:
+def test_a_run_and_an_ensemble_keep_the_same_of_the_passages_that_an_event_detects(
+    direction: int,
+) -> None:
     """A number of rising passages, of an event that detects falling ones, is of none."""
     ways = {-1: "falling", 0: "all", 1: "rising"}
     kept = [
-        tt.extending.Kept(f"{what}_{ways[way]}", what, "x", way) for what in ("count", "first", "last") for way in ways
+        tt.extending.Kept(f"{what}_{ways[way]}", what, "x", way)
+        for what in ("count", "first", "last")
+        for way in ways
     ]
     event = tt.extending.Event("cross", "x", leaves, direction=direction, kept=tuple(kept))
     run = tt.run("inverting", until=1.0, events=[event])

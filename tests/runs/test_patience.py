@@ -18,8 +18,12 @@ from tippetop.scenario import build
 STIFF = ["initial.omega3=1e-3", "initial.nu_x=0.1", "initial.centre_at_rest="]
 
 
-def said(preset: str, assignments: list[str], step: float, seconds_per_step: float, phases: int = 0) -> list[str]:
-    """The sentences of a run with steps like these, and so many phases of the contact in a thousand of them."""
+def said(
+    preset: str, assignments: list[str], step: float, seconds_per_step: float, phases: int = 0
+) -> list[str]:
+    """The sentences of a run with steps like these, and so many phases of the contact in a thousand
+    of them.
+    """
     problem, sentences, now = build.load(preset, assignments), [], [0.0]
     follow = Patience(sentences.append, lambda: now[0])
     for slices in range(20):
@@ -83,7 +87,9 @@ def test_who_has_waited_half_a_minute_hears_of_as_much_that_is_left() -> None:
 
 
 def test_a_call_from_python_warns(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """A run, one that is stored, its continuation and its certificate: each says that it will take long."""
+    """A run, one that is stored, its continuation and its certificate: each says that it will take
+    long.
+    """
     monkeypatch.setattr(cost, "LONG", 0.0)
     monkeypatch.setattr(cost, "AGAIN_AFTER", 0.0)
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 64)

@@ -1,4 +1,6 @@
-"""The record of how far a run has come: each slice makes another one, and none changes afterwards."""
+"""The record of how far a run has come: each slice makes another one, and none changes
+afterwards.
+"""
 
 import copy
 from dataclasses import FrozenInstanceError

@@ -1,4 +1,6 @@
-"""Long runs cannot be lost: whatever interrupts them, the finished store is that of an undisturbed run."""
+"""Long runs cannot be lost: whatever interrupts them, the finished store is that of an undisturbed
+run.
+"""
 
 import contextlib
 import dataclasses
@@ -16,7 +18,17 @@ import pytest
 import xarray as xr
 from forked import Forked
 from nightly import at_night
-from stores import PRELUDE, TURNING, Disk, acknowledged, assert_same, ended, short_slices, state_of, wait_until
+from stores import (
+    PRELUDE,
+    TURNING,
+    Disk,
+    acknowledged,
+    assert_same,
+    ended,
+    short_slices,
+    state_of,
+    wait_until,
+)
 
 import tippetop
 from tippetop import errors
@@ -52,7 +64,9 @@ def running(store: Path, until: float = UNTIL, step: float = 0.01) -> list[str]:
 
 
 def here(*arguments: str) -> int:
-    """The exit code of a command that nobody stops, in this process, with the same slices and chunks."""
+    """The exit code of a command that nobody stops, in this process, with the same slices and
+    chunks.
+    """
     with pytest.MonkeyPatch.context() as patch:
         short_slices(patch, commit_every=10.0)
         return outcome(list(arguments))
@@ -66,12 +80,19 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("kills", "until", "step"), [(3, UNTIL, 0.01), pytest.param(50, 3000.0, 0.05, marks=pytest.mark.slow)]
+    ("kills", "until", "step"),
+    [(3, UNTIL, 0.01), pytest.param(50, 3000.0, 0.05, marks=pytest.mark.slow)],
 )
 def test_killed_at_random_moments_and_resumed_it_is_bit_identical(
-    kills: int, until: float, step: float, undisturbed: Path, tmp_path: Path, rng: np.random.Generator
+    kills: int,
+    until: float,
+    step: float,
+    undisturbed: Path,
+    tmp_path: Path,
+    rng: np.random.Generator,
 ) -> None:
-    """Each kill falls at a random moment after at least one new commit; none may cost an acknowledged row.
+    """Each kill falls at a random moment after at least one new commit; none may cost an
+    acknowledged row.
 
     A commit follows a slice: each life takes a few of them.
     """
@@ -109,7 +130,9 @@ def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
     assert_same(store, undisturbed)
 
 
-def test_a_full_disk_is_said_and_nothing_acknowledged_is_lost(undisturbed: Path, tmp_path: Path) -> None:
+def test_a_full_disk_is_said_and_nothing_acknowledged_is_lost(
+    undisturbed: Path, tmp_path: Path
+) -> None:
     """A file-size limit makes a write fail in the middle, as a full disk does."""
     store = tmp_path / "run.zarr"
     limit = """
@@ -127,7 +150,9 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
     assert_same(store, undisturbed)
 
 
-def test_two_writers_are_refused_with_the_holder_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_two_writers_are_refused_with_the_holder_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     store = tmp_path / "run.zarr"
     process = start(*running(store))
     wait_until((store / "ledger.jsonl").exists, process)
@@ -155,7 +180,9 @@ def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(fate: str, tmp_path
     assert "Nothing acknowledged is lost" not in err
 
 
-def test_a_run_that_is_being_written_is_not_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_that_is_being_written_is_not_overwritten(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     store = tmp_path / "run.zarr"
     process = start(*running(store, 1e6))
     wait_until((store / "ledger.jsonl").exists, process)
@@ -176,7 +203,9 @@ def test_of_two_runs_with_one_place_one_is_refused(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["run.zarr"]
 
 
-def test_a_finished_store_is_not_resumed(undisturbed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_finished_store_is_not_resumed(
+    undisturbed: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert outcome(["resume", str(undisturbed)]) == 5
     assert "must be unfinished" in capsys.readouterr().err
 
@@ -196,7 +225,9 @@ def test_a_store_equals_the_run_in_memory(undisturbed: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("precision", ["longdouble", "quad"])
-def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wider_precisions_resume_bit_by_bit(
+    precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 8)
     monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)
     short = problem(0.15, f"run.precision={precision}")
@@ -215,14 +246,18 @@ def test_wider_precisions_resume_bit_by_bit(precision: str, tmp_path: Path, monk
     assert_same(broken, whole)
 
 
-def test_what_a_record_acknowledges_is_on_the_disk_before_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_a_record_acknowledges_is_on_the_disk_before_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     short_slices(monkeypatch)
     disk, late, append = Disk(monkeypatch), [], Folder.append
 
     def checked(folder: Folder, name: str, data: bytes) -> None:
         state, store = state_of(tmp_path / "run.zarr"), tmp_path / "run.zarr"
         state.add(json.loads(data.partition(b" ")[2]))
-        files = [store / file for key in state.chunks for file in state.files(key)] + [store / state.tail[0]]
+        files = [store / file for key in state.chunks for file in state.files(key)] + [
+            store / state.tail[0]
+        ]
         late.append({*disk.late(store)} & {*files})
         append(folder, name, data)
 
@@ -237,7 +272,9 @@ class HandedOver(Exception):
 
 
 def handed_over_after_every_slice(made: Problem) -> tuple[Integration, Memory]:
-    """A run that a new process takes over, from a checkpoint, before its first slice and after each."""
+    """A run that a new process takes over, from a checkpoint, before its first slice and after
+    each.
+    """
     memory, integration = Memory(), Integration(made)
 
     def stop(_: object) -> None:
@@ -264,7 +301,9 @@ def handed_over_after_every_slice(made: Problem) -> tuple[Integration, Memory]:
 def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
     output: str, start: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It starts on a zero of theta', whose first step is searched in another way than the later ones."""
+    """It starts on a zero of theta', whose first step is searched in another way than the later
+    ones.
+    """
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 3)
     made = dataclasses.replace(problem(1.0, *start), output=output)
     (integration, memory), whole = handed_over_after_every_slice(made), solve(made)
@@ -273,15 +312,21 @@ def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
     for name, values in memory.table().columns().items():
         np.testing.assert_array_equal(values, getattr(whole.events, name), err_msg=name)
     assert len(whole.events.time) > 10
-    assert report(integration.progress()) == whole.report, "extremes of the force with their times, too"
-    np.testing.assert_array_equal(integration.driver.state[: integration.driver.variables], whole.final)
+    assert report(integration.progress()) == whole.report, (
+        "extremes of the force with their times, too"
+    )
+    np.testing.assert_array_equal(
+        integration.driver.state[: integration.driver.variables], whole.final
+    )
 
 
 @pytest.mark.parametrize("way", ["longdouble", "no machine code", "liftoff", "euler"])
 def test_other_runs_that_change_hands_keep_every_bit_too(
     way: str, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
-    """Wider numbers; heyoka's own loop; an end in the midst of a step; a form with an integral of an event."""
+    """Wider numbers; heyoka's own loop; an end in the midst of a step; a form with an integral of
+    an event.
+    """
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 5)
     if way == "no machine code":
         monkeypatch.setattr("tippetop.engine.compiled.is_same_step", lambda *_: False)
@@ -292,9 +337,15 @@ def test_other_runs_that_change_hands_keep_every_bit_too(
         "liftoff": ["initial.theta=2.0", "initial.theta_dot=20.0"],
         "euler": ["form=euler"],
     }
-    made = build.load("inverting", ["run.output_step=0.01", "initial.phi_dot=3.0", *sets.get(way, [])], 0.2)
+    made = build.load(
+        "inverting", ["run.output_step=0.01", "initial.phi_dot=3.0", *sets.get(way, [])], 0.2
+    )
     (integration, memory), whole = handed_over_after_every_slice(made), solve(made)
-    assert integration.status is whole.status is (Status.LIFTOFF if way == "liftoff" else Status.FINISHED)
+    assert (
+        integration.status
+        is whole.status
+        is (Status.LIFTOFF if way == "liftoff" else Status.FINISHED)
+    )
     assert report(integration.progress()) == whole.report
     np.testing.assert_array_equal(np.concatenate(memory.times), whole.times)
     np.testing.assert_array_equal(np.concatenate(memory.states), whole.rows)
@@ -305,7 +356,9 @@ def test_other_runs_that_change_hands_keep_every_bit_too(
 def test_rows_at_events_or_steps(tmp_path: Path) -> None:
     for output in ("events", "steps"):
         store = tmp_path / f"{output}.zarr"
-        tables = reading.override(reading.read("inverting"), [f"run.output={output}", "run.until=2.0"])
+        tables = reading.override(
+            reading.read("inverting"), [f"run.output={output}", "run.until=2.0"]
+        )
         recording.record(build.problem(tables), store)
         times = xr.open_zarr(store, group="trajectory", consolidated=False)["time"].values
         events = xr.open_zarr(store, group="events", consolidated=False)["time"].values

@@ -1,4 +1,6 @@
-"""Of a store that was interrupted, what is there is compared with what must be there before a step is made."""
+"""Of a store that was interrupted, what is there is compared with what must be there before a step
+is made.
+"""
 
 import json
 import shutil
@@ -36,7 +38,11 @@ def half(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         short_slices(patch)
         with pytest.raises(errors.Interrupted):
-            recording.record(build.load("inverting", [*TURNING, "run.output_step=0.01"], UNTIL), store, progress=stop)
+            recording.record(
+                build.load("inverting", [*TURNING, "run.output_step=0.01"], UNTIL),
+                store,
+                progress=stop,
+            )
     return store
 
 
@@ -52,7 +58,9 @@ def test_a_damaged_chunk_is_said_on_resume(store: Path) -> None:
     whole = chunk.read_bytes()
     for damage in (whole[: len(whole) // 2], whole[:100] + b"\x00" + whole[101:]):
         chunk.write_bytes(damage)
-        with pytest.raises(StoreError, match=r"must be a whole store, but is damaged: a chunk of `trajectory/"):
+        with pytest.raises(
+            StoreError, match=r"must be a whole store, but is damaged: a chunk of `trajectory/"
+        ):
             resuming.resume(store)
     chunk.unlink()
     with pytest.raises(StoreError, match="is damaged"):
@@ -130,7 +138,9 @@ def test_other_versions_resume_with_a_word_and_the_store_names_both(
     assert "begun with" in capsys.readouterr().out
 
 
-def test_an_unfinished_store_can_be_looked_at(store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unfinished_store_can_be_looked_at(
+    store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert outcome(["info", str(store), "--json"]) == 0
     info = json.loads(capsys.readouterr().out)
     assert info["status"] == "running"
@@ -139,14 +149,19 @@ def test_an_unfinished_store_can_be_looked_at(store: Path, tmp_path: Path, capsy
     trajectory = xr.open_zarr(store, group="trajectory", consolidated=False)
     assert np.all(np.isfinite(trajectory["theta"]))
     assert outcome(["plot", str(store), "--out", str(tmp_path / "a.png")]) == 0
-    with pytest.warns(UserWarning, match="is not finished: what is written is what there is of it so far"):
+    with pytest.warns(
+        UserWarning, match="is not finished: what is written is what there is of it so far"
+    ):
         assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 0
 
 
 def test_acknowledged_rows_that_were_exchanged_are_refused(
     store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Chunks and checksums are sound, their places are not. Before, the run was finished with exit code 0."""
+    """Chunks and checksums are sound, their places are not.
+
+    Before, the run was finished with exit code 0.
+    """
     one, other = (store / "trajectory" / name / "c.0" for name in ("theta", "phi"))
     mine, yours = one.read_bytes(), other.read_bytes()
     one.write_bytes(yours)

@@ -1,4 +1,6 @@
-"""The engine: what must not change a run does not, every end has its name, and accuracy is what is promised."""
+"""The engine: what must not change a run does not, every end has its name, and accuracy is what is
+promised.
+"""
 
 import dataclasses
 
@@ -19,13 +21,18 @@ def load(*assignments: str, until: float = 2.0, **changes: object) -> Problem:
 
 
 def test_neither_rows_nor_events_change_the_run() -> None:
-    """Bits of the end and steps are equal for 2 rows, 10^5 rows, rows at odd times, and without events; events too."""
+    """Bits of the end and steps are equal for 2 rows, 10^5 rows, rows at odd times, and without
+    events; events too.
+    """
     plain = solve(load(until=6.5, times=np.array([0.0, 6.5])))
     without = solve(load("run.events=[]", until=6.5, times=np.array([0.0])))
     assert without.final.tobytes() == plain.final.tobytes()
     assert without.report["steps"] == plain.report["steps"]
     assert len(without.events.time) == 0 < len(plain.events.time)
-    for times in (np.linspace(0, 6.5, 100_001), np.sort(np.random.default_rng(1).uniform(0, 6.5, 77))):
+    for times in (
+        np.linspace(0, 6.5, 100_001),
+        np.sort(np.random.default_rng(1).uniform(0, 6.5, 77)),
+    ):
         other = solve(load(until=6.5, times=times))
         assert other.final.tobytes() == plain.final.tobytes()
         assert other.report["steps"] == plain.report["steps"]
@@ -73,7 +80,10 @@ def test_integrals_never_control_the_step() -> None:
     names = here.problem.variables.names
     moved = [names.index("x"), names.index("y")]
     assert here.report["steps"] == there.report["steps"]
-    assert np.delete(here.rows, moved, axis=1).tobytes() == np.delete(there.rows, moved, axis=1).tobytes()
+    assert (
+        np.delete(here.rows, moved, axis=1).tobytes()
+        == np.delete(there.rows, moved, axis=1).tobytes()
+    )
 
 
 def test_drift_is_within_the_promise() -> None:
@@ -112,11 +122,17 @@ def test_beyond_liftoff_the_result_says_so() -> None:
 
 
 def test_the_first_liftoff_is_the_first_zero_of_the_force() -> None:
-    """A run that continues tells the same moment; rows of it, close together, see the force fall below zero there."""
+    """A run that continues tells the same moment; rows of it, close together, see the force fall
+    below zero there.
+    """
     ended = solve(load("initial.omega3=170.0", until=10.0)).report["t_end"]
     beyond = load("initial.omega3=170.0", "run.on_liftoff=continue", until=ended + 0.5)
     near = ended + np.array([-1e-9, 1e-9])
-    run = solve(dataclasses.replace(beyond, times=np.concatenate([np.linspace(0.0, ended - 1e-6, 50_001), near])))
+    run = solve(
+        dataclasses.replace(
+            beyond, times=np.concatenate([np.linspace(0.0, ended - 1e-6, 50_001), near])
+        )
+    )
     force = run.columns()["normal_force"].values
     assert run.events.of("liftoff").time[0] == ended
     assert np.all(force[:-1] > 0)
@@ -130,7 +146,9 @@ def test_a_stiff_law_is_named_and_the_last_state_kept() -> None:
     assert np.all(np.isfinite(run.final))
 
 
-def test_a_state_that_turns_non_finite_keeps_the_last_good_one(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_state_that_turns_non_finite_keeps_the_last_good_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     problem = load("form=euler", until=0.3)
     driver = driver_of(problem)
     driver.motion.pars[3] = np.nan  # type: ignore[attr-defined]  # what a broken parameter would do, past the checks
@@ -157,13 +175,19 @@ def test_a_run_prints_itself() -> None:
     assert "drift" in text
 
 
-@pytest.mark.parametrize(("preset", "form"), [("gliding-heavy-top", "vector"), ("gliding-heavy-top", "contact")])
+@pytest.mark.parametrize(
+    ("preset", "form"), [("gliding-heavy-top", "vector"), ("gliding-heavy-top", "contact")]
+)
 def test_the_length_of_an_integrated_axis_is_watched(preset: str, form: str) -> None:
     """Every form that integrates the components of 3hat promises |3hat| = 1."""
     made = solve(build.load(preset, [f"form={form}"], 1.0))
     assert 0 <= made.report["drift"]["axis_norm"] < 1e-13
-    axis = made.rows[:, [made.problem.form.units._fields.index(name) for name in ("ux", "uy", "uz")]]
-    assert made.report["drift"]["axis_norm"] >= np.abs(np.linalg.norm(axis, axis=1) - 1).max() - 1e-14
+    axis = made.rows[
+        :, [made.problem.form.units._fields.index(name) for name in ("ux", "uy", "uz")]
+    ]
+    assert (
+        made.report["drift"]["axis_norm"] >= np.abs(np.linalg.norm(axis, axis=1) - 1).max() - 1e-14
+    )
 
 
 def test_a_cylinder_has_no_inversion_to_report() -> None:

@@ -32,14 +32,22 @@ def test_a_planar_swing_through_the_pole_is_no_turning() -> None:
 
 def test_a_near_passage_is_a_turning() -> None:
     """Almost planar: the axis passes the pole at some 1e-5 rad, and turns there."""
-    run = tippetop.run("heavy-top", [*SWINGS[:1], "initial.phi_dot=1e-4", SWINGS[2]], until=1.0).solution
+    run = tippetop.run(
+        "heavy-top", [*SWINGS[:1], "initial.phi_dot=1e-4", SWINGS[2]], until=1.0
+    ).solution
     near = (run.events.kind == 0) & (np.pi - run.events.theta < 1e-3)
     assert near.any()
     assert run.events.significant[near].all()
 
 
 def test_a_held_tip_neither_lifts_off_nor_inverts() -> None:
-    text = dict(lines(tippetop.run("heavy-top", ["initial.omega3=1.0", "initial.phi_dot=25.0"], until=2.0).summary))
+    text = dict(
+        lines(
+            tippetop.run(
+                "heavy-top", ["initial.omega3=1.0", "initial.phi_dot=25.0"], until=2.0
+            ).summary
+        )
+    )
     assert "inversion" not in text
     assert "liftoff" not in " ".join(text.values())
     assert "outcome" not in text

@@ -9,7 +9,9 @@ from tippetop.mechanics.operand import formula, sin
 
 FORMS = tuple(tt.extending.SYSTEMS["rolling-tippe-top"].forms)
 AZIMUTH = tt.extending.Event("azimuth", "phi = 0.3", formula(lambda s, b: sin(s.phi - 0.3)))
-PLANE = tt.extending.Event("plane", "y component of the axis is 0", formula(lambda s, b: s.uy), direction=+1)
+PLANE = tt.extending.Event(
+    "plane", "y component of the axis is 0", formula(lambda s, b: s.uy), direction=+1
+)
 LINE = tt.extending.Event("line", "x = y", formula(lambda s, b: s.x - s.y))
 
 
@@ -51,5 +53,7 @@ def test_events_have_the_columns_of_the_rows_at_them() -> None:
 @pytest.mark.parametrize("missing", ["psi", "phi"])
 def test_what_a_form_lacks_is_refused_with_what_it_has(missing: str) -> None:
     odd = tt.extending.Event("odd", "x", formula(lambda s, b: getattr(s, missing)))
-    with pytest.raises(tt.InputError, match=f"event `odd` fails: .* has no `{missing}`; it has z, .*, x$"):
+    with pytest.raises(
+        tt.InputError, match=f"event `odd` fails: .* has no `{missing}`; it has z, .*, x$"
+    ):
         tt.run("rolling-cylinder", events=[odd], until=0.1)

@@ -18,7 +18,9 @@ from tippetop.scenario import build
 from tippetop.store import hexfloat
 
 
-SCENARIO = '[initial]\nfrom = "RUN.zarr"\n[friction]\nlaw = "viscous"\nmu = 0.1\n[run]\nuntil = 2.0\n'
+SCENARIO = (
+    '[initial]\nfrom = "RUN.zarr"\n[friction]\nlaw = "viscous"\nmu = 0.1\n[run]\nuntil = 2.0\n'
+)
 
 
 @pytest.fixture(scope="module")
@@ -50,13 +52,22 @@ def test_the_start_is_the_end_to_the_last_bit(precision: str, tmp_path: Path) ->
     problem = starting.load(tmp_path / "NEXT.toml", [f"run.precision={precision}"])
     assert hexfloat.encode(problem.start()) == hexfloat.encode(end_of(store))
     assert problem.friction.mu == 0.1
-    assert problem.initial["theta"] == pytest.approx(float(tt.open(store).trajectory.theta[-1]), abs=1e-15)
+    assert problem.initial["theta"] == pytest.approx(
+        float(tt.open(store).trajectory.theta[-1]), abs=1e-15
+    )
     assert (
-        starting.load(tmp_path / "NEXT.toml", [f"run.precision={precision}", "run.orientation=false"]).start().size < 20
+        starting.load(
+            tmp_path / "NEXT.toml", [f"run.precision={precision}", "run.orientation=false"]
+        )
+        .start()
+        .size
+        < 20
     )
 
 
-def test_the_store_holds_all_that_it_needs_and_says_where_it_is_from(before: Path, tmp_path: Path) -> None:
+def test_the_store_holds_all_that_it_needs_and_says_where_it_is_from(
+    before: Path, tmp_path: Path
+) -> None:
     (tmp_path / "NEXT.toml").write_text(SCENARIO)
     out = tmp_path / "NEXT.zarr"
     assert outcome(["run", str(tmp_path / "NEXT.toml"), "--out", str(out)]) == 0
@@ -79,7 +90,9 @@ def test_on_the_command_line_it_takes_the_place_of_the_start(before: Path) -> No
     sets = [f"initial.from={before}", "friction.mu=0.1"]
     problem = starting.load("inverting", sets, 2.0)
     assert problem.start().tobytes() == end_of(before).tobytes()
-    with pytest.raises(InputError, match=r"`initial.from` must stand alone, but `theta` is given too"):
+    with pytest.raises(
+        InputError, match=r"`initial.from` must stand alone, but `theta` is given too"
+    ):
         starting.load("inverting", [*sets, "initial.theta=0.2"])
 
 
@@ -95,9 +108,13 @@ STANDS = [f"initial.{name}={value}" for name, value in {"theta": 2.9, "omega3": 
 
 
 @pytest.mark.parametrize(
-    ("changes", "ball"), [([], 0), (["stem.r=0.005", "stem.h=0.025", *STANDS], 1)], ids=["sphere", "stem"]
+    ("changes", "ball"),
+    [([], 0), (["stem.r=0.005", "stem.h=0.025", *STANDS], 1)],
+    ids=["sphere", "stem"],
 )
-def test_what_stands_on_a_plane_that_it_may_leave_is_taken_up(changes: list[str], ball: int, tmp_path: Path) -> None:
+def test_what_stands_on_a_plane_that_it_may_leave_is_taken_up(
+    changes: list[str], ball: int, tmp_path: Path
+) -> None:
     store = tmp_path / "RUN.zarr"
     recording.record(build.load("inverting", ["run.on_liftoff=fly", *changes], 0.05), store)
     last = tt.open(store).trajectory.isel(time=-1)
@@ -108,7 +125,9 @@ def test_what_stands_on_a_plane_that_it_may_leave_is_taken_up(changes: list[str]
     assert problem.contact == tt.open(store).problem.contact
     assert hexfloat.encode(problem.start()) == hexfloat.encode(end_of(store))
     assert problem.initial["gap"] >= 0
-    assert problem.initial["gap"] == pytest.approx(float(last.z - 0.02 * (1 - 0.3 * np.cos(last.theta))), abs=1e-15)
+    assert problem.initial["gap"] == pytest.approx(
+        float(last.z - 0.02 * (1 - 0.3 * np.cos(last.theta))), abs=1e-15
+    )
 
 
 @pytest.mark.parametrize(
@@ -122,11 +141,15 @@ def test_what_stands_on_a_plane_that_it_may_leave_is_taken_up(changes: list[str]
         ("run.on_liftoff=fly", "the contact must stay closed as in"),
     ],
 )
-def test_what_does_not_fit_is_said(change: str, sentence: str, before: Path, tmp_path: Path) -> None:
+def test_what_does_not_fit_is_said(
+    change: str, sentence: str, before: Path, tmp_path: Path
+) -> None:
     tables = {"parameters.m=0.03": dict(tt.open(before).attributes["parameters"])}
     scenario = SCENARIO
     if change in tables:
-        scenario += "[parameters]\n" + "".join(f"{name} = {value!r}\n" for name, value in tables[change].items())
+        scenario += "[parameters]\n" + "".join(
+            f"{name} = {value!r}\n" for name, value in tables[change].items()
+        )
     (tmp_path / "NEXT.toml").write_text(scenario)
     with pytest.raises(InputError, match=sentence):
         starting.load(tmp_path / "NEXT.toml", [change])
@@ -150,4 +173,6 @@ def test_a_run_that_has_not_ended_or_is_none_is_refused(before: Path, tmp_path: 
 
 def test_many_tops_do_not_start_there(before: Path) -> None:
     with pytest.raises(InputError, match="a single run"):
-        tt.ensemble(tt.run("inverting", start=before, until=1.0).problem, {"friction.mu": [0.1, 0.2]})
+        tt.ensemble(
+            tt.run("inverting", start=before, until=1.0).problem, {"friction.mu": [0.1, 0.2]}
+        )

@@ -1,4 +1,6 @@
-"""A run that was asked to stop before its first step makes none; what stands is certified as far as it goes."""
+"""A run that was asked to stop before its first step makes none; what stands is certified as far as
+it goes.
+"""
 
 import threading
 from pathlib import Path
@@ -46,7 +48,9 @@ def test_a_run_that_is_told_to_stop_before_it_begins_makes_no_step(stopped) -> N
 
 def test_what_is_stored_of_a_run_is_certified(stopped) -> None:
     """Not what it was to be; and nothing of one that stands at its start."""
-    with pytest.raises(tt.InputError, match=r"must hold some of its run to be certified, but stands at t = 0 s\."):
+    with pytest.raises(
+        tt.InputError, match=r"must hold some of its run to be certified, but stands at t = 0 s\."
+    ):
         tt.open(stopped(0)).certify()
     run = tt.open(stopped(1))
     assert 0 < run.summary.t_end < 2

@@ -1,4 +1,6 @@
-"""The summary of a run in words: each sentence says the numbers that it is given, and none that it is not."""
+"""The summary of a run in words: each sentence says the numbers that it is given, and none that it
+is not.
+"""
 
 from typing import Any
 
@@ -74,13 +76,17 @@ def test_an_inversion_is_told_as_far_as_it_came(inversion: dict[str, float], sen
 
 
 def test_what_cannot_invert_ends_at_an_angle() -> None:
-    """A system that friction does not turn over, and one that is not known here; unless it did pass the equator."""
+    """A system that friction does not turn over, and one that is not known here; unless it did pass
+    the equator.
+    """
     for system in ("rolling-cylinder", "of-another-package"):
         found = dict(lines(info(system=system)))
         assert found["theta"] == "ends at 0.25 rad"
         assert "inversion" not in found
         passed = dict(lines(info(system=system, inversion=NEVER | {"first_equator": 1.0})))
-        assert ("inversion" in passed) == (system == "of-another-package")  # a cylinder has none, whatever it passes
+        assert ("inversion" in passed) == (
+            system == "of-another-package"
+        )  # a cylinder has none, whatever it passes
 
 
 @pytest.mark.parametrize(
@@ -88,7 +94,11 @@ def test_what_cannot_invert_ends_at_an_angle() -> None:
     [
         ((0, 0), (None, None), "none logged"),
         ((9, 9), (0.125, 2.5), "9 logged, at theta between 0.125 and 2.5 rad"),
-        ((9, 7), (0.125, 2.5), "7 logged, at theta between 0.125 and 2.5 rad; 2 more below the rounding floor"),
+        (
+            (9, 7),
+            (0.125, 2.5),
+            "7 logged, at theta between 0.125 and 2.5 rad; 2 more below the rounding floor",
+        ),
         ((3, 0), (None, None), "0 logged; 3 more below the rounding floor"),
     ],
 )
@@ -104,7 +114,8 @@ def test_turnings_are_counted_and_noise_apart(counts: tuple, band: tuple, senten
 def test_other_events_are_counted_in_words() -> None:
     counts = {"turning": 4, "turning_significant": 4, "liftoff": 1, "equator": 2, "inverted": 3}
     assert text("other events", event_counts=counts) == (
-        "liftoff: 1 passage, equator (theta = pi/2): 2 passages, inverted (theta rises through pi - 0.1): 3 passages"
+        "liftoff: 1 passage, equator (theta = pi/2): 2 passages, inverted (theta rises through "
+        "pi - 0.1): 3 passages"
     )
 
 
@@ -128,10 +139,18 @@ def test_a_certificate_is_said_with_its_window() -> None:
     assert text("certificate", certificate=found) == expected
     found["turnings"] = {"compared": 12, "time": 4e-15}
     assert text("certificate", certificate=found) == f"{expected}, 12 turning times by 4.0e-15 s"
-    found |= {"columns": {"x": 1e-15, "y": 3e-15, "normal_force": 2e-16}, "impacts": {"compared": 7, "time": 5e-15}}
+    found |= {
+        "columns": {"x": 1e-15, "y": 3e-15, "normal_force": 2e-16},
+        "impacts": {"compared": 7, "time": 5e-15},
+    }
     further = "the place by 3.0e-15 m, the normal force by 2.0e-16 N, 12 turning times by 4.0e-15 s"
-    assert text("certificate", certificate=found) == f"{expected}, {further}, 7 impacts by 5.0e-15 s"
-    assert text("certificate", certificate={"against": None, "reason": "no wider one"}) == "no wider one"
+    assert (
+        text("certificate", certificate=found) == f"{expected}, {further}, 7 impacts by 5.0e-15 s"
+    )
+    assert (
+        text("certificate", certificate={"against": None, "reason": "no wider one"})
+        == "no wider one"
+    )
 
 
 def test_what_eps_decides_is_said_for_each_of_its_values() -> None:

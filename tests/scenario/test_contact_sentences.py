@@ -21,7 +21,9 @@ STEM = {"r": 0.004, "h": 0.022}
 
 
 def sentences(base: dict[str, Any], changes: dict[str, Any]) -> list[str]:
-    """What is wrong with the tables, where a key table.name or a table has another value; None takes it away."""
+    """What is wrong with the tables, where a key table.name or a table has another
+    value; None takes it away.
+    """
     tables = copy.deepcopy(base)
     for key, value in changes.items():
         table, _, name = key.partition(".")
@@ -51,16 +53,34 @@ def sentences(base: dict[str, Any], changes: dict[str, Any]) -> list[str]:
         ({"stem": {"r": 0.004}}, ["`stem.h` must be given"]),
         ({"stem": {"r": 0.0, "h": 0.03}}, ["`stem.r`", "greater than 0"]),
         ({"stem": {"r": 0.03, "h": 0.03}}, ["`stem.r` must be smaller than parameters.R = 0.02"]),
-        ({"stem": {"r": 0.004, "h": 0.01}}, ["`stem.h` must exceed R - r = 0.016", "never touches"]),
+        (
+            {"stem": {"r": 0.004, "h": 0.01}},
+            ["`stem.h` must exceed R - r = 0.016", "never touches"],
+        ),
         ({"stem": {"r": 1e-300, "h": 0.03}}, ["`stem.r` must be greater than 1e-09 parameters.R"]),
         ({"stem": {"r": 0.004, "h": 1e300}}, ["`stem.h` must be less than 1e+06 parameters.R"]),
-        ({"friction.eps": 0.01, "contact": None, "run.on_liftoff": "stop"}, ["`initial.gap` must stand with"]),
+        (
+            {"friction.eps": 0.01, "contact": None, "run.on_liftoff": "stop"},
+            ["`initial.gap` must stand with"],
+        ),
         ({"initial.gap": 1e300}, ["`initial.gap` must be at most 1e+06 times the body"]),
-        ({"friction": {"law": "contensou", "mu": 0.3, "patch": 1e-300}}, ["`friction.patch` must be from"]),
-        ({"friction": {"law": "contensou", "mu": 0.3, "patch": 1.9e-7}}, ['1.9e-07. A smaller disc slides as a point']),
-        ({"friction": {"law": "contensou", "mu": 0.3, "patch": 1.0}}, ["`friction.patch` must be from"]),
+        (
+            {"friction": {"law": "contensou", "mu": 0.3, "patch": 1e-300}},
+            ["`friction.patch` must be from"],
+        ),
+        (
+            {"friction": {"law": "contensou", "mu": 0.3, "patch": 1.9e-7}},
+            ["1.9e-07. A smaller disc slides as a point"],
+        ),
+        (
+            {"friction": {"law": "contensou", "mu": 0.3, "patch": 1.0}},
+            ["`friction.patch` must be from"],
+        ),
         ({"friction.mu": 1.46}, ["`friction.mu` must be less than 1.4595", "Painleve"]),
-        ({"initial.nu_z": -1e4}, ["`initial.nu_z` must be within 626.", "fall from 1e+06 times the body", "-10000."]),
+        (
+            {"initial.nu_z": -1e4},
+            ["`initial.nu_z` must be within 626.", "fall from 1e+06 times the body", "-10000."],
+        ),
         ({"initial.gap": -3e-4}, ["`initial.gap` must be", "-0.0003"]),
         ({"run.on_liftoff": "continue"}, ['`run.on_liftoff` must be "fly" or "stop"']),
         ({"run.on_liftoff": "jump"}, ["`run.on_liftoff`", "'fly'", "'jump'"]),
@@ -68,7 +88,7 @@ def sentences(base: dict[str, Any], changes: dict[str, Any]) -> list[str]:
         ({"form": "euler"}, ["`form` must be", "'euler'"]),
         ({"system": "rolling-tippe-top", "friction": None}, ["`contact` must be of a tippe-top"]),
     ],
-)  # fmt: skip
+)
 def test_bad_input_is_one_sentence(changes: dict[str, Any], words: list[str]) -> None:
     found = sentences(BOUNCE, changes)
     assert len(found) == 1, found
@@ -93,8 +113,13 @@ def test_a_stem_is_of_a_tippe_top() -> None:
 
 
 def test_a_regularised_law_is_as_it_was() -> None:
-    tables = {"system": "tippe-top", "parameters": BODY, "friction": {"law": "coulomb", "mu": 0.3, "eps": 1e-3},
-              "initial": {"theta": 0.1}, "run": {"until": 1.0}}  # fmt: skip
+    tables = {
+        "system": "tippe-top",
+        "parameters": BODY,
+        "friction": {"law": "coulomb", "mu": 0.3, "eps": 1e-3},
+        "initial": {"theta": 0.1},
+        "run": {"until": 1.0},
+    }
     problem = build.problem(tables)
     assert problem.contact is None
     assert problem.on_liftoff == "stop"

@@ -28,8 +28,14 @@ def test_a_top_that_begins_below_its_plane_is_suspicious() -> None:
         (["initial.omega3="], "`initial.omega3` is not given: this top does not spin"),
         (["initial.theta="], "`initial.theta` is not given"),
         (["parameters.m=35.0", "parameters.I1=5.2e-3", "parameters.I3=5.6e-3"], "looks like grams"),
-        (["parameters.I1=9e-5", "parameters.I3=9e-5"], "`parameters.I1` is 9e-05 kg m2, 11.2 times m R^2"),
-        (["parameters.I1=3e-9", "parameters.I3=3e-9"], "`parameters.I3` is 3e-09 kg m2, 0.000375 times m R^2"),
+        (
+            ["parameters.I1=9e-5", "parameters.I3=9e-5"],
+            "`parameters.I1` is 9e-05 kg m2, 11.2 times m R^2",
+        ),
+        (
+            ["parameters.I1=3e-9", "parameters.I3=3e-9"],
+            "`parameters.I3` is 3e-09 kg m2, 0.000375 times m R^2",
+        ),
         (["parameters.R=25.0", "parameters.I1=4.7", "parameters.I3=5.0"], "looks like millimetres"),
     ],
 )

@@ -1,4 +1,6 @@
-"""The key reference and the scenario to begin with: made from the records, and true of what a scenario takes."""
+"""The key reference and the scenario to begin with: made from the records, and true of what a
+scenario takes.
+"""
 
 import tomllib
 
@@ -17,7 +19,9 @@ from tippetop.scenario.template import template
 def test_a_new_scenario_is_what_its_preset_is(name: str) -> None:
     text = template(name)
     preset = text.split("\n")[0].split(",")[0].rpartition(" ")[2]
-    made, known = (build.resolved(build.problem(t)) for t in (tomllib.loads(text), reading.read(preset)))
+    made, known = (
+        build.resolved(build.problem(t)) for t in (tomllib.loads(text), reading.read(preset))
+    )
     assert made == known
 
 
@@ -27,7 +31,9 @@ def test_a_new_scenario_has_every_key(key: str) -> None:
     assert f"\n{name} = " in template("tippe-top") or f"\n# {name} = " in template("tippe-top")
 
 
-@pytest.mark.parametrize("name", ["phi", "nu_x", "centre_at_rest", "stop_when", "tolerance", "columns", "precision"])
+@pytest.mark.parametrize(
+    "name", ["phi", "nu_x", "centre_at_rest", "stop_when", "tolerance", "columns", "precision"]
+)
 def test_a_key_in_a_comment_is_taken_when_it_is_uncommented(name: str) -> None:
     build.problem(tomllib.loads(template("tippe-top").replace(f"\n# {name} = ", f"\n{name} = ")))
 
@@ -55,8 +61,18 @@ def test_the_columns_of_the_reference_are_those_of_runs() -> None:
         trajectory = tt.run(preset, until=0.01).trajectory
         on_request = {quantity.name for quantity in tt.extending.SYSTEMS[system].on_request}
         assert set(sections[f"Columns of {system}"]) == set(trajectory.data_vars) | on_request
-        units = {row[0]: row[1] for s in columns() if s.title == f"Columns of {system}" for row in s.rows if row[1]}
-        assert all(trajectory[name].attrs["units"] == unit for name, unit in units.items() if name in trajectory)
+        units = {
+            row[0]: row[1]
+            for s in columns()
+            if s.title == f"Columns of {system}"
+            for row in s.rows
+            if row[1]
+        }
+        assert all(
+            trajectory[name].attrs["units"] == unit
+            for name, unit in units.items()
+            if name in trajectory
+        )
 
 
 @pytest.mark.parametrize("topic", TOPICS)

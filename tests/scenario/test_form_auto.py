@@ -31,21 +31,30 @@ def test_what_auto_takes_is_regular_at_the_poles(system) -> None:
     assert AWAY_FROM_POLE not in choice(system).form.domains
 
 
-@pytest.mark.parametrize("start", [{"theta": 0.0, "theta_dot": 3.0}, {"theta": math.pi}, {"theta": 1e-5}])
+@pytest.mark.parametrize(
+    "start", [{"theta": 0.0, "theta_dot": 3.0}, {"theta": math.pi}, {"theta": 1e-5}]
+)
 def test_a_rolling_top_about_its_contact_passes_the_poles(start: dict) -> None:
     """Where the vector form goes, and with no undefined axis or momentum."""
     sets = [f"initial.{name}={value!r}" for name, value in ({"phi_dot": 0.0, **start}).items()]
-    runs = [solve(build.load("rolling", [*sets, f"form={form}"], 0.2)).columns() for form in ("auto", "vector")]
+    runs = [
+        solve(build.load("rolling", [*sets, f"form={form}"], 0.2)).columns()
+        for form in ("auto", "vector")
+    ]
     for name in ("theta", "axis", "L", "x", "y", "orientation"):
         mine, other = (columns[name].values for columns in runs)
         np.testing.assert_allclose(mine, other, rtol=0, atol=1e-12)
 
 
 def test_the_azimuth_is_as_exact_as_theta() -> None:
-    """Near a pole phi of the reduced form is wrong by 1e-8 after 4 s: its integrals do not control the step."""
+    """Near a pole phi of the reduced form is wrong by 1e-8 after 4 s: its integrals do not control
+    the step.
+    """
     sets = ["initial.theta=0.3", "initial.phi_dot=60.0", "run.output_step=0.05"]
     axis, wide = (
-        solve(build.load("rolling", [*sets, f'run.precision="{precision}"'], 4.0)).columns()["axis"].values
+        solve(build.load("rolling", [*sets, f'run.precision="{precision}"'], 4.0))
+        .columns()["axis"]
+        .values
         for precision in ("double", "longdouble")
     )
     np.testing.assert_allclose(axis, wide, rtol=0, atol=1e-13)

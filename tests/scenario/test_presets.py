@@ -27,14 +27,24 @@ def test_preset_runs_and_cites(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("name", "stick", "theta"),
-    [("cohen-coulomb", 0.02878761568, 0.0528961411), ("leine-glocker-stem", 0.0361449219, 0.0363789785)],
+    [
+        ("cohen-coulomb", 0.02878761568, 0.0528961411),
+        ("leine-glocker-stem", 0.0361449219, 0.0363789785),
+    ],
 )
-def test_coulomb_friction_sticks_when_the_literature_s_tops_do(name: str, stick: float, theta: float) -> None:
+def test_coulomb_friction_sticks_when_the_literature_s_tops_do(
+    name: str, stick: float, theta: float
+) -> None:
     """Ten digits of two independent engines; from then on the top rolls, and its energy stays."""
     made = datasets(solve(load(name, until=0.1)))
     phases, events = made["phases"], made["events"]
-    assert [float(phases["end"][0]), float(phases["start"][1])] == pytest.approx([stick, stick], abs=1e-11)
-    assert [phases["phase"].attrs["flag_meanings"].split()[int(k)] for k in phases["phase"]] == ["slip", "roll"]
+    assert [float(phases["end"][0]), float(phases["start"][1])] == pytest.approx(
+        [stick, stick], abs=1e-11
+    )
+    assert [phases["phase"].attrs["flag_meanings"].split()[int(k)] for k in phases["phase"]] == [
+        "slip",
+        "roll",
+    ]
     at = flagged(events["kind"], "stick")
     assert events["theta"].values[at] == pytest.approx([theta], abs=1e-10)
     energy = made["trajectory"]["energy"].values[made["trajectory"]["time"].values > stick]
@@ -57,12 +67,22 @@ def test_every_system_has_a_preset() -> None:
     assert {load(name).system.name for name in presets()} == set(SYSTEMS)
 
 
-@pytest.mark.parametrize("name", [at_night(name) if "toy" in name else name for name in sorted(presets())])
-def test_check_says_the_regime(name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    "name", [at_night(name) if "toy" in name else name for name in sorted(presets())]
+)
+def test_check_says_the_regime(
+    name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert outcome(["check", name, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert found.get("regime") or load(name).contact is not None  # the outlook is that of a contact that stays
-    assert ("inversion_by_eps" in found) == ("eps" in found.get("friction", {}) and found["system"] == "tippe-top")
-    monkeypatch.setattr(cost, "measured", lambda *_: {})  # most of the time goes there, and it was said above
+    assert (
+        found.get("regime") or load(name).contact is not None
+    )  # the outlook is that of a contact that stays
+    assert ("inversion_by_eps" in found) == (
+        "eps" in found.get("friction", {}) and found["system"] == "tippe-top"
+    )
+    monkeypatch.setattr(
+        cost, "measured", lambda *_: {}
+    )  # most of the time goes there, and it was said above
     assert outcome(["check", name]) == 0
     assert " J, " in capsys.readouterr().out

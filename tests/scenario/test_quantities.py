@@ -8,7 +8,16 @@ import pytest
 import tippetop as tt
 from tippetop.errors import InputError
 from tippetop.mechanics.quantity import number_of
-from tippetop.mechanics.units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE, RADIAN, RADIAN_PER_SECOND, Unit
+from tippetop.mechanics.units import (
+    INERTIA,
+    KILOGRAM,
+    METRE,
+    METRE_PER_SECOND2,
+    ONE,
+    RADIAN,
+    RADIAN_PER_SECOND,
+    Unit,
+)
 from tippetop.scenario import build
 
 
@@ -31,7 +40,9 @@ from tippetop.scenario import build
         ("pi/4", RADIAN, math.pi / 4),
     ],
 )
-def test_a_text_is_the_double_nearest_to_the_exact_number(text: str, unit: Unit, value: object) -> None:
+def test_a_text_is_the_double_nearest_to_the_exact_number(
+    text: str, unit: Unit, value: object
+) -> None:
     assert number_of(text, "parameters.k", unit) == float(value)
 
 
@@ -87,7 +98,9 @@ def test_what_is_no_number_is_a_sentence(text: str, words: str) -> None:
 
 
 def test_parameters_that_lead_to_one_another_are_worked_out_once() -> None:
-    names = {f"p{i}": ("+".join([f"p{i + 1}"] * 40), ONE) for i in range(9)} | {"p9": 1}  # 40^9 additions otherwise
+    names = {f"p{i}": ("+".join([f"p{i + 1}"] * 40), ONE) for i in range(9)} | {
+        "p9": 1
+    }  # 40^9 additions otherwise
     assert number_of("p0", "parameters.k", ONE, names) == 40.0**9
 
 
@@ -129,7 +142,11 @@ def test_a_sum_before_a_unit_is_in_brackets() -> None:
 
 def test_a_scenario_and_its_assignments_take_them() -> None:
     words = ["m=20 g", "alpha=3/10", "I3=2/5*m*R^2", 'I1="131/350 * m * R^2"']
-    assigned = [*(f"parameters.{word}" for word in words), "initial.omega3=1480 rpm", "run.until=2 s"]
+    assigned = [
+        *(f"parameters.{word}" for word in words),
+        "initial.omega3=1480 rpm",
+        "run.until=2 s",
+    ]
     problem = build.load("inverting", assigned)
     assert problem.parameters == pytest.approx(build.load("inverting").parameters, rel=1e-15)
     assert problem.initial["omega3"] == pytest.approx(1480 * 2 * math.pi / 60, rel=1e-15)

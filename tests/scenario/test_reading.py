@@ -1,4 +1,6 @@
-"""What `--set` writes is what TOML would say there, and nothing else changes; what it removes is gone."""
+"""What `--set` writes is what TOML would say there, and nothing else changes; what it removes is
+gone.
+"""
 
 import copy
 import json
@@ -16,22 +18,36 @@ from tippetop.errors import InputError
 from tippetop.scenario.reading import override, presets, read
 
 
-TABLES: dict[str, Any] = {"system": "tippe-top", "initial": {"theta": 0.1, "omega3": 155.0}, "run": {"until": 8.0}}
+TABLES: dict[str, Any] = {
+    "system": "tippe-top",
+    "initial": {"theta": 0.1, "omega3": 155.0},
+    "run": {"until": 8.0},
+}
 LETTERS = st.characters(max_codepoint=0x17F, exclude_categories=["Cs"])
 KEYS = st.builds(  # from_regex takes two seconds to begin with
-    str.__add__, st.sampled_from(string.ascii_lowercase), st.text(string.ascii_lowercase + "0123456789_-", max_size=8)
+    str.__add__,
+    st.sampled_from(string.ascii_lowercase),
+    st.text(string.ascii_lowercase + "0123456789_-", max_size=8),
 )
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
-VALUES = st.one_of(st.integers(-(2**60), 2**60), FINITE, st.booleans(), st.text(LETTERS, max_size=9))
+VALUES = st.one_of(
+    st.integers(-(2**60), 2**60), FINITE, st.booleans(), st.text(LETTERS, max_size=9)
+)
 
 
 def toml(value: Any) -> str:
-    """A value as TOML writes it; JSON writes texts, numbers and lists alike, but for the sign of deletion."""
+    """A value as TOML writes it; JSON writes texts, numbers and lists alike, but for the sign of
+    deletion.
+    """
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 @settings(max_examples=50, deadline=None)
-@given(st.sampled_from(["initial", "run", "friction"]), KEYS, st.one_of(VALUES, st.lists(VALUES, max_size=3)))
+@given(
+    st.sampled_from(["initial", "run", "friction"]),
+    KEYS,
+    st.one_of(VALUES, st.lists(VALUES, max_size=3)),
+)
 def test_an_assignment_sets_one_key_to_its_value(table: str, key: str, value: Any) -> None:
     before = copy.deepcopy(TABLES)
     changed = override(TABLES, [f"{table}.{key}={toml(value)}"])
@@ -39,7 +55,9 @@ def test_an_assignment_sets_one_key_to_its_value(table: str, key: str, value: An
     assert type(changed[table][key]) is type(value)
     assert before == TABLES, "what was given stays as it was"
     del changed[table][key]
-    expected = copy.deepcopy(TABLES) | {table: {k: v for k, v in TABLES.get(table, {}).items() if k != key}}
+    expected = copy.deepcopy(TABLES) | {
+        table: {k: v for k, v in TABLES.get(table, {}).items() if k != key}
+    }
     assert changed == expected
 
 
@@ -110,11 +128,23 @@ def test_a_preset_is_the_file_of_its_text(tmp_path) -> None:
 def test_what_asks_for_rows_takes_the_place_of_what_did() -> None:
     """As arguments of the library do; "times" says nothing that a step contradicts."""
     tables = {"run": {"until": 8.0, "output_step": 0.01}}
-    assert override(tables, ["run.output=keyframes"])["run"] == {"until": 8.0, "output": "keyframes"}
-    assert override(tables, ["run.output_times=[0, 1]"])["run"] == {"until": 8.0, "output_times": [0, 1]}
-    assert override(tables, ['run.output="times"'])["run"] == {"until": 8.0, "output_step": 0.01, "output": "times"}
+    assert override(tables, ["run.output=keyframes"])["run"] == {
+        "until": 8.0,
+        "output": "keyframes",
+    }
+    assert override(tables, ["run.output_times=[0, 1]"])["run"] == {
+        "until": 8.0,
+        "output_times": [0, 1],
+    }
+    assert override(tables, ['run.output="times"'])["run"] == {
+        "until": 8.0,
+        "output_step": 0.01,
+        "output": "times",
+    }
     assert override(tables, ["run.until=9.0"])["run"] == {"until": 9.0, "output_step": 0.01}
-    kept = override({"run": {"output": "keyframes", "keyframe_steps": 64}}, ["run.output_step=0.1"])["run"]
+    kept = override(
+        {"run": {"output": "keyframes", "keyframe_steps": 64}}, ["run.output_step=0.1"]
+    )["run"]
     assert kept == {"output_step": 0.1}
     assert tables == {"run": {"until": 8.0, "output_step": 0.01}}
 

@@ -31,7 +31,10 @@ def sentences(*assignments: str) -> str:
         ("parameters.g=inf", "`parameters.g` must be a finite number, but is inf."),
         ("parameters.I3=7e-6", "`parameters.I3` must be at most 2*I1"),
         ("parameters.I1=-1.0", "`parameters.I1` must be greater than 0.0, but is -1.0."),
-        ("parameters.gama=1", "unknown key `parameters.gama`. The keys of `parameters` are m, R, alpha, I1, I3, g."),
+        (
+            "parameters.gama=1",
+            "unknown key `parameters.gama`. The keys of `parameters` are m, R, alpha, I1, I3, g.",
+        ),
         ("friction.mu=-0.1", "`friction.mu` must be at least 0.0, but is -0.1."),
         ("friction.law=mixed", "`friction.eps` must be given, but is missing."),
         ("friction.law=glue", "`friction.law` must be one of viscous"),
@@ -44,7 +47,8 @@ def sentences(*assignments: str) -> str:
         ("initial.mu=0.2", "unknown key `initial.mu`; did you mean `friction.mu`?"),
         (
             "friction.eps=1e-3",
-            "unknown key `friction.eps`: it belongs to law = 'coulomb' or 'mixed' or 'stribeck'. The",
+            "unknown key `friction.eps`: it belongs to law = 'coulomb' or 'mixed' or "
+            "'stribeck'. The",
         ),
         ("friction.e_n=0.5", "unknown key `friction.e_n`; did you mean `contact.e_n`?"),
         ("stem={h=0.01, e_n=1}", "unknown key `stem.e_n`; did you mean `contact.e_n`?"),
@@ -56,7 +60,10 @@ def sentences(*assignments: str) -> str:
         ("run.until='long'", "`run.until` must be a number, but is 'long'."),
         ("run.events=['eclipse']", "`run.events` must be of turning"),
         ("run.output_step=1e-13", "`run.output_step` must give at most"),
-        ("run.precision=half", "`run.precision` must be 'double', 'longdouble' or 'quad', but is 'half'."),
+        (
+            "run.precision=half",
+            "`run.precision` must be 'double', 'longdouble' or 'quad', but is 'half'.",
+        ),
         ("system=pendulum", "`system` must be one of tippe-top"),
         ("form=angle", "`form` must be 'auto', 'vector' or 'euler', but is 'angle'."),
         ("initial.omega3=1e200", "must stay finite together"),
@@ -70,7 +77,9 @@ def test_a_fault_gets_its_sentence(assignment: str, said: str) -> None:
 
 def test_all_faults_are_reported_at_once() -> None:
     said = sentences("parameters.alpha=2", "friction.mu=-1", "run.until=-1", "colour=red")
-    assert [key in said for key in ("parameters.alpha", "friction.mu", "run.until", "colour")] == [True] * 4
+    assert [key in said for key in ("parameters.alpha", "friction.mu", "run.until", "colour")] == [
+        True
+    ] * 4
 
 
 def test_a_missing_law_is_an_error() -> None:
@@ -101,12 +110,15 @@ def test_the_grid_ends_with_until_and_times_are_kept_as_given() -> None:
 
 
 @pytest.mark.parametrize(
-    ("until", "times"), [(3.0, [0.1, 0.7, 2.0]), (2.0, [0.1, 0.7, 2.0]), (0.7, [0.1, 0.7]), (0.5, [0.1])]
+    ("until", "times"),
+    [(3.0, [0.1, 0.7, 2.0]), (2.0, [0.1, 0.7, 2.0]), (0.7, [0.1, 0.7]), (0.5, [0.1])],
 )
 def test_another_end_cuts_output_times(until: float, times: list[float], tmp_path: Path) -> None:
     """As a file with `--until` does; the tables that were given stay as they are."""
     text = reading.presets()["inverting"].partition("[run]")[0]
-    (tmp_path / "mine.toml").write_text(f"{text}[run]\nuntil = 2.0\noutput_times = [0.1, 0.7, 2.0]\n")
+    (tmp_path / "mine.toml").write_text(
+        f"{text}[run]\nuntil = 2.0\noutput_times = [0.1, 0.7, 2.0]\n"
+    )
     cut = build.load(str(tmp_path / "mine.toml"), until=until)
     assert (cut.until, cut.times[:].tolist()) == (until, times)
     tables = reading.read(str(tmp_path / "mine.toml"))
@@ -153,7 +165,9 @@ def test_psi_dot_stands_for_omega3() -> None:
 
 
 def test_coulomb_law_is_built_with_its_units() -> None:
-    problem = build.load("inverting", ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=1e-3"])
+    problem = build.load(
+        "inverting", ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=1e-3"]
+    )
     assert problem.friction == Coulomb(0.3, 1e-3)
 
 
@@ -176,7 +190,9 @@ def test_a_number_of_another_unit_does_not_pass_to_another_law(
     preset: str, assignments: list[str], stale: bool
 ) -> None:
     expected = (
-        pytest.raises(InputError, match=r"`friction\.mu` must be given anew: `") if stale else contextlib.nullcontext()
+        pytest.raises(InputError, match=r"`friction\.mu` must be given anew: `")
+        if stale
+        else contextlib.nullcontext()
     )
     with expected:
         reading.override(reading.read(preset), assignments)
@@ -199,11 +215,14 @@ def attempt(tables: dict) -> tuple[Problem | None, list[str]]:
 
 values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
+    ),
     max_leaves=5,
 )
 NAMES = (
-    "system form parameters friction initial run m R alpha I1 I3 g law mu theta omega3 until output_step output_times "
+    "system form parameters friction initial run m R alpha I1 I3 g law mu theta omega3 until "
+    "output_step output_times "
     "events precision nu_x psi_dot other"
 )
 keys = st.sampled_from(NAMES.split())
@@ -211,7 +230,9 @@ keys = st.sampled_from(NAMES.split())
 
 @settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(table=keys, key=keys, value=values, whole=st.booleans())
-def test_random_damage_gives_sentences_or_a_problem(table: str, key: str, value: object, whole: bool) -> None:
+def test_random_damage_gives_sentences_or_a_problem(
+    table: str, key: str, value: object, whole: bool
+) -> None:
     tables = tomllib.loads(reading.presets()["inverting"])
     if whole or not isinstance(tables.get(table), dict):
         tables[table] = value
@@ -226,7 +247,9 @@ def test_random_damage_gives_sentences_or_a_problem(table: str, key: str, value:
 
 @settings(max_examples=200, deadline=None)
 @given(text=st.text(max_size=60) | st.binary(max_size=60))
-def test_random_files_give_sentences(tmp_path_factory: pytest.TempPathFactory, text: str | bytes) -> None:
+def test_random_files_give_sentences(
+    tmp_path_factory: pytest.TempPathFactory, text: str | bytes
+) -> None:
     path = tmp_path_factory.mktemp("toml") / "scenario.toml"
     path.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass"))
     with pytest.raises(InputError):

@@ -59,7 +59,9 @@ def sentence(document: dict[str, Any]) -> str:
 
 
 @pytest.mark.parametrize(("document", "expected"), CASES)
-def test_an_error_says_what_must_hold_and_what_was_found(document: dict[str, Any], expected: str) -> None:
+def test_an_error_says_what_must_hold_and_what_was_found(
+    document: dict[str, Any], expected: str
+) -> None:
     assert sentence(document).startswith(expected)
 
 
@@ -83,7 +85,12 @@ def test_what_is_missing_is_said() -> None:
 
 def test_a_law_that_is_no_name_beside_an_unknown_key_is_said() -> None:
     """Before, a traceback."""
-    tables = {**tomllib.loads(presets()["inverting"]), "friction": {"law": {"law": "viscous"}, "mu": 0.3}}
+    tables = {
+        **tomllib.loads(presets()["inverting"]),
+        "friction": {"law": {"law": "viscous"}, "mu": 0.3},
+    }
     tables["parameters"]["law"] = True
-    with pytest.raises(InputError, match=r"unknown key `parameters.law`(.|\n)*`friction.law` must be"):
+    with pytest.raises(
+        InputError, match=r"unknown key `parameters.law`(.|\n)*`friction.law` must be"
+    ):
         build.problem(tables)

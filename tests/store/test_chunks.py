@@ -1,4 +1,6 @@
-"""Columns that grow in chunks: whatever pieces the rows come in, the files are the same; damage is told."""
+"""Columns that grow in chunks: whatever pieces the rows come in, the files are the same; damage is
+told.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -22,17 +24,28 @@ GROUP = "trajectory"
 def columns(rows: slice = slice(None)) -> dict[str, Column]:
     """Columns of one and of two dimensions, and of flags."""
     time = np.arange(ROWS) / 7
-    values = {"time": time, "axis": np.stack([np.sin(time), np.cos(time), -time], axis=1), "flag": np.arange(ROWS) < 0}
+    values = {
+        "time": time,
+        "axis": np.stack([np.sin(time), np.cos(time), -time], axis=1),
+        "flag": np.arange(ROWS) < 0,
+    }
     dims = {"axis": ("time", "xyz")}
-    return {name: Column(dims.get(name, ("time",)), v[rows], {"units": "1"}) for name, v in values.items()}
+    return {
+        name: Column(dims.get(name, ("time",)), v[rows], {"units": "1"})
+        for name, v in values.items()
+    }
 
 
 def new(path: Path, of: dict[str, Column], chunk: int = CHUNK) -> Table:
     """An empty table in a new store; `flag` is a late column."""
     path.mkdir()
-    arrays = {f"{GROUP}/{name}": zarr3.array(column, {"time": (0, chunk)}) for name, column in of.items()}
+    arrays = {
+        f"{GROUP}/{name}": zarr3.array(column, {"time": (0, chunk)}) for name, column in of.items()
+    }
     late = [name for name in arrays if name.endswith("flag")]
-    tables = {GROUP: [name for name in arrays if name not in late]} | ({f"{GROUP}-late": late} if late else {})
+    tables = {GROUP: [name for name in arrays if name not in late]} | (
+        {f"{GROUP}-late": late} if late else {}
+    )
     head = ledger.header({}, {GROUP: zarr3.group({}), **arrays}, tables)
     return Table(Ledger.created(path, head), GROUP)
 
@@ -68,7 +81,9 @@ def test_each_chunk_of_a_row_must_be_there(tmp_path: Path) -> None:
     np.testing.assert_array_equal(chunks.rows(array, 1, 3), array[1:3])
     (tmp_path / "a/values/c/1/1").unlink()
     np.testing.assert_array_equal(chunks.rows(array, 0, 2), array[:2])
-    with pytest.raises(StoreError, match="values` must be readable in rows 1 to 3, but: a chunk is missing"):
+    with pytest.raises(
+        StoreError, match="values` must be readable in rows 1 to 3, but: a chunk is missing"
+    ):
         chunks.rows(array, 1, 3)
 
 
@@ -82,8 +97,12 @@ def test_columns_are_kept_with_their_types_names_and_attributes(tmp_path: Path) 
     assert arrays["time"].attrs["units"] == "1"
 
 
-@pytest.mark.parametrize("pieces", [[45], [1] * 45, [8, 8, 8, 8, 8, 5], [7, 0, 38], [40, 5]], ids=str)
-def test_the_files_do_not_depend_on_the_pieces_nor_on_commits(pieces: list[int], tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "pieces", [[45], [1] * 45, [8, 8, 8, 8, 8, 5], [7, 0, 38], [40, 5]], ids=str
+)
+def test_the_files_do_not_depend_on_the_pieces_nor_on_commits(
+    pieces: list[int], tmp_path: Path
+) -> None:
     table, start = new(tmp_path / "a", columns(slice(0, 0))), 0
     for count in pieces:
         append(table, columns(slice(start, start + count)))
@@ -124,7 +143,7 @@ def test_a_damaged_chunk_is_named(harm: str, tmp_path: Path) -> None:
         chunks.rows(axis, 16, 24)
 
 
-# --- reading --------------------------------------------------------------------------------------------------------
+# --- reading ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("rows", [1, 8, 13, 45, 100])
@@ -133,7 +152,9 @@ def test_pieces_make_the_whole(rows: int, tmp_path: Path) -> None:
     found = list(chunks.pieces(tmp_path / "a", "trajectory", ["time", "axis"], rows))
     assert all(set(piece) == {"time", "axis"} for piece in found)
     assert all(len(piece["time"]) == rows for piece in found[:-1])
-    np.testing.assert_array_equal(np.concatenate([piece["axis"] for piece in found]), columns()["axis"].values)
+    np.testing.assert_array_equal(
+        np.concatenate([piece["axis"] for piece in found]), columns()["axis"].values
+    )
 
 
 def test_no_group_is_a_sentence(tmp_path: Path) -> None:
@@ -150,7 +171,10 @@ def test_a_thin_reading_keeps_the_extremes_of_every_bin(
     """No value between two kept rows lies outside the kept values of its neighbourhood."""
     values = np.cumsum(rng.normal(size=count))
     values[count // 3] = np.nan
-    of = {n: Column(("time",), v, {}) for n, v in (("time", np.arange(float(count))), ("value", values))}
+    of = {
+        n: Column(("time",), v, {})
+        for n, v in (("time", np.arange(float(count))), ("value", values))
+    }
     whole(tmp_path / "a", of, 64)
     found = chunks.digest(tmp_path / "a", "trajectory", "value", most)
     rows = found["time"].values.astype(int)

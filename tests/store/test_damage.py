@@ -26,7 +26,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_nothing_warns_of_a_whole_store_and_its_datasets_are_bare_of_what_only_we_need(made: Path) -> None:
+def test_nothing_warns_of_a_whole_store_and_its_datasets_are_bare_of_what_only_we_need(
+    made: Path,
+) -> None:
     """zarr warns of every file that is no member of a hierarchy; a warning fails a test."""
     whole = xr.open_datatree(made, engine="zarr")
     assert set(whole.children) == {"trajectory", "events"}
@@ -78,18 +80,25 @@ def test_a_ledger_that_cannot_be_ours_is_refused(forged: str, store: Path) -> No
     place.write_bytes(whole)
     with pytest.raises(StoreError, match="must be a whole store, but is damaged"):
         root.attributes(store)
-    assert outcome(["resume", str(store), "--until", "0.2"]) in (0, 5)  # what is derived is made again
+    assert outcome(["resume", str(store), "--until", "0.2"]) in (
+        0,
+        5,
+    )  # what is derived is made again
 
 
-@pytest.mark.parametrize("part", ["trajectory/theta/c.0", "trajectory/time", "trajectory/zarr.json", "events"])
+@pytest.mark.parametrize(
+    "part", ["trajectory/theta/c.0", "trajectory/time", "trajectory/zarr.json", "events"]
+)
 def test_what_is_missing_is_named(part: str, store: Path) -> None:
     place = store / part
     shutil.rmtree(place) if place.is_dir() else place.unlink()
-    with pytest.raises(StoreError, match=r"must be a whole store, but is damaged: .*(theta|time|trajectory|events)"):
+    with pytest.raises(
+        StoreError, match=r"must be a whole store, but is damaged: .*(theta|time|trajectory|events)"
+    ):
         root.attributes(store)
 
 
-# --- what ties a store together -------------------------------------------------------------------------------------
+# --- what ties a store together -----------------------------------------------------------------
 
 
 def exchange(one: Path, other: Path) -> None:
@@ -99,11 +108,19 @@ def exchange(one: Path, other: Path) -> None:
 
 
 SEALED: dict[str, Callable[[Path], Any]] = {
-    "chunks of two columns": lambda s: exchange(s / "trajectory/theta/c.0", s / "trajectory/phi/c.0"),
-    "columns": lambda s: [exchange(s / "trajectory/theta" / f, s / "trajectory/phi" / f) for f in ("zarr.json", "c.0")],
-    "a number": lambda s: edited(s / "zarr.json", lambda d: d["attributes"]["parameters"].update(alpha=0.31)),
+    "chunks of two columns": lambda s: exchange(
+        s / "trajectory/theta/c.0", s / "trajectory/phi/c.0"
+    ),
+    "columns": lambda s: [
+        exchange(s / "trajectory/theta" / f, s / "trajectory/phi" / f) for f in ("zarr.json", "c.0")
+    ],
+    "a number": lambda s: edited(
+        s / "zarr.json", lambda d: d["attributes"]["parameters"].update(alpha=0.31)
+    ),
     "a word": lambda s: edited(s / "zarr.json", lambda d: d["attributes"].update(cpu="abacus")),
-    "a unit": lambda s: edited(s / "trajectory/theta/zarr.json", lambda d: d["attributes"].update(units="deg")),
+    "a unit": lambda s: edited(
+        s / "trajectory/theta/zarr.json", lambda d: d["attributes"].update(units="deg")
+    ),
     "a missing column": lambda s: shutil.rmtree(s / "trajectory/theta"),
     "a missing chunk": lambda s: (s / "trajectory/theta/c.0").unlink(),
 }
@@ -123,7 +140,9 @@ def test_a_store_that_is_annotated_is_read(store: Path) -> None:
     assert root.attributes(store)["note"] == 1
 
 
-@pytest.mark.parametrize("place", ["zarr.json", "trajectory/zarr.json", "trajectory/theta/c.0", "trajectory/x"])
+@pytest.mark.parametrize(
+    "place", ["zarr.json", "trajectory/zarr.json", "trajectory/theta/c.0", "trajectory/x"]
+)
 @pytest.mark.parametrize("what", ["pipe", "device", "nowhere", "itself"])
 def test_what_a_reader_would_wait_for_is_refused(what: str, place: str, store: Path) -> None:
     """Before, a pipe was waited for and /dev/zero was read for ever."""
@@ -134,14 +153,18 @@ def test_what_a_reader_would_wait_for_is_refused(what: str, place: str, store: P
     if what == "pipe":
         os.mkfifo(store / place)
     else:
-        (store / place).symlink_to({"device": "/dev/zero", "nowhere": "nowhere", "itself": store}[what])
+        (store / place).symlink_to(
+            {"device": "/dev/zero", "nowhere": "nowhere", "itself": store}[what]
+        )
     assert outcome(["info", str(store)]) == 5
 
 
 def test_an_unfinished_surface_with_a_folder_for_a_document_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = f"surface inverting --D=-1e-4:1e-4:4 --lambda=0:1e-5:3 --out {tmp_path / 'F.zarr'}".split()
+    words = (
+        f"surface inverting --D=-1e-4:1e-4:4 --lambda=0:1e-5:3 --out {tmp_path / 'F.zarr'}".split()
+    )
     assert outcome(words) == 0
     with ledger.Ledger.opened(tmp_path / "F.zarr") as store:
         store.forget(["surface/0.0"])

@@ -1,4 +1,6 @@
-"""Every operation on the disk fails, or is the last one: what was acknowledged is there, and can be continued."""
+"""Every operation on the disk fails, or is the last one: what was acknowledged is there, and can be
+continued.
+"""
 
 import contextlib
 import shutil
@@ -90,7 +92,9 @@ class Target(NamedTuple):
 TARGETS = {
     "run": Target(run, resume),
     "extend": Target(extend, extend, run),
-    "overwrite": Target(lambda p: run(p, overwrite=True), lambda p: run(p, overwrite=True), surface, refused),
+    "overwrite": Target(
+        lambda p: run(p, overwrite=True), lambda p: run(p, overwrite=True), surface, refused
+    ),
     "sweep": Target(sweep, sweep),
     "surface": Target(surface, surface),
     "replay": Target(replayed, replayed),
@@ -124,14 +128,21 @@ def extent(state: Any) -> int:
 
 @contextlib.contextmanager
 def quietly() -> Iterator[None]:
-    """A block in which scratch folders of killed processes are removed without a warning that fails the test."""
+    """A block in which scratch folders of killed processes are removed without a warning that fails
+    the test.
+    """
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*a killed run")
         yield
 
 
 def campaign(
-    target: Target, ways: tuple[str, ...], most: int, known: list[int], folder: Path, monkeypatch: pytest.MonkeyPatch
+    target: Target,
+    ways: tuple[str, ...],
+    most: int,
+    known: list[int],
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> int:
     """Faults at operations spread over all, at most this many of each way; their number."""
     root = folder / "disk"
@@ -186,7 +197,11 @@ def test_what_was_acknowledged_survives_a_fault_anywhere(
 
 @pytest.mark.parametrize("left_out", ["ledger", "names", "place"])
 def test_a_sync_that_is_left_out_is_found(
-    left_out: str, small: None, acknowledged: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    left_out: str,
+    small: None,
+    acknowledged: list[int],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The campaign can fail: of the ledger, of the names in a store, of the name of the store."""
     sync_one = Folder.sync_one

@@ -1,4 +1,6 @@
-"""Files and folders appear whole or not at all; nothing is replaced that nobody asked to replace."""
+"""Files and folders appear whole or not at all; nothing is replaced that nobody asked
+to replace.
+"""
 
 import contextlib
 import errno
@@ -23,7 +25,9 @@ class Stop(Exception):
 def made_store(path: Path, title: str = "old") -> Path:
     """A store of ours with nothing in it."""
     with new_store(path) as scratch:
-        Ledger.created(scratch, ledger.header({**provenance.provenance(), "title": title}, {}, {})).release()
+        Ledger.created(
+            scratch, ledger.header({**provenance.provenance(), "title": title}, {}, {})
+        ).release()
     return path
 
 
@@ -31,7 +35,7 @@ def content(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-# --- files ----------------------------------------------------------------------------------------------------------
+# --- files ----------------------------------------------------------------------------------------
 
 
 def killed(code: str) -> bool:
@@ -44,7 +48,7 @@ def killed(code: str) -> bool:
 def test_a_file_is_replaced_whole_or_not_at_all(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
     path.write_text("old")
-    with pytest.raises(Stop), files.replacing(path) as scratch:  # noqa: PT012
+    with pytest.raises(Stop), files.replacing(path) as scratch:
         scratch.write_text("half")
         raise Stop
     assert path.read_text() == "old"
@@ -56,11 +60,17 @@ def test_a_file_is_replaced_whole_or_not_at_all(tmp_path: Path) -> None:
 
 def test_a_file_that_came_meanwhile_is_not_replaced(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
-    with pytest.raises(StoreError, match="must not exist yet"), files.replacing(path, overwrite=False) as scratch:  # noqa: PT012
+    with (
+        pytest.raises(StoreError, match="must not exist yet"),
+        files.replacing(path, overwrite=False) as scratch,
+    ):
         scratch.write_text("mine")
         path.write_text("yours")
     assert path.read_text() == "yours"
-    with pytest.raises(StoreError, match="must not exist yet"), files.replacing(path, overwrite=False):
+    with (
+        pytest.raises(StoreError, match="must not exist yet"),
+        files.replacing(path, overwrite=False),
+    ):
         pass
     assert content(tmp_path) == ["a.csv"]
 
@@ -71,7 +81,11 @@ def test_a_link_is_replaced_and_not_what_it_points_to(tmp_path: Path) -> None:
     path.symlink_to(elsewhere)
     with files.replacing(path) as scratch:
         scratch.write_text("new")
-    assert (elsewhere.read_text(), path.read_text(), path.is_symlink()) == ("precious", "new", False)
+    assert (elsewhere.read_text(), path.read_text(), path.is_symlink()) == (
+        "precious",
+        "new",
+        False,
+    )
 
 
 def test_only_a_file_is_overwritten(tmp_path: Path) -> None:
@@ -79,27 +93,32 @@ def test_only_a_file_is_overwritten(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     for path in (pipe, tmp_path, Path(), Path("/")):
-        with pytest.raises(StoreError, match=r"must be (a file|the name of a file)"), files.replacing(path):
+        with (
+            pytest.raises(StoreError, match=r"must be (a file|the name of a file)"),
+            files.replacing(path),
+        ):
             pass
     assert stat.S_ISFIFO(os.lstat(pipe).st_mode)
     assert list(tmp_path.iterdir()) == [pipe]
 
 
 def test_a_disk_that_fails_is_one_sentence(tmp_path: Path) -> None:
-    with pytest.raises(StoreError, match=r"^`a` must be writable, but: No space left on device. Buy one.$"):  # noqa: SIM117
+    with pytest.raises(
+        StoreError, match=r"^`a` must be writable, but: No space left on device. Buy one.$"
+    ):
         with files.writing("a", "Buy one."):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     with pytest.raises(StoreError, match=r"^as it was$"), files.writing("a"):
         raise StoreError("as it was")
 
 
-# --- folders --------------------------------------------------------------------------------------------------------
+# --- folders --------------------------------------------------------------------------------------
 
 
 def test_of_two_that_make_one_store_the_first_wins_and_the_second_is_told(tmp_path: Path) -> None:
     """Both began when there was none."""
     path = tmp_path / "S.zarr"
-    with pytest.raises(StoreError, match="must not exist yet"), new_store(path) as scratch:  # noqa: PT012
+    with pytest.raises(StoreError, match="must not exist yet"), new_store(path) as scratch:
         (scratch / "second").write_text("")
         made_store(path, "first")
     assert '"title": "first"' in (path / "zarr.json").read_text()
@@ -123,7 +142,10 @@ def test_what_a_killed_overwrite_leaves_beside_a_store_goes_with_the_next(tmp_pa
     others = [tmp_path / name for name in (".S.zarr.part-mine", ".T.zarr.part-" + "0" * 32)]
     for other in others:
         other.mkdir()
-    with pytest.warns(UserWarning, match="a killed run left it") as warned, new_store(path, overwrite=True) as scratch:
+    with (
+        pytest.warns(UserWarning, match="a killed run left it") as warned,
+        new_store(path, overwrite=True) as scratch,
+    ):
         (scratch / "new").write_text("")
     assert [str(w.message) for w in warned] == [f"`{stale}` is removed: a killed run left it."]
     assert sorted(tmp_path.iterdir()) == sorted([path, *others])
@@ -144,7 +166,7 @@ def test_what_another_process_is_making_is_not_stale(tmp_path: Path) -> None:
 
 def test_a_block_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
     path = made_store(tmp_path / "S.zarr")
-    with pytest.raises(Stop), new_store(path, overwrite=True) as scratch:  # noqa: PT012
+    with pytest.raises(Stop), new_store(path, overwrite=True) as scratch:
         (scratch / "half").write_text("")
         raise Stop
     assert content(path) == [LEDGER, "zarr.json"]
@@ -157,7 +179,10 @@ def test_a_block_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
 
 def test_a_store_that_is_being_written_is_not_overwritten(tmp_path: Path) -> None:
     path = made_store(tmp_path / "S.zarr")
-    with Ledger.opened(path), pytest.raises(StoreError, match=rf"process {os.getpid()} on .* is writing it"):  # noqa: SIM117
+    with (
+        Ledger.opened(path),
+        pytest.raises(StoreError, match=rf"process {os.getpid()} on .* is writing it"),
+    ):
         with new_store(path, overwrite=True):
             pass
     assert content(path) == [LEDGER, "zarr.json"]
@@ -184,7 +209,7 @@ def test_a_link_is_no_place_for_a_store(tmp_path: Path) -> None:
         pass
 
 
-# --- the lock -------------------------------------------------------------------------------------------------------
+# --- the lock -------------------------------------------------------------------------------------
 
 
 def test_a_killed_holder_leaves_a_free_lock(tmp_path: Path) -> None:
@@ -242,14 +267,16 @@ with replacing(Path({path!r})) as scratch:
 
 
 @pytest.mark.parametrize("there", [False, True])
-def test_what_a_killed_writer_of_a_file_leaves_goes_with_the_next(there: bool, tmp_path: Path) -> None:
+def test_what_a_killed_writer_of_a_file_leaves_goes_with_the_next(
+    there: bool, tmp_path: Path
+) -> None:
     """Before, it stayed for ever; also where the next is refused because the file is there."""
     path = tmp_path / "a.csv"
     assert killed(KILLED_EXPORT.format(path=str(path)))
     (stale,) = tmp_path.iterdir()
     if there:
         path.write_text("whole")
-    with pytest.warns(UserWarning, match=f"{stale.name}` is removed: a killed run left it"):  # noqa: SIM117
+    with pytest.warns(UserWarning, match=f"{stale.name}` is removed: a killed run left it"):
         with contextlib.suppress(StoreError), files.replacing(path, overwrite=False) as scratch:
             scratch.write_text("whole")
     assert path.read_text() == "whole"
@@ -266,7 +293,7 @@ def test_a_file_that_another_process_is_writing_is_not_stale(tmp_path: Path) -> 
     assert path.read_text() == "mine"
 
 
-# --- what a user names ----------------------------------------------------------------------------------------------
+# --- what a user names ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["zarr.json", "time/x.csv", "new.zarr"])
@@ -277,9 +304,15 @@ def test_no_target_lies_in_a_store(name: str, tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(store)
     before = (store / "zarr.json").read_bytes()
     for place in (store, tmp_path / "link", store / ".." / "a.zarr"):
-        with pytest.raises(StoreError, match="must lie outside of every store"), files.replacing(place / name):
+        with (
+            pytest.raises(StoreError, match="must lie outside of every store"),
+            files.replacing(place / name),
+        ):
             raise AssertionError
-        with pytest.raises(StoreError, match="must lie outside of every store"), new_store(place / name):
+        with (
+            pytest.raises(StoreError, match="must lie outside of every store"),
+            new_store(place / name),
+        ):
             raise AssertionError
     assert content(store) == [LEDGER, "time", "zarr.json"]
     assert (store / "zarr.json").read_bytes() == before

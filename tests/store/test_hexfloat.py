@@ -16,7 +16,9 @@ def through_json(value: object) -> object:
 
 def same(one: object, other: object) -> bool:
     """Equal, and of one sign where zero; NaN is NaN."""
-    return np.float64(one).tobytes() == np.float64(other).tobytes() or (np.isnan(one) and np.isnan(other))
+    return np.float64(one).tobytes() == np.float64(other).tobytes() or (
+        np.isnan(one) and np.isnan(other)
+    )
 
 
 @given(st.floats())
@@ -52,6 +54,8 @@ def test_a_tree_comes_back_as_it_was(tree: object) -> None:
 
 
 def test_arrays_come_back_as_lists() -> None:
-    found = hexfloat.decode(through_json({"state": np.array([[0.1, 1e-310], [-0.0, 2.0]]), "n": np.int64(3)}))
+    found = hexfloat.decode(
+        through_json({"state": np.array([[0.1, 1e-310], [-0.0, 2.0]]), "n": np.int64(3)})
+    )
     assert found == {"state": [[0.1, 1e-310], [0.0, 2.0]], "n": 3}
     assert np.signbit(found["state"][1][0])

@@ -1,4 +1,6 @@
-"""The ledger under faults: what was acknowledged is found again, and finished stores are those of undisturbed runs."""
+"""The ledger under faults: what was acknowledged is found again, and finished stores are those of
+undisturbed runs.
+"""
 
 import json
 import random
@@ -22,7 +24,11 @@ from tippetop.store.table import Table
 CHUNK, STEPS, PLACE = 8, 45, Path("store")
 COLUMNS: dict[str, dict[str, np.ndarray]] = {
     "trajectory": {"time": np.zeros(0), "theta": np.zeros(0), "axis": np.zeros((0, 3))},
-    "events": {"time": np.zeros(0), "kind": np.zeros(0, np.int16), "significant": np.zeros(0, bool)},
+    "events": {
+        "time": np.zeros(0),
+        "kind": np.zeros(0, np.int16),
+        "significant": np.zeros(0, bool),
+    },
 }
 
 
@@ -34,12 +40,17 @@ def header() -> dict[str, Any]:
         for name, empty in columns.items():
             column = Column((group, *["xyz"] * (empty.ndim - 1)), empty, {"units": "1"})
             members[f"{group}/{name}"] = zarr3.array(column, {group: (0, CHUNK)})
-            tables.setdefault("events-late" if name == "significant" else group, []).append(f"{group}/{name}")
+            tables.setdefault("events-late" if name == "significant" else group, []).append(
+                f"{group}/{name}"
+            )
     return ledger.header({"status": "running"}, members, tables)
 
 
 class Toy:
-    """A run that is made of its state: a counter and a number. It commits where `commits` says so."""
+    """A run that is made of its state: a counter and a number.
+
+    It commits where `commits` says so.
+    """
 
     def __init__(self, store: Ledger):
         self.store, self.i, self.h = store, 0, 1.0
@@ -65,10 +76,16 @@ class Toy:
 
     def commit(self) -> None:
         parts = {name: table.tail() for name, table in self.tables.items()}
-        state = {"i": self.i, "h": self.h, "tables": {name: about for name, (about, _) in parts.items()}}
+        state = {
+            "i": self.i,
+            "h": self.h,
+            "tables": {name: about for name, (about, _) in parts.items()},
+        }
         tail = json.dumps(state).encode() + b"\n" + b"".join(data for _, data in parts.values())
         self.store.commit(tail, rows=self.rows())
-        self.store.derive({name: data for table in self.tables.values() for name, data in table.derived().items()})
+        self.store.derive(
+            {name: data for table in self.tables.values() for name, data in table.derived().items()}
+        )
 
     def rows(self) -> dict[str, int]:
         return {key: rows for table in self.tables.values() for key, rows in table.counts().items()}
@@ -79,8 +96,12 @@ class Toy:
         self.store.finish({"status": "finished"}, rows=self.rows(), end={"h": self.h})
 
 
-def go(folder: Folder, place: Path, chance: random.Random, note: Callable[[int], None] = lambda _: None) -> None:
-    """Begin or continue a toy run, and finish it; `note` is called with the steps that are acknowledged."""
+def go(
+    folder: Folder, place: Path, chance: random.Random, note: Callable[[int], None] = lambda _: None
+) -> None:
+    """Begin or continue a toy run, and finish it; `note` is called with the steps that are
+    acknowledged.
+    """
     try:
         store = Ledger.opened(place, folder)
     except FileNotFoundError:
@@ -116,12 +137,19 @@ def undisturbed() -> ModelFolder:
 
 
 def disturbed(kind: str, at: int, seed: int, wanted: dict[str, bytes]) -> None:
-    """A run with a fault at one operation, continued, perhaps with more faults, until it is finished."""
+    """A run with a fault at one operation, continued, perhaps with more faults, until it is
+    finished.
+    """
     chance, folder, known = random.Random(1000 * at + seed), ModelFolder(), [0]
     folder.random, folder.fault = chance, (kind, at)
     for attempt in range(40):
         try:
-            go(folder, PLACE, random.Random(1 if not attempt else attempt + seed), lambda i: known.append(i))
+            go(
+                folder,
+                PLACE,
+                random.Random(1 if not attempt else attempt + seed),
+                lambda i: known.append(i),
+            )
             break
         except PowerLost:
             folder.crash(chance.randrange(10**6))
@@ -129,7 +157,9 @@ def disturbed(kind: str, at: int, seed: int, wanted: dict[str, bytes]) -> None:
             folder.again()
             if chance.random() < 0.5:
                 folder.crash(chance.randrange(10**6))
-        assert steps_in(folder) >= max(known), f"{kind} at {at}: {max(known)} steps were acknowledged"
+        assert steps_in(folder) >= max(known), (
+            f"{kind} at {at}: {max(known)} steps were acknowledged"
+        )
         if LEDGER not in folder.now:  # it was never renamed to its place
             folder = ModelFolder()
         if chance.random() < 0.4 and attempt < 6:
@@ -146,7 +176,9 @@ def disturbed(kind: str, at: int, seed: int, wanted: dict[str, bytes]) -> None:
 def campaign(kinds: tuple[str, ...], stride: int, seeds: int) -> int:
     """Faults at every operation; their number."""
     calm = undisturbed()
-    cases = [(k, at, s) for k in kinds for at in range(1, calm.count + 1, stride) for s in range(seeds)]
+    cases = [
+        (k, at, s) for k in kinds for at in range(1, calm.count + 1, stride) for s in range(seeds)
+    ]
     for case in cases:
         disturbed(*case, calm.tree())
     return len(cases)
@@ -171,10 +203,16 @@ def test_a_sync_that_is_left_out_is_found(left_out: str, monkeypatch: pytest.Mon
             sync_one(folder, name)
 
     def none(folder: ModelFolder) -> None:
-        folder.unsynced = {name for name in folder.unsynced if not name.rpartition("/")[2].startswith(("c.", "tail"))}
+        folder.unsynced = {
+            name
+            for name in folder.unsynced
+            if not name.rpartition("/")[2].startswith(("c.", "tail"))
+        }
         synced(folder)
 
-    monkeypatch.setattr(ModelFolder, *(("sync", none) if left_out == "data" else ("sync_one", less)))
+    monkeypatch.setattr(
+        ModelFolder, *(("sync", none) if left_out == "data" else ("sync_one", less))
+    )
     with pytest.raises((AssertionError, StoreError, FileNotFoundError)):
         campaign(("power",), stride=3, seeds=2)
 
@@ -182,7 +220,9 @@ def test_a_sync_that_is_left_out_is_found(left_out: str, monkeypatch: pytest.Mon
 def test_a_store_on_a_real_disk_is_that_of_the_model_and_xarray_reads_it(tmp_path: Path) -> None:
     go(Folder(tmp_path), tmp_path, random.Random(5))
     wanted = undisturbed().tree()
-    assert {str(p.relative_to(tmp_path)): p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()} == wanted
+    assert {
+        str(p.relative_to(tmp_path)): p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()
+    } == wanted
     table = xr.open_zarr(tmp_path, group="trajectory").load()
     np.testing.assert_array_equal(table["time"], np.arange(1, STEPS + 1) / 1000)
     assert ledger.read(tmp_path).attributes["status"] == "finished"
@@ -201,7 +241,10 @@ def test_rows_of_an_unfinished_store_are_read(tmp_path: Path) -> None:
 
 
 def test_a_second_writer_is_told_of_the_first(tmp_path: Path) -> None:
-    with Ledger.created(tmp_path, header()), pytest.raises(StoreError, match=r"one writer, but process \d+ on"):
+    with (
+        Ledger.created(tmp_path, header()),
+        pytest.raises(StoreError, match=r"one writer, but process \d+ on"),
+    ):
         Ledger.opened(tmp_path)
     Ledger.opened(tmp_path).release()
 
@@ -220,8 +263,12 @@ DAMAGES: dict[str, Callable[[Path], object]] = {
     "a chunk cut": lambda s: cut(s / "trajectory/theta/c.1"),
     "chunks exchanged": lambda s: exchange(s / "trajectory/theta/c.1", s / "trajectory/time/c.1"),
     "a document": lambda s: (s / "trajectory/theta/zarr.json").write_text("{}"),
-    "a record": lambda s: (s / LEDGER).write_bytes((s / LEDGER).read_bytes().replace(b'"end":{"h":', b'"end":{"h":1')),
-    "the header": lambda s: (s / LEDGER).write_bytes((s / LEDGER).read_bytes().replace(b"running", b"runnin9")),
+    "a record": lambda s: (s / LEDGER).write_bytes(
+        (s / LEDGER).read_bytes().replace(b'"end":{"h":', b'"end":{"h":1')
+    ),
+    "the header": lambda s: (s / LEDGER).write_bytes(
+        (s / LEDGER).read_bytes().replace(b"running", b"runnin9")
+    ),
     "no ledger": lambda s: (s / LEDGER).write_bytes(b""),
     "a further array": lambda s: exchange(s / "trajectory/theta", s / "trajectory/more"),
 }

@@ -22,7 +22,9 @@ def made(path: Path, **more: object) -> Path:
     words = {"content": "potential", "title": "a top", "system": "tippe-top", "parameters": {}}
     column = Column(("time",), np.arange(3.0), {})
     members = {"potential": zarr3.group({}), "potential/time": zarr3.array(column, {})}
-    head = ledger.header({**words, **provenance.provenance(), **more}, members, {"potential": ["potential/time"]})
+    head = ledger.header(
+        {**words, **provenance.provenance(), **more}, members, {"potential": ["potential/time"]}
+    )
     with root.new_store(path) as scratch, Ledger.created(scratch, head) as store:
         store.put("potential/0", {"time": column.values})
         store.finish({"status": "finished"})
@@ -31,7 +33,14 @@ def made(path: Path, **more: object) -> Path:
 
 @pytest.mark.parametrize(
     "value",
-    [np.float64("nan"), float("inf"), np.float32(-np.inf), {"a": [1.0, (float("nan"), np.int64(3))]}, None, "text"],
+    [
+        np.float64("nan"),
+        float("inf"),
+        np.float32(-np.inf),
+        {"a": [1.0, (float("nan"), np.int64(3))]},
+        None,
+        "text",
+    ],
 )
 def test_attributes_are_plain_json(value: object) -> None:
     """Numbers that are not finite become null; no NaN, which JSON does not know."""
@@ -61,7 +70,9 @@ def test_what_is_not_ours_is_refused(tmp_path: Path) -> None:
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "zarr.json").write_text("{")
     for name in ("folder", "file", "zarr", "broken", "nowhere"):
-        must = {"file": "is a file, not a store", "nowhere": "does not exist"}.get(name, "must be a store of tippetop")
+        must = {"file": "is a file, not a store", "nowhere": "does not exist"}.get(
+            name, "must be a store of tippetop"
+        )
         with pytest.raises(StoreError, match=f"{name}` {must}"):
             root.attributes(tmp_path / name)
 
@@ -96,7 +107,7 @@ def test_a_group_is_a_dataset_with_the_attributes_of_the_store(tmp_path: Path) -
         root.open_group(path, "events")
 
 
-# --- how a new one comes to be --------------------------------------------------------------------------------------
+# --- how a new one comes to be ------------------------------------------------------------------
 
 
 class Stop(Exception):
@@ -121,7 +132,9 @@ def test_a_new_store_appears_whole_or_not_at_all(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_an_existing_store_is_replaced_only_when_asked_and_only_by_a_whole_one(tmp_path: Path) -> None:
+def test_an_existing_store_is_replaced_only_when_asked_and_only_by_a_whole_one(
+    tmp_path: Path,
+) -> None:
     target = made(tmp_path / "a.zarr", title="old")
     with pytest.raises(StoreError, match="must not exist yet"):
         stopped(target)

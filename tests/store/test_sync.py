@@ -1,4 +1,6 @@
-"""What a power failure may not undo: in which order things reach the disk, and what a failing disk leaves."""
+"""What a power failure may not undo: in which order things reach the disk, and what a failing disk
+leaves.
+"""
 
 import errno
 import os

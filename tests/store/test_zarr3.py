@@ -1,4 +1,6 @@
-"""Zarr v3 written directly: what zarr writes from the same columns is the same, and each reads what the other wrote."""
+"""Zarr v3 written directly: what zarr writes from the same columns is the same, and each reads what
+the other wrote.
+"""
 
 import json
 from pathlib import Path
@@ -20,9 +22,13 @@ KINDS = ("float64", "bool", "int8", "int16", "int32", "int64")
 
 
 def columns(rng: np.random.Generator) -> dict[str, Column]:
-    """Columns of every type that a store has, of one to three dimensions, transposed ones among them."""
+    """Columns of every type that a store has, of one to three dimensions, transposed ones among
+    them.
+    """
     words = {"units": "kg m2", "long_name": "θ of a row", "flag_values": [0, 1], "weight": 0.1}
-    table = {kind: Column(("time",), rng.integers(0, 2, ROWS).astype(kind), words) for kind in KINDS}
+    table = {
+        kind: Column(("time",), rng.integers(0, 2, ROWS).astype(kind), words) for kind in KINDS
+    }
     vectors = np.asfortranarray(rng.normal(size=(ROWS, 3)))
     return table | {
         "vector": Column(("time", "xyz"), vectors, {}),
@@ -41,7 +47,9 @@ def directly(path: Path, table: dict[str, Column]) -> None:
         folder.mkdir(f"group/{name}")
         for k in range(-(-ROWS // CHUNK)):
             values = column.values[k * CHUNK : (k + 1) * CHUNK]
-            folder.write(f"group/{name}/{zarr3.chunk_name(document, k)}", zarr3.encode(values, document))
+            folder.write(
+                f"group/{name}/{zarr3.chunk_name(document, k)}", zarr3.encode(values, document)
+            )
     for name, document in members.items():
         folder.write(f"{name}/zarr.json", zarr3.dump(document))
     folder.write("zarr.json", zarr3.dump(zarr3.group({"title": "a store"}, members)))
@@ -49,7 +57,10 @@ def directly(path: Path, table: dict[str, Column]) -> None:
 
 def by_zarr(path: Path, table: dict[str, Column]) -> None:
     """Write the same store with zarr."""
-    codecs: list[Any] = [zarr.codecs.BloscCodec(cname="lz4", clevel=1, shuffle="shuffle"), zarr.codecs.Crc32cCodec()]
+    codecs: list[Any] = [
+        zarr.codecs.BloscCodec(cname="lz4", clevel=1, shuffle="shuffle"),
+        zarr.codecs.Crc32cCodec(),
+    ]
     root = zarr.open_group(path, mode="w", zarr_format=3, attributes={"title": "a store"})
     group = root.create_group("group")
     with zarr.config.set({"array.write_empty_chunks": True}):
@@ -77,7 +88,9 @@ def written(tmp_path: Path, rng: np.random.Generator) -> dict[str, Column]:
     return table
 
 
-def test_chunks_are_those_of_zarr_and_documents_are_equal(written: dict[str, Column], tmp_path: Path) -> None:
+def test_chunks_are_those_of_zarr_and_documents_are_equal(
+    written: dict[str, Column], tmp_path: Path
+) -> None:
     ours, theirs = files(tmp_path / "ours"), files(tmp_path / "zarr")
     assert ours.keys() == theirs.keys()
     for name in ours.keys() - {"zarr.json"}:
@@ -88,7 +101,9 @@ def test_chunks_are_those_of_zarr_and_documents_are_equal(written: dict[str, Col
 
 
 @pytest.mark.filterwarnings("error")
-def test_xarray_and_zarr_read_it_without_a_keyword(written: dict[str, Column], tmp_path: Path) -> None:
+def test_xarray_and_zarr_read_it_without_a_keyword(
+    written: dict[str, Column], tmp_path: Path
+) -> None:
     found = xr.open_zarr(tmp_path / "ours", group="group").load()
     root: Any = zarr.open_group(tmp_path / "ours", mode="r")
     assert set(found.variables) == set(root["group"].keys()) == written.keys()

@@ -11,7 +11,9 @@ from tippetop.errors import StoreError
 from tippetop.store.root import RUNS
 
 
-def test_a_group_of_runs_whose_document_is_damaged_is_described_again(file: Path, whole: Path, tmp_path: Path) -> None:
+def test_a_group_of_runs_whose_document_is_damaged_is_described_again(
+    file: Path, whole: Path, tmp_path: Path
+) -> None:
     store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
     (store / RUNS / "zarr.json").write_bytes(b"\x02\x01\x33\x08 no metadata")
     with pytest.raises(StoreError, match=RUNS):
@@ -20,9 +22,13 @@ def test_a_group_of_runs_whose_document_is_damaged_is_described_again(file: Path
     assert_same(store, whole)
 
 
-def test_a_run_of_another_top_is_not_taken_for_one_of_the_plan(file: Path, whole: Path, tmp_path: Path) -> None:
-    """Exchanged, or continued to another end: each is sound, and not what the plan makes. A folder that is gone is
-    made again."""
+def test_a_run_of_another_top_is_not_taken_for_one_of_the_plan(
+    file: Path, whole: Path, tmp_path: Path
+) -> None:
+    """Exchanged, or continued to another end: each is sound, and not what the plan makes.
+
+    A folder that is gone is made again.
+    """
     store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
     with pytest.raises(StoreError, match="must lie outside of every store"):
         tippetop.resume(store / RUNS / "5", until=1.0)

@@ -1,4 +1,6 @@
-"""The tops of a sweep as numbers: the product of the grid's axes, and of the sample, which is fastest."""
+"""The tops of a sweep as numbers: the product of the grid's axes, and of the sample, which is
+fastest.
+"""
 
 import itertools
 
@@ -29,7 +31,9 @@ def test_the_sample_is_repeated_at_every_point_of_the_grid(method: str) -> None:
     design = Design((EVEN, SLOW, LOG, FAST), Sample(method, 8, seed=3))
     assert list(design.sizes.items()) == [("slow", 2), ("fast", 3), ("sample", 8)]
     assert design.n == 48
-    numbers = {key: values.reshape(2, 3, 8) for key, values in design.numbers(np.arange(48)).items()}
+    numbers = {
+        key: values.reshape(2, 3, 8) for key, values in design.numbers(np.arange(48)).items()
+    }
     assert list(numbers) == ["even", "slow", "log", "fast"]
     for drawn in ("even", "log"):
         assert np.all(numbers[drawn] == numbers[drawn][0, 0])
@@ -50,14 +54,18 @@ def test_some_tops_are_those_of_all(method: str, rng: np.random.Generator) -> No
 
 @pytest.mark.parametrize("method", METHODS)
 def test_points_lie_in_the_range_and_spread_over_it(method: str) -> None:
-    """Means and variances of uniform numbers, in the logarithm where that is asked; six standard deviations."""
+    """Means and variances of uniform numbers, in the logarithm where that is asked; six standard
+    deviations.
+    """
     n = 1024
     numbers = Design((EVEN, LOG), Sample(method, n, seed=2)).numbers(np.arange(n))
     for axis, unit in (
         (EVEN, (numbers["even"] + 1) / 4),
         (LOG, (np.log10(numbers["log"]) + 3) / 5),
     ):
-        assert np.all((numbers[axis.key] >= axis.between[0]) & (numbers[axis.key] <= axis.between[1]))
+        assert np.all(
+            (numbers[axis.key] >= axis.between[0]) & (numbers[axis.key] <= axis.between[1])
+        )
         assert np.mean(unit) == pytest.approx(0.5, abs=6 / np.sqrt(12 * n))
         assert np.var(unit) == pytest.approx(1 / 12, abs=6 / np.sqrt(180 * n))
     assert abs(np.corrcoef(numbers["even"], np.log(numbers["log"]))[0, 1]) < 6 / np.sqrt(n)

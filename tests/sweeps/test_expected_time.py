@@ -1,4 +1,6 @@
-"""The time that a sweep will take is measured: tops of it are run, and what they made stands for the rest."""
+"""The time that a sweep will take is measured: tops of it are run, and what they made stands for
+the rest.
+"""
 
 import itertools
 from typing import Any
@@ -20,12 +22,15 @@ OMEGA = {"of": "initial.omega3", "linspace": [100.0, 175.0]}
 
 def lanes(n: int, until: float = 0.3, **more: Any) -> Plan:
     return Plan.from_tables(
-        {"scenario": "inverting", "axis": [OMEGA | {"n": n}], "set": {"run": {"until": until}}} | more
+        {"scenario": "inverting", "axis": [OMEGA | {"n": n}], "set": {"run": {"until": until}}}
+        | more
     )
 
 
 def bouncing(*omegas: float) -> Plan:
-    return Plan.from_tables({"scenario": BOUNCE, "axis": [{"of": "initial.omega3", "values": list(omegas)}]})
+    return Plan.from_tables(
+        {"scenario": BOUNCE, "axis": [{"of": "initial.omega3", "values": list(omegas)}]}
+    )
 
 
 class Steps:
@@ -46,8 +51,12 @@ class Steps:
 
 
 @pytest.mark.parametrize("until", [0.3, 3.0])
-def test_the_steps_of_some_stand_for_those_of_all(until: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """On a clock that counts steps, a short sweep is measured whole and a long one by its beginning."""
+def test_the_steps_of_some_stand_for_those_of_all(
+    until: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On a clock that counts steps, a short sweep is measured whole and a long one by its
+    beginning.
+    """
     plan = lanes(24, until)
     whole = ensemble.measure(ensemble.vary(plan.base, plan.columns(np.arange(24)))).steps_made
     clock = Steps(monkeypatch)
@@ -58,7 +67,9 @@ def test_the_steps_of_some_stand_for_those_of_all(until: float, monkeypatch: pyt
 
 
 def test_tops_that_cannot_be_take_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    plan = Plan.from_tables({"scenario": "inverting", "axis": [{"of": "parameters.m", "values": [-1.0, -2.0]}]})
+    plan = Plan.from_tables(
+        {"scenario": "inverting", "axis": [{"of": "parameters.m", "values": [-1.0, -2.0]}]}
+    )
     found = measuring.measured(plan, Steps(monkeypatch))
     assert (found["tops_measured"], found["core_seconds"]) == (0, measuring.WRITING)
 
@@ -90,7 +101,14 @@ def test_chunks_of_bouncing_tops_are_small() -> None:
 def test_the_contact_of_a_sweep_is_told() -> None:
     base = {"contact": {"restitution": "energetic", "e_n": 0.5}, "stem": {"r": 0.005, "h": 0.013}}
     facts: dict[str, Any] = {
-        **{"status": "finished", "tops": 1, "tops_done": 1, "chunks": {"done": 1}, "dimensions": ["a"], "shape": [1]},
+        **{
+            "status": "finished",
+            "tops": 1,
+            "tops_done": 1,
+            "chunks": {"done": 1},
+            "dimensions": ["a"],
+            "shape": [1],
+        },
         **{"counts": {}, "drift": {}, "runs": [], "faults": [], "failed": {}, "versions": {}},
         "plan": {"axis": [], "scenario": base},
     }
@@ -103,7 +121,14 @@ def test_the_contact_of_a_sweep_is_told() -> None:
 def test_a_sweep_without_an_ended_top_has_no_drift() -> None:
     """Before, its line was `: relative, worst of all tops`."""
     facts: dict[str, Any] = {
-        **{"status": "running", "tops": 1, "tops_done": 0, "chunks": {"todo": 1}, "dimensions": ["a"], "shape": [1]},
+        **{
+            "status": "running",
+            "tops": 1,
+            "tops_done": 0,
+            "chunks": {"todo": 1},
+            "dimensions": ["a"],
+            "shape": [1],
+        },
         **{"counts": {}, "runs": [], "faults": [], "failed": {}, "versions": {}},
         **{"plan": {"axis": [], "scenario": {}}, "drift": {"drift_energy": None}},
     }

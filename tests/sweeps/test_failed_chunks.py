@@ -28,7 +28,9 @@ def test_an_error_is_one_sentence_without_its_end(error: Exception, sentence: st
 
 
 def test_a_chunk_that_fails_does_not_stop_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Chunks come back in order with their columns or a sentence; they are computed one at a time, when asked for."""
+    """Chunks come back in order with their columns or a sentence; they are computed one at a time,
+    when asked for.
+    """
     begun: list[int] = []
 
     def compute(task: Any, threads: int) -> dict[str, np.ndarray]:

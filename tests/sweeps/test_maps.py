@@ -24,7 +24,9 @@ from tippetop.sweeps.summary import open_sweep
 AXIS = {"of": "friction.mu", "geomspace": [0.1, 1.0]}
 
 
-def test_the_commands_know_a_sweep(whole: Path, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_commands_know_a_sweep(
+    whole: Path, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert outcome(["check", str(file), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["tops"], found["chunks"], found["tops_per_chunk"]) == (24, 4, 7)
@@ -65,7 +67,9 @@ def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
     places = {to: tmp_path / f"S.{to}" for to in ("netcdf", "csv", "parquet")}
     for to, place in places.items():
         assert outcome(["export", str(whole), "--to", to, "--out", str(place)]) == 0
-    with xr.open_dataset(places["netcdf"], group="sweep", engine="h5netcdf", decode_timedelta=False) as found:
+    with xr.open_dataset(
+        places["netcdf"], group="sweep", engine="h5netcdf", decode_timedelta=False
+    ) as found:
         for name in table.variables:
             assert found[name].values.tobytes() == table[name].values.tobytes()
     text = pd.read_csv(places["csv"], dtype=str)
@@ -77,7 +81,21 @@ def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
             table["class"].attrs["flag_meanings"].split()[i] for i in table["class"].values
         ]
         np.testing.assert_array_equal(frame["final_Lz"].astype(float), table["final_Lz"])
-    assert outcome(["export", str(whole), "--to", "csv", "--out", str(tmp_path / "E.csv"), "--group", "events"]) == 2
+    assert (
+        outcome(
+            [
+                "export",
+                str(whole),
+                "--to",
+                "csv",
+                "--out",
+                str(tmp_path / "E.csv"),
+                "--group",
+                "events",
+            ]
+        )
+        == 2
+    )
 
 
 @pytest.mark.parametrize("kind", ["class", "inversion", "normal-force"])
@@ -86,11 +104,15 @@ def test_figures_of_a_sweep_are_drawn(kind: str, whole: Path, tmp_path: Path) ->
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
-def synthetic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of: Plan, **columns: np.ndarray) -> maps.Map:
+def synthetic(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, of: Plan, **columns: np.ndarray
+) -> maps.Map:
     """A map of made-up columns."""
     table = xr.Dataset({name: ("top", values) for name, values in columns.items()})
     table["status"] = ("top", np.ones(of.n, np.int8))
-    table = table.assign_coords({k: ("top", v) for k, v in of.design.numbers(np.arange(of.n)).items()})
+    table = table.assign_coords(
+        {k: ("top", v) for k, v in of.design.numbers(np.arange(of.n)).items()}
+    )
     for axis in of.design.axes:
         table[axis.key].attrs = {"units": "1", "long_name": axis.key}
     table.attrs = {"plan": of.document, "status": "finished", "title": "sweep: a top"}
@@ -116,13 +138,20 @@ def test_a_map_puts_every_top_in_its_cell(tmp_path: Path, monkeypatch: pytest.Mo
     assert found.notes == ["θ(0) = 0.2 (one of 3)"]
 
 
-def test_a_map_of_times_has_the_class_where_there_is_no_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_map_of_times_has_the_class_where_there_is_no_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A top that is still under way has not lifted off, nor has one that ended upright."""
-    axes = [{"of": "initial.omega3", "linspace": [40.0, 80.0], "n": 5}, {"of": "friction.mu", "values": [0.1, 0.3]}]
+    axes = [
+        {"of": "initial.omega3", "linspace": [40.0, 80.0], "n": 5},
+        {"of": "friction.mu", "values": [0.1, 0.3]},
+    ]
     of = Plan.from_tables({"scenario": "inverting", "axis": axes})
     kind = np.arange(of.n) % len(CLASSES)
     times = np.where(np.array(CLASSES)[kind] == "inverted", 3.0, np.nan)
-    found = synthetic(tmp_path, monkeypatch, of, **{"inverted_at": times, "class": kind.astype(np.int8)})
+    found = synthetic(
+        tmp_path, monkeypatch, of, **{"inverted_at": times, "class": kind.astype(np.int8)}
+    )
     ends = found.fields["class"]
     np.testing.assert_array_equal(np.isnan(ends), np.isfinite(found.fields["inverted_at"]))
     numbers = of.design.numbers(np.arange(of.n))
@@ -132,24 +161,38 @@ def test_a_map_of_times_has_the_class_where_there_is_no_time(tmp_path: Path, mon
         assert ends[i, j] == kind[top]
 
 
-def test_borders_are_where_the_threshold_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_borders_are_where_the_threshold_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Over lambda itself the border of the inverted spin is the line lambda = 1."""
-    axes = [{"of": "lambda", "linspace": [0.5, 2.0], "n": 5}, {"of": "gamma", "linspace": [0.75, 1.2], "n": 5}]
+    axes = [
+        {"of": "lambda", "linspace": [0.5, 2.0], "n": 5},
+        {"of": "gamma", "linspace": [0.75, 1.2], "n": 5},
+    ]
     of = Plan.from_tables({"scenario": "inverting", "axis": axes})
     found = synthetic(tmp_path, monkeypatch, of, inverted_at=np.zeros(of.n))
     values = found.borders["λ = λ_s: inverted spin stable above"]
-    np.testing.assert_allclose(np.exp(values), np.broadcast_to(found.axes[0].span[:, None], values.shape), rtol=1e-12)
-    assert np.nanmin(found.borders["λ = λ_t: tumbling possible above"]) < 0  # a fold below gamma_+ only
+    np.testing.assert_allclose(
+        np.exp(values), np.broadcast_to(found.axes[0].span[:, None], values.shape), rtol=1e-12
+    )
+    assert (
+        np.nanmin(found.borders["λ = λ_t: tumbling possible above"]) < 0
+    )  # a fold below gamma_+ only
     gamma = found.axes[1].span
     assert np.isnan(found.borders["λ = λ_t: tumbling possible above"][:, gamma > 0.85]).all()
 
 
 def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    axes = [{"of": "initial.omega3", "between": [100, 200]}, {"of": "friction.mu", "between": [0.1, 1], "log": True}]
+    axes = [
+        {"of": "initial.omega3", "between": [100, 200]},
+        {"of": "friction.mu", "between": [0.1, 1], "log": True},
+    ]
     sample = {"method": "sobol", "n": 4096, "seed": 1}
     of = Plan.from_tables({"scenario": "inverting", "axis": axes, "sample": sample})
     w, _ = of.design.numbers(np.arange(of.n)).values()
-    found = synthetic(tmp_path, monkeypatch, of, **{"class": np.where(w < 150, 1, 3).astype(np.int8)})
+    found = synthetic(
+        tmp_path, monkeypatch, of, **{"class": np.where(w < 150, 1, 3).astype(np.int8)}
+    )
     kinds = found.fields["class"]
     assert np.all(kinds[found.axes[0].edges[1:] < 150] == 1)
     assert np.all(kinds[found.axes[0].edges[:-1] > 150] == 3)
@@ -157,41 +200,54 @@ def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.slow
-def test_a_million_tops_are_mapped_in_seconds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rng: Any) -> None:
+def test_a_million_tops_are_mapped_in_seconds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rng: Any
+) -> None:
     from tippetop.figures import sweep
     from tippetop.figures.style import save, styled
 
     axes = [{"of": "initial.omega3", "linspace": [100, 175], "n": 1000}, {**AXIS, "n": 1000}]
     of = Plan.from_tables({"scenario": "inverting", "axis": axes})
-    found = synthetic(tmp_path, monkeypatch, of, **{"class": rng.integers(0, 6, of.n).astype(np.int8)})
+    found = synthetic(
+        tmp_path, monkeypatch, of, **{"class": rng.integers(0, 6, of.n).astype(np.int8)}
+    )
     assert found.fields["class"].shape == (1000, 1000)
     with styled():
         save(sweep.draw_map(found).get_figure(root=True), tmp_path / "a.png")
 
 
-def test_what_cannot_be_drawn_is_said(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(InputError, match="must be one of class, inversion, normal-force, lyapunov of a sweep"):
+def test_what_cannot_be_drawn_is_said(
+    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(
+        InputError, match="must be one of class, inversion, normal-force, lyapunov of a sweep"
+    ):
         maps.make_map(whole, "sphere")
     of = Plan.from_tables({"scenario": "inverting", "axis": [{**AXIS, "n": 4}]})
     with pytest.raises(InputError, match="must have theta_end, but the plan did not keep it"):
         synthetic(tmp_path, monkeypatch, of, **{"class": np.zeros(4, np.int8)})
 
 
-def test_without_dask_there_is_no_scheduler(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_dask_there_is_no_scheduler(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(sweep, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"install tippetop\[cluster\]"):
         tippetop.sweep(file, tmp_path / "S.zarr", scheduler="tcp://127.0.0.1:1")
 
 
 def test_ends_change_at_the_analytic_thresholds(tmp_path: Path) -> None:
-    """Upright below lambda_u, inverted above lambda_s, neither between: within 2 %, after 200 s from a small tilt."""
+    """Upright below lambda_u, inverted above lambda_s, neither between: within 2 %, after 200 s
+    from a small tilt.
+    """
     body = build.load("inverting").body()
     upright = thresholds.lambda_u(body) / thresholds.lambda_s(body)
     values = [*(upright * np.array([0.95, 0.98, 1.04])), 0.5, 0.98, 1.02, 1.05]
     axis = {"of": "lambda", "values": [float(v) for v in values]}
     start = {"run": {"until": 200.0}, "initial": {"theta": 0.02}, "friction": {"mu": 1.0}}
     found = tippetop.sweep(
-        Plan.from_tables({"scenario": "inverting", "set": start, "axis": [axis]}), tmp_path / "S.zarr"
+        Plan.from_tables({"scenario": "inverting", "set": start, "axis": [axis]}),
+        tmp_path / "S.zarr",
     )
     names = np.array(found["class"].attrs["flag_meanings"].split())[found["class"].values]
     assert names[:2].tolist() == ["upright"] * 2

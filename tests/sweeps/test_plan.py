@@ -1,4 +1,6 @@
-"""A plan is the tops that it says: axes, draws and derived numbers keep their laws; bad plans are said in sentences."""
+"""A plan is the tops that it says: axes, draws and derived numbers keep their laws; bad plans are
+said in sentences.
+"""
 
 import itertools
 import json
@@ -37,7 +39,12 @@ def all_numbers(of: Plan) -> dict[str, np.ndarray]:
 
 def test_a_grid_is_the_product_with_the_first_axis_slowest() -> None:
     numbers = all_numbers(made(*GRID))
-    nested = [(w, m, t) for w in (175, 150, 125, 100) for m in (0.1, 0.2, 0.4, 0.8) for t in (1.0, 2.0, 0.5)]
+    nested = [
+        (w, m, t)
+        for w in (175, 150, 125, 100)
+        for m in (0.1, 0.2, 0.4, 0.8)
+        for t in (1.0, 2.0, 0.5)
+    ]
     for i, key in enumerate(("initial.omega3", "friction.mu", "run.until")):
         np.testing.assert_allclose(numbers[key], [row[i] for row in nested], rtol=1e-15)
 
@@ -47,13 +54,19 @@ def test_axes_take_texts_with_units() -> None:
     numbers = all_numbers(made(spin, {"of": "run.until", "values": ["2 min", 1.0, "3/2"]}))
     assert numbers["initial.omega3"][0] == 955 * 2 * np.pi / 60
     assert numbers["run.until"][:3].tolist() == [120.0, 1.0, 1.5]
-    with pytest.raises(InputError, match=r"`axis.1.values.0` must be in rad s-1 .* but is \"20 cm\""):
+    with pytest.raises(
+        InputError, match=r"`axis.1.values.0` must be in rad s-1 .* but is \"20 cm\""
+    ):
         made({"of": "initial.omega3", "values": ["20 cm"]})
 
 
 @pytest.mark.parametrize("method", ["random", "sobol", "latin-hypercube"])
 def test_a_sample_stays_in_its_box_and_is_drawn_again_by_its_seed(method: str) -> None:
-    axes = (Axis("a", between=(2.0, 3.0)), Axis("b", between=(1e-3, 1e3), log=True), Axis("c", (1.0, 2.0, 3.0)))
+    axes = (
+        Axis("a", between=(2.0, 3.0)),
+        Axis("b", between=(1e-3, 1e3), log=True),
+        Axis("c", (1.0, 2.0, 3.0)),
+    )
     one, same, other = (Design(axes, Sample(method, 256, seed)) for seed in (5, 5, 6))
     assert one.n == 768
     numbers = one.numbers(np.arange(one.n))
@@ -106,14 +119,20 @@ def test_derived_numbers_are_those_of_the_tops_that_they_make(theta: float) -> N
 
 def test_sigma_alone_keeps_gamma() -> None:
     problem = made({"of": "sigma", "values": [4.0]}).problem(0)
-    assert problem.parameters["I1"] / problem.parameters["I3"] == pytest.approx(131 / 140, rel=1e-14)
+    assert problem.parameters["I1"] / problem.parameters["I3"] == pytest.approx(
+        131 / 140, rel=1e-14
+    )
 
 
 def test_a_document_is_the_whole_plan(tmp_path: Path) -> None:
-    """Through JSON, as the store keeps it: the same numbers, whatever became of the scenario's file."""
+    """Through JSON, as the store keeps it: the same numbers, whatever became of the scenario's
+    file.
+    """
     (tmp_path / "mine.toml").write_text(reading.presets()["cohen"])
     axes = [{"of": "initial.omega3", "values": [1.0, float("nan"), 3.0, float("inf")]}, GRID[1]]
-    one = Plan.from_tables({"scenario": "mine.toml", "axis": axes, "keep": ["class"], "runs": [0]}, tmp_path)
+    one = Plan.from_tables(
+        {"scenario": "mine.toml", "axis": axes, "keep": ["class"], "runs": [0]}, tmp_path
+    )
     (tmp_path / "mine.toml").unlink()
     again = Plan.from_tables(json.loads(json.dumps(one.document, allow_nan=False)))
     assert again.document == one.document
@@ -145,7 +164,9 @@ def test_the_plan_of_the_documentation_is_one(tmp_path: Path) -> None:
     assert (of.n, of.base.until, of.runs) == (24, 8.0, [0])
 
 
-@pytest.mark.parametrize("changes", [{"output": "keyframes"}, {"output": "steps"}, {"output_times": [0.0, 1.0]}])
+@pytest.mark.parametrize(
+    "changes", [{"output": "keyframes"}, {"output": "steps"}, {"output_times": [0.0, 1.0]}]
+)
 def test_set_takes_the_place_of_what_the_scenario_says_of_its_rows(changes: dict[str, Any]) -> None:
     plan = made(GRID[0], set={"run": changes})
     run = plan.document["scenario"]["run"]
@@ -176,36 +197,81 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
     [
         ({"axis": []}, ["`axis` must have at least 1 items"]),
         ({}, ["`axis` must be given"]),
-        ({"axis": [OMEGA], "kep": []}, ["unknown key `kep`; did you mean `keep`? The keys are scenario, set, axis"]),
-        ({"axis": [{"of": "friction.mu", "values": []}]}, ["`axis.1.values` must have at least 1 items"]),
-        ({"axis": [{"of": "friction.mu", "values": ["a"]}]}, ["`axis.1.values.0` must be a number"]),
+        (
+            {"axis": [OMEGA], "kep": []},
+            ["unknown key `kep`; did you mean `keep`? The keys are scenario, set, axis"],
+        ),
+        (
+            {"axis": [{"of": "friction.mu", "values": []}]},
+            ["`axis.1.values` must have at least 1 items"],
+        ),
+        (
+            {"axis": [{"of": "friction.mu", "values": ["a"]}]},
+            ["`axis.1.values.0` must be a number"],
+        ),
         ({"axis": [OMEGA, {"of": "friction.mu"}]}, ["`axis.2` must have one of values, linspace"]),
         ({"axis": [{**OMEGA, "linspace": [1, 2]}]}, ["but has values and linspace"]),
         ({"axis": [{"of": "friction.mu", "linspace": [1, 2]}]}, ["`axis.1.n` must be given"]),
-        ({"axis": [{"of": "friction.mu", "linspace": [1, 2], "n": 0}]}, ["`axis.1.n` must be at least 1"]),
+        (
+            {"axis": [{"of": "friction.mu", "linspace": [1, 2], "n": 0}]},
+            ["`axis.1.n` must be at least 1"],
+        ),
         ({"axis": [{**OMEGA, "n": 3}]}, ["`axis.1.n` must stand beside"]),
         ({"axis": [{**OMEGA, "log": True}]}, ["`axis.1.log` must stand beside between"]),
         ({"axis": [{"of": "friction.mu", "geomspace": [0, 2], "n": 3}]}, ["two ends of one sign"]),
-        ({"axis": [{**DRAWN, "between": [2, 1]}]}, ["`axis.1.between` must ascend", "`sample` must say method"]),
+        (
+            {"axis": [{**DRAWN, "between": [2, 1]}]},
+            ["`axis.1.between` must ascend", "`sample` must say method"],
+        ),
         ({"axis": [DRAWN], "sample": {"method": "sobol", "n": 8}}, ["`sample.seed` must be given"]),
         ({"axis": [DRAWN], "sample": {"method": "sobol", "n": 9, "seed": 1}}, ["power of two"]),
-        ({"axis": [DRAWN], "sample": {"method": "halton", "n": 8, "seed": 1}}, ["'random', 'sobol' or"]),
-        ({"axis": [OMEGA], "sample": {"method": "sobol", "n": 8, "seed": 1}}, ["must have an axis with `between`"]),
+        (
+            {"axis": [DRAWN], "sample": {"method": "halton", "n": 8, "seed": 1}},
+            ["'random', 'sobol' or"],
+        ),
+        (
+            {"axis": [OMEGA], "sample": {"method": "sobol", "n": 8, "seed": 1}},
+            ["must have an axis with `between`"],
+        ),
         ({"axis": [OMEGA, OMEGA]}, ["`initial.omega3` must be one axis only"]),
-        ({"axis": [{"of": "initial.spin", "values": [1]}]}, ["`initial.spin` must be one of sigma, gamma, lambda, "]),
-        ({"axis": [OMEGA, {"of": "lambda", "values": [1]}]}, ["`lambda` must stand alone, but `initial.omega3`"]),
+        (
+            {"axis": [{"of": "initial.spin", "values": [1]}]},
+            ["`initial.spin` must be one of sigma, gamma, lambda, "],
+        ),
+        (
+            {"axis": [OMEGA, {"of": "lambda", "values": [1]}]},
+            ["`lambda` must stand alone, but `initial.omega3`"],
+        ),
         (
             {"axis": [{"of": "lambda", "values": [1]}], "scenario": "gliding-heavy-top"},
             ["must be an axis of tippe-top"],
         ),
-        ({"axis": [OMEGA], "scenario": "nowhere"}, ["`nowhere` is neither a TOML file nor a preset"]),
-        ({"axis": [OMEGA], "set": {"parameters": {"I3": 1.0}, "frict": {}}}, ["`frict`; did you mean `friction`?"]),
-        ({"axis": [OMEGA], "set": {"initial": {"from": "RUN.zarr"}}}, ["must be the start of a single run"]),
+        (
+            {"axis": [OMEGA], "scenario": "nowhere"},
+            ["`nowhere` is neither a TOML file nor a preset"],
+        ),
+        (
+            {"axis": [OMEGA], "set": {"parameters": {"I3": 1.0}, "frict": {}}},
+            ["`frict`; did you mean `friction`?"],
+        ),
+        (
+            {"axis": [OMEGA], "set": {"initial": {"from": "RUN.zarr"}}},
+            ["must be the start of a single run"],
+        ),
         ({"axis": [OMEGA], "keep": ["colour"]}, ["`keep` must be of class, ", "but has 'colour'"]),
         ({"axis": [OMEGA], "runs": [1]}, ["`runs` must be numbers of tops, 0 to 0, but has 1"]),
-        ({"axis": [{"of": "friction.mu", "values": [-1]}], "runs": [0]}, ["top 0: `friction.mu` must be at least 0"]),
-        ({"axis": [{**GRID[0], "n": 10**5}, {**GRID[1], "n": 10**5}]}, ["at most 1e+09 tops, but makes 1e+10"]),
-        ({"axis": [{**GRID[0], "n": 10**9}]}, ["`axis` 1 must have at most 1e+07 numbers, but has 1e+09"]),
+        (
+            {"axis": [{"of": "friction.mu", "values": [-1]}], "runs": [0]},
+            ["top 0: `friction.mu` must be at least 0"],
+        ),
+        (
+            {"axis": [{**GRID[0], "n": 10**5}, {**GRID[1], "n": 10**5}]},
+            ["at most 1e+09 tops, but makes 1e+10"],
+        ),
+        (
+            {"axis": [{**GRID[0], "n": 10**9}]},
+            ["`axis` 1 must have at most 1e+07 numbers, but has 1e+09"],
+        ),
         ({"axis": [{**GRID[0], "n": 10**400}]}, ["`axis` 1 must have at most 1e+07 numbers"]),
     ],
 )
@@ -219,30 +285,46 @@ def test_what_is_wrong_is_said(document: dict[str, Any], words: list[str]) -> No
 def test_all_that_is_wrong_is_said_at_once() -> None:
     axes = [{"of": "friction.mu", "geomspace": [0, 1], "n": 2}, {"of": "gamma"}, {**OMEGA, "n": 2}]
     with pytest.raises(InputError) as error:
-        Plan.from_tables({"scenario": "inverting", "set": {"parameters": {"m": -1}}, "axis": axes, "runs": [3]})
+        Plan.from_tables(
+            {"scenario": "inverting", "set": {"parameters": {"m": -1}}, "axis": axes, "runs": [3]}
+        )
     assert len(error.value.sentences) == 4
 
 
-def rows(base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None) -> dict[str, Column]:
+def rows(
+    base: Problem, numbers: dict[str, np.ndarray], keep: list[str] | None
+) -> dict[str, Column]:
     return chunk.columns(chunk.measure(base, numbers, keep), keep)
 
 
 def test_the_orientation_is_kept_only_where_it_is_named() -> None:
-    base, numbers = made(GRID[0]).base, {"initial.omega3": np.array([120.0, 155.0]), "run.until": np.array([0.1, 0.1])}
+    base, numbers = (
+        made(GRID[0]).base,
+        {"initial.omega3": np.array([120.0, 155.0]), "run.until": np.array([0.1, 0.1])},
+    )
     all_of_them = rows(base, numbers, None)
     assert not set(all_of_them) & set(outcomes.ORIENTATION)
     assert not {"final_fx", "final_turn"} & set(all_of_them)
     assert {"orientation", *outcomes.ORIENTATION} <= set(chunk.column_names(base))
     kept = rows(base, numbers, ["orientation", "final_state"])
     assert set(outcomes.ORIENTATION) < set(kept)
-    assert {name for name in kept if name.startswith("final_")} == {n for n in all_of_them if n.startswith("final_")}
-    assert all(kept[n].values.tobytes() == all_of_them[n].values.tobytes() for n in set(kept) & set(all_of_them))
+    assert {name for name in kept if name.startswith("final_")} == {
+        n for n in all_of_them if n.startswith("final_")
+    }
+    assert all(
+        kept[n].values.tobytes() == all_of_them[n].values.tobytes()
+        for n in set(kept) & set(all_of_them)
+    )
     assert set(rows(base, numbers, ["psi_end"])) == {"status", "psi_end"}
-    assert sum(kept[f"orientation_{part}_end"].values ** 2 for part in "wxyz") == pytest.approx(1.0, abs=1e-15)
+    assert sum(kept[f"orientation_{part}_end"].values ** 2 for part in "wxyz") == pytest.approx(
+        1.0, abs=1e-15
+    )
 
 
 def test_a_top_of_a_plan_stands_as_it_would_alone() -> None:
-    """The base begins on its stem, a larger sphere on itself: no gap of the base is left under it."""
+    """The base begins on its stem, a larger sphere on itself: no gap of the base is
+    left under it.
+    """
     base = ["stem.r=3e-3", "stem.h=2.45e-2", "initial.theta=2.06", "parameters.R=1.3e-2"]
     tables = reading.override(reading.read("wooden-toy"), base)
     document = {"scenario": tables, "axis": [{"of": "parameters.R", "values": [1.2e-2, 1.55e-2]}]}

@@ -30,7 +30,9 @@ from tippetop.sweeps.summary import gridded, lines, open_sweep, report
 LINES = chunk.compute_chunk
 
 
-def computed(monkeypatch: pytest.MonkeyPatch, change: Callable[[int], None] = lambda chunk: None) -> list[int]:
+def computed(
+    monkeypatch: pytest.MonkeyPatch, change: Callable[[int], None] = lambda chunk: None
+) -> list[int]:
     """The chunks that are computed from now on; `change` may raise for one of them."""
     seen: list[int] = []
 
@@ -43,7 +45,7 @@ def computed(monkeypatch: pytest.MonkeyPatch, change: Callable[[int], None] = la
     return seen
 
 
-# --- what is in it --------------------------------------------------------------------------------------------------
+# --- what is in it ------------------------------------------------------------------------------
 
 
 def test_the_columns_are_those_of_the_ensemble(whole: Path, file: Path) -> None:
@@ -75,7 +77,9 @@ def test_a_sweep_says_where_the_loop_of_heyoka_made_its_steps(
     attrs, usual = root.attributes(tmp_path / "S.zarr"), root.attributes(whole)
     assert attrs.pop("steps_by") == "heyoka"
     assert attrs == usual
-    found, expected = (open_sweep(store).drop_attrs(deep=False) for store in (tmp_path / "S.zarr", whole))
+    found, expected = (
+        open_sweep(store).drop_attrs(deep=False) for store in (tmp_path / "S.zarr", whole)
+    )
     assert found.identical(expected)
     assert report(tmp_path / "S.zarr")["steps_by"] == "heyoka"
     assert "heyoka, where the machine code" in dict(lines(report(tmp_path / "S.zarr")))["steps by"]
@@ -128,7 +132,9 @@ def test_damage_in_a_run_of_a_sweep_is_found_and_named(
     assert_same(store, whole)
 
 
-def test_a_column_that_is_gone_from_a_sweep_is_made_again(whole: Path, file: Path, tmp_path: Path) -> None:
+def test_a_column_that_is_gone_from_a_sweep_is_made_again(
+    whole: Path, file: Path, tmp_path: Path
+) -> None:
     store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
     shutil.rmtree(store / "sweep" / "theta_end")
     with pytest.raises(StoreError, match="theta_end"):
@@ -149,14 +155,23 @@ def test_absurd_tops_spoil_no_other(tmp_path: Path) -> None:
         {"of": "friction.mu", "values": [0.3, -1.0]},
     ]
     of = Plan.from_tables(
-        {"scenario": "inverting", "set": {"run": {"until": 0.2}}, "axis": axes, "keep": ["final_state"]}
+        {
+            "scenario": "inverting",
+            "set": {"run": {"until": 0.2}},
+            "axis": axes,
+            "keep": ["final_state"],
+        }
     )
     found = tippetop.sweep(of, tmp_path / "S.zarr", workers=1)
     assert "class" not in found
     status = np.array(found["status"].attrs["flag_meanings"].split())[found["status"].values]
     assert status.tolist() == ["finished", *["invalid"] * 5, "finished", "invalid"]
     good = Plan.from_tables(
-        {"scenario": "inverting", "set": {"run": {"until": 0.2}}, "axis": [{**axes[0], "values": [155, 150]}]}
+        {
+            "scenario": "inverting",
+            "set": {"run": {"until": 0.2}},
+            "axis": [{**axes[0], "values": [155, 150]}],
+        }
     )
     alone = tippetop.sweep(good, tmp_path / "good.zarr", workers=1)
     for name in found:
@@ -166,7 +181,7 @@ def test_absurd_tops_spoil_no_other(tmp_path: Path) -> None:
     assert {fault.split(":")[0] for fault in faults} == {f"top {i}" for i in (1, 2, 3, 4, 5)}
 
 
-# --- what interrupts it ---------------------------------------------------------------------------------------------
+# --- what interrupts it -------------------------------------------------------------------------
 
 
 class Stop(Exception):
@@ -259,11 +274,15 @@ def test_a_full_disk_is_said_and_costs_nothing(
 
     def full(done: int, of: int) -> None:
         if done == 7:
-            monkeypatch.setattr(sys, "dont_write_bytecode", True)  # python would leave half of what it compiles
+            monkeypatch.setattr(
+                sys, "dont_write_bytecode", True
+            )  # python would leave half of what it compiles
             resource.setrlimit(resource.RLIMIT_FSIZE, (64, limits[1]))
 
     try:
-        with pytest.raises(StoreError, match=r"must be writable, but: File too large. What is stored is kept"):
+        with pytest.raises(
+            StoreError, match=r"must be writable, but: File too large. What is stored is kept"
+        ):
             tippetop.sweep(file, store, workers=1, progress=full)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
@@ -272,7 +291,11 @@ def test_a_full_disk_is_said_and_costs_nothing(
 
 
 def test_a_chunk_that_fails_is_named_and_the_others_finish(
-    whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    whole: Path,
+    file: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     def poison(chunk: int) -> None:
         if chunk == 1:
@@ -295,7 +318,13 @@ def test_a_chunk_that_fails_is_named_and_the_others_finish(
 
 @pytest.mark.parametrize(("number", "code"), [at_night(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_waits_for_the_store_and_the_way_on_is_said(
-    number: int, code: int, whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+    number: int,
+    code: int,
+    whole: Path,
+    file: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: Any,
 ) -> None:
     from tippetop import cli
 
@@ -307,7 +336,9 @@ def test_a_signal_waits_for_the_store_and_the_way_on_is_said(
             assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == code
     finally:
         signal.signal(signal.SIGTERM, handler)
-    assert f"Continue with: tippetop sweep {file} --out {store} --workers 1" in capsys.readouterr().err
+    assert (
+        f"Continue with: tippetop sweep {file} --out {store} --workers 1" in capsys.readouterr().err
+    )
     assert written(store) == 2
     tippetop.sweep(file, store, workers=1)
     assert_same(store, whole)
@@ -315,11 +346,15 @@ def test_a_signal_waits_for_the_store_and_the_way_on_is_said(
 
 def test_another_plan_is_refused(whole: Path, file: Path) -> None:
     file.write_text(PLAN.replace("175", "170"))
-    with pytest.raises(StoreError, match="must be of the same plan to be continued, but differs in axis"):
+    with pytest.raises(
+        StoreError, match="must be of the same plan to be continued, but differs in axis"
+    ):
         tippetop.sweep(file, whole)
 
 
-def test_other_versions_are_refused(whole: Path, file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_versions_are_refused(
+    whole: Path, file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     found = {**provenance.versions(), "heyoka": "0"}
     monkeypatch.setattr(provenance, "versions", lambda: found)
     with pytest.raises(StoreError, match="must be continued by the same versions"):
@@ -330,7 +365,9 @@ def test_there_is_one_writer(file: Path, tmp_path: Path) -> None:
     def second(done: int, of: int) -> None:
         tippetop.sweep(file, tmp_path / "S.zarr", workers=1)
 
-    with pytest.raises(StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"):
+    with pytest.raises(
+        StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"
+    ):
         tippetop.sweep(file, tmp_path / "S.zarr", workers=1, progress=second)
 
 
@@ -349,7 +386,7 @@ def test_no_scheduler_no_store(file: Path, tmp_path: Path, monkeypatch: pytest.M
     assert not (tmp_path / "S.zarr").exists()
 
 
-# --- damage that checksums of single files do not show --------------------------------------------------------------
+# --- damage that checksums of single files do not show ------------------------------------------
 
 
 def exchange(one: Path, other: Path) -> None:
@@ -358,7 +395,9 @@ def exchange(one: Path, other: Path) -> None:
     other.write_bytes(mine)
 
 
-def test_chunks_that_were_exchanged_are_computed_again(whole: Path, file: Path, tmp_path: Path) -> None:
+def test_chunks_that_were_exchanged_are_computed_again(
+    whole: Path, file: Path, tmp_path: Path
+) -> None:
     """Before, the same command found them readable and ended with exit code 0."""
     store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
     exchange(store / "sweep" / "theta_min" / "c.1", store / "sweep" / "theta_max" / "c.1")

@@ -23,19 +23,45 @@ LINES = chunk.compute_chunk
 
 
 def test_dask_makes_the_same_store(
-    whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    whole: Path,
+    file: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Its scheduler and two workers, as threads of this process; a chunk that fails, and then all."""
+    """Its scheduler and two workers, as threads of this process; a chunk that fails,
+    and then all.
+    """
     from distributed import LocalCluster
 
     store = tmp_path / "S.zarr"
     with LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=":0", protocol="tcp://", host="127.0.0.1"
+        n_workers=2,
+        threads_per_worker=1,
+        processes=False,
+        dashboard_address=":0",
+        protocol="tcp://",
+        host="127.0.0.1",
     ) as cluster:
         with monkeypatch.context() as patched:
             patched.setattr(chunk, "compute_chunk", failing)
-            assert outcome(["sweep", str(file), "--out", str(store), "--scheduler", cluster.scheduler_address]) == 6
-        assert "chunk 2 (tops 14 to 20) failed: ArithmeticError: it will not do." in capsys.readouterr().err
+            assert (
+                outcome(
+                    [
+                        "sweep",
+                        str(file),
+                        "--out",
+                        str(store),
+                        "--scheduler",
+                        cluster.scheduler_address,
+                    ]
+                )
+                == 6
+            )
+        assert (
+            "chunk 2 (tops 14 to 20) failed: ArithmeticError: it will not do."
+            in capsys.readouterr().err
+        )
         assert chunks(store) == [1, 1, 2, 1]
         tippetop.sweep(file, store, scheduler=cluster.scheduler_address)
     assert_same(store, whole)
@@ -55,14 +81,21 @@ def test_two_processes_make_the_same_store(whole: Path, file: Path, tmp_path: Pa
 
 
 def start(file: Path, store: Path, *words: str) -> subprocess.Popen:
-    code = f"from tippetop.cli import main; main({['sweep', str(file), '--out', str(store), *words]!r})"
-    return subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    code = (
+        "from tippetop.cli import main; "
+        f"main({['sweep', str(file), '--out', str(store), *words]!r})"
+    )
+    return subprocess.Popen(
+        [sys.executable, "-c", code], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
 
 
 def children(process: subprocess.Popen) -> list[int]:
     """Its worker processes; with setproctitle installed they carry dask's name."""
     names = "spawn_main|dask worker"
-    found = subprocess.run(["pgrep", "-P", str(process.pid), "-f", names], capture_output=True, text=True)
+    found = subprocess.run(
+        ["pgrep", "-P", str(process.pid), "-f", names], capture_output=True, text=True
+    )
     return [int(word) for word in found.stdout.split()]
 
 
@@ -93,7 +126,9 @@ def test_killed_workers_cost_nothing(longer: tuple[Path, Path], tmp_path: Path) 
 
 
 @pytest.mark.slow
-def test_killed_itself_it_goes_on_with_any_number_of_workers(longer: tuple[Path, Path], tmp_path: Path) -> None:
+def test_killed_itself_it_goes_on_with_any_number_of_workers(
+    longer: tuple[Path, Path], tmp_path: Path
+) -> None:
     store = tmp_path / "S.zarr"
     for done, count in ((5, "2"), (14, "1"), (25, "3")):
         process = start(longer[0], store, "--workers", count)
@@ -133,8 +168,24 @@ def test_a_chunk_that_kills_its_workers_takes_no_other_with_it(
 @pytest.mark.slow
 def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> None:
     store, address = tmp_path / "S.zarr", "tcp://127.0.0.1:8797"
-    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "8797"]
-    worker = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard"]
+    dask = [
+        sys.executable,
+        "-m",
+        "distributed.cli.dask_scheduler",
+        "--host",
+        "127.0.0.1",
+        "--port",
+        "8797",
+    ]
+    worker = [
+        sys.executable,
+        "-m",
+        "distributed.cli.dask_worker",
+        address,
+        "--nthreads",
+        "1",
+        "--no-dashboard",
+    ]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     scheduler = subprocess.Popen([*dask, "--no-dashboard"], **quiet)
     workers = [subprocess.Popen([*worker, "--no-nanny"], **quiet) for _ in range(2)]
@@ -178,7 +229,9 @@ def runs(process: int) -> bool:
 def test_a_script_without_its_guard_gets_one_sentence(file: Path, tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(f"import tippetop\ntippetop.sweep({str(file)!r}, 'S.zarr', workers=2)\n")
-    process = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    process = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, timeout=120
+    )
     assert process.stderr.strip().endswith('a script needs `if __name__ == "__main__":`.')
 
 
@@ -186,7 +239,13 @@ def test_a_worker_of_other_versions_is_refused(file: Path) -> None:
     """Its bits could differ."""
     of = Plan.from_toml(file)
     task = chunk.Task(
-        0, build.resolved(of.base), of.columns(of.tops(0)), None, {**provenance.versions(), "heyoka": "0"}
+        0,
+        build.resolved(of.base),
+        of.columns(of.tops(0)),
+        None,
+        {**provenance.versions(), "heyoka": "0"},
     )
-    with pytest.raises(chunk.OtherVersions, match="other versions of heyoka than the sweep was begun with"):
+    with pytest.raises(
+        chunk.OtherVersions, match="other versions of heyoka than the sweep was begun with"
+    ):
         chunk.compute_chunk(task)

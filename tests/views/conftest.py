@@ -1,4 +1,6 @@
-"""A real browser for the tests of pages: Debian's chromium with software WebGL, without a network."""
+"""A real browser for the tests of pages: Debian's chromium with software WebGL, without
+a network.
+"""
 
 import shutil
 from collections.abc import Callable, Iterator
@@ -7,7 +9,9 @@ from typing import Any
 import pytest
 
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+CHROMIUM = (
+    shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+)
 FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 READY = "window.tippetop && window.tippetop.ready"
 SMALL = {"width": 320, "height": 400}  # software draws: pixels cost
@@ -16,12 +20,16 @@ SMALL = {"width": 320, "height": 400}  # software draws: pixels cost
 @pytest.fixture(scope="session")
 def launch() -> Iterator[Callable[..., Any]]:
     """Start a browser with these flags."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="no playwright: pip install playwright")
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="no playwright: pip install playwright"
+    )
     if CHROMIUM is None:
         pytest.skip("no chromium: apt-get install chromium")
     with playwright.sync_playwright() as driver:
         chromium = driver.chromium
-        yield lambda *flags: chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", *flags])
+        yield lambda *flags: chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", *flags]
+        )
 
 
 @pytest.fixture(scope="session")
@@ -50,9 +58,19 @@ def open_page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callabl
         context.set_default_timeout(120_000)
         tab = context.new_page()
         tab.faults = []
-        tab.on("console", lambda message: tab.faults.append(message.text) if "GPU stall" not in message.text else None)
+        tab.on(
+            "console",
+            lambda message: (
+                tab.faults.append(message.text) if "GPU stall" not in message.text else None
+            ),
+        )
         tab.on("pageerror", lambda error: tab.faults.append(str(error)))
-        tab.on("request", lambda request: tab.faults.append(request.url[:99]) if request.url != path.as_uri() else None)
+        tab.on(
+            "request",
+            lambda request: (
+                tab.faults.append(request.url[:99]) if request.url != path.as_uri() else None
+            ),
+        )
         tab.goto(path.as_uri())
         tab.wait_for_function(ready)
         return tab

@@ -54,12 +54,19 @@ def test_a_top_on_the_line_has_the_lambda_of_the_threshold() -> None:
 def test_over_one_axis_a_threshold_is_one_upright_line() -> None:
     line = points(of(OMEGA3), 0, UPRIGHT)
     assert sorted(line[:, 1]) == [-np.inf, np.inf]
-    assert line[0, 0] == line[1, 0] == pytest.approx(points(of(OMEGA3, MU), 0, UPRIGHT)[0, 0], rel=1e-5)
+    assert (
+        line[0, 0]
+        == line[1, 0]
+        == pytest.approx(points(of(OMEGA3, MU), 0, UPRIGHT)[0, 0], rel=1e-5)
+    )
 
 
 def test_an_axis_of_one_number_counts() -> None:
     """Its number is that of all tops, whatever the scenario has."""
-    one, same = of(OMEGA3, MU, {"of": "parameters.alpha", "values": [0.1]}), of(OMEGA3, MU, parameters={"alpha": 0.1})
+    one, same = (
+        of(OMEGA3, MU, {"of": "parameters.alpha", "values": [0.1]}),
+        of(OMEGA3, MU, parameters={"alpha": 0.1}),
+    )
     np.testing.assert_array_equal(points(one, 0, UPRIGHT), points(same, 0, UPRIGHT))
     assert abs(points(one, 0, UPRIGHT)[0, 0] / points(of(OMEGA3, MU), 0, UPRIGHT)[0, 0] - 1) > 0.02
 
@@ -67,9 +74,17 @@ def test_an_axis_of_one_number_counts() -> None:
 def test_where_tops_of_other_numbers_share_a_map_there_is_no_line() -> None:
     drawn = [
         {"of": key, "between": [low, high]}
-        for key, low, high in (("initial.psi_dot", 10, 250), ("friction.mu", 0.1, 0.9), ("parameters.alpha", 0.1, 0.2))
+        for key, low, high in (
+            ("initial.psi_dot", 10, 250),
+            ("friction.mu", 0.1, 0.9),
+            ("parameters.alpha", 0.1, 0.2),
+        )
     ]
     plan = Plan.from_tables(
-        {"scenario": "leine-glocker", "axis": drawn, "sample": {"method": "random", "n": 9, "seed": 1}}
+        {
+            "scenario": "leine-glocker",
+            "axis": drawn,
+            "sample": {"method": "random", "n": 9, "seed": 1},
+        }
     )
     assert borders(plan, list(plan.design.axes), Table()) == {"labels": [], "lines": []}

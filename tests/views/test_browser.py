@@ -55,7 +55,9 @@ def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: A
     first = float(inverting.events.time[0])
     assert tab.evaluate("tippetop.time") == pytest.approx(first)
     assert f"{first:.4f} s" in tab.locator("[data-part=said]").inner_text()
-    tab.locator("[data-part=scrub]").evaluate("e => { e.value = 3.25; e.dispatchEvent(new Event('input')); }")
+    tab.locator("[data-part=scrub]").evaluate(
+        "e => { e.value = 3.25; e.dispatchEvent(new Event('input')); }"
+    )
     assert tab.evaluate("tippetop.time") == pytest.approx(3.25, abs=1e-5)
     tab.locator("body").press(">")
     equator = inverting.events.time.values[inverting.events.kind.values == 2][0]
@@ -68,11 +70,14 @@ def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: A
     tab.locator("[data-part=theta]").click(position={"x": 46 + (width - 58) / 2, "y": 60})
     assert tab.evaluate("tippetop.time") == pytest.approx(3.25, abs=0.05)
     tab.get_by_role("button", name="F force of the plane").click()
-    assert [a["drawn"] for a in tab.evaluate("tippetop.arrows()") if a["name"] == "force"] == [[0, 0, 0]]
+    assert [a["drawn"] for a in tab.evaluate("tippetop.arrows()") if a["name"] == "force"] == [
+        [0, 0, 0]
+    ]
 
     tab.set_viewport_size({"width": 1000, "height": 600})
     assert tab.evaluate(
-        "document.documentElement.scrollWidth <= innerWidth && document.body.scrollHeight <= innerHeight"
+        "document.documentElement.scrollWidth <= innerWidth && document.body.scrollHeight <= "
+        "innerHeight"
     )
     assert tab.faults == []
 
@@ -135,7 +140,9 @@ def test_the_scale_of_the_potential_is_that_of_times_on_the_ball(tab: Any) -> No
 
 
 def test_the_colours_of_phases_are_explained(tab: Any) -> None:
-    """By the colours of the line of times, with the part of the time that each takes; without phases by nothing."""
+    """By the colours of the line of times, with the part of the time that each takes; without
+    phases by nothing.
+    """
     key = tab.locator("[data-part=key]")
     assert key.is_hidden()
     entries = tab.evaluate("""() => {
@@ -334,7 +341,9 @@ def test_paper_is_white_and_balls_are_round(tab: Any) -> None:
 
 @pytest.mark.slow
 def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
-    """What the button records has the pictures that were drawn meanwhile: a file that a player opens."""
+    """What the button records has the pictures that were drawn meanwhile: a file that a player
+    opens.
+    """
     tab.evaluate("tippetop.set(0)")
     tab.get_by_role("button", name="film").click()
     assert tab.evaluate("tippetop.playing"), "whoever films wants to see it move"
@@ -345,7 +354,9 @@ def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
     assert saved.value.suggested_filename in ("tippe-top.webm", "tippe-top.mp4")
     assert film[:4] == b"\x1aE\xdf\xa3" or film[4:8] == b"ftyp"
     player = tab.context.new_page()
-    size = player.evaluate(PLAYED, [saved.value.suggested_filename[-4:].strip("."), base64.b64encode(film).decode()])
+    size = player.evaluate(
+        PLAYED, [saved.value.suggested_filename[-4:].strip("."), base64.b64encode(film).decode()]
+    )
     assert size == tab.evaluate("[tippetop.stage.scene.width, tippetop.stage.scene.height]")
     tab.get_by_role("button", name="pause").click()
     assert tab.faults == []
@@ -353,7 +364,11 @@ def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
 
 @pytest.mark.parametrize(
     ("preset", "theme"),
-    [at_night("heavy-top", "dark"), at_night("gliding-cylinder", "light"), at_night("leine-glocker-stem", "dark")],
+    [
+        at_night("heavy-top", "dark"),
+        at_night("gliding-cylinder", "light"),
+        at_night("leine-glocker-stem", "dark"),
+    ],
 )
 def test_every_kind_of_body_is_drawn(preset: str, theme: str, open_page: Any) -> None:
     tab = open_page(tt.run(preset, until=0.1).view().text, color_scheme=theme)

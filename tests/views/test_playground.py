@@ -1,4 +1,6 @@
-"""The playground integrates by the formulas of the package: it is held against the engine, in a browser."""
+"""The playground integrates by the formulas of the package: it is held against the engine, in a
+browser.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -39,7 +41,10 @@ def in_page(tab: Any, problem: tt.Problem, times: np.ndarray) -> np.ndarray:
     start = {name: float(value) for name, value in about["initial"].items()}
     numbers = {**about["parameters"], **about["friction"]}
     top = {"law": about["law"], "parameters": numbers, "initial": start, "atRest": about["atRest"]}
-    return np.array(tab.evaluate("([top, times]) => tippetop.thetas(top, times)", [top, times.tolist()]), dtype=float)
+    return np.array(
+        tab.evaluate("([top, times]) => tippetop.thetas(top, times)", [top, times.tolist()]),
+        dtype=float,
+    )
 
 
 def test_the_canonical_inversion_is_that_of_the_engine(tab: Any) -> None:
@@ -68,8 +73,14 @@ def test_twenty_tops_are_those_of_the_engine(tab: Any) -> None:
             if i % 4
             else tt.friction.Coulomb(mu=rng.uniform(0.1, 0.5), eps=0.02)
         )
-        start = dict(theta=rng.uniform(0.05, 3.0), omega3=rng.uniform(-200, 200), theta_dot=rng.uniform(-3, 3))
-        start |= dict(phi=rng.uniform(-3, 3), phi_dot=rng.uniform(-3, 3), nu_x=rng.uniform(-0.3, 0.3), psi=1.0)
+        start = dict(
+            theta=rng.uniform(0.05, 3.0),
+            omega3=rng.uniform(-200, 200),
+            theta_dot=rng.uniform(-3, 3),
+        )
+        start |= dict(
+            phi=rng.uniform(-3, 3), phi_dot=rng.uniform(-3, 3), nu_x=rng.uniform(-0.3, 0.3), psi=1.0
+        )
         times = np.linspace(0.02, 2.0, 100)
         run = tt.run(top, law, start=start, until=2.0, output_times=times, on_liftoff="continue")
         found = in_page(tab, run.problem, times)
@@ -84,13 +95,19 @@ def test_sliders_change_the_motion_and_its_thresholds(tab: Any) -> None:
     assert float(cell.nth(5).inner_text()) == pytest.approx(1e6 * expected, rel=1e-3)
     spin = tab.locator("[data-part=slider-omega3]")
     spin.evaluate("e => { e.value = 40; e.dispatchEvent(new Event('input')); }")
-    tab.wait_for_function("document.querySelector('[data-part=verdict]').textContent.includes('upright')")
+    tab.wait_for_function(
+        "document.querySelector('[data-part=verdict]').textContent.includes('upright')"
+    )
     assert "omega3 = 14" in tab.locator("[data-part=scenario]").text_content()
     assert "14 rad/s = 2.2 turns/s" in tab.locator("[data-part=start-sliders]").inner_text()
     tab.locator("[data-part=law]").select_option("coulomb")
-    tab.wait_for_function("document.querySelector('[data-part=scenario]').textContent.includes('eps = 0.01')")
+    tab.wait_for_function(
+        "document.querySelector('[data-part=scenario]').textContent.includes('eps = 0.01')"
+    )
     tab.locator("[data-part=preset]").select_option("leine-glocker")
-    tab.wait_for_function("document.querySelector('[data-part=verdict]').textContent.includes('passed 90° at 1.05')")
+    tab.wait_for_function(
+        "document.querySelector('[data-part=verdict]').textContent.includes('passed 90° at 1.05')"
+    )
     assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert tab.faults == []
 

@@ -1,4 +1,6 @@
-"""What a page keeps of a run: poses between which the attitude is the run's, forces and places as rows say them."""
+"""What a page keeps of a run: poses between which the attitude is the run's, forces and places as
+rows say them.
+"""
 
 import base64
 import json
@@ -36,7 +38,9 @@ def attitudes(times: np.ndarray, kept: np.ndarray, at: np.ndarray) -> np.ndarray
 
 
 def test_between_samples_the_attitude_is_that_of_the_run(inverting: tt.Run) -> None:
-    """Also where only a few hundred are kept, and the top turns several times around between two of them."""
+    """Also where only a few hundred are kept, and the top turns several times around between two of
+    them.
+    """
     table, at = rows(inverting), np.sort(np.random.default_rng(1).uniform(0, 6.5, 400))
     exact = tt.run("inverting", until=6.5, output_times=at).trajectory.orientation.values[: len(at)]
     whole = samples.samples(table, inverting.attributes)
@@ -52,7 +56,9 @@ def test_few_samples_are_kept_only_where_few_suffice(inverting: tt.Run) -> None:
     keep = thinning.kept(table["time"], whole, 50)
     assert thinning.missed(table["time"], whole, keep).max() <= TENTH
     coarse = np.arange(0, len(whole), 100)
-    assert thinning.missed(table["time"], whole, np.append(coarse, len(whole) - 1)).max() > 10 * TENTH
+    assert (
+        thinning.missed(table["time"], whole, np.append(coarse, len(whole) - 1)).max() > 10 * TENTH
+    )
 
 
 def test_rows_that_are_too_far_apart_are_named() -> None:
@@ -61,7 +67,9 @@ def test_rows_that_are_too_far_apart_are_named() -> None:
     assert "rows are far apart" not in tt.run("inverting", until=2.0, output_step=0.002).view().text
 
 
-@pytest.mark.parametrize("preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top", "gliding-cylinder"])
+@pytest.mark.parametrize(
+    "preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top", "gliding-cylinder"]
+)
 def test_the_horizontal_force_moves_the_centre_of_mass(preset: str) -> None:
     """m r'' = F, place and force being independent columns; L' = a x F would say the same."""
     run = tt.run(preset, until=0.2, output_step=1e-4)
@@ -73,13 +81,17 @@ def test_the_horizontal_force_moves_the_centre_of_mass(preset: str) -> None:
     scale = np.abs(pull).max()
     assert scale > 0
     np.testing.assert_allclose(force[inner], pull, atol=2e-3 * scale)
-    lifted = m * (np.gradient(np.gradient(s[:, 9], t), t)[inner] + run.attributes["parameters"]["g"])
+    lifted = m * (
+        np.gradient(np.gradient(s[:, 9], t), t)[inner] + run.attributes["parameters"]["g"]
+    )
     np.testing.assert_allclose(s[inner, 12], lifted, rtol=2e-3)
 
 
 def test_the_angular_velocity_turns_the_attitude() -> None:
     """Of a top on its stem too: q' = omega q/2."""
-    run = tt.run("leine-glocker-stem", friction=dict(law="viscous", mu=3.93), until=0.8, output_step=2e-4)
+    run = tt.run(
+        "leine-glocker-stem", friction=dict(law="viscous", mu=3.93), until=0.8, output_step=2e-4
+    )
     table = rows(run)
     assert set(np.unique(table["ball"])) == {0, 1}
     s = samples.samples(table, run.attributes)
@@ -103,7 +115,9 @@ def test_a_part_of_a_run_is_shown_alone(inverting: tt.Run) -> None:
         inverting.view(7.0)
 
 
-def test_many_rows_are_read_until_a_page_is_full(inverting: tt.Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_rows_are_read_until_a_page_is_full(
+    inverting: tt.Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("tippetop.views.run.MOST", 800)
     monkeypatch.setattr(thinning, "FEW", 500)
     table = rows(inverting)
@@ -123,7 +137,9 @@ def test_samples_of_many_rows_are_spread_evenly_over_the_time_that_is_shown(
     """However many pieces they are read in: 10^7 rows are no larger a page than 10^5."""
     monkeypatch.setattr(thinning, "FEW", 2000)
     table = {k: v for k, v in rows(inverting).items() if np.ndim(v) and len(v) == 6501}
-    pieces = [{k: v[first : first + 650] for k, v in table.items()} for first in range(0, 6501, 650)]
+    pieces = [
+        {k: v[first : first + 650] for k, v in table.items()} for first in range(0, 6501, 650)
+    ]
     times, *_ = gathered(iter(pieces), inverting.attributes, None, None)
     assert len(times) < 1.15 * 2000
     assert np.diff(times).max() < 0.0041

@@ -111,11 +111,15 @@ def test_a_cell_has_its_line_and_its_motion(store: Path, open_page: Any) -> None
     for top in (1, 9, 17):
         tab.evaluate("top => tippetop.sweep.choose(top, true)", top)
         assert f"Top {top}:" in tab.locator("[data-part=top]").inner_text()
-        end = tab.evaluate("t => tippetop.pose(t).theta", float(table.t_end[top]))  # of liftoff, between samples
+        end = tab.evaluate(
+            "t => tippetop.pose(t).theta", float(table.t_end[top])
+        )  # of liftoff, between samples
         assert end == pytest.approx(float(table.theta_end[top]), abs=2e-5)
         assert tab.evaluate("tippetop.end") == pytest.approx(float(table.t_end[top]), abs=2e-3)
     tab.locator("[data-part=map]").click(position={"x": 60, "y": 40})
-    assert tab.evaluate("tippetop.sweep.map.chosen") == 5, "least spin, most friction, the larger alpha"
+    assert tab.evaluate("tippetop.sweep.map.chosen") == 5, (
+        "least spin, most friction, the larger alpha"
+    )
     tab.locator("[data-part=map]").press("ArrowRight")
     assert tab.evaluate("tippetop.sweep.map.chosen") == 11
     tab.locator("[data-part='further-parameters.alpha']").evaluate(

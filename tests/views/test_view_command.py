@@ -27,7 +27,9 @@ def test_a_store_becomes_one_file(
     assert capsys.readouterr().out.startswith("RUN.html: 0.1 MB")
     text = Path("RUN.html").read_text(encoding="utf-8")
     assert [path.name for path in tmp_path.iterdir()] == ["RUN.html"]
-    assert not re.search(r"https?://|<link|<img|\bsrc=|\bfetch\(|^import |^export |\{\{", text, re.MULTILINE)
+    assert not re.search(
+        r"https?://|<link|<img|\bsrc=|\bfetch\(|^import |^export |\{\{", text, re.MULTILINE
+    )
     assert text.count("<script") == 2
     data = re.search(r'id="data">(.*?)</script>', text, re.DOTALL)
     assert data is not None
@@ -47,7 +49,11 @@ def test_a_run_in_memory_and_its_store_have_the_same_page(store: Path) -> None:
         (["{out}"], 5, "must not exist yet"),
         (["{folder}"], 5, "is a folder"),
         (["new.html", "--from", "3"], 2, "rows between 3 and inf s"),
-        (["new.html", "--from", "0.2", "--until", "0.1"], 2, "must begin before it ends, but goes from"),
+        (
+            ["new.html", "--from", "0.2", "--until", "0.1"],
+            2,
+            "must begin before it ends, but goes from",
+        ),
         (["new.html", "--from", "nan"], 2, "must begin before it ends, but goes from"),
         (["new.pdf"], 2, "--out must end with .html"),
     ],
@@ -78,7 +84,9 @@ def test_a_page_says_its_law_by_letters(store: Path) -> None:
     assert json.loads(data[1])["about"] == "vector form · double · viscous friction, μ = 0.3 s m⁻¹"
 
 
-def test_a_part_of_what_has_no_time_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+def test_a_part_of_what_has_no_time_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
     assert outcome(["view", "--playground", "--until", "3", "--out", str(tmp_path / "P.html")]) == 2
     assert "--from and --until are for runs" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
@@ -102,7 +110,10 @@ def test_an_unfinished_run_is_refused(tmp_path: Path, capsys: pytest.CaptureFixt
 
 def test_data_cannot_end_the_script_that_holds_it() -> None:
     text = pages.page(
-        "</title><b>", "page_run.js", {"title": "</script><b>"}, {"formulas.js": "export const potential = null;\n"}
+        "</title><b>",
+        "page_run.js",
+        {"title": "</script><b>"},
+        {"formulas.js": "export const potential = null;\n"},
     )
     assert "</script><b>" not in text
     assert "</title><b>" not in text
@@ -112,7 +123,9 @@ def test_no_name_of_a_module_is_lost_when_modules_become_one_script() -> None:
     """Each import is a name that the other module exports."""
     text = pages.script("page_run.js", {"formulas.js": "export const potential = null;\n"})
     exported = dict(
-        re.findall(r"const (module_\w+) = \(\(\) => \{.*?\nreturn \{([^}]*)\};\n\}\)\(\);", text, re.DOTALL)
+        re.findall(
+            r"const (module_\w+) = \(\(\) => \{.*?\nreturn \{([^}]*)\};\n\}\)\(\);", text, re.DOTALL
+        )
     )
     taken = re.findall(r"^const \{([^}]*)\} = (module_\w+);$", text, re.MULTILINE)
     assert len(exported) > 12

@@ -18,7 +18,17 @@ from .. import awaiting
 from . import overview, streams
 
 
-DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = 0, 1, 2, 3, 4, 5, 6, 130, 143
+DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = (
+    0,
+    1,
+    2,
+    3,
+    4,
+    5,
+    6,
+    130,
+    143,
+)
 THE_DISKS = {  # errors of the system that are no bug of ours, wherever they come from
     *(errno.ENAMETOOLONG, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EIO),
     *(errno.EACCES, errno.EPERM, errno.ELOOP, errno.EMFILE, errno.ENFILE, errno.ENOTDIR),
@@ -43,7 +53,9 @@ def _terminate(*_: Any) -> NoReturn:
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Runs the command line and exits with one of `reference.EXIT_CODES`."""
     streams.ready()
-    gc.set_threshold(100_000)  # to look a hundred times through what is imported takes a tenth of a start
+    gc.set_threshold(
+        100_000
+    )  # to look a hundred times through what is imported takes a tenth of a start
     signal.signal(signal.SIGTERM, _terminate)
     warnings.showwarning = _warn  # type: ignore[assignment]
     signal.signal(signal.SIGINT, _interrupt)
@@ -52,7 +64,9 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     except Exception:
         if not _received:
             raise
-        code = complain(["interrupted while it was loaded."], _received[0])  # an import makes an ImportError of it
+        code = complain(
+            ["interrupted while it was loaded."], _received[0]
+        )  # an import makes an ImportError of it
     except SystemExit as stopped:
         if stopped.code == TERMINATED and _received:
             complain(["terminated; what was written to disk stays."], TERMINATED)
@@ -60,12 +74,16 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # only what is printed is left
     code = streams.finished(code)
     if awaiting.abandoned():
-        os._exit(code)  # a compilation still runs in its thread, and the interpreter would wait for it
+        os._exit(
+            code
+        )  # a compilation still runs in its thread, and the interpreter would wait for it
     sys.exit(code)
 
 
 def _warn(message: Warning | str, *_: Any) -> None:
-    """A warning of a library as one line of ours on stderr, without the place in the library's source."""
+    """A warning of a library as one line of ours on stderr, without the place in the library's
+    source.
+    """
     streams.report(f"warning: {' '.join(str(message).split())}")
 
 
@@ -91,7 +109,9 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
 
 
 def _known_errors(error: Exception) -> int | None:
-    """Exit code of an error that is the user's or the machine's, after printing it; None for a bug."""
+    """Exit code of an error that is the user's or the machine's, after printing it;
+    None for a bug.
+    """
     from ..errors import BuildError, InputError, StoreError, missing_extra
 
     if isinstance(error, ImportError) and (sentence := missing_extra(error)):

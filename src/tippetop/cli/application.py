@@ -1,4 +1,6 @@
-"""The words of the command line become a call: cyclopts, with the commands that the words can mean."""
+"""The words of the command line become a call: cyclopts, with the commands that the
+words can mean.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,10 @@ HELP = {"--help", "-h", "--version"}
 
 
 def called(words: Sequence[str]) -> int:
-    """Calls the command that the words name. Raises InputError for words that mean nothing, and what it raises."""
+    """Calls the command that the words name.
+
+    Raises InputError for words that mean nothing, and what it raises.
+    """
     named = words[0] if words else ""
     app = app_of([named]) if named in overview.COMMANDS else app_of(overview.COMMANDS)
     if HELP & set(words):
@@ -42,7 +47,9 @@ def app_of(names: Iterable[str]) -> App:
     )
     for name in names:
         function = command(name)
-        app.command(function if name in overview.WITHOUT_ENGINE else host.prepared(function), name=name)
+        app.command(
+            function if name in overview.WITHOUT_ENGINE else host.prepared(function), name=name
+        )
     return app
 
 

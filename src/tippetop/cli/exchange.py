@@ -21,22 +21,25 @@ def compare(
     overwrite: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Hold another program's motion against the exact one: tippetop compare OTHER.csv ... REFERENCE.
+    """Compare the motion of another program with the reference.
+
+    Usage: tippetop compare OTHER.csv ... REFERENCE.
 
     Parameters
     ----------
     files
-        CSV or Parquet files of the other program, then the reference: a scenario, a preset, or the store of a run.
-        Headers name columns and units: t [s], theta [deg], axis_x, axis_y, axis_z, q_w, q_x, q_y, q_z (body to space),
-        x [m], vx [m/s], omega_x [rad/s] (space frame), omega_body_x [rad/s]. A name such as dt=1e-3.csv says the time
-        step: of several steps the order of convergence is given.
+        CSV or Parquet files of the other program, then the reference: a scenario, a preset, or the
+        store of a run. Headers name columns and units: t [s], theta [deg], axis_x, axis_y, axis_z,
+        q_w, q_x, q_y, q_z (body to space), x [m], vx [m/s], omega_x [rad/s] (space frame),
+        omega_body_x [rad/s]. A name such as dt=1e-3.csv says the time step: of several steps the
+        order of convergence is given.
     set_
         Change a value of the reference: table.key=value. May be repeated.
     quaternion
         The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
     up
-        The letter of the vertical in the other's frames, and of the body's axis of symmetry: z or y. With y their z, x,
-        y are our x, y, z.
+        The letter of the vertical in the other's frames, and of the body's axis of symmetry: z or
+        y. With y their z, x, y are our x, y, z.
     figure
         Draw both motions, the differences and the drifts to this PNG, SVG or PDF.
     overwrite
@@ -51,7 +54,9 @@ def compare(
     from .plot import check_picture
 
     if len(files) < 2:
-        raise InputError("a file and a reference must be given: tippetop compare OTHER.csv SCENARIO.")
+        raise InputError(
+            "a file and a reference must be given: tippetop compare OTHER.csv SCENARIO."
+        )
     check_picture(figure, "--figure", overwrite)
     problem = load_any(files[-1], set_)
     result = Verdict(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up))
@@ -83,38 +88,45 @@ def fit(
     overwrite: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Fit numbers of a scenario to a measured motion: tippetop fit DATA SCENARIO --free friction.mu,initial.omega3.
+    """Fit numbers of a scenario to a measured motion: tippetop fit DATA SCENARIO --free
+    friction.mu,initial.omega3.
 
     Parameters
     ----------
     data
-        CSV or Parquet. The header names columns and units: t [s], theta [deg], axis_x, axis_y, axis_z, q_w ... q_z,
-        omega3 [rpm], x [mm], marker_x [mm] ... Empty cells are gaps.
+        CSV or Parquet. The header names columns and units: t [s], theta [deg], axis_x, axis_y,
+        axis_z, q_w ... q_z, omega3 [rpm], x [mm], marker_x [mm] ... Empty cells are gaps.
     scenario
-        TOML file, preset, or the store of a run: what is not free is as it stands there, the rest is a first guess.
+        TOML file, preset, or the store of a run: what is not free is as it stands there, the rest
+        is a first guess.
     free
-        What is fitted: dotted names with commas, time.offset [s] and time.scale of the table's clock among them: the
-        motion's time is scale t + offset, so that a clock that was started before the motion has a negative offset.
+        What is fitted: dotted names with commas, time.offset [s] and time.scale of the table's
+        clock among them: the motion's time is scale t + offset, so that a clock that was started
+        before the motion has a negative offset.
     set_
         Change a value: table.key=value. May be repeated.
     loss
         linear, or soft_l1, huber, cauchy, which outliers hardly move.
     starts
-        Independent searches at most, until three of them have ended in the best minimum. Each begins at eight points
-        within 40 % of the scenario.
+        Independent searches at most, until three of them have ended in the best minimum. Each
+        begins at eight points within 40 % of the scenario.
     marker
-        Where the marker is on the body: x,y,z [m] in body axes from the centre of mass; with columns marker_x ...
+        Where the marker is on the body: x,y,z [m] in body axes from the centre of mass; with
+        columns marker_x ...
     quaternion
         The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
     up
-        The letter of the vertical, and of the body's axis of symmetry: z or y. With y their z, x, y are our x, y, z.
+        The letter of the vertical, and of the body's axis of symmetry: z or y. With y their z, x, y
+        are our x, y, z.
     noise
-        Standard deviation of measured angles and directions, such as "1.5 deg": theta may lie beyond 0 and 180 degrees
-        by five of these, and larger residuals are reported.
+        Standard deviation of measured angles and directions, such as "1.5 deg": theta may lie
+        beyond 0 and 180 degrees by five of these, and larger residuals are reported.
     figure
-        Draw data, fit and residuals to this PNG, SVG or PDF; must not exist yet (or say --overwrite).
+        Draw data, fit and residuals to this PNG, SVG or PDF; must not exist yet (or say
+        --overwrite).
     out
-        Write the scenario with the fitted numbers to this TOML file; must not exist yet (or say --overwrite).
+        Write the scenario with the fitted numbers to this TOML file; must not exist yet (or say
+        --overwrite).
     overwrite
         Replace files that exist.
     as_json
@@ -133,7 +145,9 @@ def fit(
         _check_out(out, overwrite, {"the measurements": data, "the figure": figure})
     problem = load_any(scenario, set_)
     place = fit_text.marker_of(marker)
-    observation = measured.observation_of(problem, data, names_of(free), Convention(quaternion, up), place, noise)
+    observation = measured.observation_of(
+        problem, data, names_of(free), Convention(quaternion, up), place, noise
+    )
     result = measured.fitted(observation, loss, whole("--starts", starts), progress=True)
     text = fit_text.lines(result, observation)
     if out is not None:
@@ -142,7 +156,13 @@ def fit(
         from ..figures import drawing
         from ..figures.fit import fit as draw_fit
 
-        picture = draw_fit(result.t, observation.dots(), measured.curves(observation, result), result.residuals, text)
+        picture = draw_fit(
+            result.t,
+            observation.dots(),
+            measured.curves(observation, result),
+            result.residuals,
+            text,
+        )
         drawing.write(picture, figure, overwrite=overwrite)
     if as_json:
         return print_json(fit_text.plain(result))
@@ -151,7 +171,9 @@ def fit(
 
 
 def _check_out(out: Path, overwrite: bool, others: dict[str, str | Path | None]) -> None:
-    """Raises InputError or StoreError now rather than after the fit: what is written must be a file of its own."""
+    """Raises InputError or StoreError now rather than after the fit: what is written must be a file
+    of its own.
+    """
     from ..errors import InputError, StoreError
 
     for what, other in others.items():

@@ -1,4 +1,6 @@
-"""What the command line does to its own process, and a library may not: memory, log levels, signal handlers."""
+"""What the command line does to its own process, and a library may not: memory, log levels, signal
+handlers.
+"""
 
 from __future__ import annotations
 
@@ -15,13 +17,19 @@ from .memory import keep_memory
 
 
 def prepared(command: Callable[..., int]) -> Callable[..., int]:
-    """The command, with the process made ready first for what computes: memory is kept, and libraries do not speak
-    between our lines (heyoka warns on standard output, dask on stderr; what goes wrong there is reported here)."""
+    """The command, with the process made ready first for what computes: memory is kept, and
+    libraries do not speak between our lines (heyoka warns on standard output, dask on stderr; what
+    goes wrong there is reported here).
+    """
 
     @functools.wraps(command)
     def ready(*arguments: Any, **options: Any) -> int:
-        os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to look for them reads all that is installed
-        os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")  # of a process that tidies up after workers
+        os.environ.setdefault(
+            "PYDANTIC_DISABLE_PLUGINS", "__all__"
+        )  # to look for them reads all that is installed
+        os.environ.setdefault(
+            "PYTHONWARNINGS", "ignore:resource_tracker"
+        )  # of a process that tidies up after workers
         from ..engine import taylor
 
         keep_memory()
@@ -47,11 +55,17 @@ class Stop:
 
 @contextlib.contextmanager
 def stopping() -> Iterator[Stop]:
-    """A block in which SIGINT and SIGTERM ask to stop; handlers are put back after it. Only the main thread may set
-    handlers: in any other the block just runs."""
+    """A block in which SIGINT and SIGTERM ask to stop; handlers are put back after it.
+
+    Only the main thread may set handlers: in any other the block just runs.
+    """
     stop = Stop()
     main = threading.current_thread() is threading.main_thread()
-    handlers = {number: signal.signal(number, stop.ask) for number in (signal.SIGINT, signal.SIGTERM)} if main else {}
+    handlers = (
+        {number: signal.signal(number, stop.ask) for number in (signal.SIGINT, signal.SIGTERM)}
+        if main
+        else {}
+    )
     try:
         yield stop
     finally:

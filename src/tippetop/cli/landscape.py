@@ -1,4 +1,6 @@
-"""`tippetop surface, potential`: the minimal surface and the effective potential of a scenario's body."""
+"""`tippetop surface, potential`: the minimal surface and the effective potential of a scenario's
+body.
+"""
 
 from __future__ import annotations
 
@@ -33,17 +35,19 @@ def surface(
     overwrite: bool = False,
     threads: Whole | None = None,
 ) -> int:
-    """The minimal surface F(D, lambda) of a tippe top over a grid of any size; the same command continues an
-    unfinished one.
+    """The minimal surface F(D, lambda) of a tippe top over a grid of any size; the same command
+    continues an unfinished one.
 
     Parameters
     ----------
     scenario
         TOML file, or preset: its body is used.
     D
-        min:max:n of Routh's function [kg m^2/s, or with units]; by default across both spinning states, 401 points.
+        min:max:n of Routh's function [kg m^2/s, or with units]; by default across both spinning
+        states, 401 points.
     lambda_
-        min:max:n of Jellett's integral [kg m^3/s, or with units]; by default 0 to 4.5 lambda_pi, 401 points.
+        min:max:n of Jellett's integral [kg m^3/s, or with units]; by default 0 to 4.5 lambda_pi,
+        401 points.
     out
         Store to write or to continue, a zarr folder. Of a finished one there is nothing to do.
     figure
@@ -74,16 +78,24 @@ def surface(
     ends = marked_lines.marked_lines(parameters, lambdas)["D"].values
     low, high = 1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9)
     Ds = _axis("--D", D, ANGULAR_MOMENTUM) if D else np.linspace(low, high, 401)
-    minimal = partial(surface.minimal_surface, parameters, system=system, gradient=False, threads=threads)
+    minimal = partial(
+        surface.minimal_surface, parameters, system=system, gradient=False, threads=threads
+    )
     if out is not None and overwrite:
         remove_store(out)
     if out is not None and _is_finished(out, parameters, Ds, lambdas):
-        print(f"tippetop: `{out}` is finished: nothing to do (--overwrite makes it anew).", file=sys.stderr)
+        print(
+            f"tippetop: `{out}` is finished: nothing to do (--overwrite makes it anew).",
+            file=sys.stderr,
+        )
     elif out is not None:
         corners = (Ds[:: max(1, Ds.size - 1)], lambdas[:: max(1, lambdas.size - 1)])
         try:
             if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
-                raise _wrong("`--D` and `--lambda` must leave V within the doubles, but at their ends do not.")
+                raise _wrong(
+                    "`--D` and `--lambda` must leave V within the doubles, but at their ends do "
+                    "not."
+                )
             with Bar("chunks") as bar:
                 wanted = recording.Surface.over(parameters, Ds, lambdas, system)
                 recording.write(out, wanted, threads=threads, progress=bar.update)
@@ -91,7 +103,9 @@ def surface(
             print("tippetop: interrupted; the same command continues from here.", file=sys.stderr)
             return 130
     if figure is not None:
-        few = tuple(v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas))
+        few = tuple(
+            v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas)
+        )
         grid = awaited(lambda: minimal(*few), COMPILING)
         drawing.write(_surface(grid, parameters), figure, overwrite=overwrite)
     print(f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lam_pi:.6g} kg m^3/s")
@@ -108,11 +122,17 @@ def _far(parameters: dict[str, float], lam: float) -> list[str]:
     limit = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
     if abs(lam) <= FAR * limit:
         return []
-    return [f"lambda = {lam:g} kg m^3/s is far from lambda_pi = {limit:.3g} kg m^3/s: it looks like another unit."]
+    return [
+        f"lambda = {lam:g} kg m^3/s is far from lambda_pi = {limit:.3g} kg m^3/s: it looks like "
+        "another unit."
+    ]
 
 
 def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any) -> bool:
-    """Whether `out` is this very surface, whole. Raises StoreError if it is another, or something else."""
+    """Whether `out` is this very surface, whole.
+
+    Raises StoreError if it is another, or something else.
+    """
     import numpy as np
 
     from ..errors import StoreError
@@ -121,21 +141,33 @@ def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any)
     if not out.exists():
         return False
     if ledger.is_ledger(out):
-        with files.writing(out), ledger.Ledger.opened(out) as store:  # which ends what was interrupted at its end
+        with (
+            files.writing(out),
+            ledger.Ledger.opened(out) as store,
+        ):  # which ends what was interrupted at its end
             unsound = store.unsound()
     attrs = root.attributes(out)
     if attrs.get("content") != "surface":
-        raise StoreError(f"`{out}` exists and is not a surface: name another store, or say --overwrite.")
+        raise StoreError(
+            f"`{out}` exists and is not a surface: name another store, or say --overwrite."
+        )
     finished = attrs["status"] == "finished"
     stored = root.loaded(root.open_group(out, "surface")[["D", "lambda"]], out)
     same = attrs["parameters"] == parameters
-    same = same and np.array_equal(stored["D"].values, Ds) and np.array_equal(stored["lambda"].values, lambdas)
+    same = (
+        same
+        and np.array_equal(stored["D"].values, Ds)
+        and np.array_equal(stored["lambda"].values, lambdas)
+    )
     if not same:
         raise StoreError(
-            f"`{out}` is the surface of another body or of other axes: name another store, or say --overwrite."
+            f"`{out}` is the surface of another body or of other axes: name another store, or "
+            "say --overwrite."
         )
     if finished and unsound:
-        raise StoreError(f"`{out}` must be a whole store, but is damaged: its chunk `{unsound[0]}` is.")
+        raise StoreError(
+            f"`{out}` must be a whole store, but is damaged: its chunk `{unsound[0]}` is."
+        )
     return finished
 
 
@@ -200,7 +232,8 @@ def potential(
     }
     if not math.isfinite(report["F"]):
         raise _wrong(
-            f"`--D` and `--lambda` must leave V within the doubles, but D = {D:g}, lambda = {lambda_:g} do not."
+            f"`--D` and `--lambda` must leave V within the doubles, but D = {D:g}, lambda = "
+            f"{lambda_:g} do not."
         )
     if out is not None:
         if overwrite:
@@ -212,7 +245,10 @@ def potential(
     if as_json:
         print_json(report)
     else:
-        print(f"F = {report['F']:.12g} J at theta = {report['theta']:.9g} rad ({report['status'].replace('_', ' ')})")
+        print(
+            f"F = {report['F']:.12g} J at theta = {report['theta']:.9g} rad "
+            f"({report['status'].replace('_', ' ')})"
+        )
     return 0
 
 
@@ -225,9 +261,13 @@ def picture(store: Path, attrs: dict[str, Any], look: Look) -> Any:
 
     group = root.open_group(store, attrs["content"])
     if attrs["content"] == "potential":
-        least = surface.minimal_surface(attrs["parameters"], attrs["D"], attrs["lambda"], attrs["system"])
+        least = surface.minimal_surface(
+            attrs["parameters"], attrs["D"], attrs["lambda"], attrs["system"]
+        )
         return _potential(root.loaded(group, store), least, look)
-    some = {d: np.unique(np.linspace(0, group.sizes[d] - 1, 401).astype(int)) for d in group["F"].dims}
+    some = {
+        d: np.unique(np.linspace(0, group.sizes[d] - 1, 401).astype(int)) for d in group["F"].dims
+    }
     return _surface(root.loaded(group.isel(some), store), attrs["parameters"], look)
 
 
@@ -256,7 +296,10 @@ def _surface(grid: Any, parameters: dict[str, float], look: Look = PLAIN) -> Any
 def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
     """The figure of a potential, with its minimum."""
     D, lam = float(least["D"]), float(least["lambda"])
-    title = f"Effective potential V(z)\nD = {D * 1e6:.5g} × 10⁻⁶ kg m² s⁻¹, λ = {lam * 1e6:.5g} × 10⁻⁶ kg m³ s⁻¹"
+    title = (
+        f"Effective potential V(z)\nD = {D * 1e6:.5g} × 10⁻⁶ kg m² s⁻¹, λ = {lam * 1e6:.5g} "
+        "× 10⁻⁶ kg m³ s⁻¹"
+    )
     at = least.squeeze(drop=True).rename(theta="theta_star")
     return drawing.composed("potential", ([("", V, at)], title), look)
 
@@ -271,10 +314,13 @@ def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     landscape = problem.system.landscape
     if landscape is None and problem.contact is not None and problem.system.inverts:
         raise _wrong(
-            "D and lambda belong to a sphere that stays on the plane; the contact of this top changes its phase."
+            "D and lambda belong to a sphere that stays on the plane; the contact of this top "
+            "changes its phase."
         )
     if landscape is None or landscape.symbols != SPINNING:
-        raise _wrong(f"D and lambda belong to tippe tops only; this is {a_system(problem.system.name)}.")
+        raise _wrong(
+            f"D and lambda belong to tippe tops only; this is {a_system(problem.system.name)}."
+        )
     return {k: float(v) for k, v in problem.parameters.items()}, problem.system.name
 
 

@@ -1,6 +1,8 @@
-"""What `tippetop`, `tippetop --help` and `--version` print: the commands, each with its module and one sentence.
+"""What `tippetop`, `tippetop --help` and `--version` print: the commands, each with its module and
+one sentence.
 
-A command's module is imported when it is called. The sentences are the first ones of the commands' docstrings.
+A command's module is imported when it is called. The sentences are the first ones of the commands'
+docstrings.
 """
 
 from __future__ import annotations
@@ -10,10 +12,13 @@ from collections.abc import Sequence
 
 
 PURPOSE = (
-    "Tippe tops, heavy tops and eccentric cylinders that roll and glide on a plane: integrated to rounding, with "
+    "Tippe tops, heavy tops and eccentric cylinders that roll and glide on a plane: integrated "
+    "to rounding, with "
     "their events, stored, checked and drawn.",
-    "A first run: `tippetop run inverting --figure inverting.png`. `tippetop presets` lists the scenarios to start "
-    "from, `tippetop new` writes one with every key, `tippetop help` explains them. The manual is README.md and docs/ "
+    "A first run: `tippetop run inverting --figure inverting.png`. `tippetop presets` lists the "
+    "scenarios to start "
+    "from, `tippetop new` writes one with every key, `tippetop help` explains them. The manual "
+    "is README.md and docs/ "
     "of the source.",
 )
 SENTENCES = {
@@ -37,35 +42,46 @@ SENTENCES = {
     },
     "sweep": {
         "sweep": (
-            "Run the many tops of a plan into a store; the same command continues an unfinished one: the same bits."
+            "Run the many tops of a plan into a store; the same command continues an unfinished "
+            "one: the same bits."
         ),
     },
     "plot": {
         "plot": (
-            "Draw a store to a PNG, SVG or PDF file; several runs in one panel; of a scenario its diagram of states."
+            "Draw a store to a PNG, SVG or PDF file; several runs in one panel; of a scenario "
+            "its diagram of states."
         ),
     },
     "show": {
-        "info": ("Print what is in a store: status, events, inversion, drift of the invariants, provenance."),
+        "info": (
+            "Print what is in a store: status, events, inversion, drift of the invariants, "
+            "provenance."
+        ),
         "check": (
             "Validate a scenario: invariants at the start, thresholds, expected fate; cost, by "
             "the first steps of the run."
         ),
         "export": (
-            "Write a store as one netCDF, CSV or Parquet file, or the body of a scenario for a simulator (MJCF, URDF)."
+            "Write a store as one netCDF, CSV or Parquet file, or the body of a scenario for a "
+            "simulator (MJCF, URDF)."
         ),
         "systems": (
-            "List the systems: forms, parameters and initial keys with their units, friction laws, integrals, events."
+            "List the systems: forms, parameters and initial keys with their units, friction "
+            "laws, integrals, events."
         ),
         "presets": "List the built-in scenarios with their sources.",
     },
     "view": {
         "view": (
-            "Write one HTML file that shows a run in motion, or the map of a sweep, in a browser, without a network."
+            "Write one HTML file that shows a run in motion, or the map of a sweep, in a "
+            "browser, without a network."
         ),
     },
     "exchange": {
-        "compare": ("Hold another program's motion against the exact one: tippetop compare OTHER.csv ... REFERENCE."),
+        "compare": (
+            "Hold another program's motion against the exact one: tippetop compare OTHER.csv "
+            "... REFERENCE."
+        ),
         "fit": (
             "Fit numbers of a scenario to a measured motion: tippetop fit DATA SCENARIO --free "
             "friction.mu,initial.omega3."
@@ -78,23 +94,34 @@ SENTENCES = {
         ),
     },
     "reference": {
-        "new": ("Write a scenario with all its keys, what each is and what it must be; it runs as it is."),
+        "new": (
+            "Write a scenario with all its keys, what each is and what it must be; it runs as "
+            "it is."
+        ),
         "help": "Print what may be written in a scenario or a plan, and what a run says.",
         "completion": (
-            "Print what makes a shell complete the commands and options, such as: source <(tippetop completion bash)."
+            "Print what makes a shell complete the commands and options, such as: source "
+            "<(tippetop completion bash)."
         ),
     },
 }
 """By module: its commands, and what each does."""
 
 MODULES = {name: module for module, commands in SENTENCES.items() for name in commands}
-COMMANDS = {name: sentence for commands in SENTENCES.values() for name, sentence in commands.items()}
+COMMANDS = {
+    name: sentence for commands in SENTENCES.values() for name, sentence in commands.items()
+}
 WITHOUT_ENGINE = {"export", "systems", "presets", "new", "help", "completion"}
-FLAGS = {"--help (-h)": "Display this message, or that of a command, and exit.", "--version": "Display the version."}
+FLAGS = {
+    "--help (-h)": "Display this message, or that of a command, and exit.",
+    "--version": "Display the version.",
+}
 
 
 def answer(words: Sequence[str]) -> str | None:
-    """What words that call no command ask for; None where a command, or nothing that there is, is called."""
+    """What words that call no command ask for; None where a command, or nothing that there is, is
+    called.
+    """
     if not words or list(words) in (["--help"], ["-h"]):
         return text(min(max(shutil.get_terminal_size().columns, 40), 120))
     if list(words) == ["--version"]:

@@ -1,4 +1,6 @@
-"""`tippetop plot`: figures of runs, sweeps, surfaces and potentials, and of a scenario its diagram of states."""
+"""`tippetop plot`: figures of runs, sweeps, surfaces and potentials, and of a scenario its diagram
+of states.
+"""
 
 from __future__ import annotations
 
@@ -25,14 +27,16 @@ def plot(
     dark: bool = False,
     overwrite: bool = False,
 ) -> int:
-    """Draw a store to a PNG, SVG or PDF file; several runs in one panel; of a scenario its diagram of states.
+    """Draw a store to a PNG, SVG or PDF file; several runs in one panel; of a scenario its diagram
+    of states.
 
     Parameters
     ----------
     store
         A store that `run`, `sweep`, `surface` or `potential` wrote; for `states` also a scenario.
     out
-        The picture to write: a name that ends with .png, .svg or .pdf; must not exist yet (or say --overwrite).
+        The picture to write: a name that ends with .png, .svg or .pdf; must not exist yet (or say
+        --overwrite).
     from_
         Draw a run from this time on [s].
     until
@@ -40,7 +44,8 @@ def plot(
     title
         Instead of the figure's own title; "" for none.
     size
-        Width and height in inches: 8x5. Below 5x4, such as 3.4x2.5, only the curves are drawn, in smaller letters.
+        Width and height in inches: 8x5. Below 5x4, such as 3.4x2.5, only the curves are drawn, in
+        smaller letters.
     dpi
         Dots per inch of a PNG.
     dark
@@ -55,7 +60,8 @@ def plot(
     catalogue.check_look(look)
     stores, kind = _parted([str(store), *words])
     figure = awaited(
-        lambda: _drawn(stores, kind, (from_, until), look), "the figure is being made (its formulas are compiled first)"
+        lambda: _drawn(stores, kind, (from_, until), look),
+        "the figure is being made (its formulas are compiled first)",
     )
     drawing.write(figure, out, look, overwrite=overwrite)
     return 0
@@ -68,7 +74,9 @@ def _parted(words: list[str]) -> tuple[list[Path], str | None]:
     return [Path(word) for word in (words[:-1] if named else words)], last if named else None
 
 
-def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, float | None], look: Look) -> Any:
+def _drawn(
+    stores: list[Path], kind: str | None, window: tuple[float | None, float | None], look: Look
+) -> Any:
     """The figure of some stores, or of a scenario."""
     from ..errors import InputError
     from ..figures.window import in_window
@@ -81,8 +89,12 @@ def _drawn(stores: list[Path], kind: str | None, window: tuple[float | None, flo
     attributes = [root.attributes(store) for store in stores]
     contents = [attrs.get("content", "run") for attrs in attributes]
     if len(stores) > 1 and set(contents) != {"run"}:
-        other = next(store for store, content in zip(stores, contents, strict=True) if content != "run")
-        raise InputError(f"several stores are drawn together if all are runs, but `{other}` is not.")
+        other = next(
+            store for store, content in zip(stores, contents, strict=True) if content != "run"
+        )
+        raise InputError(
+            f"several stores are drawn together if all are runs, but `{other}` is not."
+        )
     if contents[0] != "run" and window != (None, None):
         raise InputError(f"--from and --until are for runs, but `{stores[0]}` is a {contents[0]}.")
     if contents[0] == "sweep":
@@ -129,7 +141,9 @@ def _size(text: str | None) -> tuple[float, float] | None:
     try:
         width, height = (float(side) for side in text.lower().split("x"))
     except ValueError:
-        raise InputError(f"--size must be width x height in inches, such as 8x5, but is `{text}`.") from None
+        raise InputError(
+            f"--size must be width x height in inches, such as 8x5, but is `{text}`."
+        ) from None
     return width, height
 
 

@@ -16,14 +16,17 @@ def reconstruct(
     overwrite: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Solve the main equation for theta(t) by a run's D(t) and E~(t), or L_z(t) and E~(t), and compare it with the run.
+    """Solve the main equation for theta(t) by a run's D(t) and E~(t), or L_z(t) and E~(t), and
+    compare it with the run.
 
     Parameters
     ----------
     store
-        A run of a tippe top or a heavy top that starts at a turning angle, with some hundred rows per nutation.
+        A run of a tippe top or a heavy top that starts at a turning angle, with some hundred rows
+        per nutation.
     period
-        A guess of the period of nutation [s, or with a unit: 80ms]; by default twice the first turning time of the run.
+        A guess of the period of nutation [s, or with a unit: 80ms]; by default twice the first
+        turning time of the run.
     out
         Write time, theta of the main equation and theta of the run to this CSV file.
     overwrite
@@ -41,7 +44,9 @@ def reconstruct(
 
     attrs = root.attributes(store)
     if "content" in attrs:
-        raise InputError(f"what is reconstructed must be a run, but `{store}` is a {attrs['content']}.")
+        raise InputError(
+            f"what is reconstructed must be a run, but `{store}` is a {attrs['content']}."
+        )
     if period is not None and not 0 < period < float("inf"):
         raise InputError(f"--period must be positive and finite, but is {period}.")
     rows = root.loaded(root.open_group(store, "trajectory"), store)

@@ -1,4 +1,6 @@
-"""`tippetop help, new, completion`: what may be written, a scenario to begin with, the completion of words."""
+"""`tippetop help, new, completion`: what may be written, a scenario to begin with, the completion
+of words.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,8 @@ EXIT_CODES = {
     0: "done",
     1: "a bug: please report it",
     2: "usage or configuration: each sentence says what must hold and what was found",
-    3: "the physics stopped it: a fall, or a number that is not finite; a liftoff is an ordinary end",
+    3: "the physics stopped it: a fall, or a number that is not finite; a liftoff is an "
+    "ordinary end",
     4: "the accuracy contract is broken: a conserved quantity drifted by more than is promised",
     5: "the store or the disk",
     6: "some chunks of a sweep failed; the same command tries them again",
@@ -45,7 +48,9 @@ def sections(topic: str) -> list[Section]:
     """The tables of a topic. Raises InputError."""
     known = topics()
     if topic not in known:
-        raise InputError(f"a topic must be of {', '.join(known)}, but is `{topic}`.{suggestion(topic, known)}")
+        raise InputError(
+            f"a topic must be of {', '.join(known)}, but is `{topic}`.{suggestion(topic, known)}"
+        )
     return list(known[topic]())
 
 
@@ -60,7 +65,9 @@ def help(topic: str | None = None, *, markdown: bool = False) -> int:
         Print it as Markdown.
     """
     if topic is None:
-        print(f"tippetop help TOPIC, of {', '.join(topics())}; tippetop COMMAND --help for a command.")
+        print(
+            f"tippetop help TOPIC, of {', '.join(topics())}; tippetop COMMAND --help for a command."
+        )
         return 0
     tables = sections(topic)
     if markdown:
@@ -92,7 +99,8 @@ def as_markdown(tables: list[Section], level: int = 2) -> str:
         parts += [f"{'#' * level} {_escaped(section.title)}", _escaped(section.text)]
         if section.rows:
             rows = [
-                [_escaped(_unbroken(c, at)) for c, at in zip(row, section.head, strict=True)] for row in section.rows
+                [_escaped(_unbroken(c, at)) for c, at in zip(row, section.head, strict=True)]
+                for row in section.rows
             ]
             lines = [section.head, ["---"] * len(section.head), *rows]
             parts.append("\n".join(f"| {' | '.join(line)} |" for line in lines))
@@ -101,14 +109,20 @@ def as_markdown(tables: list[Section], level: int = 2) -> str:
 
 def _unbroken(text: str, head: str) -> str:
     """A unit stays on one line."""
-    return text.replace(" ", "\N{NO-BREAK SPACE}").replace("-", "\N{NON-BREAKING HYPHEN}") if head == "unit" else text
+    return (
+        text.replace(" ", "\N{NO-BREAK SPACE}").replace("-", "\N{NON-BREAKING HYPHEN}")
+        if head == "unit"
+        else text
+    )
 
 
 def _escaped(text: str) -> str:
     """As Markdown; what stands in backticks is written as it is, but for the bars of a table."""
     plain = str.maketrans({"|": r"\|", "*": r"\*", "<": "&lt;", "[": r"\[", "_": r"\_"})
     parts = text.split("`")
-    return "`".join(part.replace("|", r"\|") if i % 2 else part.translate(plain) for i, part in enumerate(parts))
+    return "`".join(
+        part.replace("|", r"\|") if i % 2 else part.translate(plain) for i, part in enumerate(parts)
+    )
 
 
 def new(system: str = "tippe-top", *, out: Path | None = None, overwrite: bool = False) -> int:
@@ -139,7 +153,8 @@ def new(system: str = "tippe-top", *, out: Path | None = None, overwrite: bool =
 
 
 def completion(shell: Literal["bash", "zsh", "fish"]) -> int:
-    """Print what makes a shell complete the commands and options, such as: source <(tippetop completion bash).
+    """Print what makes a shell complete the commands and options, such as: source <(tippetop
+    completion bash).
 
     Parameters
     ----------

@@ -36,19 +36,23 @@ def run(
     until
         End of the run [s, or with a unit: 2min], instead of the scenario's.
     set_
-        Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be repeated.
+        Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be
+        repeated.
     figure
-        Draw theta(t) with the nutational band to this PNG, SVG or PDF; must not exist yet (or say --overwrite).
+        Draw theta(t) with the nutational band to this PNG, SVG or PDF; must not exist yet (or say
+        --overwrite).
     as_json
         Print the result as one JSON object.
     overwrite
         Replace an existing store and an existing picture.
     certify
-        Repeat the run in wider numbers and report the difference; exit 4 if the accuracy contract is broken.
+        Repeat the run in wider numbers and report the difference; exit 4 if the accuracy contract
+        is broken.
     window
         Certify only the first so many seconds.
     columns
-        Keep these columns alone beside the time: names with commas between them, such as theta,normal_force.
+        Keep these columns alone beside the time: names with commas between them, such as
+        theta,normal_force.
     """
     from ..columns import require
     from ..errors import InputError
@@ -61,7 +65,11 @@ def run(
     check_window(window, "--window")
     if window is not None and not certify:
         raise InputError("--window must stand with --certify, whose part it is.")
-    kept = [] if columns is None else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
+    kept = (
+        []
+        if columns is None
+        else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
+    )
     try:
         problem = starting.load(scenario, [*(set_ or []), *kept], until)
     except InputError:
@@ -73,7 +81,9 @@ def run(
 
         check_picture(figure, "--figure", overwrite)
         if problem.output == "keyframes":
-            raise InputError('`run.output` must keep rows to be drawn by --figure, but is "keyframes".')
+            raise InputError(
+                '`run.output` must keep rows to be drawn by --figure, but is "keyframes".'
+            )
         require(("theta",), problem.kept_columns, "what --figure draws")
     if out is None:
         from ..runs.run import solve
@@ -89,7 +99,8 @@ def run(
 
     with following() as progress:
         integration, attrs = _interruptible(
-            lambda stop: record(problem, out, overwrite=overwrite, progress=progress, stop=stop), out
+            lambda stop: record(problem, out, overwrite=overwrite, progress=progress, stop=stop),
+            out,
         )
     if certify:
         attrs["certificate"] = _certificate(problem, window, out)
@@ -104,7 +115,8 @@ def resume(
     accept_other_version: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Continue an interrupted run, or a finished one to a later end; the store equals that of one run, bit by bit.
+    """Continue an interrupted run, or a finished one to a later end; the store equals that of one
+    run, bit by bit.
 
     Parameters
     ----------
@@ -113,7 +125,8 @@ def resume(
     until
         A later end of the run [s, or with a unit: 2min]: what is finished is continued too.
     accept_other_version
-        Continue also what other versions or another processor began: bits may differ, and the store names both.
+        Continue also what other versions or another processor began: bits may differ, and the store
+        names both.
     as_json
         Print the result as one JSON object.
     """
@@ -122,7 +135,9 @@ def resume(
 
     with following() as progress:
         integration, attrs = _interruptible(
-            lambda stop: continued(store, until, progress, stop=stop, accept_other_version=accept_other_version),
+            lambda stop: continued(
+                store, until, progress, stop=stop, accept_other_version=accept_other_version
+            ),
             store,
         )
     return _say(attrs, integration.seconds, {"store": store}, as_json)
@@ -139,12 +154,14 @@ def replay(
     accept_other_version: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Integrate a part of a stored run again, from its nearest keyframe: the rows it would have stored, bit by bit.
+    """Integrate a part of a stored run again, from its nearest keyframe: the rows it would have
+    stored, bit by bit.
 
     Parameters
     ----------
     store
-        The store of a finished run: with keyframes (run.output = "keyframes"), or so short that its start is near.
+        The store of a finished run: with keyframes (run.output = "keyframes"), or so short that its
+        start is near.
     from_
         Time of the first row [s, or with a unit: 10ms].
     until
@@ -162,17 +179,32 @@ def replay(
     """
     from ..runs.replay import into_store
 
-    done = into_store(store, from_, until, step, out, overwrite=overwrite, accept_other_version=accept_other_version)
+    done = into_store(
+        store,
+        from_,
+        until,
+        step,
+        out,
+        overwrite=overwrite,
+        accept_other_version=accept_other_version,
+    )
     if as_json:
         return print_json(done)
     seconds = f"{done['steps']} steps, integrated in {1e3 * done['seconds']:.1f} ms"
-    print(f"{done['rows']} rows, t = {from_:.9g} to {until:.9g} s, from t = {done['began']:.9g} s: {seconds}")
+    print(
+        f"{done['rows']} rows, t = {from_:.9g} to {until:.9g} s, from t = {done['began']:.9g} "
+        f"s: {seconds}"
+    )
     print(f"store  {out}")
     return 0
 
 
-def _interruptible(work: Callable[[Event], tuple[Any, dict[str, Any]]], store: Path) -> tuple[Any, dict[str, Any]]:
-    """Does the work; where a signal stopped it, says how to continue and exits with 128 + the signal's number."""
+def _interruptible(
+    work: Callable[[Event], tuple[Any, dict[str, Any]]], store: Path
+) -> tuple[Any, dict[str, Any]]:
+    """Does the work; where a signal stopped it, says how to continue and exits with 128 + the
+    signal's number.
+    """
     from ..errors import Interrupted
     from .host import stopping
 
@@ -181,7 +213,11 @@ def _interruptible(work: Callable[[Event], tuple[Any, dict[str, Any]]], store: P
             return work(stop.event)
         except Interrupted:
             pass
-    kept = f"what is done is kept. Continue with: tippetop resume {store}" if store.exists() else "nothing was stored."
+    kept = (
+        f"what is done is kept. Continue with: tippetop resume {store}"
+        if store.exists()
+        else "nothing was stored."
+    )
     report(f"interrupted; {kept}")
     raise SystemExit(128 + stop.signal)
 
@@ -210,7 +246,9 @@ def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any], overwrite:
     drawing.write(drawing.figure_of("theta", groups, attrs), figure, overwrite=overwrite)
 
 
-def _say(attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool) -> int:
+def _say(
+    attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool
+) -> int:
     """Prints the result; gives the exit code."""
     from ..runs.attributes import headline_of
     from ..runs.results import summary_of
@@ -234,7 +272,9 @@ def _refuse_plan(scenario: str) -> None:
     from ..sweeps.plan import is_plan
 
     if is_plan(reading.read(scenario)):
-        raise InputError(f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it.")
+        raise InputError(
+            f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it."
+        )
 
 
 def _contract(attrs: dict[str, Any]) -> int:

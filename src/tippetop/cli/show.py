@@ -1,4 +1,6 @@
-"""`tippetop info, check, export, systems, presets`: look at stores, scenarios, and what there is."""
+"""`tippetop info, check, export, systems, presets`: look at stores, scenarios, and what
+there is.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +21,8 @@ def info(store: Path, *, as_json: bool = False, errors: bool = False) -> int:
     as_json
         Print it as one JSON object.
     errors
-        Of a run: also how fast small errors of its start grow, and from when on a double says nothing. It is
-        integrated again with its derivatives, which costs some ten runs.
+        Of a run: also how fast small errors of its start grow, and from when on a double says
+        nothing. It is integrated again with its derivatives, which costs some ten runs.
     """
     from ..runs.results import summary_of
     from ..runs.summary import lines
@@ -49,7 +51,12 @@ def info(store: Path, *, as_json: bool = False, errors: bool = False) -> int:
     for name in ("parameters", "friction", "contact", "stem", "initial", "run"):
         if name in content:
             rows.append((name, entries(content[name], units)))
-    rows.append(("versions", ", ".join(f"{name} {version}" for name, version in content["versions"].items())))
+    rows.append(
+        (
+            "versions",
+            ", ".join(f"{name} {version}" for name, version in content["versions"].items()),
+        )
+    )
     rows.append(("tolerance", f"{content['tolerance']:.3g}, {content['precision']} precision"))
     rows.append(("processor", content["cpu"]))
     for before in attrs.get("begun_with", []):
@@ -60,7 +67,10 @@ def info(store: Path, *, as_json: bool = False, errors: bool = False) -> int:
 
 
 def _growth(attrs: dict[str, Any]) -> dict[str, Any]:
-    """How errors of the start of a stored run grow. Raises InputError where it has no derivatives."""
+    """How errors of the start of a stored run grow.
+
+    Raises InputError where it has no derivatives.
+    """
     import numpy as np
 
     from ..engine.derivatives.growth import growth
@@ -71,7 +81,11 @@ def _growth(attrs: dict[str, Any]) -> dict[str, Any]:
     problem = build.stored(attrs)
     refuse(problem, ())
     result = growth(problem, np.linspace(0.0, attrs["report"]["t_end"], 201))
-    numbers = {"factor": float(result.factor[-1]), "exponent": float(result.exponents[-1]), "horizon": result.horizon}
+    numbers = {
+        "factor": float(result.factor[-1]),
+        "exponent": float(result.exponents[-1]),
+        "horizon": result.horizon,
+    }
     return finite(numbers) | {"sentence": result.sentence()}
 
 
@@ -83,7 +97,8 @@ def check(
     try_: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Validate a scenario: invariants at the start, thresholds, expected fate; cost, by the first steps of the run.
+    """Validate a scenario: invariants at the start, thresholds, expected fate; cost, by the first
+    steps of the run.
 
     The plan of a sweep is validated too: its axes, its size, its cost.
 
@@ -94,9 +109,11 @@ def check(
     until
         End of the run [s, or with a unit: 2min], instead of the scenario's.
     set_
-        Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be repeated.
+        Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be
+        repeated.
     try_
-        Run it, without storing anything, as far as a second of computing goes: its end, and the least normal force.
+        Run it, without storing anything, as far as a second of computing goes: its end, and the
+        least normal force.
     as_json
         Print the result as one JSON object.
     """
@@ -138,7 +155,11 @@ def check(
             text = entries(value, units)
         else:
             text = plain(value)
-        if name not in ("auto_form", "inversion_by_eps", "warnings"):  # in `regularisation`; on standard error
+        if name not in (
+            "auto_form",
+            "inversion_by_eps",
+            "warnings",
+        ):  # in `regularisation`; on standard error
             rows.append((name.replace("_", " "), text))
     table(rows)
     return 0
@@ -152,19 +173,21 @@ def export(
     group: str | None = None,
     overwrite: bool = False,
 ) -> int:
-    """Write a store as one netCDF, CSV or Parquet file, or the body of a scenario for a simulator (MJCF, URDF).
+    """Write a store as one netCDF, CSV or Parquet file, or the body of a scenario for a simulator
+    (MJCF, URDF).
 
     Parameters
     ----------
     store
-        The store of a run or of a sweep; for mjcf and urdf a scenario, a preset or the store of a run.
+        The store of a run or of a sweep; for mjcf and urdf a scenario, a preset or the store of a
+        run.
     to
         The format: netcdf, csv or parquet; mjcf or urdf for the body, its start and its friction.
     out
         The file to write; must not exist yet (or say --overwrite).
     group
-        `trajectory` or `events` of a run, `phases` or `impacts` of one whose contact changes its phase. Without it CSV
-        and Parquet hold the first, netCDF holds all.
+        `trajectory` or `events` of a run, `phases` or `impacts` of one whose contact changes its
+        phase. Without it CSV and Parquet hold the first, netCDF holds all.
     overwrite
         Replace an existing file.
     """
@@ -175,14 +198,18 @@ def export(
         from . import exchange
 
         if group is not None:
-            raise InputError(f"--group must be left out with --to {to}: a scenario has no tables, but is `{group}`.")
+            raise InputError(
+                f"--group must be left out with --to {to}: a scenario has no tables, but is "
+                f"`{group}`."
+            )
         return exchange.describe(str(store), to, out, overwrite=overwrite)
     write(store, to, out, group, overwrite=overwrite)
     return 0
 
 
 def systems(*, as_json: bool = False) -> int:
-    """List the systems: forms, parameters and initial keys with their units, friction laws, integrals, events.
+    """List the systems: forms, parameters and initial keys with their units, friction laws,
+    integrals, events.
 
     Parameters
     ----------
@@ -198,7 +225,10 @@ def systems(*, as_json: bool = False) -> int:
             "title": s.title,
             "forms": list(s.forms),
             "parameters": {n: p.unit.symbol for n, p in s.parameters.items()},
-            "friction": {n: {k: p.unit.symbol for k, p in law.parameters.items()} for n, law in laws_of(s).items()},
+            "friction": {
+                n: {k: p.unit.symbol for k, p in law.parameters.items()}
+                for n, law in laws_of(s).items()
+            },
             "initial": {n: p.unit.symbol for n, p in s.initial.items()}
             | ({"centre_at_rest": "true or false"} if "nu_x" in s.initial else {}),
             "quantities": {q.name: q.unit.symbol for q in s.quantities},
@@ -288,7 +318,9 @@ def units_of(problem: Any) -> dict[str, str]:
 
 def entries(table: dict[str, Any], units: dict[str, str]) -> str:
     """A table of a scenario, or of quantities, on one line: key = value unit."""
-    return ", ".join(f"{key} = {_with_unit(entry, units.get(key, '1'))}" for key, entry in table.items())
+    return ", ".join(
+        f"{key} = {_with_unit(entry, units.get(key, '1'))}" for key, entry in table.items()
+    )
 
 
 def _with_unit(entry: Any, unit: str) -> str:

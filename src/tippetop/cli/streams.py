@@ -1,4 +1,6 @@
-"""Standard output and standard error of the command line: closed, full or narrow ones become a sentence at most."""
+"""Standard output and standard error of the command line: closed, full or narrow ones become a
+sentence at most.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ class _Output(io.FileIO):
         except BrokenPipeError:
             raise
         except OSError as error:
-            raise StoreError(f"standard output must be writable, but: {error.strerror or error}.") from None
+            raise StoreError(
+                f"standard output must be writable, but: {error.strerror or error}."
+            ) from None
 
 
 class _Errors(io.FileIO):
@@ -35,8 +39,8 @@ class _Errors(io.FileIO):
 def ready() -> None:
     """Makes the standard streams of this process usable, whatever they are.
 
-    Closed ones (`>&-`) become the null device: no store may get their number, for others write to it. Characters that
-    an encoding lacks are escaped.
+    Closed ones (`>&-`) become the null device: no store may get their number, for others write to
+    it. Characters that an encoding lacks are escaped.
     """
     fd = 0
     while fd <= 2:
@@ -55,18 +59,24 @@ def _text(raw: type[io.FileIO], fd: int, old: Any) -> io.TextIOWrapper:
     file = raw(fd, "w", closefd=False)
     encoding = getattr(old, "encoding", None) or "utf-8"
     line_buffering = fd == 2 or file.isatty()
-    return io.TextIOWrapper(io.BufferedWriter(file), encoding, "backslashreplace", line_buffering=line_buffering)
+    return io.TextIOWrapper(
+        io.BufferedWriter(file), encoding, "backslashreplace", line_buffering=line_buffering
+    )
 
 
 def visible(text: str) -> str:
     """Escape control characters, because a file may contain sequences that a terminal executes."""
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+    return "".join(
+        c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text
+    )
 
 
 def print_json(facts: Any) -> int:
-    """Print plain data as one JSON object, in which non-finite numbers are null; return the exit code."""
+    """Print plain data as one JSON object, in which non-finite numbers are null; return the exit
+    code.
+    """
     import json
 
     from ..store.root import finite
@@ -81,7 +91,9 @@ def report(sentence: str) -> None:
 
 
 def finished(code: int) -> int:
-    """Writes what is left, at the end of the process; gives the exit code, which is another if that fails."""
+    """Writes what is left, at the end of the process; gives the exit code, which is another if that
+    fails.
+    """
     try:
         sys.stdout.flush()
     except BrokenPipeError:

@@ -21,7 +21,8 @@ def sweep(
     overwrite: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Run the many tops of a plan into a store; the same command continues an unfinished one: the same bits.
+    """Run the many tops of a plan into a store; the same command continues an unfinished one: the
+    same bits.
 
     Parameters
     ----------
@@ -52,18 +53,28 @@ def sweep(
         sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
         failed = []
     except errors.InputError as error:
-        words = (re.sub("^`(workers|scheduler)` must", r"--\1 must", sentence) for sentence in error.sentences)
+        words = (
+            re.sub("^`(workers|scheduler)` must", r"--\1 must", sentence)
+            for sentence in error.sentences
+        )
         raise errors.InputError(list(words)) from None
     except errors.Unfinished as unfinished:
         failed = unfinished.sentences
-    except (KeyboardInterrupt, SystemExit) as stopped:  # at once: not after the chunks that are being computed
+    except (
+        KeyboardInterrupt,
+        SystemExit,
+    ) as stopped:  # at once: not after the chunks that are being computed
         code = INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
         return complain([f"interrupted; every finished chunk is kept. {again}"], code)
     report = summary.report(out)
     if was_finished and not failed:
         print(f"tippetop: `{out}` was finished: its chunks are checked.", file=sys.stderr)
     describe(report, as_json)
-    return complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS) if failed else 0
+    return (
+        complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS)
+        if failed
+        else 0
+    )
 
 
 def _command(plan: Path, out: Path, workers: int | None, scheduler: str | None) -> str:
@@ -102,7 +113,10 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
         "chunks": plan.chunks,
         "tops_per_chunk": plan.chunk,
         "expected": {
-            **awaited(partial(measured, plan), "some tops are being run (their equations are compiled first)"),
+            **awaited(
+                partial(measured, plan),
+                "some tops are being run (their equations are compiled first)",
+            ),
             "megabytes_at_most": round(plan.n * sum(c.values.itemsize for c in columns) / 1e6, 3),
         },
         "plan": plan.document,

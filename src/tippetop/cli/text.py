@@ -24,7 +24,9 @@ WIDE = 160  # columns of what is no terminal
 
 
 def console() -> Console:
-    """Standard output; no colour when it is not a terminal, and then wide unless COLUMNS says otherwise."""
+    """Standard output; no colour when it is not a terminal, and then wide unless COLUMNS says
+    otherwise.
+    """
     from .console import Console
 
     return Console(highlight=False, markup=False, width=None if _narrow() else WIDE)
@@ -46,15 +48,24 @@ def following() -> AbstractContextManager[Callable[[RunProgress], None]]:
     return cost.following(lambda sentence: warn([sentence]))
 
 
-def summary(headline: str, info: Mapping[str, Any], seconds: dict[str, float], places: dict[str, Any]) -> None:
+def summary(
+    headline: str, info: Mapping[str, Any], seconds: dict[str, float], places: dict[str, Any]
+) -> None:
     """Prints a run in a few lines, without rich: to import it takes longer than to integrate."""
     heading(headline)
-    table([*lines(info, seconds), *((name, str(place)) for name, place in places.items() if place is not None)])
+    table(
+        [
+            *lines(info, seconds),
+            *((name, str(place)) for name, place in places.items() if place is not None),
+        ]
+    )
 
 
 def heading(text: str) -> None:
     """Print a line, bold on a terminal."""
-    coloured = sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
+    coloured = (
+        sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
+    )
     print(f"\x1b[1m{visible(text)}\x1b[0m" if coloured else visible(text))
 
 

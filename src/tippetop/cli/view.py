@@ -16,12 +16,14 @@ def view(
     until: Seconds | None = None,
     overwrite: bool = False,
 ) -> int:
-    """Write one HTML file that shows a run in motion, or the map of a sweep, in a browser, without a network.
+    """Write one HTML file that shows a run in motion, or the map of a sweep, in a browser, without
+    a network.
 
     Parameters
     ----------
     store
-        A store that `run` or `replay` wrote, finished, with rows and their orientation; or one of `sweep`.
+        A store that `run` or `replay` wrote, finished, with rows and their orientation; or one of
+        `sweep`.
     playground
         Instead of a store: a tippe top whose numbers are changed in the page, which integrates it.
     out
@@ -43,7 +45,9 @@ def view(
         raise InputError(f"--out must end with .html, but is `{out}`.")
     if playground and (from_, until) != (None, None):
         raise InputError("--from and --until are for runs, but the playground has none.")
-    place = out if out is not None else Path(f"{store.resolve().stem if store else 'playground'}.html")
+    place = (
+        out if out is not None else Path(f"{store.resolve().stem if store else 'playground'}.html")
+    )
     pages.check(place, overwrite=overwrite)
     text = awaited(lambda: _text(store, from_, until), "the page is being made")
     pages.write(text, place, overwrite=overwrite)
@@ -70,5 +74,7 @@ def _text(store: Path | None, start: float | None, until: float | None) -> str:
             raise InputError(f"--from and --until are for runs, but `{store}` is a sweep.")
         return page_of_sweep(store)
     if "content" in attrs:
-        raise InputError(f"a page is made of a run or a sweep, but `{store}` is a {attrs['content']}.")
+        raise InputError(
+            f"a page is made of a run or a sweep, but `{store}` is a {attrs['content']}."
+        )
     return page_of_store(store, attrs, start, until)

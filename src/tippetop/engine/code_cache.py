@@ -1,10 +1,12 @@
-"""Integrators and functions of heyoka on disk: their machine code is loaded only if its checksum is right.
+"""Integrators and functions of heyoka on disk: their machine code is loaded only if its checksum is
+right.
 
-heyoka's own cache is one database without checksums, readable and writable as the umask of the process allows. A
-damaged object in it gives wrong numbers or ends the process, so nothing is compiled through it here.
+heyoka's own cache is one database without checksums, readable and writable as the umask of the
+process allows. A damaged object in it gives wrong numbers or ends the process, so nothing is
+compiled through it here.
 
-To write machine code is to run it, so the folder must be writable by its user only. If a file is damaged, the code is
-compiled again.
+To write machine code is to run it, so the folder must be writable by its user only. If a file is
+damaged, the code is compiled again.
 """
 
 import hashlib
@@ -61,7 +63,7 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
     return result
 
 
-# --- files ------------------------------------------------------------------------------------------------------------
+# --- files --------------------------------------------------------------------------------------
 
 
 def _read(file: Path, key: bytes) -> bytes | None:
@@ -90,8 +92,13 @@ def _write(file: Path, key: bytes, payload: bytes) -> None:
 
 
 def _remove_oldest(folder: Path) -> None:
-    """Remove the files that were not used for longest, until the others are small enough together."""
-    files = sorted((path for path in folder.iterdir() if path.is_file()), key=lambda path: path.stat().st_mtime_ns)
+    """Remove the files that were not used for longest, until the others are small
+    enough together.
+    """
+    files = sorted(
+        (path for path in folder.iterdir() if path.is_file()),
+        key=lambda path: path.stat().st_mtime_ns,
+    )
     total = sum(path.stat().st_size for path in files)
     while files and total > LARGEST:
         oldest = files.pop(0)
@@ -99,7 +106,7 @@ def _remove_oldest(folder: Path) -> None:
         oldest.unlink()
 
 
-# --- heyoka's own cache -----------------------------------------------------------------------------------------------
+# --- heyoka's own cache -------------------------------------------------------------------------
 
 
 class _Switch:
@@ -109,7 +116,9 @@ class _Switch:
         self.lock, self.threads, self.enabled = threading.Lock(), 0, True
 
     def change(self, threads: int) -> None:
-        """Count threads that enter or leave; the first one switches the cache off, the last one restores it."""
+        """Count threads that enter or leave; the first one switches the cache off, the last one
+        restores it.
+        """
         with self.lock:
             if self.threads == 0:
                 self.enabled = hy.llvm_state.get_diskcache_enabled()
@@ -132,9 +141,15 @@ def without_heyokas_cache() -> Iterator[None]:
 
 @cache
 def _processor() -> str:
-    """Return the description of the first processor, for machine code is made for its instructions."""
+    """Return the description of the first processor, for machine code is made for its
+    instructions.
+    """
     try:
-        first, _, _ = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").partition("\n\n")
+        first, _, _ = (
+            Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").partition("\n\n")
+        )
     except OSError:  # not Linux
         return ""
-    return "\n".join(line for line in first.splitlines() if line.startswith(("model name", "flags", "Features")))
+    return "\n".join(
+        line for line in first.splitlines() if line.startswith(("model name", "flags", "Features"))
+    )

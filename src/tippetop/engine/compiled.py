@@ -1,4 +1,6 @@
-"""Formulas become an integrator of heyoka, and the machine code of its step becomes something that a kernel calls."""
+"""Formulas become an integrator of heyoka, and the machine code of its step becomes something that
+a kernel calls.
+"""
 
 import copy
 import threading
@@ -31,9 +33,11 @@ class Compiled(NamedTuple):
     rows
         Where the event functions stand among the variables.
     lasting, way
-        The number of the event that must last, -1 if there is none; the sign of its function beyond its zero.
+        The number of the event that must last, -1 if there is none; the sign of its function beyond
+        its zero.
     machine
-        Its step as machine code; None where that cannot be had: then heyoka makes the steps, with the same bits.
+        Its step as machine code; None where that cannot be had: then heyoka makes the steps, with
+        the same bits.
     places
         What its runs in doubles work in, for each thread: see `driver.Place`.
     """
@@ -46,7 +50,8 @@ class Compiled(NamedTuple):
     places: threading.local
 
 
-HUGE = 100_000  # terms of the right-hand side from which LLVM would take a minute; the others have at most 22 000
+# terms of the right-hand side from which LLVM would take a minute; the others have at most 22 000
+HUGE = 100_000
 MOST_COMPILED = 32  # 0.1 to 4 MB each, measured; the one that was used least lately goes
 
 
@@ -82,7 +87,12 @@ _known: set[tuple] = set()  # what this process has compiled
 
 @lru_cache(maxsize=MOST_COMPILED)
 def compiled_from(
-    formulas: Formulas, precision: str, tolerance: float, lanes: int, compact: bool, orientation: bool
+    formulas: Formulas,
+    precision: str,
+    tolerance: float,
+    lanes: int,
+    compact: bool,
+    orientation: bool,
 ) -> Compiled:
     """Return an integrator: compiled once, then loaded from disk.
 
@@ -105,26 +115,35 @@ def compiled_from(
 
     Notes
     -----
-    Taylor coefficients of an event function are those of a variable, or of a rate; if it is neither, its integral is
-    integrated too, scaled not to control the step. heyoka's own detection takes three times the integration.
+    Taylor coefficients of an event function are those of a variable, or of a rate; if it is
+    neither, its integral is integrated too, scaled not to control the step. heyoka's own detection
+    takes three times the integration.
     """
     number, variables = PRECISIONS[precision], Variables(formulas.form, orientation)
     q, carried, body, equations = equations_of_motion(formulas, variables)
     sources, of_integrals = [], [integral.of or None for integral in variables.integrals]
-    for e, (event, formula) in enumerate(zip(formulas.events, formulas.functions(q, carried, body), strict=True)):
+    for e, (event, formula) in enumerate(
+        zip(formulas.events, formulas.functions(q, carried, body), strict=True)
+    ):
         function = hy.expression(0.0) + formula
         source = _source(function, equations, partial(_at_zero, e, formulas, variables))
         if not source and event.extremes in of_integrals:
             source = variables.moving + of_integrals.index(event.extremes), 1, INTEGRAL_SCALE, 0.0
         sources.append(source or (len(equations), 1, INTEGRAL_SCALE, 0.0))
         if not source:
-            equations.append((hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function))
+            equations.append(
+                (hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function)
+            )
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
-    level = opt_level() if sum(len(hy.expression(0.0) + rate) for _, rate in equations) < HUGE else 0
+    level = (
+        opt_level() if sum(len(hy.expression(0.0) + rate) for _, rate in equations) < HUGE else 0
+    )
     options: dict[str, Any] = {"high_accuracy": True, "compact_mode": compact, "opt_level": level}
     if lanes:
         zero = np.zeros((len(equations), lanes))
-        integrator = compiled_once(hy.taylor_adaptive_batch, equations, zero, tol=tolerance, **options)
+        integrator = compiled_once(
+            hy.taylor_adaptive_batch, equations, zero, tol=tolerance, **options
+        )
     else:
         kind = float if number is np.float64 else number
         options |= {"tol": kind(tolerance), "fp_type": kind}
@@ -134,15 +153,18 @@ def compiled_from(
     if machine and not lanes:
         machine = machine._replace(fused=is_fused(machine.dense, len(equations), integrator.order))
     rows = event_rows(formulas.events, sources, axis)
-    lasting, way = next(((e, event.direction) for e, event in enumerate(formulas.events) if event.lasting), (-1, 0))
+    lasting, way = next(
+        ((e, event.direction) for e, event in enumerate(formulas.events) if event.lasting), (-1, 0)
+    )
     return Compiled(integrator, rows, lasting, way, machine, threading.local())
 
 
 def _source(
     function: Any, equations: list[tuple], at_zero: Callable[[int], float]
 ) -> tuple[int, int, float, float] | None:
-    """Index of the variable that an expression is, give or take a number (shift 0), or is the rate of (shift 1); its
-    scale, and that number: what the expression is `at_zero` of a variable."""
+    """Index of the variable that an expression is, give or take a number (shift 0), or is the rate
+    of (shift 1); its scale, and that number: what the expression is `at_zero` of a variable.
+    """
     for index, (variable, rate) in enumerate(equations):
         alone = hy.get_variables(function) == [str(variable)] and not hy.get_params(function)
         if alone and hy.diff(function, variable) == hy.expression(1.0):
@@ -154,15 +176,21 @@ def _source(
 
 
 def _at_zero(e: int, formulas: Formulas, variables: Variables, index: int) -> float:
-    """An event function that depends on one variable, where this is zero: heyoka would take 70 ms to compile it."""
+    """An event function that depends on one variable, where this is zero: heyoka would take 70 ms
+    to compile it.
+    """
     state = np.ones(len(variables.names))
     state[index] = 0.0
     with np.errstate(all="ignore"):  # the others mean nothing
-        return float(formulas.functions(*variables.split(list(state)), formulas.body(repeat(1.0)))[e])
+        return float(
+            formulas.functions(*variables.split(list(state)), formulas.body(repeat(1.0)))[e]
+        )
 
 
 def _machine(integrator: Any) -> Loaded | None:
-    """The machine code of a step; None where it cannot be loaded, or makes another step than heyoka."""
+    """The machine code of a step; None where it cannot be loaded, or makes another step than
+    heyoka.
+    """
     try:
         machine = load(integrator.llvm_state.object_code)
     except RuntimeError:
@@ -171,11 +199,17 @@ def _machine(integrator: Any) -> Loaded | None:
 
 
 def is_same_step(machine: Loaded, integrator: Any) -> bool:
-    """Whether the loaded code makes the step that heyoka makes, bit by bit: one step of each from a random state."""
+    """Whether the loaded code makes the step that heyoka makes, bit by bit: one step of each from a
+    random state.
+    """
     random = np.random.default_rng(0)
     variables, lanes = len(integrator.state), integrator.state[0].size
-    mine, theirs = (new_motion(variables, len(integrator.pars), integrator.order + 1, lanes) for _ in range(2))
-    mine.state[:], mine.pars[:] = (random.uniform(0.5, 1.0, array.shape) for array in (mine.state, mine.pars))
+    mine, theirs = (
+        new_motion(variables, len(integrator.pars), integrator.order + 1, lanes) for _ in range(2)
+    )
+    mine.state[:], mine.pars[:] = (
+        random.uniform(0.5, 1.0, array.shape) for array in (mine.state, mine.pars)
+    )
     mine.limit[:] = mine.h[:] = 1.0
     for array, same in zip(theirs, mine, strict=True):
         array[:] = same

@@ -68,7 +68,9 @@ class Slice:
     samples: np.ndarray  # (k, variables) states on the way
     passages: Passages
     status: Status | None  # None: to be continued
-    tables: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)  # new rows of further tables, SI
+    tables: dict[str, dict[str, np.ndarray]] = field(
+        default_factory=dict
+    )  # new rows of further tables, SI
 
 
 class Request(Protocol):
@@ -77,16 +79,18 @@ class Request(Protocol):
     steps: bool  # at the ends of steps, rather than at given times
 
     def wanted(self) -> np.ndarray:
-        """Return the internal times of the rows that are wanted next, (k,) doubles; of steps, room for so many. None
-        are left where k = 0."""
+        """Return the internal times of the rows that are wanted next, (k,) doubles; of steps, room
+        for so many. None are left where k = 0.
+        """
 
     def take(self, times: np.ndarray, states: np.ndarray) -> None:
         """Take rows: internal times (k,), states (k, variables)."""
 
 
 class Wanted:
-    """Internal times of the rows that are wanted of a run, of which the first `made` exist: one for all phases of a
-    contact."""
+    """Internal times of the rows that are wanted of a run, of which the first `made` exist: one for
+    all phases of a contact.
+    """
 
     def __init__(self) -> None:
         self.times, self.made = np.zeros(0), 0
@@ -108,8 +112,8 @@ NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(1, np.int64), False)
 
 
 class Place:
-    """The arrays of a run, and the loop that is bound to their addresses: to bind them takes as long as 50 steps, so
-    that a run takes those of one that is gone.
+    """The arrays of a run, and the loop that is bound to their addresses: to bind them takes as
+    long as 50 steps, so that a run takes those of one that is gone.
 
     Parameters
     ----------
@@ -123,7 +127,9 @@ class Place:
         The number of the event that must last; -1: there is none.
     """
 
-    def __init__(self, compiled: Compiled, stepper: Stepper, rows: EventRows, tallies: Tallies, lasting: int):
+    def __init__(
+        self, compiled: Compiled, stepper: Stepper, rows: EventRows, tallies: Tallies, lasting: int
+    ):
         self.taken_by: Any = None  # a weak reference to a driver
         n, size = len(compiled.integrator.state), compiled.integrator.order + 1
         self.rows, self.tallies = rows._replace(events=rows.events.copy()), tallies
@@ -131,7 +137,9 @@ class Place:
         self.samples: Samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
         self.motion = new_motion(n, len(compiled.integrator.pars), size, 1)
         self.stepper, rules = stepper, RULES._replace(lasting=lasting, way=compiled.way)
-        self.loop = Loop(self.motion, self.rows, self.tallies, self.log, self.samples, rules, stepper)
+        self.loop = Loop(
+            self.motion, self.rows, self.tallies, self.log, self.samples, rules, stepper
+        )
 
 
 def place_for(driver: "Driver", compiled: Compiled, stepper: Callable[[], Stepper]) -> Place:
@@ -139,7 +147,9 @@ def place_for(driver: "Driver", compiled: Compiled, stepper: Callable[[], Steppe
     places: list[Place] = compiled.places.__dict__.setdefault("places", [])
     place = next((place for place in places if place.taken_by() is None), None)
     if place is None:
-        place = Place(compiled, stepper(), compiled.rows, new_tallies(compiled.rows, 1), compiled.lasting)
+        place = Place(
+            compiled, stepper(), compiled.rows, new_tallies(compiled.rows, 1), compiled.lasting
+        )
         if len(places) < PLACES:
             places.append(place)
     place.taken_by = weakref.ref(driver)
@@ -164,8 +174,8 @@ class Driver:
     end
         Internal time of the end.
     tallies, lasting
-        Those of a run of which this is one phase, and the number of its lasting event; None: the run has no other
-        phase.
+        Those of a run of which this is one phase, and the number of its lasting event; None: the
+        run has no other phase.
     """
 
     ended: Status | None = None  # how the run ends before its first step
@@ -183,16 +193,26 @@ class Driver:
         lasting: int = -1,
     ):
         self.compiled, self.at_start, self.end = compiled, functions, end
-        whole, pars = np.zeros(len(compiled.integrator.state), start.dtype), body[: len(compiled.integrator.pars)]
+        whole, pars = (
+            np.zeros(len(compiled.integrator.state), start.dtype),
+            body[: len(compiled.integrator.pars)],
+        )
         whole[: len(start)] = start  # the others are integrals of event functions
         if tallies is not None:
             self.place = place = Place(compiled, self._stepper(), rows, tallies, lasting)
         else:
             self.place = place = place_for(self, compiled, self._stepper)
-        self.rows, self.tallies, self.log, self.samples = place.rows, place.tallies, place.log, place.samples
+        self.rows, self.tallies, self.log, self.samples = (
+            place.rows,
+            place.tallies,
+            place.log,
+            place.samples,
+        )
         self.motion, self.loop = place.motion, place.loop
         names = "status", "steps", "upto", "tiny", "t"
-        self.status, self.steps, self.upto, self.tiny, self.time = (self.tallies.lane[name] for name in names)
+        self.status, self.steps, self.upto, self.tiny, self.time = (
+            self.tallies.lane[name] for name in names
+        )
         self.variables, self.number = len(start), start.dtype.type
         self.rows.events[:] = rows.events
         if tallies is None:
@@ -212,7 +232,7 @@ class Driver:
         """Take the parameters of the integrator."""
         self.motion.pars[:, 0] = [float(number) for number in pars]
 
-    # --- steps ----------------------------------------------------------------------------------------------------
+    # --- steps -----------------------------------------------------------------------------------
 
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most so many steps; rows go to the request as they come."""
@@ -223,7 +243,9 @@ class Driver:
         code, steps = int(self.status[0]), int(self.steps[0]) - before
         ended = None if code == RUNNING else STATUSES[code]
         passages = Passages(*(column.copy() for column in self.passages()))
-        return Slice(steps, when, last[None, :n].copy(), self.sampled()[:, :n].copy(), passages, ended)
+        return Slice(
+            steps, when, last[None, :n].copy(), self.sampled()[:, :n].copy(), passages, ended
+        )
 
     def forget(self) -> None:
         """Forget samples and passages."""
@@ -254,7 +276,9 @@ class Driver:
         return self.loop.drive(most)
 
     def _states(self, rows: Rows, first: int) -> np.ndarray:
-        """Return the states of the rows that the last steps have made, (k, variables), from number `first` on."""
+        """Return the states of the rows that the last steps have made, (k, variables), from number
+        `first` on.
+        """
         return rows.states[:, first : int(rows.filled[0])].T
 
     def sampled(self) -> np.ndarray:
@@ -265,7 +289,9 @@ class Driver:
         """Return the passages of the log, where they are."""
         log, logged = self.log, slice(int(self.log.filled[0]))
         states = log.states[logged, : self.variables]
-        return Passages(log.time[logged], log.event[logged], log.sign[logged], log.at_pole[logged], states)
+        return Passages(
+            log.time[logged], log.event[logged], log.sign[logged], log.at_pole[logged], states
+        )
 
     def drop(self) -> None:
         """Remove the last passage."""
@@ -286,11 +312,13 @@ class Driver:
         return self.filling
 
     def reached(self) -> tuple[Any, np.ndarray]:
-        """Return the internal time reached, and the state: of the last passage, if it ended the run within a step."""
+        """Return the internal time reached, and the state: of the last passage, if it ended the run
+        within a step.
+        """
         state = self.log.states[self.log.filled[0] - 1] if self.upto[0] < 1.0 else self.state
         return float(self.time[0]), state
 
-    # --- where the run is -----------------------------------------------------------------------------------------
+    # --- where the run is ------------------------------------------------------------------------
 
     @property
     def tally(self) -> Any:
@@ -358,7 +386,9 @@ class Driver:
 
 
 def extremes_of(records: np.ndarray, tallies: Tallies) -> Extremes:
-    """Return the extremes of the first event function whose extremes are kept; empty where there is none."""
+    """Return the extremes of the first event function whose extremes are kept; empty where there is
+    none.
+    """
     ranged = np.flatnonzero(records["extremes"])
     if not len(ranged):
         return Extremes()

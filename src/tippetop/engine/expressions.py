@@ -1,4 +1,6 @@
-"""A system as heyoka expressions: for the integrator, and for functions over arrays that are compiled like it."""
+"""A system as heyoka expressions: for the integrator, and for functions over arrays that are
+compiled like it.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Iterator
@@ -48,7 +50,8 @@ class Formulas:
     functions
         functions(q, carried, b) -> the event functions, in the order of the events.
     body
-        body(values) -> the body, of an iterator over its leaves; what is 0 or 1 by construction is a number.
+        body(values) -> the body, of an iterator over its leaves; what is 0 or 1 by construction is
+        a number.
     """
 
     form: Form
@@ -66,7 +69,9 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
         state = moment(system, form, q, carried, b)
         return [event.formula(state, b) for event in system.events]
 
-    template = system.body_of(dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields))
+    template = system.body_of(
+        dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields)
+    )
 
     def body(values: Iterator) -> Any:
         return refill(template, values)._replace(**system.folds(form))
@@ -75,34 +80,47 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
 
 
 def in_symbols(formulas: Formulas, variables: Variables) -> tuple[Any, Any, Any, Any]:
-    """Return the variables as symbols, and the records that formulas take: the state, the integrals, the body."""
+    """Return the variables as symbols, and the records that formulas take: the state, the
+    integrals, the body.
+    """
     symbols = hy.make_vars(*variables.names)
     return symbols, *variables.split(symbols), formulas.body(hy.par[i] for i in count())
 
 
 def equations_of_motion(formulas: Formulas, variables: Variables) -> Equations:
-    """Return equations of motion as heyoka expressions, in internal units; the body is in run-time parameters."""
+    """Return equations of motion as heyoka expressions, in internal units; the body is in run-time
+    parameters.
+    """
     symbols, q, carried, body = in_symbols(formulas, variables)
     rates = [hy.expression(0.0) + rate for rate in variables.rates(q, carried, body)]
     return Equations(q, carried, body, list(zip(symbols, rates, strict=True)))
 
 
 def component(variable: str) -> str:
-    """The name of a component of a vector among the values of a row; a quantity may be called as the variable is: L_z
-    of a heavy top is about the tip, that of the column L about the centre of mass."""
+    """The name of a component of a vector among the values of a row; a quantity may be called as
+    the variable is: L_z of a heavy top is about the tip, that of the column L about the centre of
+    mass.
+    """
     return f"vector_{variable}"
 
 
 def integrated(variable: str) -> str:
-    """The name of an integrated component of 3hat among the values of a row, where it is not what the column `axis` is
-    taken from."""
+    """The name of an integrated component of 3hat among the values of a row, where it is not what
+    the column `axis` is taken from.
+    """
     return f"integrated_{variable}"
 
 
 def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
-    """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of expressions."""
+    """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of
+    expressions.
+    """
     whole, angles = moment(system, form, q, carried, body), form.to_angles(q, carried, body)
-    values = {"theta": math.nan, "theta_dot": 0.0, **angles._asdict()}  # a hybrid system may have no theta
+    values = {
+        "theta": math.nan,
+        "theta_dot": 0.0,
+        **angles._asdict(),
+    }  # a hybrid system may have no theta
     if system.vectors:
         vector, direct = system.forms["vector"], form.name == "vector"
         if direct:
@@ -111,7 +129,11 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
             state = form.vectors(q, body)
         else:
             state = vector.of_angles(angles, sin(angles.theta), cos(angles.theta), body)
-        values |= {component(name): getattr(state, name) for names in system.vectors.values() for name in names}
+        values |= {
+            component(name): getattr(state, name)
+            for names in system.vectors.values()
+            for name in names
+        }
         if not direct and integrates_axis(system, form):
             values |= {integrated(name): getattr(q, name) for name in system.vectors["axis"]}
     values |= {quantity.name: quantity.formula(whole, body) for quantity in system.quantities}
@@ -131,7 +153,9 @@ def near_poles(form: Form, q: Any, body: Any) -> list:
 
 
 def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
-    """Axes 1 and 3 of the body, three components each, and psi if the form knows it; of arrays or of expressions."""
+    """Axes 1 and 3 of the body, three components each, and psi if the form knows it; of arrays or
+    of expressions.
+    """
     orientation = form.orientation
     assert orientation is not None
     first, third = orientation.axes(q, carried, body)
@@ -140,7 +164,9 @@ def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
 
 @lru_cache(maxsize=32)
 def compile_orientation(system: System, form_name: str, friction: Any) -> Any:
-    """Return `orientation_of` as a compiled function; apart from the other observables, so that their bits stay."""
+    """Return `orientation_of` as a compiled function; apart from the other observables, so that
+    their bits stay.
+    """
     form = system.forms[form_name]
     symbols, *records = in_symbols(formulas_of(system, form_name, friction), Variables(form))
     return _function(orientation_of(form, *records), symbols)
@@ -150,13 +176,16 @@ def compile_orientation(system: System, form_name: str, friction: Any) -> Any:
 def compile_observables(
     system: System, form_name: str, friction: Any, orientation: bool
 ) -> tuple[tuple[str, ...], Any]:
-    """Return the names of what `observed` gives, and the compiled function f(inputs=(variables, n), pars=(leaves, n))
-    of it, whose last two outputs are those of `near_poles` if the system has poles.
+    """Return the names of what `observed` gives, and the compiled function f(inputs=(variables, n),
+    pars=(leaves, n)) of it, whose last two outputs are those of `near_poles` if the system has
+    poles.
 
     11 ns a row where numpy takes 590: that is what lets a store keep pace with the integrator.
     """
     form = system.forms[form_name]
-    symbols, *records = in_symbols(formulas_of(system, form_name, friction), Variables(form, orientation))
+    symbols, *records = in_symbols(
+        formulas_of(system, form_name, friction), Variables(form, orientation)
+    )
     values = observed(system, form, *records)
     polar = near_poles(form, records[0], records[-1]) if system.undefined_at_poles else []
     return tuple(values), _function([*values.values(), *polar], symbols)

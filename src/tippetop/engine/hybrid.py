@@ -1,6 +1,8 @@
-"""One run of a system of several phases: an ordinary driver for each, and jumps from one to another.
+"""One run of a system of several phases: an ordinary driver for each, and jumps from one to
+another.
 
-Jumps are functions of the common state, which every phase can be read as; the driver knows neither balls nor laws.
+Jumps are functions of the common state, which every phase can be read as; the driver knows neither
+balls nor laws.
 """
 
 import math
@@ -24,7 +26,17 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import Problem
-from .driver import RUNNING, STATUSES, Driver, Extremes, Passages, Request, Slice, Wanted, extremes_of
+from .driver import (
+    RUNNING,
+    STATUSES,
+    Driver,
+    Extremes,
+    Passages,
+    Request,
+    Slice,
+    Wanted,
+    extremes_of,
+)
 from .expressions import Formulas
 from .phase_tables import PhaseTables
 from .sampled import Sampler, zero_of
@@ -33,36 +45,48 @@ from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bou
 
 
 MOST_CHANGES = 10_000  # of phase in a run
-PER_SLICE = 256  # changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
+# changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
+PER_SLICE = 256
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
 ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
-"""Least value of an event function, of order one, that is no root; least rate of one that has a multiple root; and the
-time over which the rate is taken."""
+"""Least value of an event function, of order one, that is no root; least rate of one that has a
+multiple root; and the time over which the rate is taken.
+"""
 QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 """Jumps evaluate formulas outside their region; a motion that is not finite ends the run."""
 
 
 @lru_cache(maxsize=256)
 def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) -> Formulas:
-    """Return the formulas of a phase, whose parameters are a record of type `body` with this record of a law."""
+    """Return the formulas of a phase, whose parameters are a record of type `body` with this record
+    of a law.
+    """
     form = phase.form
     of_phases = {event.name for other in system.phases.values() for event in other.events}
-    common = tuple(event for event in system.events if event.formula and event.name not in of_phases)
+    common = tuple(
+        event for event in system.events if event.formula and event.name not in of_phases
+    )
     own = tuple(event for event in phase.events if event.formula is not None and not event.sampled)
     events = (*own, *common)
-    template = body(*(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields))
+    template = body(
+        *(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields)
+    )
     folds = {name: value for name, value in system.folds(form).items() if name in body._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
         state = form.scalars(q, b)
         values = [event.formula(state, b) for event in own]
         if common:
-            whole, first = system.read(phase, q, carried, b) if system.read else (phase.leave(q, b), b)
+            whole, first = (
+                system.read(phase, q, carried, b) if system.read else (phase.leave(q, b), b)
+            )
             read = moment(system, system.phase.form, whole, carried, first)
             values += [event.formula(read, first) for event in common]
         return values
 
-    return Formulas(form, events, inlined(functions), lambda values: refill(template, values)._replace(**folds))
+    return Formulas(
+        form, events, inlined(functions), lambda values: refill(template, values)._replace(**folds)
+    )
 
 
 class Track:
@@ -84,14 +108,24 @@ class Track:
         phase = self.phase
         self.b = phase.parameters(run.body)
         self.exits = {exit.event: exit for exit in phase.exits}
-        self.formulas = formulas_of_phase(problem.system, phase, self.b.__class__, self.b.friction.__class__)
+        self.formulas = formulas_of_phase(
+            problem.system, phase, self.b.__class__, self.b.friction.__class__
+        )
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
-        self.moving, self.record, self.width = variables.moving, type(phase.form.units), len(variables.names)
-        self.integrals = [run.carried._fields.index(integral.name) for integral in variables.integrals]
+        self.moving, self.record, self.width = (
+            variables.moving,
+            type(phase.form.units),
+            len(variables.names),
+        )
+        self.integrals = [
+            run.carried._fields.index(integral.name) for integral in variables.integrals
+        ]
         self.events = self.formulas.events
         self.numbers = [run.numbers[event.name] for event in self.events]
-        self.ways = {run.numbers[event.name]: event.name for event in self.events if event.name in self.exits}
+        self.ways = {
+            run.numbers[event.name]: event.name for event in self.events if event.name in self.exits
+        }
         rows = run.rows._replace(events=self._records(run, code.rows.events), axis=code.rows.axis)
         self.driver: Driver = kind_of_driver(problem)(
             code,
@@ -106,7 +140,9 @@ class Track:
         self.driver.wanted = run.row_times
         self.driver.forget()
         sampled = [event for event in phase.events if event.sampled]
-        self.sampler = Sampler(self.driver, leaves(self.b), sampled, self._value) if sampled else None
+        self.sampler = (
+            Sampler(self.driver, leaves(self.b), sampled, self._value) if sampled else None
+        )
 
     def _value(self, state: np.ndarray, event: Event) -> Any:
         """Return the value of an event in a state of the phase."""
@@ -119,7 +155,11 @@ class Track:
             records[flag] = 0
         records["leader"] = -1
         for number, event, record in zip(self.numbers, self.events, mine, strict=True):
-            kept = records[number][["first", "last"]].item() if event.name not in self.exits else (0, 0)  # jumps log
+            kept = (
+                records[number][["first", "last"]].item()
+                if event.name not in self.exits
+                else (0, 0)
+            )  # jumps log
             records[number] = record
             records[number]["first"], records[number]["last"] = kept
             if event.name in self.exits:
@@ -188,7 +228,11 @@ class HybridDriver:
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
         system, number = problem.system, float if problem.precision == "double" else problem.number
-        self.problem, self.stop, self.number = problem, stop, number  # floats are faster than NumPy's
+        self.problem, self.stop, self.number = (
+            problem,
+            stop,
+            number,
+        )  # floats are faster than NumPy's
         self.variables = len(problem.variables.names)
         self.end = number(problem.until) / number(float(problem.scales.of(SECOND)))
         self.body, self.phases = _assembled(problem)
@@ -196,12 +240,16 @@ class HybridDriver:
         events = {event.name: event for event in system.events}
         in_phases = [event for phase in self.phases.values() for event in phase.events]
         events = events | {event.name: event for event in in_phases} | events
-        self.rows: EventRows = event_rows(list(events.values()), [(0, 1, 1.0, 0.0)] * len(events), ())
+        self.rows: EventRows = event_rows(
+            list(events.values()), [(0, 1, 1.0, 0.0)] * len(events), ()
+        )
         self.numbers = {name: k for k, name in enumerate(events)}
         for event in in_phases:
             self.rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
         numbers = [(place, *number) for place, number in enumerate(self.rows.numbers.tolist())]
-        self.kept = [numbers[first:last] for first, last in self.rows.events[["first", "last"]].tolist()]
+        self.kept = [
+            numbers[first:last] for first, last in self.rows.events[["first", "last"]].tolist()
+        ]
         self.lasting = {name for name, event in events.items() if event.lasting}
         self.tallies = new_tallies(self.rows, 1)
         self.tallies.functions[SIGN] = 0.0  # not known
@@ -209,13 +257,21 @@ class HybridDriver:
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         self.live: set[str] = set()
-        self.rooted: set[tuple] = set()  # roots that jumps have named rightly: the exit, the next phase, the event
-        # The phases of a slice: the track, the integrals, and the counts of its track at the beginning of the phase.
+        self.rooted: set[tuple] = (
+            set()
+        )  # roots that jumps have named rightly: the exit, the next phase, the event
+        # The phases of a slice: the track, the integrals, and the counts of its track at the
+        # beginning of the phase.
         self.spans: list[tuple] = []
         self.world = SimpleNamespace(
-            body=self.body, system=system, rules=problem.contact, phases=self.phases, phase=None, left=self.end,
+            body=self.body,
+            system=system,
+            rules=problem.contact,
+            phases=self.phases,
+            phase=None,
+            left=self.end,
             rates=self._rates,
-        )  # fmt: skip
+        )
         if problem.contact is not None:
             from .impacts import Impacts
 
@@ -225,7 +281,11 @@ class HybridDriver:
         self.whole = start[problem.variables.moving :].tolist()
         x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
         try:
-            n = system.begin(x, self.world) if system.begin else Next(next(iter(self.phases)), x, "start")
+            n = (
+                system.begin(x, self.world)
+                if system.begin
+                else Next(next(iter(self.phases)), x, "start")
+            )
         except ArithmeticError as error:
             n = Next(next(iter(self.phases)), x, "start", ends="stalled", message=str(error))
         self._enter(n, number(0), None)
@@ -233,7 +293,7 @@ class HybridDriver:
             self.ended, self.sentence = Status(n.ends), n.message
         self.first = self.present()
 
-    # --- phases ---------------------------------------------------------------------------------------------------
+    # --- phases ----------------------------------------------------------------------------------
 
     def track_of(self, name: str) -> Track:
         """Return the phase of this name, compiled when it is first entered."""
@@ -254,8 +314,9 @@ class HybridDriver:
         return [pair for name in self.phases for pair in self.track_of(name).driver.equations()]
 
     def _rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
-        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it does not move. `b` is
-        the body in the numbers of the state, if they are others."""
+        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it
+        does not move. `b` is the body in the numbers of the state, if they are others.
+        """
         integrals = Variables(phase.form, self.problem.orientation).integrals
         rates = {integral.name: integral.rate for integral in integrals}
         b = b or phase.parameters(self.body)
@@ -266,10 +327,14 @@ class HybridDriver:
         track = self.track_of(n.phase)
         q = self._called(track.phase.enter, n.x, track.b)
         if before and not math.isfinite(self._called(sum, q)):
-            raise ArithmeticError(f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}")
+            raise ArithmeticError(
+                f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
+            )
         self.track, self.world.phase = track, track.phase
         if n.cause != "":
-            self.tables.begin(track.name, track.phase, float(now + n.logged_after), n.cause or self.way[0])
+            self.tables.begin(
+                track.name, track.phase, float(now + n.logged_after), n.cause or self.way[0]
+            )
         self.tables.add(float(now), n.rows)
         time = min(now + self.number(n.delay), self.end)
         if hasattr(n.x, "carried"):
@@ -296,7 +361,9 @@ class HybridDriver:
         track, live = self.track, set()
         values = track.formulas.functions(q, self._integrals(), track.b)
         if n.series is not None:
-            self._fill(float(now + n.delay), lambda times: self._series(n, times.astype(self.number) - now))
+            self._fill(
+                float(now + n.delay), lambda times: self._series(n, times.astype(self.number) - now)
+            )
         signs, zeros = (self.tallies.functions[kind, :, 0] for kind in (SIGN, ON_ZERO))
         for number, event, value in zip(track.numbers, track.events, values, strict=True):
             name, value = event.name, float(value)
@@ -312,7 +379,11 @@ class HybridDriver:
                     sign = known
                 elif sign != known and n.series is not None:
                     self._note_along(n, track, event, known, now)
-                elif sign != known and before and (event.sense or (event.lasting and sign == event.direction)):
+                elif (
+                    sign != known
+                    and before
+                    and (event.sense or (event.lasting and sign == event.direction))
+                ):
                     self._note(name, now, before, self.last, int(sign))  # of theta: it has a corner
                 live.add(name)
             else:
@@ -322,25 +393,33 @@ class HybridDriver:
         self.live = live
 
     def _check_root(self, name: str, values: list, count: int, q: Any) -> None:
-        """Raise InputError where an event function has no root of this multiplicity in a state of the present phase:
-        its value, and its slope if there is more than one root, are zero. Once for an exit."""
+        """Raise InputError where an event function has no root of this multiplicity in a state of
+        the present phase: its value, and its slope if there is more than one root, are zero. Once
+        for an exit.
+        """
         track = self.track
         self.rooted.add((self.way, track.name, name))
         k = [event.name for event in track.events].index(name)
         missed = not abs(values[k]) < ROOT
         if count > 1 and not missed:
-            near = (one + NEAR * rate for one, rate in zip(q, track.phase.form.rates(q, track.b), strict=True))
+            near = (
+                one + NEAR * rate
+                for one, rate in zip(q, track.phase.form.rates(q, track.b), strict=True)
+            )
             ahead = track.formulas.functions(track.record(*near), self._integrals(), track.b)[k]
             missed = not abs(ahead - values[k]) < SLOPE * NEAR
         if missed:
-            there = f"in `zeros`, but {name!r} has no root of multiplicity {count} where phase `{track.name}` begins"
+            there = (
+                f"in `zeros`, but {name!r} has no root of multiplicity {count} where phase "
+                f"`{track.name}` begins"
+            )
             raise InputError([f"{self._where()} must give multiplicities of roots {there}."])
 
     def _integrals(self) -> Any:
         """Return the integrals of the run as they are now, whole again."""
         return self.carried._make([value / INTEGRAL_SCALE for value in self.whole])
 
-    # --- steps ----------------------------------------------------------------------------------------------------
+    # --- steps -----------------------------------------------------------------------------------
 
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
@@ -354,7 +433,9 @@ class HybridDriver:
         while self.clock[0] < self.end:
             if self.waits:
                 self.waits = False
-                self._fill(self.began, lambda times: np.repeat(self.state[None], len(times), axis=0))
+                self._fill(
+                    self.began, lambda times: np.repeat(self.state[None], len(times), axis=0)
+                )
             track, sampled, driver = self.track, self._sample(), self.track.driver
             before, logged = int(driver.steps[0]), int(driver.log.filled[0])
             driver.drive(self, 1 if track.sampler else most - steps)
@@ -363,12 +444,18 @@ class HybridDriver:
             self.last = last[: track.width].copy()
             code = int(driver.status[0])
             status = None if code == RUNNING else STATUSES[code]
-            ending = sampled if sampled and status is Status.FINISHED else self._ending(status, logged)
+            ending = (
+                sampled if sampled and status is Status.FINISHED else self._ending(status, logged)
+            )
             if ending not in (None, CLOCK, sampled):  # the jump logs it
                 driver.drop()
             if ending is not None:
                 status = self._jump(ending, when)
-            if status is not None or steps >= most or (self.changes % PER_SLICE == 0 if ending else not track.sampler):
+            if (
+                status is not None
+                or steps >= most
+                or (self.changes % PER_SLICE == 0 if ending else not track.sampler)
+            ):
                 break
         if status is None:
             track, self.last = self.track, self.state[: self.track.width].copy()
@@ -380,7 +467,10 @@ class HybridDriver:
         return self._slice(steps, when, track, status)
 
     def _sample(self) -> str:
-        """Let the phase end where a sampled event happens in its next step. Return that event, or nothing."""
+        """Let the phase end where a sampled event happens in its next step.
+
+        Return that event, or nothing.
+        """
         driver, sampler = self.track.driver, self.track.sampler
         if not sampler:
             return ""
@@ -392,8 +482,9 @@ class HybridDriver:
         return str(first[0])
 
     def _ending(self, status: Status | None, logged: int) -> str | None:
-        """Return the exit by which the present phase ends, at the end of the run too; None if it does not, or ends the
-        run. Before its last steps the log had this length."""
+        """Return the exit by which the present phase ends, at the end of the run too; None if it
+        does not, or ends the run. Before its last steps the log had this length.
+        """
         log = self.track.driver.log
         if status is not None and log.filled[0] > logged:
             way = self.track.ways.get(int(log.event[log.filled[0] - 1]))
@@ -402,7 +493,10 @@ class HybridDriver:
         return CLOCK if status is Status.FINISHED and self.clocked else None
 
     def _jump(self, ending: str, when: Any) -> Status | None:
-        """Take up what follows the end of a phase in its last state. Return how it ends the run, or None."""
+        """Take up what follows the end of a phase in its last state.
+
+        Return how it ends the run, or None.
+        """
         self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, state = self.number(when), self.track, self.last
@@ -428,9 +522,13 @@ class HybridDriver:
             return Status.LIFTOFF
         if self.short > 2:
             often = f"more often than every {CHATTER * self.tables.second:.1g} s"
-            self.sentence = f"phases change {often}, at last from `{track.name}` to `{n.phase}` by `{ending}`"
+            self.sentence = (
+                f"phases change {often}, at last from `{track.name}` to `{n.phase}` by `{ending}`"
+            )
         elif self.changes > MOST_CHANGES:
-            self.sentence = f"phases have changed {MOST_CHANGES} times, at last to `{n.phase}` by `{ending}`"
+            self.sentence = (
+                f"phases have changed {MOST_CHANGES} times, at last to `{n.phase}` by `{ending}`"
+            )
         if self.sentence:
             return Status.STALLED
         if self.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of whole steps
@@ -444,20 +542,28 @@ class HybridDriver:
 
     def _where(self) -> str:
         """Return the words for the present jump."""
-        return "the jump by `{}` from phase `{}` of `{}`".format(*self.way, self.problem.system.name)
+        return "the jump by `{}` from phase `{}` of `{}`".format(
+            *self.way, self.problem.system.name
+        )
 
     def _called(self, function: Callable, *given: Any) -> Any:
-        """Call a function of a system. Raise ArithmeticError for numbers that it cannot take, InputError for another
-        failure."""
+        """Call a function of a system.
+
+        Raise ArithmeticError for numbers that it cannot take, InputError for another failure.
+        """
         try:
             return function(*given)
         except Exception as error:
             if type(error) is ArithmeticError:  # it has a message for the user
                 raise
             failure = f"{self._where()} fails: {type(error).__name__}: {error}"
-            raise ArithmeticError(failure) if isinstance(error, ArithmeticError) else InputError([failure]) from error
+            raise (
+                ArithmeticError(failure)
+                if isinstance(error, ArithmeticError)
+                else InputError([failure])
+            ) from error
 
-    # --- rows -----------------------------------------------------------------------------------------------------
+    # --- rows ------------------------------------------------------------------------------------
 
     def wanted(self) -> np.ndarray:
         """Internal times of the next rows, or room for so many."""
@@ -487,11 +593,15 @@ class HybridDriver:
         t = np.array([min(max(one, 0 * n.delay), n.delay) for one in since])
         q, carried = n.series(t)
         moved = [carried[k] * INTEGRAL_SCALE for k in self.track.integrals]
-        states = [[self.number(one) for one in np.broadcast_to(value, t.shape)] for value in (*q, *moved)]
+        states = [
+            [self.number(one) for one in np.broadcast_to(value, t.shape)] for value in (*q, *moved)
+        ]
         return np.array(states).T
 
     def _fill(self, until: float, states_at: Callable[[np.ndarray], np.ndarray]) -> None:
-        """Give the rows that are wanted before a time, at which the present phase makes its first step."""
+        """Give the rows that are wanted before a time, at which the present phase makes its first
+        step.
+        """
         while not self.steps:
             self.row_times.ask(self)
             left = self.row_times.left
@@ -514,7 +624,9 @@ class HybridDriver:
         t = zero_of(lambda t: function(t) * known, 0 * n.delay, n.delay)
         self._note(event.name, now + t, track, self._series(n, np.array([t]))[0], -int(known))
 
-    def _rows(self, spans: Sequence[Span], states: Mapping[Track, Sequence[np.ndarray]]) -> np.ndarray:
+    def _rows(
+        self, spans: Sequence[Span], states: Mapping[Track, Sequence[np.ndarray]]
+    ) -> np.ndarray:
         """Return the rows of spans, one after another, of states by phase."""
         system, number = self.problem.system, self.number
         counts = [span.size for span in spans]
@@ -526,8 +638,15 @@ class HybridDriver:
             wholes = np.array([span.whole for span in compress(spans, mine)])
             whole = np.repeat(wholes.T, list(compress(counts, mine)), axis=1)
             whole[track.integrals] = state[track.moving :]
-            q, carried = track.record(*state[: track.moving]), self.carried(*(whole * number(1 / INTEGRAL_SCALE)))
-            record = system.row(track.phase, q, carried, self.body) if system.row else track.phase.leave(q, track.b)
+            q, carried = (
+                track.record(*state[: track.moving]),
+                self.carried(*(whole * number(1 / INTEGRAL_SCALE))),
+            )
+            record = (
+                system.row(track.phase, q, carried, self.body)
+                if system.row
+                else track.phase.leave(q, track.b)
+            )
             places = np.flatnonzero(np.repeat(mine, counts))
             for k, value in enumerate((*record[:moving], *whole)):
                 rows[k, places] = value
@@ -545,23 +664,36 @@ class HybridDriver:
         passages_of: dict[Track, Passages] = {}
         states: dict[Track, list[np.ndarray]] = {}
         for one in self.tracks.values():
-            passages, own = one.driver.passages(), [states for of, _, _, states in self.asked if of is one]
-            pieces = [*own, one.driver.sampled(), passages.states, *([self.last[None]] if one is track else [])]
+            passages, own = (
+                one.driver.passages(),
+                [states for of, _, _, states in self.asked if of is one],
+            )
+            pieces = [
+                *own,
+                one.driver.sampled(),
+                passages.states,
+                *([self.last[None]] if one is track else []),
+            ]
             states |= {one: pieces} if any(map(len, pieces)) else {}
             passages_of[one] = passages
         rows = self._rows([span for group in groups for span in group], states)
-        parts = np.split(rows, np.cumsum([sum(span.size for span in group) for group in groups])[:-1])
+        parts = np.split(
+            rows, np.cumsum([sum(span.size for span in group) for group in groups])[:-1]
+        )
         if asked:
             self.request.take(np.concatenate([times for _, _, times, _ in self.asked]), parts[0])
-        owners = [list(passages_of).index(span.track) for span in groups[2] for _ in range(span.size)]
+        owners = [
+            list(passages_of).index(span.track) for span in groups[2] for _ in range(span.size)
+        ]
         order = np.argsort(np.argsort(owners, kind="stable"))
         columns = [
-            np.concatenate(column)[order] for column in zip(*(p[:-1] for p in passages_of.values()), strict=True)
+            np.concatenate(column)[order]
+            for column in zip(*(p[:-1] for p in passages_of.values()), strict=True)
         ]
         passages = Passages._make([*columns, parts[2]])
         return Slice(steps, when, parts[3], parts[1], passages, status, self.tables.take())
 
-    # --- where the run is -----------------------------------------------------------------------------------------
+    # --- where the run is ------------------------------------------------------------------------
 
     @property
     def tally(self) -> Any:
@@ -594,7 +726,9 @@ class HybridDriver:
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units."""
-        known = [extremes_of(track.driver.rows.events, self.tallies) for track in self.tracks.values()]
+        known = [
+            extremes_of(track.driver.rows.events, self.tallies) for track in self.tracks.values()
+        ]
         known = [one for one in known if np.isfinite(one.least)]
         if not known:
             return Extremes()
@@ -605,10 +739,15 @@ class HybridDriver:
     def width(self) -> int:
         """The greatest number of variables of a phase."""
         orientation = self.problem.orientation
-        return max(len(Variables(p.form, orientation).names) + len(self.rows.events) for p in self.phases.values())
+        return max(
+            len(Variables(p.form, orientation).names) + len(self.rows.events)
+            for p in self.phases.values()
+        )
 
     def snapshot(self) -> dict[str, Any]:
-        """Return what a run needs to continue bit by bit: lists of the same lengths in every phase, but for `state`."""
+        """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,
+        but for `state`.
+        """
         under_way = self.tables.under_way or [math.nan] * (1 + len(self.tables.tables["phases"]))
         phase = [list(self.phases).index(self.track.name), self.changes, self.short, self.began]
         phase += [self.until is not None, self.waits]
@@ -630,7 +769,9 @@ class HybridDriver:
         self.live = {name for name, is_live in zip(self.numbers, live, strict=True) if is_live}
         self._set_clock(until if has_clock else None)
         self.tables = PhaseTables(self.problem)
-        self.tables.under_way = None if math.isnan(under_way[0]) else [under_way[0], *map(int, under_way[1:])]
+        self.tables.under_way = (
+            None if math.isnan(under_way[0]) else [under_way[0], *map(int, under_way[1:])]
+        )
 
 
 def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
@@ -640,7 +781,9 @@ def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
         return problem.internal_body, system.phases
 
     def internal(value: float, unit: Any) -> Any:
-        return problem.number(problem.exact(value) * (problem.exact(1) / problem.exact(problem.scales.of(unit))))
+        return problem.number(
+            problem.exact(value) * (problem.exact(1) / problem.exact(problem.scales.of(unit)))
+        )
 
     return system.assembled(problem.internal_body, problem.contact, internal)
 

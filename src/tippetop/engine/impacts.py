@@ -1,4 +1,5 @@
-"""Impacts of a run: under a law that is smooth in the sliding velocity as motions, others in closed form and by series.
+"""Impacts of a run: under a law that is smooth in the sliding velocity as motions, others in closed
+form and by series.
 
 A motion is executed like any other, in the precision of the run, and compiled once for a law.
 """
@@ -38,7 +39,9 @@ ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
 
 
 LONGEST, REST_SPAN, SHORTEST = 64.0, 0.25, 2.0**-40
-"""Of the clock of an impact: a piece of it; one at rest; and one in which a contact at rest gives way."""
+"""Of the clock of an impact: a piece of it; one at rest; and one in which a contact at rest gives
+way.
+"""
 
 
 class NoRows:
@@ -59,11 +62,14 @@ NO_ROWS = NoRows()
 
 @lru_cache(maxsize=64)
 def formulas_of_impact(friction: Any, name: str, has_torques: bool) -> Formulas:
-    """Return the formulas of a stage, with the type of the record of a friction law; torques of its parts are left out
-    unless it has some."""
+    """Return the formulas of a stage, with the type of the record of a friction law; torques of its
+    parts are left out unless it has some.
+    """
     stage = motion.stages(friction)[name]
     touch = Touch(*(1.0,) * 6, friction._make(friction._fields))
-    template = motion.Blow(*(1.0,) * 4, Mobility(*(1.0,) * 4), *(1.0,) * 6, Vector(1.0, 1.0, 1.0), touch)
+    template = motion.Blow(
+        *(1.0,) * 4, Mobility(*(1.0,) * 4), *(1.0,) * 6, Vector(1.0, 1.0, 1.0), touch
+    )
     none = {} if has_torques else {name: 0.0 for name in PARTS if name in friction._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
@@ -123,10 +129,14 @@ class ImpactMotions:
     ):
         self.law, self.has_torques, self.restitution = law, has_torques, restitution
         self.precision, self.stop = precision, stop
-        self.number: Any = float if precision == "double" else PRECISIONS[precision]  # floats are faster than NumPy's
+        self.number: Any = (
+            float if precision == "double" else PRECISIONS[precision]
+        )  # floats are faster than NumPy's
         self.stages, self.drivers = motion.stages(law), dict[str, Driver]()
 
-    def struck(self, v: tuple, K: Mobility, s: Any, z: Any, L: Vector, b: Touch, e_n: Any) -> Impact:
+    def struck(
+        self, v: tuple, K: Mobility, s: Any, z: Any, L: Vector, b: Touch, e_n: Any
+    ) -> Impact:
         """Return the impact of a contact that arrives with v = (v_e, v_2, v_n), v_n < 0.
 
         Parameters
@@ -146,26 +156,50 @@ class ImpactMotions:
             If friction jams the contact, or is too stiff.
         """
         number, none = self.number, 0 * v[2]
-        turn = b.friction.patch * angular_velocity(Vector(s, none, z), L, b).z if self.law.regions else none
+        turn = (
+            b.friction.patch * angular_velocity(Vector(s, none, z), L, b).z
+            if self.law.regions
+            else none
+        )
         speed, unit = number(unit_of(*v, turn)), number(unit_of(v[2]))
         slip = v[0] / speed, v[1] / speed, turn / speed
-        rest = motion.RESTS_AT * ROUNDING[self.precision] * (abs(v[2]) / speed + sum(map(abs, slip)))
+        rest = (
+            motion.RESTS_AT * ROUNDING[self.precision] * (abs(v[2]) / speed + sum(map(abs, slip)))
+        )
         begins = 2 * rest
         if self.has_torques:
-            begins = max(begins, (motion.DISC_BEGINS_AT if self.law.regions else motion.BEGINS_AT) / speed)
-        self.b = motion.Blow(none + 1, none, none, none, K, s, z, speed, unit / speed, rest, begins, L, b)
+            begins = max(
+                begins, (motion.DISC_BEGINS_AT if self.law.regions else motion.BEGINS_AT) / speed
+            )
+        self.b = motion.Blow(
+            none + 1, none, none, none, K, s, z, speed, unit / speed, rest, begins, L, b
+        )
         self.pars = [*self.b[:4], *K, *self.b[5:11], *L, *b[:6], *b.friction]
         q = motion.Motion(*slip, v[2] / unit, *(none,) * 8)
-        self.mode, self.region, self.left = "slip", motion.region_at(self.law, q, self.b), MOST_STEPS
+        self.mode, self.region, self.left = (
+            "slip",
+            motion.region_at(self.law, q, self.b),
+            MOST_STEPS,
+        )
         q = pressed = self._followed(q)._replace(v_n=none)
         if e_n > 0:
             q = self._restored(q, e_n, v[2] / unit)
         turn = q.turn * speed / b.friction.patch if self.law.regions else none
         twist = times(unit, Vector(q.t_e, q.t_2, q.t_n))
         return Impact(
-            q.p_e * unit, q.p_2 * unit, q.p_n * unit, q.v_e * speed, q.v_2 * speed, q.v_n * unit, q.work_n * unit**2,
-            q.work_t * unit * speed, pressed.work_n * unit**2, self.mode, twist, turn,
-        )  # fmt: skip
+            q.p_e * unit,
+            q.p_2 * unit,
+            q.p_n * unit,
+            q.v_e * speed,
+            q.v_2 * speed,
+            q.v_n * unit,
+            q.work_n * unit**2,
+            q.work_t * unit * speed,
+            pressed.work_n * unit**2,
+            self.mode,
+            twist,
+            turn,
+        )
 
     def _restored(self, q: Any, e_n: Any, v_n: Any) -> Any:
         """Return the motion at the end of restitution, from the end of compression."""
@@ -209,7 +243,11 @@ class ImpactMotions:
                     return after
                 if passed in stage.follows:
                     before, self.region = self.region, stage.follows[passed]
-                    passed = next(way.event for way in law.regions[self.region].borders if way.follows == before)
+                    passed = next(
+                        way.event
+                        for way in law.regions[self.region].borders
+                        if way.follows == before
+                    )
             elif piece.status is Status.NON_FINITE:
                 raise ArithmeticError(UNSOLVED)
             elif piece.status is Status.STALLED and not self._slows(q, after):
@@ -219,7 +257,10 @@ class ImpactMotions:
 
     def _slows(self, q: Any, after: Any) -> bool:
         """Return whether a contact comes to rest by ever shorter steps."""
-        return motion.can_rest(self.law, self.b) and 0 < sum(motion.speeds(after)) < sum(motion.speeds(q)) / 4
+        return (
+            motion.can_rest(self.law, self.b)
+            and 0 < sum(motion.speeds(after)) < sum(motion.speeds(q)) / 4
+        )
 
     def _slid(self, q: Any, by: Any) -> Any:
         """Return the motion where friction can no longer hold the contact."""
@@ -228,7 +269,9 @@ class ImpactMotions:
         return q
 
     def _piece(self, stage: Any, q: Any, growth: Any, passed: str, end: Any) -> Any:
-        """Return the steps of a motion from q on, until the clock has run so far or an event happens."""
+        """Return the steps of a motion from q on, until the clock has run so far or an event
+        happens.
+        """
         if self.region not in self.drivers:
             formulas = formulas_of_impact(self.law, self.region, self.has_torques)
             self.drivers[self.region] = driver_of(formulas, self.precision, self.stop)
@@ -243,7 +286,8 @@ class ImpactMotions:
 
 
 class Impacts:
-    """What `world` has of impacts: in closed form and by series under Coulomb's law without torques, or as motions.
+    """What `world` has of impacts: in closed form and by series under Coulomb's law without
+    torques, or as motions.
 
     Parameters
     ----------
@@ -264,7 +308,9 @@ class Impacts:
         self.motions = ImpactMotions(law, has_torques, rules.restitution, problem.precision, stop)
 
     def struck(self, x: Moving, b: Touch, e_n: Any) -> tuple[Vector, Impact, Struck]:
-        """Return the velocity of the lowest point of a ball before its impact, the impact, and the body after it."""
+        """Return the velocity of the lowest point of a ball before its impact, the impact, and the
+        body after it.
+        """
         a = arrival(x.u, x.L, x.velocity, b)
         v, L = (a.along, a.sideways, a.v.z), to_frame(a.e, x.L)
         if self.is_closed:

@@ -20,15 +20,17 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
     Returns
     -------
     dict
-        The conserved quantities of the system, of a ball that was taken later than at the start what has become of
-        them since; energy_balance = energy + work of friction; axis_norm = |3hat| in forms
-        that integrate the axis. Internal units, (k,) each.
+        The conserved quantities of the system, of a ball that was taken later than at the start
+        what has become of them since; energy_balance = energy + work of friction; axis_norm =
+        |3hat| in forms that integrate the axis. Internal units, (k,) each.
     """
     integrals = {
         name: values[name] + values.get(f"{name}_lost", 0.0) - values.get(taken(name), 0.0)
         for name in problem.system.integrals
     }
-    if "work" in values or not problem.system.is_hybrid:  # jumps may take energy that is not counted
+    if (
+        "work" in values or not problem.system.is_hybrid
+    ):  # jumps may take energy that is not counted
         integrals["energy_balance"] = values["energy"] + values.get("work", 0.0)
     if integrates_axis(problem.system, problem.form):
         axis = problem.system.vectors["axis"]
@@ -38,7 +40,9 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
 
 
 def taken(name: str) -> str:
-    """The quantity that says what an integral was when the ball in contact was taken, if the ball may change."""
+    """The quantity that says what an integral was when the ball in contact was taken, if the ball
+    may change.
+    """
     return f"{name}_taken"
 
 
@@ -46,9 +50,11 @@ CANCELS = 0.1  # of what it is made of: below, an invariant is small because its
 
 
 def sizes(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """What the drifts of the invariants are relative to: their start. Rounding does not become less where the parts of
-    an invariant cancel at the start: it is then compared with a tenth of them, that is of the internal unit (m g R) or,
-    for a momentum, of the angular momentum |L| if that is more.
+    """What the drifts of the invariants are relative to: their start.
+
+    Rounding does not become less where the parts of an invariant cancel at the start: it is then
+    compared with a tenth of them, that is of the internal unit (m g R) or, for a momentum, of the
+    angular momentum |L| if that is more.
 
     Parameters
     ----------
@@ -66,6 +72,8 @@ def sizes(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarr
     momentum = np.maximum(1.0, np.sqrt(sum(part**2 for part in parts)))
     momenta = {q.name for q in problem.system.quantities if q.unit in (ANGULAR_MOMENTUM, JELLETT)}
     return {
-        name: np.maximum(np.abs(values.get(taken(name), start)), CANCELS * (momentum if name in momenta else 1.0))
+        name: np.maximum(
+            np.abs(values.get(taken(name), start)), CANCELS * (momentum if name in momenta else 1.0)
+        )
         for name, start in invariants(problem, values).items()
     }

@@ -1,6 +1,8 @@
-"""The compiled loop of a run and of lanes: `loop.c` of `tippetop_kernels`, called with the arrays of the caller.
+"""The compiled loop of a run and of lanes: `loop.c` of `tippetop_kernels`, called with the arrays
+of the caller.
 
-The arrays are passed as structures of pointers, which are made from the records (named tuples) that hold them.
+The arrays are passed as structures of pointers, which are made from the records (named tuples) that
+hold them.
 """
 
 import ctypes
@@ -22,7 +24,9 @@ from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules,
 
 
 MOST_COEFFICIENTS, MOST_LANES = 64, 32
-"""Coefficients of a polynomial and lanes for which the loop has room; quadruple precision has 47 coefficients."""
+"""Coefficients of a polynomial and lanes for which the loop has room; quadruple precision has 47
+coefficients.
+"""
 
 
 class Motion(NamedTuple):
@@ -55,13 +59,17 @@ class Rows(NamedTuple):
 class Tops(NamedTuple):
     """Every top of an ensemble: its start, in internal units, and its end."""
 
-    start: np.ndarray  # (variables, n) what columns are made of; integrals of event functions start from zero
+    start: (
+        np.ndarray
+    )  # (variables, n) what columns are made of; integrals of event functions start from zero
     pars: np.ndarray  # (parameters, n)
     until: np.ndarray  # (n,)
     signs: np.ndarray  # (n, events) of the event functions at the start
     on_zero: np.ndarray  # (n, events) 1: on its zero there
     lane: np.ndarray  # (n,) records of the tallies
-    functions: np.ndarray  # (3, events, n) sign, least and greatest value of the event functions at the end
+    functions: (
+        np.ndarray
+    )  # (3, events, n) sign, least and greatest value of the event functions at the end
     kept: np.ndarray  # (numbers, n)
     final: np.ndarray  # (variables, n) the last state
 
@@ -118,7 +126,9 @@ class _Loop(NamedTuple):
     tallies: Tallies
     log: PassageLog
     samples: Samples
-    factors: np.ndarray  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
+    factors: (
+        np.ndarray
+    )  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
     out: np.ndarray  # (variables, lanes) a state
     rules: StopRules
     thresholds: _Thresholds
@@ -138,7 +148,9 @@ def structure(record: type) -> type[ctypes.Structure]:
     """Return the structure of C whose fields are those of a named tuple: arrays are pointers."""
     kinds: dict[type, Any] = {np.ndarray: ctypes.c_void_p, float: ctypes.c_double}
     kinds |= dict.fromkeys((int, bool), ctypes.c_int64)
-    fields = [(name, kinds.get(kind) or structure(kind)) for name, kind in record.__annotations__.items()]
+    fields = [
+        (name, kinds.get(kind) or structure(kind)) for name, kind in record.__annotations__.items()
+    ]
     return type(record.__name__, (ctypes.Structure,), {"_fields_": fields})
 
 
@@ -154,17 +166,24 @@ def _field(value: Any) -> Any:
     if not isinstance(value, np.ndarray):
         return value
     if not value.flags.c_contiguous:
-        raise ValueError(f"the arrays of a loop must be contiguous, but one has strides {value.strides}")
+        raise ValueError(
+            f"the arrays of a loop must be contiguous, but one has strides {value.strides}"
+        )
     return value.ctypes.data
 
 
 @cache
 def library() -> ctypes.CDLL:
-    """Return the compiled loop. Raises BuildError if it is missing, or was compiled from another source."""
+    """Return the compiled loop.
+
+    Raises BuildError if it is missing, or was compiled from another source.
+    """
     folder = Path(tippetop_kernels.__file__).parent
     built, source = folder / "loop.so", folder / "loop.c"
     if lacking := [file for file in (built, source) if not file.exists()]:
-        raise BuildError(f"`{lacking[0]}` must exist, but is missing: install tippetop again (pip install -e .).")
+        raise BuildError(
+            f"`{lacking[0]}` must exist, but is missing: install tippetop again (pip install -e .)."
+        )
     try:
         loaded = ctypes.CDLL(str(built))
     except OSError as error:
@@ -173,7 +192,8 @@ def library() -> ctypes.CDLL:
     expected = hashlib.sha256(source.read_bytes()).hexdigest()
     if loaded.loop_digest().decode() != expected:
         raise BuildError(
-            f"`{built}` must be compiled from `{source.name}` as it is, but is older or newer: install tippetop again "
+            f"`{built}` must be compiled from `{source.name}` as it is, but is older or newer: "
+            "install tippetop again "
             "(pip install -e .)."
         )
     whole, array = ctypes.c_int64, ctypes.c_void_p
@@ -234,15 +254,23 @@ class Loop:
             "thresholds": _Thresholds(),
             "tables": TABLES,
         }
-        self.structure: Any = structure(_Loop)(**{name: _field(record) for name, record in self.records.items()})
+        self.structure: Any = structure(_Loop)(
+            **{name: _field(record) for name, record in self.records.items()}
+        )
         self.failures: list[BaseException] = []  # of steps that C has called
         if isinstance(stepper, Called):
             stepper.records = self.records
             self.callbacks = _callbacks(stepper, motion, self.out, self.failures)
-            addresses = [ctypes.cast(callback, ctypes.c_void_p).value for callback in self.callbacks]
+            addresses = [
+                ctypes.cast(callback, ctypes.c_void_p).value for callback in self.callbacks
+            ]
             self.structure.step, self.structure.dense = addresses
         else:
-            self.structure.step, self.structure.dense, self.structure.fused = stepper.step, stepper.dense, stepper.fused
+            self.structure.step, self.structure.dense, self.structure.fused = (
+                stepper.step,
+                stepper.dense,
+                stepper.fused,
+            )
         self.place = ctypes.byref(self.structure)
 
     def fill(self, rows: Rows) -> None:
@@ -250,19 +278,23 @@ class Loop:
         if self.records.get("output") is rows:
             return
         self.records["output"] = rows
-        self.structure.output = filled(rows._replace(length=len(rows.times), variables=len(rows.states)))
+        self.structure.output = filled(
+            rows._replace(length=len(rows.times), variables=len(rows.states))
+        )
 
     def take(self, tops: Tops, queue: Queue, fresh: Tallies) -> None:
         """Run these tops from now on. `fresh` is the tally of one lane whose run has not begun."""
-        self.records["ensemble"] = ensemble = _Ensemble(tops, queue, fresh, len(tops.until), len(tops.start))
+        self.records["ensemble"] = ensemble = _Ensemble(
+            tops, queue, fresh, len(tops.until), len(tops.start)
+        )
         self.structure.ensemble = filled(ensemble)
 
     def drive(self, most: int) -> int:
         """Make at most `most` steps of all lanes. Return their number.
 
-        It stops earlier where the caller must look: a lane has no run, a top has settled, all rows are written, or
-        there is no room for what a step may find. The next call puts down tops that have settled, unless their status
-        is that of a running one again.
+        It stops earlier where the caller must look: a lane has no run, a top has settled, all rows
+        are written, or there is no room for what a step may find. The next call puts down tops that
+        have settled, unless their status is that of a running one again.
         """
         steps = self.library.loop_drive(self.place, most)
         if self.failures:
@@ -270,8 +302,11 @@ class Loop:
         return steps
 
 
-def _callbacks(stepper: Called, motion: Motion, out: np.ndarray, failures: list[BaseException]) -> list[Any]:
-    """Return step and dense output of a stepper as functions of C, for the arrays that the loop gives it.
+def _callbacks(
+    stepper: Called, motion: Motion, out: np.ndarray, failures: list[BaseException]
+) -> list[Any]:
+    """Return step and dense output of a stepper as functions of C, for the arrays that the loop
+    gives it.
 
     An error, which cannot pass through C, ends the runs: their next step is NaN.
     """
@@ -294,7 +329,9 @@ def _callbacks(stepper: Called, motion: Motion, out: np.ndarray, failures: list[
     return [called(lambda: stepper.step(motion), 5), called(state_at, 3)]
 
 
-def count_turnings(tallies: Tallies, signs: np.ndarray, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def count_turnings(
+    tallies: Tallies, signs: np.ndarray, theta: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Count turnings of theta that are more than rounding in the tally of the first lane.
 
     An extreme counts once theta has come back from it by `NOISE_FLOOR`: until then it waits.
@@ -304,8 +341,8 @@ def count_turnings(tallies: Tallies, signs: np.ndarray, theta: np.ndarray) -> tu
     tallies
         Of a run whose loop has a log, and therefore leaves the count to its caller.
     signs, theta
-        (k,) +1 for a minimum, -1 for a maximum of theta; 0 for a passage of a pole and for the end of a run, which end
-        a swing; [rad].
+        (k,) +1 for a minimum, -1 for a maximum of theta; 0 for a passage of a pole and for the end
+        of a run, which end a swing; [rad].
 
     Returns
     -------

@@ -23,15 +23,22 @@ from .orientation import quaternion
 
 
 class Observables:
-    """Reads rows of internal states (n, variables) of a problem; computes in internal units, answers in SI."""
+    """Reads rows of internal states (n, variables) of a problem; computes in internal units,
+    answers in SI.
+    """
 
     def __init__(self, problem: Problem):
         self.problem, self.form, self.system = problem, problem.form, problem.system
         self._wide = np.float64 if problem.precision == "double" else np.longdouble
         body = problem.internal_body
-        self.body = refill(body, (_widened(np.array(leaf), self._wide)[()] for leaf in leaves(body)))
+        self.body = refill(
+            body, (_widened(np.array(leaf), self._wide)[()] for leaf in leaves(body))
+        )
         self._pars = np.array(leaves(self.body), dtype=float)[:, None]
-        self._last: tuple[bytes, dict[str, np.ndarray]] = b"", {}  # the row that was read last, and what it says
+        self._last: tuple[bytes, dict[str, np.ndarray]] = (
+            b"",
+            {},
+        )  # the row that was read last, and what it says
 
     def __reduce__(self) -> tuple:
         """Pickle the problem alone: formulas of a form have no names."""
@@ -46,8 +53,10 @@ class Observables:
         return moment(self.system, self.form, *self.state(rows), self.body)
 
     def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """All that the rows say, by name, in internal units; NaN where an angle is undefined, exactly at a pole. Not
-        to be changed: a single row, the start or the end of a run, is read several times, and kept."""
+        """All that the rows say, by name, in internal units; NaN where an angle is undefined,
+        exactly at a pole. Not to be changed: a single row, the start or the end of a run, is read
+        several times, and kept.
+        """
         if len(rows) != 1:
             return self._evaluated(rows)
         row = np.asarray(rows).tobytes()
@@ -62,18 +71,25 @@ class Observables:
         with np.errstate(invalid="ignore", divide="ignore"):
             q, carried = self.state(rows)
             by_name = observed(self.system, self.form, q, carried, self.body)
-            polar = np.array(near_poles(self.form, q, self.body) if self.system.undefined_at_poles else [])
-        values = {name: np.broadcast_to(value, (len(rows),)).copy() for name, value in by_name.items()}
+            polar = np.array(
+                near_poles(self.form, q, self.body) if self.system.undefined_at_poles else []
+            )
+        values = {
+            name: np.broadcast_to(value, (len(rows),)).copy() for name, value in by_name.items()
+        }
         return _at_poles(self.system, values, polar)
 
     def orientation(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-        """The unit quaternions (n, 4) that turn body axes into space axes, and psi (n,) [rad], NaN exactly at a pole;
-        None where the motion is planar. Only of a problem with orientation."""
+        """The unit quaternions (n, 4) that turn body axes into space axes, and psi (n,) [rad], NaN
+        exactly at a pole; None where the motion is planar. Only of a problem with orientation.
+        """
         if self._wide is np.float64:
             return _orientation(self.problem, rows.T, self._pars)
         with np.errstate(invalid="ignore", divide="ignore"):
             axes = orientation_of(self.form, *self.state(rows), self.body)
-        return _turned(self.form, np.array([np.broadcast_to(value, (len(rows),)) for value in axes]))
+        return _turned(
+            self.form, np.array([np.broadcast_to(value, (len(rows),)) for value in axes])
+        )
 
     def theta(self, row: np.ndarray) -> float:
         """theta of one row, (1, variables) [rad]."""
@@ -85,8 +101,14 @@ class Observables:
         return {h.meaning: float(np.min(h.formula(state, self.body))) for h in self.form.domains}
 
     def columns(self, times: np.ndarray, rows: np.ndarray) -> dict[str, Column]:
-        """The rows as columns of the store's group `trajectory`, SI; times [s] as they were asked for."""
-        names, values, kept = self.system.long_names, self.evaluate(rows), set(self.problem.kept_columns)
+        """The rows as columns of the store's group `trajectory`, SI; times [s] as they were asked
+        for.
+        """
+        names, values, kept = (
+            self.system.long_names,
+            self.evaluate(rows),
+            set(self.problem.kept_columns),
+        )
 
         def scale(unit: Unit) -> Any:
             return _widened(np.array(self.problem.scales.of(unit)), self._wide)
@@ -112,23 +134,37 @@ class Observables:
             if q.name not in kept:
                 continue
             if q.meanings:
-                flags = {"flag_values": list(range(len(q.meanings))), "flag_meanings": " ".join(q.meanings)}
+                flags = {
+                    "flag_values": list(range(len(q.meanings))),
+                    "flag_meanings": " ".join(q.meanings),
+                }
                 attributes = {"units": "1", "long_name": q.long_name, **flags}
-                columns[q.name] = Column(("time",), np.rint(values[q.name]).astype(np.int8), attributes)
+                columns[q.name] = Column(
+                    ("time",), np.rint(values[q.name]).astype(np.int8), attributes
+                )
                 continue
             si = values[q.name] * scale(q.unit)
             columns |= self._split(q.name, si, q.unit, q.long_name, symbol=q.symbol)
-        if self.problem.precision == "quad":  # the quantities are computed in 80 bits: the state itself goes in whole
+        if (
+            self.problem.precision == "quad"
+        ):  # the quantities are computed in 80 bits: the state itself goes in whole
             units = self.problem.variables.units.items()
-            for (name, unit), variable, weight in zip(units, rows.T, self.problem.weights(), strict=True):
+            for (name, unit), variable, weight in zip(
+                units, rows.T, self.problem.weights(), strict=True
+            ):
                 if f"state_{name}" not in kept:
                     continue
                 columns |= self._split(
-                    f"state_{name}", variable * np.array([weight]), unit, f"integrated variable {name}"
+                    f"state_{name}",
+                    variable * np.array([weight]),
+                    unit,
+                    f"integrated variable {name}",
                 )
         return columns
 
-    def _split(self, name: str, values: np.ndarray, unit: Unit, long_name: str, *dims: Any, **extra: Any) -> dict:
+    def _split(
+        self, name: str, values: np.ndarray, unit: Unit, long_name: str, *dims: Any, **extra: Any
+    ) -> dict:
         """A column of doubles; in wider precisions a second one, `name_lo`, to be added to it."""
         high = values.astype(np.float64)
         columns = {name: column(high, unit, long_name, *dims, **extra)}
@@ -139,7 +175,8 @@ class Observables:
 
 
 def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
-    """All that states (variables, k) of the runs `which` (k,) say, by name, in internal units; (k,) each, doubles.
+    """All that states (variables, k) of the runs `which` (k,) say, by name, in internal units; (k,)
+    each, doubles.
 
     Parameters
     ----------
@@ -158,13 +195,19 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict
     return _values(problems.base, problems.orientation, states, problems.pars[:, which])
 
 
-def _values(base: Problem, orientation: bool, states: np.ndarray, pars: np.ndarray) -> dict[str, np.ndarray]:
-    names, function = compile_observables(base.system, base.form.name, base.friction.__class__, orientation)
+def _values(
+    base: Problem, orientation: bool, states: np.ndarray, pars: np.ndarray
+) -> dict[str, np.ndarray]:
+    names, function = compile_observables(
+        base.system, base.form.name, base.friction.__class__, orientation
+    )
     outputs = _outputs(function, states, pars)
     return _at_poles(base.system, dict(zip(names, outputs, strict=False)), outputs[len(names) :])
 
 
-def _at_poles(system: System, values: dict[str, np.ndarray], polar: np.ndarray) -> dict[str, np.ndarray]:
+def _at_poles(
+    system: System, values: dict[str, np.ndarray], polar: np.ndarray
+) -> dict[str, np.ndarray]:
     """Return values as they are exactly at a pole: it is left at full speed, along no azimuth."""
     if len(polar) and (pole := polar[0] == 0).any():
         values["theta_dot"][pole] = np.sqrt(polar[1][pole])
@@ -173,8 +216,11 @@ def _at_poles(system: System, values: dict[str, np.ndarray], polar: np.ndarray) 
     return values
 
 
-def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """The orientation in states (variables, k) of the runs `which` (k,), as `Observables.orientation` has it.
+def orientations_of(
+    problems: Problems, states: np.ndarray, which: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """The orientation in states (variables, k) of the runs `which` (k,), as
+    `Observables.orientation` has it.
 
     Parameters
     ----------
@@ -195,16 +241,21 @@ def orientations_of(problems: Problems, states: np.ndarray, which: np.ndarray) -
     return _orientation(problems.base, states, problems.pars[:, which])
 
 
-def _orientation(base: Problem, states: np.ndarray, pars: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+def _orientation(
+    base: Problem, states: np.ndarray, pars: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | None]:
     function = compile_orientation(base.system, base.form.name, base.friction.__class__)
     return _turned(base.form, _outputs(function, states, pars))
 
 
-BLOCK = 128  # states that are evaluated at a time: from some 300 on, heyoka shares them among threads unasked
+# states that are evaluated at a time: from some 300 on, heyoka shares them among threads unasked
+BLOCK = 128
 
 
 def _outputs(function: Any, states: np.ndarray, pars: np.ndarray) -> np.ndarray:
-    """Return the outputs of a compiled function, (outputs, n), of states (variables, n) of bodies (leaves, n or 1)."""
+    """Return the outputs of a compiled function, (outputs, n), of states (variables, n) of bodies
+    (leaves, n or 1).
+    """
     outputs, numbers = [], pars[: function.nparams]
     for first in range(0, states.shape[1] or 1, BLOCK):
         block = states[:, first : first + BLOCK]
@@ -218,8 +269,9 @@ def _outputs(function: Any, states: np.ndarray, pars: np.ndarray) -> np.ndarray:
 
 
 def _whole_batches(columns: np.ndarray, size: int) -> np.ndarray:
-    """Return columns (rows, k), of which the last is repeated to fill whole SIMD batches: so the bits of a column do
-    not depend on its neighbours."""
+    """Return columns (rows, k), of which the last is repeated to fill whole SIMD batches: so the
+    bits of a column do not depend on its neighbours.
+    """
     n = columns.shape[1]
     whole = np.empty((columns.shape[0], n + -n % size))
     whole[:, :n], whole[:, n:] = columns, columns[:, -1:]
@@ -227,7 +279,9 @@ def _whole_batches(columns: np.ndarray, size: int) -> np.ndarray:
 
 
 def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """Quaternions (n, 4), and psi (n,) where the form knows it, of what `orientation_of` gives, (6 or 7, n)."""
+    """Quaternions (n, 4), and psi (n,) where the form knows it, of what `orientation_of` gives, (6
+    or 7, n).
+    """
     assert form.orientation is not None
     if form.orientation.psi:
         values[6, (values[3] == 0) & (values[4] == 0)] = np.nan
@@ -235,7 +289,9 @@ def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | No
 
 
 def _widened(values: np.ndarray, number: Any) -> np.ndarray:
-    """Any precision as `number`; quadruple in two halves, since numpy knows no direct way to 80 bits."""
+    """Any precision as `number`; quadruple in two halves, since numpy knows no direct way to 80
+    bits.
+    """
     high = values.astype(np.float64)
     if number is np.float64 or values.dtype == number:
         return values.astype(number)
@@ -245,7 +301,9 @@ def _widened(values: np.ndarray, number: Any) -> np.ndarray:
 def event_functions(problems: Problems) -> np.ndarray:
     """Return the event functions of every run at its start, (n, events), internal units."""
     start, pars = problems.start.astype(float), problems.pars.astype(float)
-    if problems.n == 1:  # numbers take a fifth of the time of arrays, but raise where those have infinities
+    if (
+        problems.n == 1
+    ):  # numbers take a fifth of the time of arrays, but raise where those have infinities
         with contextlib.suppress(ArithmeticError, ValueError):
             return _event_functions(problems, start[:, 0].tolist(), pars[:, 0].tolist())
     return _event_functions(problems, start, pars)
@@ -256,5 +314,7 @@ def _event_functions(problems: Problems, start: Any, pars: Any) -> np.ndarray:
     moment = problems.moment(start, body)
     functions = np.empty((problems.n, len(problems.base.system.events)))
     for e, event in enumerate(problems.base.system.events):
-        functions[:, e] = 1.0 if event.formula is None else np.asarray(event.formula(moment, body), float)
+        functions[:, e] = (
+            1.0 if event.formula is None else np.asarray(event.formula(moment, body), float)
+        )
     return functions

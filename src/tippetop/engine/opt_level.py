@@ -1,4 +1,6 @@
-"""How hard LLVM tries when it compiles a system: an environment variable, for tests and those who compile a lot."""
+"""How hard LLVM tries when it compiles a system: an environment variable, for tests and those who
+compile a lot.
+"""
 
 import os
 
@@ -10,8 +12,11 @@ DEFAULT = 3
 
 
 def opt_level() -> int:
-    """LLVM's level, 0 to 3: 0 compiles ten times faster and runs 1.3 to 1.8 times slower. What is fused there is other
-    than at 3, and may differ from four lanes to eight: a run is not resumed under another level. Raises InputError."""
+    """LLVM's level, 0 to 3: 0 compiles ten times faster and runs 1.3 to 1.8 times slower.
+
+    What is fused there is other than at 3, and may differ from four lanes to eight: a run is not
+    resumed under another level. Raises InputError.
+    """
     text = os.environ.get(OPT_LEVEL, str(DEFAULT))
     if text not in ("0", "1", "2", "3"):
         raise InputError([f"`{OPT_LEVEL}` must be 0, 1, 2 or 3, but is `{text}`."])

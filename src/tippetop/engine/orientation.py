@@ -17,21 +17,25 @@ def quaternion(first: np.ndarray, third: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray
-        (n, 4), components w, x, y, z. Of q and -q, which are one rotation, the one with w >= 0 (w = 0: the first other
-        component that is not 0 is positive), so that a row does not depend on those before it. To interpolate, flip the
-        sign of a row whose scalar product with the row before is negative.
+        (n, 4), components w, x, y, z. Of q and -q, which are one rotation, the one with w >= 0 (w =
+        0: the first other component that is not 0 is positive), so that a row does not depend on
+        those before it. To interpolate, flip the sign of a row whose scalar product with the row
+        before is negative.
 
     Notes
     -----
-    Each row of 4 q q^t is q times a number and linear in the matrix: the row whose number is largest is taken, so that
-    no digits are lost. With additions, products and square roots alone, the bits are the same wherever a row stands.
+    Each row of 4 q q^t is q times a number and linear in the matrix: the row whose number is
+    largest is taken, so that no digits are lost. With additions, products and square roots alone,
+    the bits are the same wherever a row stands.
     """
     products = outer(Vector(*first), Vector(*third))
     parts, most = list(products[0]), products[0][0]
     for k in range(1, 4):
         number = products[k][k]
         more = number > most
-        parts = [np.where(more, other, part) for part, other in zip(parts, products[k], strict=True)]
+        parts = [
+            np.where(more, other, part) for part, other in zip(parts, products[k], strict=True)
+        ]
         most = np.where(more, number, most)
     q = np.array(parts)
     q /= np.sqrt((q[0] ** 2 + q[1] ** 2) + (q[2] ** 2 + q[3] ** 2))

@@ -26,7 +26,10 @@ class PhaseTables:
         self.tables = problem.system.tables
         self.second = float(problem.scales.of(SECOND))
         self.factors = {
-            name: [None if isinstance(kind, tuple) else float(problem.scales.of(kind)) for kind in kinds.values()]
+            name: [
+                None if isinstance(kind, tuple) else float(problem.scales.of(kind))
+                for kind in kinds.values()
+            ]
             for name, kinds in self.tables.items()
         }
         self.under_way: list[Any] | None = None
@@ -39,7 +42,9 @@ class PhaseTables:
             return
         words = self.tables["phases"]
         row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
-        numbers = [words[key].index(row[key]) if isinstance(row[key], str) else row[key] for key in words]
+        numbers = [
+            words[key].index(row[key]) if isinstance(row[key], str) else row[key] for key in words
+        ]
         self.under_way = [time * self.second, *numbers]
 
     def end(self, time: float) -> None:
@@ -55,7 +60,11 @@ class PhaseTables:
             kinds = self.tables[name].values()
             for row in some:
                 values = [
-                    value * factor if factor is not None else kind.index(value) if isinstance(value, str) else value
+                    value * factor
+                    if factor is not None
+                    else kind.index(value)
+                    if isinstance(value, str)
+                    else value
                     for value, factor, kind in zip(row, self.factors[name], kinds, strict=True)
                 ]
                 self.rows[name].append([time * self.second, *values])
@@ -74,6 +83,8 @@ def columns_of(name: str, kinds: Mapping[str, Any]) -> tuple[str, ...]:
 def as_table(name: str, kinds: Mapping[str, Any], rows: list[list[Any]]) -> Table:
     """Return rows as columns."""
     return {
-        column: np.array([row[k] for row in rows], np.int8 if isinstance(kinds.get(column), tuple) else float)
+        column: np.array(
+            [row[k] for row in rows], np.int8 if isinstance(kinds.get(column), tuple) else float
+        )
         for k, column in enumerate(columns_of(name, kinds))
     }

@@ -23,18 +23,24 @@ class Sampler:
         function(state, event) -> value of an event in a state, (all variables,).
     """
 
-    def __init__(self, driver: Driver, body: Sequence[Any], events: Sequence[Event], function: Callable):
+    def __init__(
+        self, driver: Driver, body: Sequence[Any], events: Sequence[Event], function: Callable
+    ):
         self.driver, self.events, self.function = driver, events, function
         self.integrator = copy.deepcopy(driver.compiled.integrator)
         pars = self.integrator.pars
         pars[:] = [driver.number(number) for number in body[: len(pars)]]
 
     def next(self) -> tuple[str, Any] | None:
-        """Return the event that ends the phase in the next step, and its internal time; None if none does."""
+        """Return the event that ends the phase in the next step, and its internal time; None if
+        none does.
+        """
         ta = self.integrator
         ta.state[:], ta.time = self.driver.state, self.driver.number(0)
         _, h = ta.step(write_tc=True)
-        zeros = [(t, event.name) for event in self.events if (t := self._zero(event, h)) is not None]
+        zeros = [
+            (t, event.name) for event in self.events if (t := self._zero(event, h)) is not None
+        ]
         if not zeros:
             return None
         t, name = min(zeros)

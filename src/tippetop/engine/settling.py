@@ -1,4 +1,6 @@
-"""When a run has settled, and what has become of it: near a pole that is unstable a motion is still under way."""
+"""When a run has settled, and what has become of it: near a pole that is unstable a motion is still
+under way.
+"""
 
 from typing import Any
 
@@ -13,11 +15,13 @@ from ..mechanics.theory.modes import LINEAR, SLIDES, is_unstable, shows_sliding,
 from ..problem import Problems
 
 
-SETTLED_FOR = 200.0  # internal units: how long sliding must have been dead before `stop_when = "settled"` stops a run
+# internal units: how long sliding must have been dead before `stop_when = "settled"` stops a run
+SETTLED_FOR = 200.0
 
 
 def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
-    """Whether a motion in which nothing slides stays what it is; a top near a pole that is unstable will leave it.
+    """Whether a motion in which nothing slides stays what it is; a top near a pole that is unstable
+    will leave it.
 
     Parameters
     ----------
@@ -35,8 +39,8 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
 
     Notes
     -----
-    The body in SI units; values are those of one state, (1,) each, in internal units, of which a time is `second` [s].
-    A motion in a plane has no spin, hence no pole that it could leave.
+    The body in SI units; values are those of one state, (1,) each, in internal units, of which a
+    time is `second` [s]. A motion in a plane has no spin, hence no pole that it could leave.
     """
     if not isinstance(body, Touch) or "omega3" not in values:
         return True
@@ -45,7 +49,8 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
 
 
 def slides(problems: Problems, states: np.ndarray, which: Any) -> np.ndarray:
-    """Return whether contacts slide faster than a settled motion may, (k,): a law may take little in fast sliding.
+    """Return whether contacts slide faster than a settled motion may, (k,): a law may take little
+    in fast sliding.
 
     Parameters
     ----------
@@ -66,8 +71,18 @@ def slides(problems: Problems, states: np.ndarray, which: Any) -> np.ndarray:
     return np.broadcast_to(fast, states.shape[1])
 
 
-CLASSES = ("none", "upright", "tumbling", "inverted", "lifted-off", "under-way", "rolling", "on-stem", "bouncing",
-           "nutating")  # fmt: skip
+CLASSES = (
+    "none",
+    "upright",
+    "tumbling",
+    "inverted",
+    "lifted-off",
+    "under-way",
+    "rolling",
+    "on-stem",
+    "bouncing",
+    "nutating",
+)
 """What becomes of a top, by number in a store."""
 
 NEAR = 0.1  # rad from a pole: upright or inverted
@@ -76,9 +91,10 @@ NEAR = 0.1  # rad from a pole: upright or inverted
 def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any) -> np.ndarray:
     """What has become of tops that have not lifted off, as numbers of CLASSES, (n,).
 
-    Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under way, for it will
-    leave. Tumbling is one in which nothing slides any more. Without friction a motion ends nowhere: it nutates.
-    Under rolling resistance or a drilling torque no spin lasts, and every top is under way.
+    Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under
+    way, for it will leave. Tumbling is one in which nothing slides any more. Without friction a
+    motion ends nowhere: it nutates. Under rolling resistance or a drilling torque no spin lasts,
+    and every top is under way.
 
     Parameters
     ----------
@@ -89,7 +105,8 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
     settled
         Whether sliding has died out for good, (n,).
     body
-        The bodies in SI, with numbers (n,); a record other than that of a sphere or a heavy top has no modes.
+        The bodies in SI, with numbers (n,); a record other than that of a sphere or a heavy top has
+        no modes.
     """
     known = isinstance(body, Touch)
     if known and has_parts(body.friction):
@@ -105,12 +122,16 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
             continue
         here = np.flatnonzero(ends[name])
         some = refill(body, (np.broadcast_to(x, theta.shape)[here] for x in leaves(body)))
-        leaves_it = here[is_unstable(omega3[here], some, inverted=inverted, gliding=system.frictional)]
+        leaves_it = here[
+            is_unstable(omega3[here], some, inverted=inverted, gliding=system.frictional)
+        ]
         away = np.minimum(theta[leaves_it], np.pi - theta[leaves_it]) >= LINEAR
         tumbles = settled[leaves_it] & away if "tumbling" in system.classes else np.zeros_like(away)
         kinds[leaves_it] = np.where(tumbles, CLASSES.index("tumbling"), CLASSES.index("under-way"))
     if known and system.frictional:
-        kinds[np.broadcast_to(takes_nothing(body.friction), theta.shape)] = CLASSES.index("nutating")
+        kinds[np.broadcast_to(takes_nothing(body.friction), theta.shape)] = CLASSES.index(
+            "nutating"
+        )
     return kinds
 
 
@@ -122,7 +143,8 @@ def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) ->
     kinds
         As `classes_of` gives them.
     theta
-        At the end, (n,) [rad]: what rolls there is no steady spin, unless it is at a pole; what is in the air is none.
+        At the end, (n,) [rad]: what rolls there is no steady spin, unless it is at a pole; what is
+        in the air is none.
     values
         The quantities `phase` and `ball` at the end by name, (n,) each, where the system has them.
     """

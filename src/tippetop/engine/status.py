@@ -6,7 +6,8 @@ from enum import Enum
 class Status(Enum):
     """How a run ended. All are ordinary ends but NON_FINITE and STALLED.
 
-    The value is the word in stores; `code` is the number in the lanes of ensembles and in the stores of sweeps.
+    The value is the word in stores; `code` is the number in the lanes of ensembles and in the
+    stores of sweeps.
 
     Attributes
     ----------
@@ -47,7 +48,13 @@ class Status(Enum):
     @property
     def ordinary(self) -> bool:
         """Whether a run has come to an end that says something of the top."""
-        return self in (Status.FINISHED, Status.LIFTOFF, Status.FALLEN, Status.SETTLED, Status.ENDED)
+        return self in (
+            Status.FINISHED,
+            Status.LIFTOFF,
+            Status.FALLEN,
+            Status.SETTLED,
+            Status.ENDED,
+        )
 
     @classmethod
     def of_event(cls, ends: str) -> "Status":

@@ -1,10 +1,11 @@
 """Taylor steps of heyoka, made by one of two steppers.
 
-`Loaded` is heyoka's machine code, loaded by LLVM: the compiled loop calls its addresses. `Called` is an integrator that
-Python calls: where code cannot be loaded, and for numbers wider than doubles.
+`Loaded` is heyoka's machine code, loaded by LLVM: the compiled loop calls its addresses. `Called`
+is an integrator that Python calls: where code cannot be loaded, and for numbers wider than doubles.
 
-step(state, pars, time, h, tc) makes one step in place: h is the longest allowed step, and then the one that was made.
-dense(out, tc, h) writes the state at h after the beginning of the step. All are arrays of doubles.
+step(state, pars, time, h, tc) makes one step in place: h is the longest allowed step, and then the
+one that was made. dense(out, tc, h) writes the state at h after the beginning of the step. All are
+arrays of doubles.
 """
 
 import ctypes
@@ -33,18 +34,26 @@ class Loaded(NamedTuple):
 
 
 def load(code: bytes) -> Loaded:
-    """Load the object file of an integrator. Raises RuntimeError if a function that it calls or has is missing."""
+    """Load the object file of an integrator.
+
+    Raises RuntimeError if a function that it calls or has is missing.
+    """
     builder = llvm.JITLibraryBuilder().add_object_img(code).add_current_process()
-    library = builder.export_symbol("step").export_symbol("d_out_f").link(_linker(), f"step-{next(_numbers)}")
+    library = (
+        builder.export_symbol("step")
+        .export_symbol("d_out_f")
+        .link(_linker(), f"step-{next(_numbers)}")
+    )
     return Loaded(library, library["step"], library["d_out_f"])
 
 
 class Called:
     """An integrator of heyoka whose steps the loop calls back: one run, or the lanes of a batch.
 
-    For doubles, its numbers have the bits of the loaded code. A subclass may keep state, time and coefficients in wider
-    numbers and write them rounded to the arrays of the loop. It may also correct the time at which the step starts
-    (`start_high` and `start_low`, `high` and `low`); a run is finished where `h` is equal to `limit`.
+    For doubles, its numbers have the bits of the loaded code. A subclass may keep state, time and
+    coefficients in wider numbers and write them rounded to the arrays of the loop. It may also
+    correct the time at which the step starts (`start_high` and `start_low`, `high` and `low`); a
+    run is finished where `h` is equal to `limit`.
 
     Parameters
     ----------
@@ -64,20 +73,33 @@ class Called:
         self.lanes = integrator.state.shape[1:]  # () for one run
 
     def step(self, motion: Any) -> None:
-        """Make a step from `motion.state`, at most `motion.limit` long. Write its end, its length and coefficients."""
+        """Make a step from `motion.state`, at most `motion.limit` long.
+
+        Write its end, its length and coefficients.
+        """
         ta = self.integrator
-        ta.state[:], ta.pars[:] = motion.state.reshape(ta.state.shape), motion.pars.reshape(ta.pars.shape)
-        if self.lanes:  # dense output counts from the start of the step, exactly, where that is at zero
+        ta.state[:], ta.pars[:] = (
+            motion.state.reshape(ta.state.shape),
+            motion.pars.reshape(ta.pars.shape),
+        )
+        if (
+            self.lanes
+        ):  # dense output counts from the start of the step, exactly, where that is at zero
             ta.set_time(0.0)
             ta.step(motion.limit.tolist(), write_tc=True)
             motion.h[:] = [h for _, h in ta.step_res]
         else:
             ta.time = 0.0
             motion.h[0] = ta.step(float(motion.limit[0]), write_tc=True)[1]
-        motion.state[:], motion.tc[:] = ta.state.reshape(motion.state.shape), ta.tc.reshape(motion.tc.shape)
+        motion.state[:], motion.tc[:] = (
+            ta.state.reshape(motion.state.shape),
+            ta.tc.reshape(motion.tc.shape),
+        )
 
     def state_at(self, inside: np.ndarray) -> np.ndarray:
-        """Return the states (variables, lanes) at times `inside` (lanes,) since the start of the present step."""
+        """Return the states (variables, lanes) at times `inside` (lanes,) since the start of the
+        present step.
+        """
         times = inside if self.lanes else float(inside[0])
         return self.integrator.update_d_output(times).reshape(-1, len(inside))
 
@@ -92,10 +114,13 @@ _numbers = itertools.count()
 def _linker() -> Any:
     """Return LLVM's linker of objects in memory.
 
-    It puts all parts of an object into one piece of memory. LLVM's older linker asks for them one by one, and ends the
-    process where two are more than 2 GiB apart, as they may be in a large process.
+    It puts all parts of an object into one piece of memory. LLVM's older linker asks for them one
+    by one, and ends the process where two are more than 2 GiB apart, as they may be in a large
+    process.
     """
-    extension = sys.modules[hy.expression.__module__]  # it brings the libraries whose functions heyoka's code calls
+    extension = sys.modules[
+        hy.expression.__module__
+    ]  # it brings the libraries whose functions heyoka's code calls
     llvm.load_library_permanently(extension.__file__)
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
@@ -103,12 +128,18 @@ def _linker() -> Any:
 
 
 def call(address: int, *arrays: np.ndarray) -> None:
-    """Call one of the functions: `step` with five arrays, `dense` with three, contiguous doubles."""
-    ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(arrays))(address)(*(array.ctypes.data for array in arrays))
+    """Call one of the functions: `step` with five arrays, `dense` with three,
+    contiguous doubles.
+    """
+    ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(arrays))(address)(
+        *(array.ctypes.data for array in arrays)
+    )
 
 
 def is_fused(dense: int, variables: int, order: int) -> bool:
-    """Return whether a dense output rounds a product and the difference that takes it once, in compensated sums."""
+    """Return whether a dense output rounds a product and the difference that takes it once, in
+    compensated sums.
+    """
     random = np.random.default_rng(order)
     for _ in range(TRIALS):
         tc, h = random.normal(size=(variables, order + 1, 1)), random.uniform(0.5, 1.0, 1)

@@ -1,4 +1,6 @@
-"""What is kept of every run while its steps pass, and where the event functions stand in the Taylor coefficients."""
+"""What is kept of every run while its steps pass, and where the event functions stand in the Taylor
+coefficients.
+"""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -18,21 +20,26 @@ WHAT = {"first": FIRST, "last": LAST, "count": COUNT}
 class EventRows(NamedTuple):
     """The events of a system, in its order, as arrays of records.
 
-    `events`: where a function stands among the kept coefficients (`row`): it is a variable plus `offset` (`shift` 0),
-    or the rate of one (`shift` 1), times `scale`, a power of two. A variable whose rate is another event function
-    (`leader`; -1: none) needs no sums of its own: that rate bounds it. `direction`, `sense`, `extremes` are those of
-    the event; `ends` the code of the status of a top that it ends, 0 if it ends none; what it keeps are the `numbers`
-    from `first` to `last`, this one excluded. What is not `watched` has no zeros that anybody wants, what is not
+    `events`: where a function stands among the kept coefficients (`row`): it is a variable plus
+    `offset` (`shift` 0), or the rate of one (`shift` 1), times `scale`, a power of two. A variable
+    whose rate is another event function (`leader`; -1: none) needs no sums of its own: that rate
+    bounds it. `direction`, `sense`, `extremes` are those of the event; `ends` the code of the
+    status of a top that it ends, 0 if it ends none; what it keeps are the `numbers` from `first` to
+    `last`, this one excluded. What is not `watched` has no zeros that anybody wants, what is not
     `ranged` no least and greatest values; what is not `bounded` is neither, nor leads any that is.
     """
 
     events: np.ndarray  # (events,)
-    numbers: np.ndarray  # (numbers,) `what`: FIRST, LAST or COUNT; `direction` of the passages that are meant
+    numbers: (
+        np.ndarray
+    )  # (numbers,) `what`: FIRST, LAST or COUNT; `direction` of the passages that are meant
     axis: np.ndarray  # (3,) rows of 3hat; (0,) where it is not integrated
 
 
 class StopRules(NamedTuple):
-    """When a run ends before its time, other than by an event; and how often its state is sampled."""
+    """When a run ends before its time, other than by an event; and how often its state
+    is sampled.
+    """
 
     lasting: int  # the event that must last; -1: no top ends because it has settled
     way: int  # sign of its function beyond its zero
@@ -60,9 +67,11 @@ _LANE: dict[str, Any] = {
 
 
 SIGN, LEAST, MOST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_MOST = range(9)
-"""What is known of an event function in a lane: its sign, +1 or -1; its least and greatest values, as it stands in the
-coefficients; 1 if the run starts on a zero of it, -k if its first k Taylor coefficients vanish where the next step
-begins; of the present step bounds, and 1 if it is monotone there; and when it was least and greatest."""
+"""What is known of an event function in a lane: its sign, +1 or -1; its least and greatest values,
+as it stands in the coefficients; 1 if the run starts on a zero of it, -k if its first k Taylor
+coefficients vanish where the next step begins; of the present step bounds, and 1 if it is monotone
+there; and when it was least and greatest.
+"""
 
 
 class Tallies(NamedTuple):
@@ -73,7 +82,10 @@ class Tallies(NamedTuple):
     kept: np.ndarray  # (numbers, lanes) times, NaN: did not happen; or counts
 
 
-_EVENT = [(name, int) for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")]
+_EVENT = [
+    (name, int)
+    for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")
+]
 _FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged", "bounded")]
 EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS], align=True)
 LANE_RECORD = np.dtype([(name, np.array(value).dtype) for name, value in _LANE.items()])
@@ -83,16 +95,25 @@ NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
 def event_rows(
     events: Sequence[Event], sources: Sequence[tuple[int, int, float, float]], axis: Sequence[int]
 ) -> EventRows:
-    """The events as arrays. `sources` are variable, shift, scale and offset of each function; `axis` are the variables
-    of 3hat, none in a form without it."""
+    """The events as arrays.
+
+    `sources` are variable, shift, scale and offset of each function; `axis` are the variables of
+    3hat, none in a form without it.
+    """
     rate_of = {s[0]: e for e, s in reversed(list(enumerate(sources))) if s[1:] == (1, 1.0, 0.0)}
     records = np.zeros(len(events), EVENT_RECORD)
     numbers: list[tuple[int, int]] = []
-    for record, event, (variable, shift, scale, offset) in zip(records, events, sources, strict=True):
+    for record, event, (variable, shift, scale, offset) in zip(
+        records, events, sources, strict=True
+    ):
         record["row"], record["shift"] = variable, shift
         record["scale"], record["offset"] = scale, offset
         record["leader"] = rate_of.get(variable, -1) if shift == 0 else -1
-        record["direction"], record["sense"], record["extremes"] = event.direction, event.sense, bool(event.extremes)
+        record["direction"], record["sense"], record["extremes"] = (
+            event.direction,
+            event.sense,
+            bool(event.extremes),
+        )
         record["watched"], record["ranged"] = True, bool(event.extremes)
         record["bounded"] = True
         record["ends"] = Status.of_event(event.ends).code if event.ends else 0
@@ -103,7 +124,9 @@ def event_rows(
 
 
 def mark_bounded(records: np.ndarray) -> None:
-    """Says of events that are watched and ranged as somebody asks for them which must be bounded."""
+    """Says of events that are watched and ranged as somebody asks for them which must
+    be bounded.
+    """
     records["bounded"] = records["watched"] | records["ranged"] | (records["ends"] != 0)
     leaders = records["leader"][records["bounded"]]
     records["bounded"][leaders[leaders >= 0]] = True
@@ -112,8 +135,9 @@ def mark_bounded(records: np.ndarray) -> None:
 def looked_for(
     rows: EventRows, watched: Iterable[bool], ranged: Iterable[bool] | None = None, *, stops: bool
 ) -> EventRows:
-    """Return the events as a run looks for them: those that are `watched`, the extremes of those that are `ranged`
-    (None: of all that have some), and the ends of runs if it `stops`."""
+    """Return the events as a run looks for them: those that are `watched`, the extremes of those
+    that are `ranged` (None: of all that have some), and the ends of runs if it `stops`.
+    """
     records = rows.events.copy()
     records["watched"] = list(watched)
     if ranged is not None:
@@ -132,14 +156,20 @@ def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def new_tallies(rows: EventRows, lanes: int) -> Tallies:
     """Tallies of so many lanes."""
     n = len(rows.events)
-    tallies = Tallies(np.empty(lanes, LANE_RECORD), np.zeros((9, n, lanes)), np.empty((len(rows.numbers), lanes)))
+    tallies = Tallies(
+        np.empty(lanes, LANE_RECORD), np.zeros((9, n, lanes)), np.empty((len(rows.numbers), lanes))
+    )
     for at in range(lanes):
         reset(tallies, rows, at, np.ones(n), np.zeros(n, bool))
     return tallies
 
 
-def reset(tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_zero: np.ndarray) -> None:
-    """A new top in a lane: its event functions have these signs at its start, or are on their zero."""
+def reset(
+    tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_zero: np.ndarray
+) -> None:
+    """A new top in a lane: its event functions have these signs at its start, or are on
+    their zero.
+    """
     tallies.lane[lane] = tuple(_LANE.values())
     functions = tallies.functions[:, :, lane]
     functions[SIGN], functions[ON_ZERO] = signs, on_zero
@@ -150,11 +180,15 @@ def reset(tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_ze
 
 
 CONFIRMS, WAITS = 1, 2
-"""Effects of a passage on the turning that waits to be counted: that turning counts; this one waits from now on."""
+"""Effects of a passage on the turning that waits to be counted: that turning counts; this one waits
+from now on.
+"""
 
 
 class PassageLog(NamedTuple):
-    """Zeros of event functions as they are found, in one lane; of length 0 where nobody wants them."""
+    """Zeros of event functions as they are found, in one lane; of length 0 where nobody
+    wants them.
+    """
 
     filled: np.ndarray  # (1,) how many there are
     time: np.ndarray  # (n,) internal

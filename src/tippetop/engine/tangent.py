@@ -1,4 +1,6 @@
-"""How a motion changes with the numbers that a user gives: states, columns and their derivatives along directions."""
+"""How a motion changes with the numbers that a user gives: states, columns and their derivatives
+along directions.
+"""
 
 import threading
 from typing import Any
@@ -12,7 +14,9 @@ from .variational import Kind, Readings, compiled_motion, compiled_readings, com
 
 
 MOST_LANES = 4
-SOON = 3e4  # internal time in which all lanes together do not repay the 10 s that straight code takes to compile
+# internal time in which all lanes together do not repay the 10 s that straight code takes to
+# compile
+SOON = 3e4
 _one_at_a_time = threading.Lock()  # integrators are shared, and have a state
 
 
@@ -26,18 +30,37 @@ class Tangents:
     tolerance
         Of the integrator; 0 is the rounding unit.
     most
-        Steps per internal unit of time beyond which a motion counts as one that cannot be integrated; 0: any number.
+        Steps per internal unit of time beyond which a motion counts as one that cannot be
+        integrated; 0: any number.
     uses
         How often motions are asked for, about.
     longest
         Internal time of the longest of them; 0: each is as long as the others.
     """
 
-    def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0, *, uses: int = 1, longest: float = 0.0):
-        self.kind, self.tolerance, self.most, self.uses, self.longest = kind, tolerance, most, uses, longest
+    def __init__(
+        self,
+        kind: Kind,
+        tolerance: float = 0.0,
+        most: float = 0.0,
+        *,
+        uses: int = 1,
+        longest: float = 0.0,
+    ):
+        self.kind, self.tolerance, self.most, self.uses, self.longest = (
+            kind,
+            tolerance,
+            most,
+            uses,
+            longest,
+        )
 
     def states(
-        self, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray, needs: tuple[str, ...] | None = None
+        self,
+        numbers: np.ndarray,
+        ways: np.ndarray,
+        times: np.ndarray,
+        needs: tuple[str, ...] | None = None,
     ) -> np.ndarray:
         """States with derivatives at given times.
 
@@ -53,7 +76,8 @@ class Tangents:
         Returns
         -------
         ndarray
-            (rows, order + 1, variables, lanes); NaN from where a motion cannot be integrated further.
+            (rows, order + 1, variables, lanes); NaN from where a motion cannot be integrated
+            further.
         """
         kind, total = self.kind, numbers.shape[1]
         names = kind.variables.names
@@ -80,8 +104,13 @@ class Tangents:
         awaited(fill, "the variational equations are integrated")
         return rows.reshape(len(times), kind.order + 1, len(names), total)
 
-    def _block(self, motion: Any, begin: np.ndarray, pars: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """Rows of the lanes of one batch. A lane that breaks down ends all of them: then each is followed alone."""
+    def _block(
+        self, motion: Any, begin: np.ndarray, pars: np.ndarray, times: np.ndarray
+    ) -> np.ndarray:
+        """Rows of the lanes of one batch.
+
+        A lane that breaks down ends all of them: then each is followed alone.
+        """
         together = _followed(motion, begin, pars, times, self.most)
         lanes = times.shape[1]
         if lanes > 1 and not self.most and np.isnan(together).any():
@@ -128,7 +157,11 @@ class Tangents:
 
 
 def _followed(
-    motion: tuple[Any, np.ndarray], begin: np.ndarray, pars: np.ndarray, times: np.ndarray, most: float
+    motion: tuple[Any, np.ndarray],
+    begin: np.ndarray,
+    pars: np.ndarray,
+    times: np.ndarray,
+    most: float,
 ) -> np.ndarray:
     """Rows (rows, variables, lanes) of one batch; NaN where it ended early."""
     integrator, places = motion

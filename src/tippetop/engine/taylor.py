@@ -23,13 +23,17 @@ LONG = 1e5  # internal time beyond which 6 s (longdouble) or 25 s (quad) of comp
 
 
 def silence() -> None:
-    """Stops heyoka's warnings for the whole process: they go to standard output, and every outcome that they are about
-    has a status here. For whoever owns the process: the command line, and the workers that a sweep starts."""
+    """Stops heyoka's warnings for the whole process: they go to standard output, and every outcome
+    that they are about has a status here. For whoever owns the process: the command line, and the
+    workers that a sweep starts.
+    """
     hy.set_logger_level_critical()
 
 
 def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
-    """Return the driver of a problem, at its start. Raises Interrupted if `stop` is set while it is compiled.
+    """Return the driver of a problem, at its start.
+
+    Raises Interrupted if `stop` is set while it is compiled.
 
     Parameters
     ----------
@@ -48,10 +52,14 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
         return HybridDriver(problem, stop)  # type: ignore[return-value]
     system, body = problem.system, problem.internal_body
     code = code_for(problem, formulas_of(system, problem.form.name, body.friction.__class__), stop)
-    watched = (not event.sense or event.name in problem.events for event in system.events)  # turnings are many
+    watched = (
+        not event.sense or event.name in problem.events for event in system.events
+    )  # turnings are many
     rows = looked_for(code.rows, watched, stops=problem.on_liftoff != "continue")
     functions = event_functions(problem.alone)[0]
-    return kind_of_driver(problem)(code, rows, leaves(body), problem.start(), functions, internal_end(problem))
+    return kind_of_driver(problem)(
+        code, rows, leaves(body), problem.start(), functions, internal_end(problem)
+    )
 
 
 def kind_of_driver(problem: Problem) -> type[Driver]:
@@ -65,9 +73,19 @@ def internal_end(problem: Problem) -> Any:
 
 
 def code_for(problem: Problem, formulas: Formulas, stop: threading.Event | None = None) -> Compiled:
-    """Return the integrator of formulas with the options of a run. Raises Interrupted if `stop` is set meanwhile."""
+    """Return the integrator of formulas with the options of a run.
+
+    Raises Interrupted if `stop` is set meanwhile.
+    """
     compact = problem.precision != "double" and float(internal_end(problem)) < LONG
-    key: tuple[Any, ...] = (formulas, problem.precision, problem.tolerance, 0, compact, problem.orientation)
+    key: tuple[Any, ...] = (
+        formulas,
+        problem.precision,
+        problem.tolerance,
+        0,
+        compact,
+        problem.orientation,
+    )
     return compiled_when(key, stop)
 
 
@@ -77,7 +95,9 @@ def compiled_when(key: tuple, stop: threading.Event | None = None) -> Compiled:
 
 
 def fingerprint(driver: Driver) -> str:
-    """Says which equations a driver was made of: a digest of their expressions, and of how they were compiled."""
+    """Says which equations a driver was made of: a digest of their expressions, and of how they
+    were compiled.
+    """
     known, level = _fingerprints.setdefault(driver, {}), opt_level()
     if level not in known:  # 1 ms, and there is one in every keyframe
         lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())

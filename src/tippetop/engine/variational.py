@@ -1,9 +1,10 @@
-"""The variational equations: what is compiled for derivatives of motions along directions in the space of all numbers
-that a user gives.
+"""The variational equations: what is compiled for derivatives of motions along directions in the
+space of all numbers that a user gives.
 
-Everything is a function of one number `along`: the user's numbers p + along v, the state y + along s + along^2 t/2.
-The equations of motion, the start, columns and event functions are differentiated by it, as expressions: the formulas
-are those of the run, and one integrator serves every direction, each in a SIMD lane. Units are those of the problem.
+Everything is a function of one number `along`: the user's numbers p + along v, the state y + along
+s + along^2 t/2. The equations of motion, the start, columns and event functions are differentiated
+by it, as expressions: the formulas are those of the run, and one integrator serves every direction,
+each in a SIMD lane. Units are those of the problem.
 """
 
 from collections.abc import Iterable
@@ -75,7 +76,10 @@ class Kind(NamedTuple):
             {name: next(values) for name in self.system.parameters},
             self.friction._make(next(values) for _ in self.friction._fields),
         )
-        return body, {**dict.fromkeys(self.flags, True), **dict(zip(self.initial, values, strict=True))}
+        return body, {
+            **dict.fromkeys(self.flags, True),
+            **dict(zip(self.initial, values, strict=True)),
+        }
 
     @property
     def law(self) -> Any:
@@ -100,12 +104,17 @@ class Line:
             for rate, factor in zip(rates, (ALONG, 0.5 * ALONG * ALONG), strict=False):
                 point = point + factor * rate
             self.points.append(point)
-            for expected in (value, *rates[:-1]):  # heyoka does not fold the 0 x that 0 makes of `along x`
+            for expected in (
+                value,
+                *rates[:-1],
+            ):  # heyoka does not fold the 0 x that 0 makes of `along x`
                 self._at_zero[point] = expected
                 point = hy.diff(point, ALONG)
 
     def derivatives(self, values: Iterable, order: int) -> list[list[Any]]:
-        """Expressions of the points and their derivatives by `along` where that is 0, [derivative][expression]."""
+        """Expressions of the points and their derivatives by `along` where that is 0,
+        [derivative][expression].
+        """
         rows = [[ZERO + value for value in values]]
         for _ in range(order):
             rows.append([hy.diff(value, ALONG) for value in rows[-1]])
@@ -113,8 +122,10 @@ class Line:
 
 
 def _line(kind: Kind) -> tuple[Line, list[Any], Any]:
-    """The state and the body as functions of `along`: the numbers of the body are the first parameters, their direction
-    the following ones. Variables, then their derivatives `d_`, `d_d_`, are those of an integrator."""
+    """The state and the body as functions of `along`: the numbers of the body are the first
+    parameters, their direction the following ones. Variables, then their derivatives `d_`, `d_d_`,
+    are those of an integrator.
+    """
     k, names = kind.body_numbers, kind.variables.names
     jets = [tuple(hy.expression("d_" * i + name) for i in range(kind.order + 1)) for name in names]
     line = Line([*jets, *((hy.par[i], hy.par[k + i]) for i in range(k))])
@@ -124,8 +135,9 @@ def _line(kind: Kind) -> tuple[Line, list[Any], Any]:
 
 @lru_cache(maxsize=32)
 def compiled_starts(kind: Kind) -> Any:
-    """The function of numbers and their direction, (2 numbers, n), that gives the state at the start and its
-    derivatives, ((order + 1) variables, n)."""
+    """The function of numbers and their direction, (2 numbers, n), that gives the state at the
+    start and its derivatives, ((order + 1) variables, n).
+    """
     size = kind.body_numbers + len(kind.initial)
     numbers = hy.make_vars(*(f"p{i}" for i in range(size)))
     ways = hy.make_vars(*(f"v{i}" for i in range(size)))
@@ -141,15 +153,22 @@ def compiled_starts(kind: Kind) -> Any:
 
 
 @lru_cache(maxsize=16)
-def compiled_motion(kind: Kind, lanes: int, compact: bool, tolerance: float, wanted: tuple[str, ...]) -> Any:
-    """heyoka's integrator of the state and its derivatives, in lanes, and the places of its variables among all.
+def compiled_motion(
+    kind: Kind, lanes: int, compact: bool, tolerance: float, wanted: tuple[str, ...]
+) -> Any:
+    """heyoka's integrator of the state and its derivatives, in lanes, and the places of its
+    variables among all.
 
     `wanted`: the variables that must be right; what these do not depend on is left out."""
     line, state, body = _line(kind)
     variables, names = kind.variables, kind.variables.names
     rates = line.derivatives(variables.rates(*variables.split(state), body), kind.order)
     keep = _closure(names, rates[0], wanted)
-    pairs = [(hy.expression("d_" * k + names[i]), rates[k][i]) for k in range(kind.order + 1) for i in keep]
+    pairs = [
+        (hy.expression("d_" * k + names[i]), rates[k][i])
+        for k in range(kind.order + 1)
+        for i in keep
+    ]
     places = [k * len(names) + i for k in range(kind.order + 1) for i in keep]
     careful = tolerance < COARSE  # sums of steps keep what rounding takes: a quarter of the cost
     zero = np.zeros((len(pairs), lanes))
@@ -179,8 +198,9 @@ class Readings(NamedTuple):
 
 
 def expressions_of(kind: Kind, q: Any, carried: Any, body: Any) -> dict[str, Any]:
-    """What can be read of a state, by name: columns, the height of the centre of mass, axes of the body, event
-    functions."""
+    """What can be read of a state, by name: columns, the height of the centre of mass, axes of the
+    body, event functions.
+    """
     form = kind.form
     values = observed(kind.system, form, q, carried, body)
     if isinstance(body, Touch):
@@ -195,8 +215,10 @@ def expressions_of(kind: Kind, q: Any, carried: Any, body: Any) -> dict[str, Any
 
 
 def _own_units(kind: Kind, q: Any, carried: Any, body: Any) -> tuple[Any, Any, Any]:
-    """Return state, integrals and body in the units in which a run with these numbers would be integrated: events are
-    looked for there, and one whose level is not zero moves with them. The unit of time is a power of two, and stays."""
+    """Return state, integrals and body in the units in which a run with these numbers would be
+    integrated: events are looked for there, and one whose level is not zero moves with them. The
+    unit of time is a power of two, and stays.
+    """
     mass, length = kind.system.scales(body)
     scales = Scales(mass, length * kind.form.length_unit, 1.0)
     units = leaves(kind.system.body_units(kind.law.units()))
@@ -205,25 +227,36 @@ def _own_units(kind: Kind, q: Any, carried: Any, body: Any) -> tuple[Any, Any, A
         type(record)(*(v / scales.of(of_state[name]) for name, v in record._asdict().items()))
         for record in (q, carried)
     )
-    return state, integrals, refill(body, iter([v / scales.of(u) for v, u in zip(leaves(body), units, strict=True)]))
+    return (
+        state,
+        integrals,
+        refill(body, iter([v / scales.of(u) for v, u in zip(leaves(body), units, strict=True)])),
+    )
 
 
 @lru_cache(maxsize=32)
-def compiled_readings(kind: Kind, names: tuple[str, ...] | None, timed: tuple[str, ...]) -> Readings:
-    """What is read of states with derivatives, f(inputs=((order + 1) variables, n), pars=(2 numbers of the body, n)):
-    the values, their derivatives along the direction, and derivatives of the `timed` ones by time.
+def compiled_readings(
+    kind: Kind, names: tuple[str, ...] | None, timed: tuple[str, ...]
+) -> Readings:
+    """What is read of states with derivatives, f(inputs=((order + 1) variables, n), pars=(2 numbers
+    of the body, n)): the values, their derivatives along the direction, and derivatives of the
+    `timed` ones by time.
 
     `names`: None for all."""
     line, state, body = _line(kind)
     variables = kind.variables
     known = expressions_of(kind, *variables.split(state), body)
     names = tuple(known) if names is None else names
-    outputs = [e for row in line.derivatives((known[name] for name in names), kind.order) for e in row]
+    outputs = [
+        e for row in line.derivatives((known[name] for name in names), kind.order) for e in row
+    ]
     rates = variables.rates(*variables.split(state), body)
     later = [y + TIME * rate for y, rate in zip(state, rates, strict=True)]
     moved = expressions_of(kind, *variables.split(later), body)
     now = dict(zip(later, state, strict=True))
-    slopes = [hy.subs(hy.subs(hy.diff(ZERO + moved[name], TIME), now), {TIME: ZERO}) for name in timed]
+    slopes = [
+        hy.subs(hy.subs(hy.diff(ZERO + moved[name], TIME), now), {TIME: ZERO}) for name in timed
+    ]
     outputs += line.derivatives(slopes, 0)[0]
     names_of = variables.names
     needs = set().union(*(hy.get_variables(e) for e in outputs)) & set(names_of)

@@ -1,7 +1,8 @@
-"""One run in numbers wider than doubles: heyoka makes each step, and the loop follows its rounded coefficients.
+"""One run in numbers wider than doubles: heyoka makes each step, and the loop follows its rounded
+coefficients.
 
-Events are found in doubles, from the same polynomials as those of a run in doubles, and their times then refined in the
-working precision.
+Events are found in doubles, from the same polynomials as those of a run in doubles, and their times
+then refined in the working precision.
 """
 
 import copy
@@ -21,11 +22,13 @@ from .tallies import ON_ZERO
 REFINEMENTS = 3  # of a zero: each squares its error, from 1e-16
 NEAR = 1e-6  # of a step: a zero that moves further is rounding's, and stays where it was
 LEAST = 1e-300  # of a step, as the loop sees it: it may move no double
-LARGEST = 1e300  # of a coefficient: just before sliding stops, a step of 1e-13 has larger ones of high order
+# of a coefficient: just before sliding stops, a step of 1e-13 has larger ones of high order
+LARGEST = 1e300
 
 
 class WideSteps(Called):
-    """Steps whose state and time are those of heyoka's integrator; the loop gets them rounded to doubles.
+    """Steps whose state and time are those of heyoka's integrator; the loop gets them rounded to
+    doubles.
 
     Whatever the loop keeps, this keeps too, in the working precision.
     """
@@ -52,7 +55,9 @@ class WideSteps(Called):
         outcome, _ = ta.step((self.end - high) - low, write_tc=True)
         broken = outcome == hy.taylor_outcome.err_nf_state
         motion.h[0] = np.nan if broken else max(float(ta.time) - start, LEAST)
-        is_last = outcome == hy.taylor_outcome.time_limit  # which the loop sees from a step of the allowed length
+        is_last = (
+            outcome == hy.taylor_outcome.time_limit
+        )  # which the loop sees from a step of the allowed length
         motion.limit[0] = motion.h[0] if is_last else np.inf
         with np.errstate(over="ignore"):
             motion.state[:, 0] = ta.state.astype(float)
@@ -75,7 +80,9 @@ class WideSteps(Called):
         self.integrator.state[:], self.integrator.dtime = self.before
 
     def state_at(self, inside: np.ndarray) -> np.ndarray:
-        """Keep the next zero of the log, which is refined, or else the next row, and return its state."""
+        """Keep the next zero of the log, which is refined, or else the next row, and return its
+        state.
+        """
         ta, log, number = self.integrator, self.records["log"], self.integrator.state.dtype.type
         if len(self.times) < log.filled[0]:
             k, start = len(self.times), self.before[1][0]
@@ -127,7 +134,9 @@ class WideDriver(Driver):
         return np.array(self.stepper.samples, self.number).reshape(-1, len(self.state))
 
     def passages(self) -> Passages:
-        times, states = (np.array(kept, self.number) for kept in (self.stepper.times, self.stepper.states))
+        times, states = (
+            np.array(kept, self.number) for kept in (self.stepper.times, self.stepper.states)
+        )
         states = states.reshape(len(times), len(self.state))
         return super().passages()._replace(times=times, states=states[:, : self.variables])
 
@@ -168,8 +177,9 @@ class WideDriver(Driver):
 
 
 def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:
-    """Return the coefficients of an event function in a step, from those of all variables, (variables, order + 1),
-    without so many zeros where the step begins."""
+    """Return the coefficients of an event function in a step, from those of all variables,
+    (variables, order + 1), without so many zeros where the step begins.
+    """
     whole = tc[event["row"]]
     if event["shift"] == 1:  # the rate of the variable
         return (whole[1:] * np.arange(1, len(whole)).astype(whole.dtype))[roots:]
@@ -179,7 +189,9 @@ def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:
 
 
 def _refined(function: np.ndarray, x: Any, length: Any) -> Any:
-    """Return the zero of a polynomial near x, by Newton's rule in the precision of its coefficients."""
+    """Return the zero of a polynomial near x, by Newton's rule in the precision of its
+    coefficients.
+    """
     descending = list(function[::-1])
     for _ in range(REFINEMENTS):
         value = slope = 0 * x

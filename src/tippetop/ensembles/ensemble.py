@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-Starts = dict[str, tuple[np.ndarray, np.ndarray]]  # of invariants by name: at the start, what drifts are relative to
+Starts = dict[
+    str, tuple[np.ndarray, np.ndarray]
+]  # of invariants by name: at the start, what drifts are relative to
 
 
 class _Queue:
@@ -40,11 +42,14 @@ class _Queue:
         self._lanes, self._threads = lanes, threads
 
     def take(self, empty: int) -> np.ndarray:
-        """As many as are empty of a thread's lanes, and what they may take next: nothing at the end, so that none has
-        tops that wait and another empty lanes."""
+        """As many as are empty of a thread's lanes, and what they may take next: nothing at the
+        end, so that none has tops that wait and another empty lanes.
+        """
         with self._lock:
             left, others = len(self._numbers), self._threads - 1
-            waiting = min(self._lanes - empty, left // (4 * self._lanes * others) if others else left)
+            waiting = min(
+                self._lanes - empty, left // (4 * self._lanes * others) if others else left
+            )
             most = 0 if self.stopped else empty + waiting
             taken, self._numbers = self._numbers[:most], self._numbers[most:]
             return taken
@@ -73,11 +78,13 @@ def measure(
     lanes
         Tops that one integrator advances at a time. It changes no bit.
     wanted
-        Names of the columns that somebody reads, None: all. The others may be empty; these have the same bits.
+        Names of the columns that somebody reads, None: all. The others may be empty; these have the
+        same bits.
     alone
         What runs one top whose contact may change its phase: lanes cannot.
     lyapunov
-        Whether the finite-time Lyapunov exponents are wanted: one top after the other, several runs' cost each.
+        Whether the finite-time Lyapunov exponents are wanted: one top after the other, several
+        runs' cost each.
 
     Returns
     -------
@@ -90,14 +97,19 @@ def measure(
     with np.errstate(all="ignore"):
         at_start = values_of(tops, tops.start, everything)
         relative_to = sizes(tops.base, at_start)
-        starts = {name: (value, relative_to[name]) for name, value in invariants(tops.base, at_start).items()}
+        starts = {
+            name: (value, relative_to[name])
+            for name, value in invariants(tops.base, at_start).items()
+        }
         functions = event_functions(tops)
     measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in starts}
     numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
     clock = time.perf_counter()
     if len(numbers) and tops.base.system.is_hybrid:
         if alone is None:
-            raise ValueError("a contact that may change its phase is followed by a driver of its own")
+            raise ValueError(
+                "a contact that may change its phase is followed by a driver of its own"
+            )
         one_by_one(measured, numbers, alone, progress)
     elif len(numbers):
         _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
@@ -111,7 +123,9 @@ def measure(
 
 
 def _ended_at_start(measured: Outcomes, functions: np.ndarray) -> np.ndarray:
-    """Which tops end before their first step, (n,): an event function that must not fall below zero has done so."""
+    """Which tops end before their first step, (n,): an event function that must not fall below zero
+    has done so.
+    """
     tops, ended = measured.tops, np.zeros(measured.tops.n, bool)
     for e, event in enumerate(tops.base.system.events):
         if tops.base.on_liftoff == "stop" and event.ends and event.extremes:
@@ -165,7 +179,13 @@ def _run(
     n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
     workers = [Lanes(every, lanes, wanted) for _ in range(n)]
     first, queue = workers[0], _Queue(numbers, lanes, n)
-    tops = new_tops(every.start, every.pars[: len(first.motion.pars)], every.end, *signs_of(functions), first.rows)
+    tops = new_tops(
+        every.start,
+        every.pars[: len(first.motion.pars)],
+        every.end,
+        *signs_of(functions),
+        first.rows,
+    )
     if n == 1:
         measured.processor = work(first)
     else:
@@ -194,10 +214,14 @@ def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows)
     for e, event in enumerate(measured.tops.base.system.events):
         lasts = np.ones(len(numbers), bool)
         if event.lasting:
-            lasts = measured.settled[numbers] = measured.settled[numbers] & (event.direction * sign[e] > 0)
+            lasts = measured.settled[numbers] = measured.settled[numbers] & (
+                event.direction * sign[e] > 0
+            )
         for number in event.kept:  # a time of what did not last to the end is none
             values = next(kept)
-            columns[number.name][numbers] = values if number.what == "count" else np.where(lasts, values, np.nan)
+            columns[number.name][numbers] = (
+                values if number.what == "count" else np.where(lasts, values, np.nan)
+            )
         if event.extremes:
             columns[f"{event.extremes}_min"][numbers] = least[e] / rows.events["scale"][e]
             columns[f"{event.extremes}_max"][numbers] = most[e] / rows.events["scale"][e]
@@ -248,18 +272,27 @@ def base_faults(base: Problem) -> list[str]:
     """
     sentences = []
     if not base.system.events:
-        sentences.append(f"the system of an ensemble must have an event, but `{base.system.name}` has none.")
+        sentences.append(
+            f"the system of an ensemble must have an event, but `{base.system.name}` has none."
+        )
     if missing := [name for name in ("ux", "uy", "uz") if name not in base.form.units._fields]:
-        able = [name for name, form in base.system.forms.items() if {"ux", "uy", "uz"} <= set(form.units._fields)]
+        able = [
+            name
+            for name, form in base.system.forms.items()
+            if {"ux", "uy", "uz"} <= set(form.units._fields)
+        ]
         others = " or ".join(f'"{name}"' for name in able) or "none of this system"
         sentences.append(
-            f"`form` must be one in an ensemble that integrates the axis, as ux, uy, uz: {others}, but is "
+            "`form` must be one in an ensemble that integrates the axis, as ux, uy, uz: "
+            f"{others}, but is "
             f'"{base.form.name}", which has no {missing[0]}.'
         )
     if base.sensitivities:
         sentences.append("`run.sensitivities` must not be given in an ensemble: it keeps no rows.")
     if base.precision != "double":
-        sentences.append(f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".')
+        sentences.append(
+            f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".'
+        )
     return sentences
 
 
@@ -273,7 +306,8 @@ def of_problem(
     alone: Alone | None = None,
     lyapunov: bool = False,
 ) -> "xr.Dataset":
-    """How each of many tops goes: a problem with other numbers, (n,) each, under dotted keys like `friction.mu`.
+    """How each of many tops goes: a problem with other numbers, (n,) each, under dotted keys like
+    `friction.mu`.
 
     Parameters
     ----------
@@ -304,8 +338,8 @@ def of_problem(
 
     Notes
     -----
-    `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is wrong with the first
-    of them stands in the attributes. Raises InputError if a key is wrong.
+    `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is
+    wrong with the first of them stands in the attributes. Raises InputError if a key is wrong.
     """
     if lyapunov and (sentences := derivative_faults(base)):
         raise InputError(sentences)

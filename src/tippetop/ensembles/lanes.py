@@ -13,7 +13,15 @@ from ..engine.loop import Loop, Queue, Tops, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
-from ..engine.tallies import LANE_RECORD, EventRows, StopRules, looked_for, new_log, new_samples, new_tallies
+from ..engine.tallies import (
+    LANE_RECORD,
+    EventRows,
+    StopRules,
+    looked_for,
+    new_log,
+    new_samples,
+    new_tallies,
+)
 from ..engine.taylor import compiled_when
 from ..mechanics.events import Event
 from ..mechanics.units import SECOND
@@ -21,7 +29,9 @@ from ..problem import Problem, Problems
 
 
 LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
-SAMPLES = 64  # of a lane, between two looks at the invariants: a look takes 0.2 ms whatever its length
+SAMPLES = (
+    64  # of a lane, between two looks at the invariants: a look takes 0.2 ms whatever its length
+)
 EVERY = 32  # steps between two samples
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
 MOST_DRIVEN = 8192  # steps between two looks of Python: 70 ms
@@ -43,7 +53,13 @@ class Lanes:
         Steps between two samples.
     """
 
-    def __init__(self, tops: Problems, lanes: int = LANES, wanted: Collection[str] | None = None, every: int = EVERY):
+    def __init__(
+        self,
+        tops: Problems,
+        lanes: int = LANES,
+        wanted: Collection[str] | None = None,
+        every: int = EVERY,
+    ):
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
         code = compiled_when((formulas, "double", base.tolerance, lanes, False, tops.orientation))
@@ -60,13 +76,17 @@ class Lanes:
         self.stepper = stepper_of(code)
         lasting = code.lasting if base.stop_when == "settled" else -1
         rules = StopRules(lasting, code.way, SETTLED_FOR, MOST_STEPS, every, 0)
-        self.loop = Loop(self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, self.stepper)
+        self.loop = Loop(
+            self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, self.stepper
+        )
 
     def _park(self) -> None:
         """Put a sound top, at its end, into every lane: it takes no steps."""
         motion, every = self.motion, self.problems
         top = int(np.flatnonzero(every.valid)[0])
-        motion.pars[:] = every.pars[: len(motion.pars), [top]]  # the integrator has none beyond the last that it reads
+        motion.pars[:] = every.pars[
+            : len(motion.pars), [top]
+        ]  # the integrator has none beyond the last that it reads
         motion.state[: len(every.start)] = every.start[:, [top]]
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
 
@@ -86,7 +106,8 @@ class Lanes:
         take
             take(empty) -> numbers of some, for so many empty lanes, and not more than all lanes.
         look
-            look(states, tops) takes states (variables, k) that were sampled on the way, and whose they are, (k,).
+            look(states, tops) takes states (variables, k) that were sampled on the way, and whose
+            they are, (k,).
         ended
             ended(count): so many more tops have ended.
         """
@@ -123,18 +144,27 @@ class Lanes:
 
 
 def new_tops(
-    start: np.ndarray, pars: np.ndarray, until: np.ndarray, signs: np.ndarray, on_zero: np.ndarray, rows: EventRows
+    start: np.ndarray,
+    pars: np.ndarray,
+    until: np.ndarray,
+    signs: np.ndarray,
+    on_zero: np.ndarray,
+    rows: EventRows,
 ) -> Tops:
     """Tops that have not yet begun."""
     start, pars, until = (np.ascontiguousarray(column, float) for column in (start, pars, until))
     signs, on_zero = (np.ascontiguousarray(column, np.int8) for column in (signs, on_zero))
-    functions, kept = np.zeros((3, len(rows.events), len(until))), np.zeros((len(rows.numbers), len(until)))
+    functions, kept = (
+        np.zeros((3, len(rows.events), len(until))),
+        np.zeros((len(rows.numbers), len(until))),
+    )
     lane, final = np.zeros(len(until), LANE_RECORD), np.full(start.shape, np.nan)
     return Tops(start, pars, until, signs, on_zero, lane, functions, kept, final)
 
 
 def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> EventRows:
-    """The events that columns named `wanted` need, None: all; what ends a top or settles it is always looked for.
+    """The events that columns named `wanted` need, None: all; what ends a top or settles it is
+    always looked for.
 
     Parameters
     ----------

@@ -1,4 +1,6 @@
-"""How fast small errors of the start grow, top by top: finite-time Lyapunov exponents of an ensemble."""
+"""How fast small errors of the start grow, top by top: finite-time Lyapunov exponents of an
+ensemble.
+"""
 
 import numpy as np
 
@@ -8,7 +10,8 @@ from .singly import problem_of
 
 
 def exponents(tops: Problems, ends: np.ndarray) -> np.ndarray:
-    """The exponent of each top up to its end [1/s], (n,), one top after the other: that of `growth`, bit by bit.
+    """The exponent of each top up to its end [1/s], (n,), one top after the other: that of
+    `growth`, bit by bit.
 
     Parameters
     ----------

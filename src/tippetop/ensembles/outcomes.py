@@ -43,8 +43,9 @@ def _kept_columns(events: Sequence[Event]) -> dict[str, Form]:
 
 
 def columns_of(system: System) -> dict[str, Form]:
-    """The columns of ensembles of a system: those of a gliding body, whether it has these events or not; then what its
-    own events keep."""
+    """The columns of ensembles of a system: those of a gliding body, whether it has these events or
+    not; then what its own events keep.
+    """
     names = {event.name: event for event in EVENTS}
     order = [names[name] for name in ("equator", "inverted", "liftoff", "settled")]
     return {
@@ -58,7 +59,11 @@ def columns_of(system: System) -> dict[str, Form]:
         "normal_force_max": (np.float64, NEWTON, "greatest normal force"),
         "steps": (np.int32, ONE, "steps of the integrator"),
         **_extremes(system),
-        **{name: form for name, form in _kept_columns(system.events).items() if name not in _kept_columns(order)},
+        **{
+            name: form
+            for name, form in _kept_columns(system.events).items()
+            if name not in _kept_columns(order)
+        },
     }
 
 
@@ -74,7 +79,9 @@ def _extremes(system: System) -> dict[str, Form]:
 
 
 def statuses_of(system: System) -> tuple[str, ...]:
-    """The words of the column `status`, by number; ENDED only where an event or the contact needs it."""
+    """The words of the column `status`, by number; ENDED only where an event or the contact needs
+    it.
+    """
     own = system.contact is not None or any(
         event.ends and Status.of_event(event.ends) is Status.ENDED for event in system.events
     )
@@ -98,10 +105,15 @@ class Outcomes:
         self.settled = np.zeros(n, bool)
         self.drift: dict[str, np.ndarray] = {}
         self.lyapunov: np.ndarray | None = None  # [1/s], where it is wanted
-        self.orientation = {name: np.full(n, np.nan) for name in ORIENTATION} if tops.orientation else {}
+        self.orientation = (
+            {name: np.full(n, np.nan) for name in ORIENTATION} if tops.orientation else {}
+        )
         self.steps_made = self.steps_possible = 0
-        self.steps_by = ""  # "heyoka" where its own loop made steps, because the machine code could not be called
-        self.faults: list[tuple[int, str]] = []  # of tops that showed to be invalid when they were begun
+        # "heyoka" where its own loop made steps, because the machine code could not be called
+        self.steps_by = ""
+        self.faults: list[
+            tuple[int, str]
+        ] = []  # of tops that showed to be invalid when they were begun
         self.seconds = self.processor = 0.0  # by the wall clock, and by the clocks of the threads
 
     @property
@@ -169,15 +181,21 @@ def table(outcomes: Outcomes) -> dict[str, Column]:
     words = statuses_of(outcomes.tops.base.system)
     columns: dict[str, Column] = {
         "status": Column(("top",), outcomes.status, flag_attributes(words, "how the run ended")),
-        "class": Column(("top",), outcomes.kind, flag_attributes(CLASSES, "what became of the top")),
+        "class": Column(
+            ("top",), outcomes.kind, flag_attributes(CLASSES, "what became of the top")
+        ),
     }
     for name, (_, unit, text) in outcomes.forms.items():
-        columns[name] = Column(("top",), outcomes.columns[name], {"units": unit.symbol, "long_name": text})
+        columns[name] = Column(
+            ("top",), outcomes.columns[name], {"units": unit.symbol, "long_name": text}
+        )
     for name, values in outcomes.orientation.items():
         unit, text = ORIENTATION[name]
         columns[name] = Column(("top",), values, {"units": unit.symbol, "long_name": text})
     for name, worst in outcomes.drift.items():
-        columns[f"drift_{name}"] = Column(("top",), worst, {"units": "1", "long_name": f"worst relative drift: {name}"})
+        columns[f"drift_{name}"] = Column(
+            ("top",), worst, {"units": "1", "long_name": f"worst relative drift: {name}"}
+        )
     if outcomes.lyapunov is not None:
         about = {"units": "s-1", "long_name": "finite-time Lyapunov exponent of the run"}
         columns[LYAPUNOV] = Column(("top",), outcomes.lyapunov, about)

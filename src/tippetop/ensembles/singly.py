@@ -1,4 +1,6 @@
-"""Tops whose contact may change its phase, each by a driver of its own: lanes cannot follow them."""
+"""Tops whose contact may change its phase, each by a driver of its own: lanes cannot
+follow them.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -33,7 +35,8 @@ def problem_of(tops: Problems, top: int) -> Problem:
     def numbers(table: str) -> dict[str, Any]:
         given = tops.given(table)
         return {
-            name: v if isinstance(v, bool) else float(np.broadcast_to(v, (tops.n,))[top]) for name, v in given.items()
+            name: v if isinstance(v, bool) else float(np.broadcast_to(v, (tops.n,))[top])
+            for name, v in given.items()
         }
 
     base, until = tops.base, numbers("run")["until"]
@@ -64,7 +67,10 @@ def faults_of(problem: Problem) -> list[str]:
 
 
 def one_by_one(
-    outcomes: Outcomes, numbers: np.ndarray, alone: Alone, progress: Callable[[int, int], None] | None
+    outcomes: Outcomes,
+    numbers: np.ndarray,
+    alone: Alone,
+    progress: Callable[[int, int], None] | None,
 ) -> None:
     """Runs tops of these numbers one after the other, and writes their rows.
 
@@ -105,7 +111,9 @@ def _write(outcomes: Outcomes, top: int, ended: Ended) -> None:
     for name, (_, unit, _) in outcomes.forms.items():
         if values.get(name) is not None:
             whole = outcomes.columns[name].dtype.kind == "i"
-            outcomes.columns[name][top] = values[name] if whole else values[name] / outcomes.tops.unit(unit)[top]
+            outcomes.columns[name][top] = (
+                values[name] if whole else values[name] / outcomes.tops.unit(unit)[top]
+            )
     outcomes.status[top] = ended.status.code
     outcomes.final[:, top] = ended.final
     outcomes.settled[top] = ended.settled

@@ -1,1 +1,3 @@
-"""Motions and bodies of others: tables of what was measured or computed elsewhere, and files for other programs."""
+"""Motions and bodies of others: tables of what was measured or computed elsewhere, and files for
+other programs.
+"""

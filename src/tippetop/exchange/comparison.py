@@ -1,4 +1,6 @@
-"""Another program's motion beside ours: the exact reference at its own times, how far it is off, and from when on."""
+"""Another program's motion beside ours: the exact reference at its own times, how far it is off,
+and from when on.
+"""
 
 import dataclasses
 import itertools
@@ -80,29 +82,48 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     given = motion(table, convention)
     t = given.t
     if len(t) < 2:
-        raise InputError([f"`{path}`: at least two rows must have a number to compare, but {len(t)} has."])
+        raise InputError(
+            [f"`{path}`: at least two rows must have a number to compare, but {len(t)} has."]
+        )
     if t[0] < 0 or t[-1] <= 0:
         raise InputError(
-            [f"`{path}`: times must begin at 0, the start of the reference, or later, but begin at {t[0]:g} s."]
+            [
+                f"`{path}`: times must begin at 0, the start of the reference, or later, but "
+                f"begin at {t[0]:g} s."
+            ]
         )
     run = reference(problem, t)
     rows = len(run.times)
     if rows < 2:
-        raise InputError([f"the reference must reach the times of `{path}`, but ends before: {run.reason}."])
+        raise InputError(
+            [f"the reference must reach the times of `{path}`, but ends before: {run.reason}."]
+        )
     columns = {name: column.values for name, column in run.columns().items()}
     there = Motion(*(part if part is None else part[:rows] for part in given))  # type: ignore[arg-type]
     curves = differences(there, columns)
     if not curves:
-        raise InputError([f"`{path}` must have theta, an axis, a quaternion or a place to be compared, but has none."])
+        raise InputError(
+            [
+                f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
+                "but has none."
+            ]
+        )
     body = problem.system.body_of(problem.parameters, Frictionless())
     kept, touching = {}, {}
     if isinstance(body, contact.Touch) and there.axis is not None:
         kept, touching = conserved(there, problem, body), _contact(there, problem, body)
     errors = {name: curve - _relative(columns[name]) for name, curve in kept.items()}
-    numbers: dict[str, Any] = {"file": str(path), "rows": rows, "from": float(t[0]), "until": float(run.times[-1])}
+    numbers: dict[str, Any] = {
+        "file": str(path),
+        "rows": rows,
+        "from": float(t[0]),
+        "until": float(run.times[-1]),
+    }
     numbers |= {name: _size(run.times, curve) for name, curve in curves.items()}
     for what, changes in (("drift", kept), ("error", errors)):
-        numbers |= {f"{name}_{what}": float(np.nanmax(np.abs(curve))) for name, curve in changes.items()}
+        numbers |= {
+            f"{name}_{what}": float(np.nanmax(np.abs(curve))) for name, curve in changes.items()
+        }
     numbers |= touching
     if rows < len(t):
         numbers["reference_ended"] = run.reason
@@ -117,7 +138,9 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
 def reference(problem: Problem, times: np.ndarray) -> Solution:
     """The motion of a problem at given times [s], ascending, as far as it goes."""
     at, until = ListedTimes(times), float(times[-1])
-    whole = dataclasses.replace(problem, times=at, until=until, output="times", stop_when="until", columns=None)
+    whole = dataclasses.replace(
+        problem, times=at, until=until, output="times", stop_when="until", columns=None
+    )
     return solve(whole)
 
 
@@ -143,7 +166,9 @@ def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, n
 
 
 def conserved(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, np.ndarray]:
-    """Energy and Jellett's integral of the other program's own motion, relative to their first values, less 1."""
+    """Energy and Jellett's integral of the other program's own motion, relative to their first
+    values, less 1.
+    """
     u: Any = there.axis
     w = there.omega
     if w is None:
@@ -159,7 +184,9 @@ def conserved(there: Motion, problem: Problem, body: contact.Touch) -> dict[str,
     if there.velocity is not None and there.place is not None:
         height, rise = there.place[:, 2], v[:, 2]
         speeds = scalars.speed2 + rise**2
-        values["energy"] = body.m * speeds / 2 + contact.rotation_energy(scalars, body) + body.m * body.g * height
+        values["energy"] = (
+            body.m * speeds / 2 + contact.rotation_energy(scalars, body) + body.m * body.g * height
+        )
     return {name: _relative(value) for name, value in values.items() if np.isfinite(value).any()}
 
 
@@ -171,7 +198,11 @@ def _relative(values: np.ndarray) -> np.ndarray:
 def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, Any]:
     """How deep the other's body is in the floor, and when it leaves it."""
     axis: Any = there.axis
-    if there.place is None or problem.system.name == "heavy-top" or not np.isfinite(there.place[:, 2]).any():
+    if (
+        there.place is None
+        or problem.system.name == "heavy-top"
+        or not np.isfinite(there.place[:, 2]).any()
+    ):
         return {}
     gap = there.place[:, 2] - contact.height(axis[:, 2], body)
     off = gap > TOUCH * (body.R or abs(body.c))
@@ -194,26 +225,35 @@ def _size(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
     return {
         "max": float(curve.max()),
         "rms": float(np.sqrt(np.mean(curve**2))),
-        "leaves": {level: float(t[rows[0]]) if len(rows) else None for level, rows in beyond.items()},
+        "leaves": {
+            level: float(t[rows[0]]) if len(rows) else None for level, rows in beyond.items()
+        },
     }
 
 
-def _start_faults(numbers: dict[str, Any], curves: dict[str, np.ndarray], convention: Convention) -> str:
+def _start_faults(
+    numbers: dict[str, Any], curves: dict[str, np.ndarray], convention: Convention
+) -> str:
     """A sentence where the first row is not the reference's start: a convention may be wrong."""
     known = "--up y: their z, x, y are our x, y, z" if convention.up == "y" else "z up"
     for name in ("attitude", "axis", "theta"):
         if name in curves and numbers["from"] == 0.0 and curves[name][0] > 0.01:
             return (
-                f"the first row must be the start of the reference, but its {name} differs by {curves[name][0]:.3g} "
-                f"rad: is the start another, are the frames others ({known}), or is the order of the quaternion?"
+                f"the first row must be the start of the reference, but its {name} differs by "
+                f"{curves[name][0]:.3g} "
+                f"rad: is the start another, are the frames others ({known}), or is the order "
+                "of the quaternion?"
             )
     return ""
 
 
 def orders(compared: Sequence[Compared]) -> list[dict[str, Any]]:
-    """The order of convergence between motions of different steps: d log(error)/d log(step), by what is compared.
+    """The order of convergence between motions of different steps: d log(error)/d log(step), by
+    what is compared.
 
-    Over the time in which the coarsest of them is within 0.1 rad: beyond that errors are as large as can be."""
+    Over the time in which the coarsest of them is within 0.1 rad: beyond that errors are as large
+    as can be.
+    """
     stepped = sorted((c for c in compared if c.step), key=lambda c: -(c.step or 0))
     result = []
     for coarse, fine in itertools.pairwise(stepped):
@@ -227,7 +267,9 @@ def orders(compared: Sequence[Compared]) -> list[dict[str, Any]]:
             end = coarse.t[over[0]] if len(over) else coarse.t[-1]
             errors = [np.sqrt(np.nanmean(c.curves[name][c.t <= end] ** 2)) for c in (coarse, fine)]
             if min(errors) > ROUNDING:
-                pair[name] = math.log(errors[0] / errors[1]) / math.log((coarse.step or 1) / (fine.step or 1))
+                pair[name] = math.log(errors[0] / errors[1]) / math.log(
+                    (coarse.step or 1) / (fine.step or 1)
+                )
         result.append(pair)
     return result
 
@@ -247,17 +289,23 @@ def verdict(compared: Compared) -> list[str]:
     most = numbers[name]["max"]
     if leaves:
         text = ", ".join(f"{level} {unit} at t = {t:.6g} s" for level, t in leaves)
-        sentences.append(f"its {name} leaves the reference by {text}; at most {most:.3g} {unit} {until}.")
+        sentences.append(
+            f"its {name} leaves the reference by {text}; at most {most:.3g} {unit} {until}."
+        )
     else:
         sentences.append(f"its {name} stays within {most:.2g} {unit} of the reference {until}.")
     for key, words in (("energy", "energy"), ("jellett", "Jellett's integral")):
         if (error := numbers.get(f"{key}_error")) is not None:
-            sentences.append(f"its {words} differs from the exact one by up to {error:.2g} of its first value.")
+            sentences.append(
+                f"its {words} differs from the exact one by up to {error:.2g} of its first value."
+            )
     if "contact" in numbers:
         c = numbers["contact"]
         inside = f"up to {c['penetration']:.2g} m" if c["penetration"] else "never"
         times = "once" if c["times_off"] == 1 else f"{c['times_off']} times"
-        off = f"leaves it {times}, by up to {c['gap']:.2g} m" if c["times_off"] else "never leaves it"
+        off = (
+            f"leaves it {times}, by up to {c['gap']:.2g} m" if c["times_off"] else "never leaves it"
+        )
         sentences.append(f"it is {inside} in the floor, and {off}.")
     if "reference_ended" in numbers:
         sentences.append(f"the reference ended before: {numbers['reference_ended']}.")

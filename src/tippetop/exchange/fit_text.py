@@ -34,18 +34,22 @@ def plain(fit: Fit) -> dict[str, Any]:
 
 
 def lines(fit: Fit, observation: Observation) -> list[str]:
-    """Return the result in lines: each number with its standard error and 95 % interval, and the reasons: first if they
-    are doubts."""
+    """Return the result in lines: each number with its standard error and 95 % interval, and the
+    reasons: first if they are doubts.
+    """
     width = max(len(name) for name in fit.estimates)
     rows = []
     for name, e in fit.estimates.items():
         unit = observation.rule(name).unit.symbol
         digits = _digits(e)
-        text = f"{name:{width}}  {e.value:.{digits}g} +- {e.sigma:.2g}{'' if unit == '1' else ' ' + unit}"
+        suffix = "" if unit == "1" else f" {unit}"
+        text = f"{name:{width}}  {e.value:.{digits}g} +- {e.sigma:.2g}{suffix}"
         interval = f"{e.low:.{digits}g} to {e.high:.{digits}g}"
         rows.append(f"{text}   (95 %: {'undecided' if 0 < WIDEST * e.low < e.high else interval})")
     units = {"place": "m", "marker": "m", "omega3": "rad/s"}
-    noise = ", ".join(f"{name} {size:.3g} {units.get(name, 'rad')}" for name, size in fit.noise.items())
+    noise = ", ".join(
+        f"{name} {size:.3g} {units.get(name, 'rad')}" for name, size in fit.noise.items()
+    )
     rows.append(f"what is left: {noise} (root mean square)")
     return [*rows, *fit.reason] if fit.trustworthy else [*fit.reason, *rows]
 
@@ -58,7 +62,10 @@ def _digits(estimate: Estimate) -> int:
 
 
 def fitted_problem(problem: Problem, fit: Fit) -> Problem:
-    """The scenario with the numbers that were fitted. Raises InputError where they break together."""
+    """The scenario with the numbers that were fitted.
+
+    Raises InputError where they break together.
+    """
     return build.problem(tables(problem, fit))
 
 
@@ -83,8 +90,14 @@ def toml(problem: Problem, fit: Fit) -> str:
         rest += ["", f"[{name}]"]
         for key, value in table.items():
             estimate = fit.estimates.get(f"{name}.{key}")
-            rest.append(f"{key} = {_value(value)}" + (f"  # +- {estimate.sigma:.2g}" if estimate else ""))
-    clock = [f"# {name} = {e.value:.9g} +- {e.sigma:.2g}" for name, e in fit.estimates.items() if name in TIMES]
+            rest.append(
+                f"{key} = {_value(value)}" + (f"  # +- {estimate.sigma:.2g}" if estimate else "")
+            )
+    clock = [
+        f"# {name} = {e.value:.9g} +- {e.sigma:.2g}"
+        for name, e in fit.estimates.items()
+        if name in TIMES
+    ]
     return "\n".join([*text, *rest, *clock]) + "\n"
 
 
@@ -101,5 +114,7 @@ def marker_of(given: str | Sequence[float] | None) -> tuple[float, float, float]
     try:
         x, y, z = (float(part) for part in (given.split(",") if isinstance(given, str) else given))
     except (TypeError, ValueError):
-        raise InputError(f"the marker must be three lengths x,y,z [m], but is {given!r:.40}.") from None
+        raise InputError(
+            f"the marker must be three lengths x,y,z [m], but is {given!r:.40}."
+        ) from None
     return x, y, z

@@ -1,4 +1,6 @@
-"""A fit: the numbers of a scenario that fit a measured motion best, and what the measurements say of them."""
+"""A fit: the numbers of a scenario that fit a measured motion best, and what the measurements say
+of them.
+"""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -55,7 +57,8 @@ class Fit(NamedTuple):
     reason
         A sentence for each thing that must be known; the first says how it ended.
     residuals
-        Name of each kind of measurement -> (rows, parts), measured less predicted, SI; of an axis two parts, across it.
+        Name of each kind of measurement -> (rows, parts), measured less predicted, SI; of an axis
+        two parts, across it.
     noise
         Name -> its standard deviation.
     t
@@ -130,18 +133,25 @@ def fit(
     if len(observation.groups) > 1:
         misfit.weigh(ends[0].point)
     total = len(observation.t)
-    again = [local_minimum(misfit, end.point, total)._replace(searches=end.searches) for end in ends]
+    again = [
+        local_minimum(misfit, end.point, total)._replace(searches=end.searches) for end in ends
+    ]
     ends = merge(again)  # a search along a long valley may have ended early
     return judged(misfit, ends, ends[0].searches, n + 1)
 
 
 def _refuse(misfit: Misfit) -> None:
-    """Raises InputError where there is nothing to fit, and for a number that does nothing to what was measured."""
+    """Raises InputError where there is nothing to fit, and for a number that does nothing to what
+    was measured.
+    """
     observation, space = misfit.observation, misfit.space
     count = sum(int(np.isfinite(rows).sum()) for rows in observation.groups.values())
     if count <= len(space.names):
         raise InputError(
-            [f"more measurements than free numbers must be there, but are {count} for {len(space.names)}."]
+            [
+                f"more measurements than free numbers must be there, but are {count} for "
+                f"{len(space.names)}."
+            ]
         )
     start = np.zeros(len(space.names))
     values = space.values(start)
@@ -151,16 +161,26 @@ def _refuse(misfit: Misfit) -> None:
         raise InputError([f"times must begin at 0, the start of the motion, or later, {first}."])
     if not any(np.isfinite(off).any() for off, _ in predictions.values()):
         raise InputError(["the scenario must move over the time of the table, but cannot."])
-    moves = np.concatenate([moves.reshape(-1, len(space.names)) for _, moves in predictions.values()])
+    moves = np.concatenate(
+        [moves.reshape(-1, len(space.names)) for _, moves in predictions.values()]
+    )
     sizes = np.sqrt(np.nansum((moves @ space.slopes(start)) ** 2, axis=0))
     seen = np.sqrt(sum(np.nansum(rows**2) for rows in observation.groups.values()))
-    idle = [name for name, size in zip(space.names, sizes, strict=True) if size <= IDLE * max(sizes.max(), seen)]
+    idle = [
+        name
+        for name, size in zip(space.names, sizes, strict=True)
+        if size <= IDLE * max(sizes.max(), seen)
+    ]
     if idle:
-        raise InputError([f"`{name}` must change what was measured, but does nothing to it." for name in idle])
+        raise InputError(
+            [f"`{name}` must change what was measured, but does nothing to it." for name in idle]
+        )
 
 
 def _excess(parts: dict[str, np.ndarray]) -> float:
-    """How far residuals are from noise: their squared autocorrelations, in standard deviations of that of noise."""
+    """How far residuals are from noise: their squared autocorrelations, in standard deviations of
+    that of noise.
+    """
     worst = 0.0
     for off in parts.values():
         for part in off.T:
@@ -168,7 +188,9 @@ def _excess(parts: dict[str, np.ndarray]) -> float:
             n = len(r)
             if n > 2 * LAGS and (r**2).sum() > 0:
                 rho = np.array([(r[k:] * r[:-k]).sum() for k in range(1, LAGS + 1)]) / (r**2).sum()
-                total = n * (n + 2) * (rho**2 / (n - np.arange(1, LAGS + 1))).sum()  # Ljung and Box 1978
+                total = (
+                    n * (n + 2) * (rho**2 / (n - np.arange(1, LAGS + 1))).sum()
+                )  # Ljung and Box 1978
                 worst = max(worst, float((total - LAGS) / np.sqrt(2 * LAGS)))
     return worst
 
@@ -187,31 +209,52 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
     _, singular, ways = np.linalg.svd(scaled, full_matrices=False)
     inner = (ways.T / np.maximum(singular, 1e-12) ** 2) @ ways * variance / np.outer(sizes, sizes)
     values = space.values(point)
-    slopes = np.array([scale.slope(value) for scale, value in zip(space.scales, values.values(), strict=True)])
+    slopes = np.array(
+        [scale.slope(value) for scale, value in zip(space.scales, values.values(), strict=True)]
+    )
     moves = space.slopes(point) / slopes[:, None]
     covariance = moves @ inner @ moves.T
     sigma = np.sqrt(np.diag(covariance))
     correlations = covariance / np.outer(sigma, sigma)
     quantile = float(student.ppf(QUANTILE, freedom))
     estimates = {}
-    for (name, value), scale, s, slope in zip(values.items(), space.scales, sigma, slopes, strict=True):
+    for (name, value), scale, s, slope in zip(
+        values.items(), space.scales, sigma, slopes, strict=True
+    ):
         u = scale.inside(value)
         low, high = (scale.outside(_within(scale, u + sign * quantile * s)) for sign in (-1, 1))
         estimates[name] = Estimate(value, float(s * slope), low, high)
-    parts = {group: off[0] for group, (off, _) in observation.predictions([values], slopes=False).items()}
+    parts = {
+        group: off[0] for group, (off, _) in observation.predictions([values], slopes=False).items()
+    }
     noise = {group: float(np.sqrt(np.nanmean(off**2))) for group, off in parts.items()}
     reasons = []
     if met < MET:
         reasons.append(
-            f"the minimum is not trustworthy: {met} of {searches} independent searches ended there ({MET} are needed), "
+            f"the minimum is not trustworthy: {met} of {searches} independent searches ended "
+            f"there ({MET} are needed), "
             "and other numbers may fit better: more `starts` may decide."
         )
     reasons += [*_undecided(space, values, sigma, correlations), *_rivals(space, ends)]
     reasons += _not_noise(misfit, parts, noise)
     trustworthy = not reasons
-    reasons.insert(0, "the numbers fit: what is left is noise." if trustworthy else "the fit must be read with care:")
-    return Fit(estimates, correlations, met >= MET, trustworthy, reasons, parts, noise, observation.t,
-               misfit.evaluations)  # fmt: skip
+    reasons.insert(
+        0,
+        "the numbers fit: what is left is noise."
+        if trustworthy
+        else "the fit must be read with care:",
+    )
+    return Fit(
+        estimates,
+        correlations,
+        met >= MET,
+        trustworthy,
+        reasons,
+        parts,
+        noise,
+        observation.t,
+        misfit.evaluations,
+    )
 
 
 def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, float]) -> list[str]:
@@ -220,30 +263,41 @@ def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, fl
     excess = _excess(parts)
     if excess > NOISY:
         reasons.append(
-            f"the residuals are no noise (their autocorrelations are {excess:.0f} standard deviations too large): the "
+            f"the residuals are no noise (their autocorrelations are {excess:.0f} standard "
+            "deviations too large): the "
             "model, or a start, is missing something."
         )
-        if OFFSET not in misfit.space.names and observation.t[0] > REACH * (observation.t[-1] - observation.t[0]):
+        if OFFSET not in misfit.space.names and observation.t[0] > REACH * (
+            observation.t[-1] - observation.t[0]
+        ):
             reasons.append(
-                f"the table begins {observation.t[0]:.6g} s after the start of the motion: let `{OFFSET}` be "
+                f"the table begins {observation.t[0]:.6g} s after the start of the motion: let "
+                f"`{OFFSET}` be "
                 "free if its clock was started earlier."
             )
     for group, off in parts.items():
-        most = (observation.noise or np.inf) * np.sqrt(1 + NOISY * np.sqrt(2 / np.isfinite(off).sum()))
+        most = (observation.noise or np.inf) * np.sqrt(
+            1 + NOISY * np.sqrt(2 / np.isfinite(off).sum())
+        )
         if group in ANGLES and noise[group] > most:
             reasons.append(
-                f"the residuals of {group} are larger than the stated noise: {noise[group]:.3g} rad, not "
+                f"the residuals of {group} are larger than the stated noise: {noise[group]:.3g} "
+                "rad, not "
                 f"{observation.noise:.3g} rad."
             )
     return reasons
 
 
 def _within(scale: Scale, u: float) -> float:
-    """A coordinate, but no further than the interval of its number; that of a logarithm is all that is positive."""
+    """A coordinate, but no further than the interval of its number; that of a logarithm is all that
+    is positive.
+    """
     return u if scale.logarithmic else min(max(u, scale.low), scale.high)
 
 
-def _undecided(space: Space, values: dict[str, float], sigma: np.ndarray, correlations: np.ndarray) -> list[str]:
+def _undecided(
+    space: Space, values: dict[str, float], sigma: np.ndarray, correlations: np.ndarray
+) -> list[str]:
     """Return sentences on the numbers that the data do not decide."""
     reasons = []
     for (name, value), scale, s in zip(values.items(), space.scales, sigma, strict=True):
@@ -252,7 +306,9 @@ def _undecided(space: Space, values: dict[str, float], sigma: np.ndarray, correl
             if np.isfinite(limit) and abs(u - limit) <= min(AT_BOUND * s, AT_BOUND):
                 reasons.append(f"`{name}` ran into its {side} value, {scale.outside(limit):.6g}.")
         if (scale.logarithmic and s > 1) or (not scale.logarithmic and s > max(1.0, abs(u))):
-            reasons.append(f"the data cannot decide `{name}`: its standard error is as large as itself.")
+            reasons.append(
+                f"the data cannot decide `{name}`: its standard error is as large as itself."
+            )
     for i, name in enumerate(space.names):
         for j, other in enumerate(space.names[:i]):
             if abs(correlations[i, j]) > ALIKE and max(sigma[i], sigma[j]) > ROUGH:
@@ -264,7 +320,9 @@ def _undecided(space: Space, values: dict[str, float], sigma: np.ndarray, correl
 def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
     """Return a sentence where other numbers fit nearly as well."""
     best = ends[0]
-    near = [space.values(end.point) for end in ends[1:] if end.cost - best.cost < RIVAL * best.variance]
+    near = [
+        space.values(end.point) for end in ends[1:] if end.cost - best.cost < RIVAL * best.variance
+    ]
     if not near:
         return []
     numbers = ", ".join(f"{name} = {value:.6g}" for name, value in near[0].items())
@@ -276,5 +334,10 @@ def names_of(text: str | Sequence[str]) -> tuple[str, ...]:
     """Names of free numbers, of a text with commas or a list. Raises InputError."""
     names = [part.strip() for part in text.split(",")] if isinstance(text, str) else list(text)
     if not names or not all(isinstance(name, str) and name for name in names):
-        raise InputError(["the free numbers must be names such as friction.mu, parameters.I1, but none is given."])
+        raise InputError(
+            [
+                "the free numbers must be names such as friction.mu, parameters.I1, but none is "
+                "given."
+            ]
+        )
     return tuple(names)

@@ -12,8 +12,15 @@ from ..errors import first_sentences, suggestion
 
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
 ANGLES = {"rad": 1.0, "deg": np.pi / 180, "turn": 2 * np.pi}
-RATES = {"rad/s": 1.0, "rad s-1": 1.0, "deg/s": np.pi / 180, "deg s-1": np.pi / 180, "rpm": np.pi / 30,
-         "1/s": 1.0, "Hz": 2 * np.pi}  # fmt: skip
+RATES = {
+    "rad/s": 1.0,
+    "rad s-1": 1.0,
+    "deg/s": np.pi / 180,
+    "deg s-1": np.pi / 180,
+    "rpm": np.pi / 30,
+    "1/s": 1.0,
+    "Hz": 2 * np.pi,
+}
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 SPEEDS = {"m/s": 1.0, "m s-1": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
 PLAIN = {"1": 1.0, "": 1.0}
@@ -32,7 +39,10 @@ COLUMNS = {
     )
     for name in names.split()
 }
-"""Name of a column -> its units, with their size in SI. q: body to space; omega: in the space frame."""
+"""Name of a column -> its units, with their size in SI.
+
+q: body to space; omega: in the space frame.
+"""
 
 OWN = {"theta", "theta_dot", "energy", "modified_energy", "normal_force"}
 """Columns of every run: after `time` they identify a header of `tippetop export`."""
@@ -65,7 +75,10 @@ def heading(header: Sequence[str]) -> Heading:
     if bare[:1] == ["time"] and set(bare) >= OWN:
         units = [COLUMNS.get(RENAMED.get(name, name)) for name in bare]
         places = [i for i, known in enumerate(units) if known]
-        header = [header[i] if "[" in header[i] else f"{bare[i]} [{next(iter(units[i] or ()))}]" for i in places]
+        header = [
+            header[i] if "[" in header[i] else f"{bare[i]} [{next(iter(units[i] or ()))}]"
+            for i in places
+        ]
     columns = [_column(text) for text in header]
     names, sizes, wrong = zip(*columns, strict=True) if columns else ((), (), ())
     faults = [fault for fault in wrong if fault]
@@ -82,10 +95,16 @@ def heading(header: Sequence[str]) -> Heading:
 
 
 def _column(text: str) -> tuple[str, float, str]:
-    """Name, size of the unit and fault of a column, of its header; an unknown name is not a fault of its own."""
+    """Name, size of the unit and fault of a column, of its header; an unknown name is not a fault
+    of its own.
+    """
     match = re.fullmatch(r"\s*([A-Za-z_]\w*)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*", text)
     if not match:
-        return text, 1.0, f"a header must be a name and a unit such as `theta [deg]`, but has {text!r:.60}."
+        return (
+            text,
+            1.0,
+            f"a header must be a name and a unit such as `theta [deg]`, but has {text!r:.60}.",
+        )
     name = RENAMED.get(match[1], match[1])
     unit = ((match[2] if match[2] is not None else match[3]) or "").strip()
     units = COLUMNS.get(name)
@@ -100,6 +119,11 @@ def _unknown(names: Sequence[str]) -> str:
     """A sentence about names that are none of ours."""
     known = ", ".join(name for name in COLUMNS if not re.fullmatch(r"q_\d", name))
     if len(names) == 1:
-        return f"the column `{names[0]}` is not known.{suggestion(names[0], COLUMNS)} The columns are {known}."
-    some = ", ".join(f"`{name}`" for name in names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+        return (
+            f"the column `{names[0]}` is not known.{suggestion(names[0], COLUMNS)} The "
+            f"columns are {known}."
+        )
+    some = ", ".join(f"`{name}`" for name in names[:5]) + (
+        f" and {len(names) - 5} more" if len(names) > 5 else ""
+    )
     return f"the columns {some} are not known. The columns are {known}."

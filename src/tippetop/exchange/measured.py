@@ -44,9 +44,16 @@ def observation_of(
         raise InputError([f"`noise` must be an angle between 0 and pi, but is {noise} rad."])
     table = read(data, wrapped=bool(problem.system.vectors), noise=noise or 0.0)
     if len(table.t) > MOST_ROWS:
-        raise InputError([f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."])
+        raise InputError(
+            [
+                f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has "
+                f"{len(table.t):,}."
+            ]
+        )
     names = dotted_keys(free, problem.rules)
-    return Observation(problem, names, motion(table, convention), *_marker(table, convention, marker), noise)
+    return Observation(
+        problem, names, motion(table, convention), *_marker(table, convention, marker), noise
+    )
 
 
 def _marker(
@@ -56,12 +63,27 @@ def _marker(
     names = [f"marker_{c}" for c in "xyz"]
     if not any(table.has(name) for name in names):
         if marker is not None:
-            raise InputError([f"`{table.path}` must have the columns {', '.join(names)} for a marker, but has none."])
+            raise InputError(
+                [
+                    f"`{table.path}` must have the columns {', '.join(names)} for a marker, but "
+                    "has none."
+                ]
+            )
         return None, None
     if not table.has(*names):
-        raise InputError([f"`{table.path}` must have the columns {', '.join(names)}, all of them, but lacks some."])
+        raise InputError(
+            [
+                f"`{table.path}` must have the columns {', '.join(names)}, all of them, but "
+                "lacks some."
+            ]
+        )
     if marker is None:
-        raise InputError(["the place of the marker on the body must be given (--marker x,y,z, metres in body axes)."])
+        raise InputError(
+            [
+                "the place of the marker on the body must be given (--marker x,y,z, metres in "
+                "body axes)."
+            ]
+        )
     rows = table.stacked(*names)
     return np.array(marker), rows if convention.up == "z" else rows[:, [2, 0, 1]]
 
@@ -73,6 +95,8 @@ def fitted(observation: Observation, loss: str, starts: int, progress: Progress 
 
 
 def curves(observation: Observation, result: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """What is predicted by a fit, between the measurements too: times [s], (n,), and curves by kind, (n, parts)."""
+    """What is predicted by a fit, between the measurements too: times [s], (n,), and curves by
+    kind, (n, parts).
+    """
     times = np.linspace(observation.t[0], observation.t[-1], DRAWN)
     return times, observation.curves({name: e.value for name, e in result.estimates.items()}, times)

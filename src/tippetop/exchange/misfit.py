@@ -20,7 +20,9 @@ WEIGHTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "huber": lambda z: 1 / np.sqrt(np.maximum(z, 1)),
     "cauchy": lambda z: 1 / (1 + z),
 }
-"""Derivatives of the losses of SciPy's `least_squares`; z: squares of residuals in units of their scale."""
+"""Derivatives of the losses of SciPy's `least_squares`; z: squares of residuals in units of their
+scale.
+"""
 
 
 class Misfit:
@@ -38,7 +40,9 @@ class Misfit:
 
     def __init__(self, observation: Observation, space: Space, loss: str):
         if loss not in WEIGHTS:
-            raise InputError([f"the loss must be one of {', '.join(WEIGHTS)}, but is {loss!r:.40}."])
+            raise InputError(
+                [f"the loss must be one of {', '.join(WEIGHTS)}, but is {loss!r:.40}."]
+            )
         self.observation, self.space, self.loss = observation, space, loss
         self.weights = dict.fromkeys(observation.groups, 1.0)
         self.evaluations = 0
@@ -49,7 +53,9 @@ class Misfit:
 
         Gaps are left out; a motion that cannot be computed leaves `WORST`, constant."""
         self.evaluations += len(points)
-        parts = self.observation.predictions([self.space.values(p) for p in points], slice(0, rows), slopes=slopes)
+        parts = self.observation.predictions(
+            [self.space.values(p) for p in points], slice(0, rows), slopes=slopes
+        )
         residuals, jacobians = [], []
         chain = np.array([self.space.slopes(p) for p in points if slopes])[:, None]
         for group, (off, moves) in parts.items():
@@ -62,11 +68,15 @@ class Misfit:
                 broken |= ~np.isfinite(j).all(axis=2)
                 jacobians.append(np.where(broken[:, :, None], 0.0, j))
             residuals.append(np.where(broken, WORST * weight, r))
-        return np.concatenate(residuals, axis=1), np.concatenate(jacobians, axis=1) if slopes else None
+        return np.concatenate(residuals, axis=1), np.concatenate(
+            jacobians, axis=1
+        ) if slopes else None
 
     def weigh(self, point: np.ndarray) -> None:
         """Weight each kind of measurement by its own noise."""
-        for group, (off, _) in self.observation.predictions([self.space.values(point)], slopes=False).items():
+        for group, (off, _) in self.observation.predictions(
+            [self.space.values(point)], slopes=False
+        ).items():
             self.weights[group] = 1 / max(float(np.sqrt(np.nanmean(off**2))), 1e-12)
 
     def size(self, residuals: np.ndarray) -> float:

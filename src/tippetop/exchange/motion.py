@@ -1,4 +1,6 @@
-"""What a table says of a motion, in our conventions: z up, body axis 3 along the axis of symmetry, quaternions wxyz."""
+"""What a table says of a motion, in our conventions: z up, body axis 3 along the axis of symmetry,
+quaternions wxyz.
+"""
 
 from typing import NamedTuple
 
@@ -23,8 +25,8 @@ class Convention(NamedTuple):
     quaternion
         The order of columns q_0 ... q_3: "wxyz" or "xyzw"; None where they are named by letters.
     up
-        The letter of the vertical, and of the body's axis of symmetry: "z" or "y". With "y" their z, x, y are our
-        x, y, z.
+        The letter of the vertical, and of the body's axis of symmetry: "z" or "y". With "y" their
+        z, x, y are our x, y, z.
     """
 
     quaternion: str | None = None
@@ -61,11 +63,19 @@ class Motion(NamedTuple):
 
 
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
-    """The motion of a table. Raises InputError where its conventions are not named, or what it has is no rotation."""
+    """The motion of a table.
+
+    Raises InputError where its conventions are not named, or what it has is no rotation.
+    """
     if convention.up not in UPS:
         raise InputError([f"the vertical must be z or y, but is {convention.up!r:.20} (--up)."])
     if convention.quaternion not in (None, *ORDERS):
-        raise InputError([f"the order of a quaternion must be wxyz or xyzw, but is {convention.quaternion!r:.20}."])
+        raise InputError(
+            [
+                "the order of a quaternion must be wxyz or xyzw, but is "
+                f"{convention.quaternion!r:.20}."
+            ]
+        )
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
     axis = _axis(table, turn)
@@ -76,7 +86,9 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
         theta = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
     if axis is None and theta is not None and table.has("phi"):
         phi = table.columns["phi"]
-        axis = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1)
+        axis = np.stack(
+            [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1
+        )
     omega = _vector(table, "omega_{}", turn)
     own = _vector(table, "omega_body_{}", turn)
     if omega is None and own is not None and q is not None:
@@ -86,7 +98,16 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
         omega3 = own[:, 2]
     if omega3 is None and omega is not None and axis is not None:
         omega3 = (omega * axis).sum(axis=1)
-    return Motion(table.t, theta, axis, q, _vector(table, "{}", turn), _vector(table, "v{}", turn), omega, omega3)
+    return Motion(
+        table.t,
+        theta,
+        axis,
+        q,
+        _vector(table, "{}", turn),
+        _vector(table, "v{}", turn),
+        omega,
+        omega3,
+    )
 
 
 def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
@@ -97,15 +118,24 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
     if names is None:
         if order is None:
             return None
-        raise InputError([f"`{table.path}` must have the columns q_0 ... q_3 for --quaternion, but has none."])
+        raise InputError(
+            [f"`{table.path}` must have the columns q_0 ... q_3 for --quaternion, but has none."]
+        )
     if not table.has(*names):
-        raise InputError([f"`{table.path}`: a quaternion must have the columns {', '.join(names)}, all of them."])
+        raise InputError(
+            [f"`{table.path}`: a quaternion must have the columns {', '.join(names)}, all of them."]
+        )
     if names is numbered and order is None:
         raise InputError(
-            [f"`{table.path}`: the order of the quaternion q_0 ... q_3 must be named (--quaternion wxyz or xyzw)."]
+            [
+                f"`{table.path}`: the order of the quaternion q_0 ... q_3 must be named "
+                "(--quaternion wxyz or xyzw)."
+            ]
         )
     if names is lettered and order is not None:
-        raise InputError(["--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."])
+        raise InputError(
+            ["--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."]
+        )
     q = table.stacked(*names)[:, ORDERS[order or "wxyz"]]
     q = np.concatenate([q[:, :1], q[:, 1:][:, turn]], axis=1)
     return _unit(table, q, "quaternion")
@@ -116,7 +146,12 @@ def _axis(table: Table, turn: tuple[int, ...]) -> np.ndarray | None:
     if axis is None:
         return None
     if np.isnan(axis).all(axis=0).any():
-        raise InputError([f"`{table.path}`: an axis must have the columns axis_x, axis_y and axis_z, all of them."])
+        raise InputError(
+            [
+                f"`{table.path}`: an axis must have the columns axis_x, axis_y and axis_z, all "
+                "of them."
+            ]
+        )
     return _unit(table, axis, "axis")
 
 
@@ -124,7 +159,12 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
     size = np.sqrt((rows**2).sum(axis=1))
     off = np.nanmax(np.abs(size - 1), initial=0.0)
     if off > UNIT:
-        raise InputError([f"`{table.path}`: the length of the {what} must be 1, but differs by {off:.2g} somewhere."])
+        raise InputError(
+            [
+                f"`{table.path}`: the length of the {what} must be 1, but differs by {off:.2g} "
+                "somewhere."
+            ]
+        )
     return rows / size[:, None]
 
 

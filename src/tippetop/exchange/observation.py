@@ -1,4 +1,6 @@
-"""What a scenario predicts for a table of measurements, and how that moves with the numbers that are free."""
+"""What a scenario predicts for a table of measurements, and how that moves with the numbers that
+are free.
+"""
 
 from collections.abc import Sequence
 
@@ -29,7 +31,8 @@ MORE = 10  # so many times as many without
 # Internal units of time of the longest motion of a fit: half an hour of computing
 LONGEST = 3e4
 UNSUPPORTED = (
-    "fits under drilling friction, exact Coulomb friction, stems and hops are not supported yet: give a smooth law (a "
+    "fits under drilling friction, exact Coulomb friction, stems and hops are not supported "
+    "yet: give a smooth law (a "
     'Coulomb law with `eps`), and no [contact], no [stem], no `on_liftoff = "fly"`.'
 )
 MOST_STEPS = 25.0  # per internal unit of time: a canonical inversion takes 9
@@ -39,7 +42,9 @@ NAMES = {
     "marker": ("x", "y", "height"),
     "orientation": (),
 }
-"""What each kind of measurement reads of a motion, where that is not its own name; axes of the body beside."""
+"""What each kind of measurement reads of a motion, where that is not its own name; axes of the body
+beside.
+"""
 AXES = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
 
 
@@ -55,7 +60,8 @@ class Observation:
     seen
         The motion that was measured.
     marker
-        Where the marker is on the body, body axes, from the centre of mass [m], (3,); with columns `marker_`.
+        Where the marker is on the body, body axes, from the centre of mass [m], (3,); with columns
+        `marker_`.
     places
         Where the marker was, space frame, (rows, 3).
     noise
@@ -84,7 +90,8 @@ class Observation:
         if self.t[-1] > longest:
             raise InputError(
                 [
-                    f"the last time must be at most {longest:.3g} s in a fit, but is {self.t[-1]:.6g} s "
+                    f"the last time must be at most {longest:.3g} s in a fit, but is "
+                    f"{self.t[-1]:.6g} s "
                     f"({self.t[-1] / 3600:.2g} hours): is `t` in ms?"
                 ]
             )
@@ -100,7 +107,9 @@ class Observation:
         self.marker, self.places = marker, places
         self.groups = _groups(problem, seen, places)
         if not self.groups:
-            raise InputError(["the table must have theta, an axis, a quaternion, omega3, a place or a marker."])
+            raise InputError(
+                ["the table must have theta, an axis, a quaternion, omega3, a place or a marker."]
+            )
         self.turning = bool({"orientation", "marker"} & self.groups.keys())
         self.tangents, self.motions = (
             Tangents(
@@ -113,7 +122,11 @@ class Observation:
             for order, uses in ((1, USES), (0, USES * MORE))
         )
         turning = AXES if self.turning else ()
-        self.names = tuple(dict.fromkeys([*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]))
+        self.names = tuple(
+            dict.fromkeys(
+                [*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]
+            )
+        )
         self.ways = self.numbers.directions(self.own)
 
     def rule(self, name: str) -> Number:
@@ -123,16 +136,19 @@ class Observation:
     def start(self) -> dict[str, float]:
         """The values of the free numbers in the scenario."""
         first, last = float(self.t[0]), float(self.t[-1])
-        late = first < 0 or first > REACH * (last - first)  # then the motion starts with the first row
+        late = first < 0 or first > REACH * (
+            last - first
+        )  # then the motion starts with the first row
         clock = {OFFSET: -first if late else 0.0, CLOCK: 1.0}
         return {name: clock.get(name, self.numbers.values.get(name, 0.0)) for name in self.free}
 
     def predictions(
         self, points: Sequence[dict[str, float]], rows: slice = slice(None), *, slopes: bool = True
     ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Compute for each group what was measured less what is predicted, (points, rows, parts), and how the
-        prediction moves with each free number, (points, rows, parts, free), SI; without `slopes` free is 0. NaN where
-        nothing was measured, or the motion cannot be computed."""
+        """Compute for each group what was measured less what is predicted, (points, rows, parts),
+        and how the prediction moves with each free number, (points, rows, parts, free), SI; without
+        `slopes` free is 0. NaN where nothing was measured, or the motion cannot be computed.
+        """
         t, k = self.t[rows], len(points)
         jets = self._read(points, t, slopes=slopes)
         parts = {}
@@ -142,7 +158,9 @@ class Observation:
         return parts
 
     def dots(self) -> dict[str, np.ndarray]:
-        """What was measured, as a figure shows it, by group, (rows, parts): of an orientation theta."""
+        """What was measured, as a figure shows it, by group, (rows, parts): of an orientation
+        theta.
+        """
         rows = dict(self.groups)
         if "orientation" in rows:
             w, x, y, z = rows["orientation"].T
@@ -150,33 +168,50 @@ class Observation:
         return rows
 
     def curves(self, values: dict[str, float], t: np.ndarray) -> dict[str, np.ndarray]:
-        """What is predicted of `dots` at times [s] of the table's clock, by group, (times, parts)."""
+        """What is predicted of `dots` at times [s] of the table's clock, by group,
+        (times, parts).
+        """
         jets = self._read([values], t, slopes=False)
-        curves = {group: self._model(group, jets)[..., 0] for group in self.groups if group != "orientation"}
+        curves = {
+            group: self._model(group, jets)[..., 0]
+            for group in self.groups
+            if group != "orientation"
+        }
         if "orientation" in self.groups:
             x, y, z = (jets[name] for name in AXES[3:])
             curves["orientation"] = np.arctan2(np.hypot(x, y), z)
         return curves
 
-    def _read(self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool) -> dict[str, np.ndarray]:
-        """Read the motions of sets of values, by name, (points rows, 1 + free), in internal units: the value, then how
-        it moves with each free number in its SI unit, if slopes are asked for."""
+    def _read(
+        self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool
+    ) -> dict[str, np.ndarray]:
+        """Read the motions of sets of values, by name, (points rows, 1 + free), in internal units:
+        the value, then how it moves with each free number in its SI unit, if slopes are asked for.
+        """
         k, tangents = len(points), self.tangents if slopes else self.motions
         lanes = max(1, len(self.own)) if slopes else 1
         own = {name: np.array([values[name] for values in points]) for name in self.own}
         internal = self.numbers.internal(own).reshape(len(self.numbers.names), -1)
         columns = np.repeat(np.broadcast_to(internal, (len(internal), k)), lanes, axis=1)
         ways = np.tile(self.ways, (1, k)) if slopes and self.own else np.zeros_like(columns)
-        clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points], axis=1) / self.second
+        clock = (
+            np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points], axis=1)
+            / self.second
+        )
         timed = self.names if slopes and len(self.own) < len(self.free) else ()
-        states = tangents.states(columns, ways, np.repeat(clock, lanes, axis=1), tangents.needs(self.names, timed))
+        states = tangents.states(
+            columns, ways, np.repeat(clock, lanes, axis=1), tangents.needs(self.names, timed)
+        )
         read, rates = tangents.read(columns, ways, states, self.names, timed)
         jets = {}
         for name in self.names:
             parts = [read[name][0][:, ::lanes]]
             if slopes:
                 along = read[name][1].reshape(len(t), k, lanes)
-                by = {free: along[:, :, i] / self.numbers.scale(free) for i, free in enumerate(self.own)}
+                by = {
+                    free: along[:, :, i] / self.numbers.scale(free)
+                    for i, free in enumerate(self.own)
+                }
                 if timed:
                     rate = rates[name][:, ::lanes] / self.second
                     by |= {OFFSET: rate, CLOCK: rate * t[:, None]}
@@ -184,7 +219,9 @@ class Observation:
             jets[name] = np.stack([part.T.ravel() for part in parts], axis=1)
         return jets
 
-    def _residual(self, group: str, seen: np.ndarray, jets: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    def _residual(
+        self, group: str, seen: np.ndarray, jets: dict[str, np.ndarray]
+    ) -> tuple[np.ndarray, np.ndarray]:
         if group == "orientation":
             axes, turn = self._axes(jets)
             return residuals.of_orientation(seen, axes), turn
@@ -197,7 +234,13 @@ class Observation:
 
     def _model(self, group: str, jets: dict[str, np.ndarray]) -> np.ndarray:
         """What is predicted for a group, and how it moves, (rows, parts, 1 + free)."""
-        size = self.metre if group in ("place", "marker") else 1 / self.second if group == "omega3" else 1.0
+        size = (
+            self.metre
+            if group in ("place", "marker")
+            else 1 / self.second
+            if group == "omega3"
+            else 1.0
+        )
         model = np.stack([jets[name] for name in NAMES.get(group, (group,))], axis=1) * size
         if group == "marker":
             axes, turn = self._axes(jets)
@@ -207,14 +250,18 @@ class Observation:
 
     def _axes(self, jets: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """The axes of the body (rows, space, axes), and how they turn."""
-        first, third = (np.stack([jets[name] for name in names], axis=1) for names in (AXES[:3], AXES[3:]))
+        first, third = (
+            np.stack([jets[name] for name in names], axis=1) for names in (AXES[:3], AXES[3:])
+        )
         a, c = first[..., 0], third[..., 0]
         axes = np.stack([a, np.cross(c, a), c], axis=2)
         return axes, residuals.turning(a, c, first[..., 1:], third[..., 1:])
 
 
 def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[str, np.ndarray]:
-    """What was measured, by kind, (rows, parts); what says the same in another way is taken once."""
+    """What was measured, by kind, (rows, parts); what says the same in another way is
+    taken once.
+    """
     groups: dict[str, np.ndarray] = {}
     top = "axis" in problem.system.vectors
     if seen.orientation is not None and top:

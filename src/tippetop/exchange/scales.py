@@ -26,7 +26,9 @@ POLAR = (
 
 
 class Scale(NamedTuple):
-    """The coordinate of a free number: its logarithm where it must be positive, else itself in units of `size`."""
+    """The coordinate of a free number: its logarithm where it must be positive, else itself in
+    units of `size`.
+    """
 
     logarithmic: bool
     size: float
@@ -39,7 +41,11 @@ class Scale(NamedTuple):
 
     def outside(self, inside: float) -> float:
         """Return the value of a coordinate."""
-        return math.exp(min(max(inside, -600.0), 600.0)) if self.logarithmic else float(inside * self.size)
+        return (
+            math.exp(min(max(inside, -600.0), 600.0))
+            if self.logarithmic
+            else float(inside * self.size)
+        )
 
     def slope(self, value: float) -> float:
         """Return d value/d coordinate."""
@@ -89,7 +95,9 @@ class Space:
         values = np.array(list(start.values()))
         self.origin = np.array([s.inside(v) for s, v in zip(scales, values, strict=True)])
         self.far = np.where([s.logarithmic for s in scales], FAR, FAR * np.abs(self.origin))
-        self.low, self.high = (np.array([getattr(s, side) for s in scales]) for side in ("low", "high"))
+        self.low, self.high = (
+            np.array([getattr(s, side) for s in scales]) for side in ("low", "high")
+        )
         self.loose = self.far == 0
         self.azimuth = start.get("initial.phi", 0.0)
         self.pairs: list[tuple[int, int, bool]] = []
@@ -141,4 +149,6 @@ class Space:
             return np.array(list(self.values(moved).values()))
 
         steps = STEP * np.eye(len(point))
-        return np.stack([(values(point + d) - values(point - d)) / (2 * STEP) for d in steps], axis=1)
+        return np.stack(
+            [(values(point + d) - values(point - d)) / (2 * STEP) for d in steps], axis=1
+        )

@@ -58,7 +58,9 @@ class Minimum(NamedTuple):
         return bool(seen @ seen < SAME * self.variance and np.all(np.abs(apart) < within))
 
 
-def local_minimum(misfit: Misfit, point: np.ndarray, rows: int, size: float | None = None) -> Minimum:
+def local_minimum(
+    misfit: Misfit, point: np.ndarray, rows: int, size: float | None = None
+) -> Minimum:
     """Return the minimum next to a point over the first rows.
 
     `size`: the scale beyond which a loss bends; None: of the residuals of the point."""
@@ -100,7 +102,9 @@ def search(
         minima = merge([local_minimum(misfit, p, window, size) for p in points], last=last)
         best = minima[0]
         for _ in range(ROUNDS if looking else 0):
-            more = [local_minimum(misfit, p, window, size) for p in _cloud(misfit, best, window, random)]
+            more = [
+                local_minimum(misfit, p, window, size) for p in _cloud(misfit, best, window, random)
+            ]
             minima = merge([*minima, *more], last=last)
             before, best = best, minima[0]
             if before.cost - best.cost < best.variance:
@@ -118,7 +122,11 @@ def widen(misfit: Misfit) -> None:
     of the start require over the first window; that of the clock to where it is searched."""
     space, t = misfit.space, misfit.observation.t
     (residual,), (jacobian,) = misfit.at(np.zeros((1, len(space.names))), windows(misfit)[0])
-    need = space.width * np.linalg.norm(residual) / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    need = (
+        space.width
+        * np.linalg.norm(residual)
+        / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    )
     space.width = np.where(space.loose, np.maximum(space.far, need), space.far)
     if OFFSET in space.names:
         clock = space.names.index(OFFSET)
@@ -139,7 +147,9 @@ def merge(minima: list[Minimum], *, last: bool = True) -> list[Minimum]:
     """Return different minima, best first, with the searches that ended in each."""
     kept: list[Minimum] = []
     for state in sorted(minima, key=lambda s: s.cost):
-        n = next((n for n, other in enumerate(kept) if other.met(state, np.inf if last else NEAR)), None)
+        n = next(
+            (n for n, other in enumerate(kept) if other.met(state, np.inf if last else NEAR)), None
+        )
         if n is None:
             kept.append(state)
         else:
@@ -157,7 +167,9 @@ def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator
     after, before = (misfit.at(side, rows, slopes=False)[0] for side in (ahead, behind))
     slow = (after - before) / np.diag(ahead - behind)[:, None]
     spread = np.linalg.inv(slow @ slow.T / best.variance + one)
-    points = space.clipped(random.multivariate_normal(best.point, WIDER**2 * spread, CLOUD, method="eigh"))
+    points = space.clipped(
+        random.multivariate_normal(best.point, WIDER**2 * spread, CLOUD, method="eigh")
+    )
     residuals, _ = misfit.at(points, rows, slopes=False)
     return points[np.argsort(misfit.costs(residuals, best.residual), kind="stable")[:CHILDREN]]
 

@@ -1,4 +1,6 @@
-"""A body with its start and friction as a file for a simulator; what the format cannot express is in the file."""
+"""A body with its start and friction as a file for a simulator; what the format cannot express is
+in the file.
+"""
 
 import math
 from typing import Any, NamedTuple
@@ -15,14 +17,18 @@ from ..problem import Problem
 
 
 FORMATS = ("mjcf", "urdf")
-TIP = 1e-3  # radius of the ball that stands for a tip, in lengths from the tip to the centre of mass
+TIP = (
+    1e-3  # radius of the ball that stands for a tip, in lengths from the tip to the centre of mass
+)
 # [s]. A soft contact is as stiff as the step allows; see docs/how-to/compare-a-simulator.md.
 STEP = 1e-4
 RESULT = "tippetop compare OTHER.csv SCENARIO"
 
 
 class Start(NamedTuple):
-    """The state at t = 0, SI: of the centre of mass, quaternion wxyz, angular velocity in body axes."""
+    """The state at t = 0, SI: of the centre of mass, quaternion wxyz, angular velocity in body
+    axes.
+    """
 
     place: np.ndarray
     quaternion: np.ndarray
@@ -32,19 +38,26 @@ class Start(NamedTuple):
 
 def start_of(problem: Problem) -> Start:
     """The start of a body on the plane, whatever the form in which it is integrated."""
-    columns = {k: c.values[0] for k, c in Observables(problem).columns(np.zeros(1), problem.start()[None, :]).items()}
+    columns = {
+        k: c.values[0]
+        for k, c in Observables(problem).columns(np.zeros(1), problem.start()[None, :]).items()
+    }
     body = problem.body()
     u, L = np.asarray(columns["axis"]), np.asarray(columns["L"])
     fixed = problem.system.name == "heavy-top"
     inertia = contact.tip_inertia(body) if fixed else body.I1
-    w = np.array(contact.angular_velocity_of(Vector(*u), Vector(*L), float(L @ u), body._replace(I1=inertia)))
+    w = np.array(
+        contact.angular_velocity_of(Vector(*u), Vector(*L), float(L @ u), body._replace(I1=inertia))
+    )
     offset, radius = body.c, body.R
     if problem.contact is not None and columns["ball"]:  # it starts on its stem
         offset, radius = body.c + problem.contact.h, problem.contact.r
     arm = offset * u - np.array([0.0, 0.0, radius])
     slip = np.zeros(3)
     if "nu_x" in columns:
-        phi, along, across = (float(np.nan_to_num(columns[name])) for name in ("phi", "nu_x", "nu_y"))
+        phi, along, across = (
+            float(np.nan_to_num(columns[name])) for name in ("phi", "nu_x", "nu_y")
+        )
         e, f = math.cos(phi), math.sin(phi)
         slip = np.array([along * e - across * f, along * f + across * e, columns.get("nu_z", 0.0)])
     velocity = slip - np.cross(w, arm)
@@ -55,11 +68,18 @@ def start_of(problem: Problem) -> Start:
 
 
 def text_of(problem: Problem, to: str) -> str:
-    """The file. Raises InputError for a body that is none of three dimensions, or another format."""
+    """The file.
+
+    Raises InputError for a body that is none of three dimensions, or another format.
+    """
     if to not in FORMATS:
-        raise InputError([f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`."])
+        raise InputError(
+            [f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`."]
+        )
     if not isinstance(problem.body(), contact.Touch) or "axis" not in problem.system.vectors:
-        raise InputError([f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."])
+        raise InputError(
+            [f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."]
+        )
     if not problem.orientation:
         raise InputError(["`run.orientation` must be true for a simulator, but is false."])
     return (_mjcf if to == "mjcf" else _urdf)(problem)
@@ -70,7 +90,9 @@ def _numbers(*values: Any) -> str:
 
 
 def _balls(problem: Problem) -> list[tuple[str, float, float]]:
-    """Name, offset along the axis from the centre of mass and radius of each ball that touches the plane."""
+    """Name, offset along the axis from the centre of mass and radius of each ball that touches the
+    plane.
+    """
     body = problem.body()
     if body.R == 0:
         return [("tip", body.c, TIP * abs(body.c))]
@@ -83,20 +105,29 @@ def _balls(problem: Problem) -> list[tuple[str, float, float]]:
 def _cannot(problem: Problem) -> tuple[float, list[str]]:
     """The friction coefficient, and sentences on what is not the same in a simulator."""
     law, body = problem.friction, problem.body()
-    sentences = ["contacts in simulators are soft, or solved once a step: refine step and stiffness"]
+    sentences = [
+        "contacts in simulators are soft, or solved once a step: refine step and stiffness"
+    ]
     mu = float(getattr(law, "mu", 0.0))
     if problem.system.name.startswith("rolling"):
         mu = 10.0
-        sentences.append("pure rolling: here Coulomb friction so large (mu = 10) that it hardly slips")
+        sentences.append(
+            "pure rolling: here Coulomb friction so large (mu = 10) that it hardly slips"
+        )
     elif problem.system.frictional and is_frictionless(law):
         mu = 0.0
     elif problem.law.set_valued:
         pass
     elif "eps" in law._fields and problem.law_name == "coulomb":
-        sentences.append(f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own")
+        sentences.append(
+            f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own"
+        )
     elif problem.system.frictional:
         words = problem.law.long_name
-        sentences.append(f"the friction law {words}: here Coulomb friction with the number mu = {mu:g}, another law")
+        sentences.append(
+            f"the friction law {words}: here Coulomb friction with the number mu = {mu:g}, "
+            "another law"
+        )
     if has_parts(law):
         sentences.append("rolling resistance and the drilling torque of the law: here neither")
     if body.R == 0 and problem.system.name != "heavy-top":
@@ -109,7 +140,8 @@ def _cannot(problem: Problem) -> tuple[float, list[str]]:
 def _comment(problem: Problem, sentences: list[str]) -> str:
     lines = "\n".join(f"    - {sentence}" for sentence in sentences).replace("--", "-")
     return (
-        f"<!--\n  {problem.system.title}, from tippetop. SI units, z up; the body's frame is at its centre of mass,\n"
+        f"<!--\n  {problem.system.title}, from tippetop. SI units, z up; the body's frame is at "
+        "its centre of mass,\n"
         f"  z along its axis of symmetry. Compare what comes out with: {RESULT}\n"
         f"  What is not the same as in tippetop:\n{lines}\n-->\n"
     )
@@ -119,16 +151,27 @@ def _mjcf(problem: Problem) -> str:
     body, start = problem.body(), start_of(problem)
     mu, sentences = _cannot(problem)
     fixed = problem.system.name == "heavy-top"
-    inertia = f'<inertial pos="0 0 0" mass="{_numbers(body.m)}" diaginertia="{_numbers(body.I1, body.I1, body.I3)}"/>'
+    inertia = (
+        f'<inertial pos="0 0 0" mass="{_numbers(body.m)}" '
+        f'diaginertia="{_numbers(body.I1, body.I1, body.I3)}"/>'
+    )
     condim = 3 if mu > 0 else 1
     geoms = "\n".join(
-        f'      <geom name="{name}" type="sphere" size="{_numbers(radius)}" pos="0 0 {_numbers(offset)}" '
+        f'      <geom name="{name}" type="sphere" size="{_numbers(radius)}" pos="0 0 '
+        f'{_numbers(offset)}" '
         f'condim="{condim}" friction="{_numbers(mu)} 0 0"/>'
         for name, offset, radius in _balls(problem)
     )
-    floor = f'<geom name="floor" type="plane" size="1 1 0.1" condim="{condim}" friction="{_numbers(mu)} 0 0"/>'
+    floor = (
+        f'<geom name="floor" type="plane" size="1 1 0.1" condim="{condim}" '
+        f'friction="{_numbers(mu)} 0 0"/>'
+    )
     if fixed:
-        joint, geoms, floor = f'<joint name="tip" type="ball" pos="0 0 {_numbers(body.c)}" damping="0"/>', "", ""
+        joint, geoms, floor = (
+            f'<joint name="tip" type="ball" pos="0 0 {_numbers(body.c)}" damping="0"/>',
+            "",
+            "",
+        )
         qpos, qvel = _numbers(start.quaternion), _numbers(start.omega)
     else:
         joint = "<freejoint/>"
@@ -139,9 +182,12 @@ def _mjcf(problem: Problem) -> str:
         sentences.append("the tip is held by a ball joint at the origin: there is no plane")
         default = ""
     else:
-        sentences.append("the contact is as stiff as the step allows, solref = 2 timestep: change both together")
+        sentences.append(
+            "the contact is as stiff as the step allows, solref = 2 timestep: change both together"
+        )
     return f"""{_comment(problem, sentences)}<mujoco model="{problem.system.name}">
-  <option timestep="{_numbers(STEP)}" gravity="0 0 {_numbers(-body.g)}" cone="elliptic" integrator="RK4" impratio="10"
+  <option timestep="{_numbers(STEP)}" gravity="0 0 {_numbers(-body.g)}" cone="elliptic"
+          integrator="RK4" impratio="10"
           density="0" viscosity="0"/>
   {default}<worldbody>
     {floor}
@@ -161,18 +207,25 @@ def _mjcf(problem: Problem) -> str:
 def _urdf(problem: Problem) -> str:
     body, start = problem.body(), start_of(problem)
     mu, sentences = _cannot(problem)
-    sentences.append("URDF has no start, gravity or friction: set them in the simulator, as follows")
+    sentences.append(
+        "URDF has no start, gravity or friction: set them in the simulator, as follows"
+    )
     state = (
         f"gravity 0 0 {_numbers(-body.g)}; friction {_numbers(mu)}; restitution 0",
-        f"place of the centre of mass {_numbers(start.place)}; quaternion w x y z {_numbers(start.quaternion)}",
-        f"velocity {_numbers(start.velocity)}; angular velocity in body axes {_numbers(start.omega)}",
+        f"place of the centre of mass {_numbers(start.place)}; quaternion w x y z "
+        f"{_numbers(start.quaternion)}",
+        f"velocity {_numbers(start.velocity)}; angular velocity in body axes "
+        f"{_numbers(start.omega)}",
     )
     balls = "\n".join(
         f'    <collision name="{name}">\n      <origin xyz="0 0 {_numbers(offset)}"/>\n'
         f'      <geometry><sphere radius="{_numbers(radius)}"/></geometry>\n    </collision>'
         for name, offset, radius in _balls(problem)
     )
-    inertia = f'ixx="{_numbers(body.I1)}" iyy="{_numbers(body.I1)}" izz="{_numbers(body.I3)}" ixy="0" ixz="0" iyz="0"'
+    inertia = (
+        f'ixx="{_numbers(body.I1)}" iyy="{_numbers(body.I1)}" izz="{_numbers(body.I3)}" '
+        'ixy="0" ixz="0" iyz="0"'
+    )
     return f"""<?xml version="1.0"?>
 {_comment(problem, [*sentences, *state])}<robot name="{problem.system.name}">
   <link name="top">

@@ -53,8 +53,8 @@ def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) 
     Parameters
     ----------
     path
-        A file whose header names each column and its unit: `t [s], theta [deg]`, or a run that tippetop exported. Empty
-        cells and NaN are gaps.
+        A file whose header names each column and its unit: `t [s], theta [deg]`, or a run that
+        tippetop exported. Empty cells and NaN are gaps.
     wrapped
         Whether theta must lie in 0 to pi, as the inclination of an axis does.
     noise
@@ -71,7 +71,13 @@ def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) 
     """
     path = Path(path)
     if not path.is_file():
-        kind = "is a folder" if path.is_dir() else "is no plain file" if path.exists() else "is not there"
+        kind = (
+            "is a folder"
+            if path.is_dir()
+            else "is no plain file"
+            if path.exists()
+            else "is not there"
+        )
         raise InputError([f"`{path}` must be a CSV or Parquet file, but {kind}."])
     names, values = _parquet(path) if path.suffix in (".parquet", ".pq") else _csv(path)
     columns = dict(zip(names, values.T, strict=True))
@@ -98,7 +104,10 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool, noise: float | N
         return [f"every row must have a time, but row {lacks.argmax() + 1} has none."]
     if (falls := np.diff(t) <= 0).any():
         row = falls.argmax() + 2
-        return [f"times must ascend, but that of row {row}, {t[row - 1]:.9g} s, follows {t[row - 2]:.9g} s."]
+        return [
+            f"times must ascend, but that of row {row}, {t[row - 1]:.9g} s, follows "
+            f"{t[row - 2]:.9g} s."
+        ]
     if max(-t[0], t[-1]) > UNTIL.most:
         return [f"times must be within {UNTIL.most:g} s, but are from {t[0]:g} to {t[-1]:g} s."]
     if len(columns) == 1:
@@ -108,10 +117,18 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool, noise: float | N
         if not np.isfinite(values).any():
             faults.append(f"the column `{name}` must have a number somewhere, but has none.")
         elif np.isinf(values).any():
-            faults.append(f"the column `{name}` must be finite where it is given, but is infinite in places.")
-        elif wrapped and name == "theta" and (beyond := _beyond(values)).max() > BEYOND * (noise or 0.0) + 1e-9:
+            faults.append(
+                f"the column `{name}` must be finite where it is given, but is infinite in places."
+            )
+        elif (
+            wrapped
+            and name == "theta"
+            and (beyond := _beyond(values)).max() > BEYOND * (noise or 0.0) + 1e-9
+        ):
             worst = int(np.argmax(beyond))
-            value = f"{values[worst]:.6g} rad ({np.rad2deg(values[worst]):.6g} deg) in row {worst + 1}"
+            value = (
+                f"{values[worst]:.6g} rad ({np.rad2deg(values[worst]):.6g} deg) in row {worst + 1}"
+            )
             hint = "."
             if values[worst] > 2 * np.pi:
                 hint = ": is it in degrees?"
@@ -131,7 +148,9 @@ def _beyond(theta: np.ndarray) -> np.ndarray:
 
 
 def _csv(path: Path) -> tuple[Sequence[str], np.ndarray]:
-    """Names of the columns and values (rows, columns), SI, of a CSV file; lines that begin with # are comments."""
+    """Names of the columns and values (rows, columns), SI, of a CSV file; lines that begin with #
+    are comments.
+    """
     try:
         with path.open("rb") as file:
             lines = sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 22), b""))
@@ -141,17 +160,30 @@ def _csv(path: Path) -> tuple[Sequence[str], np.ndarray]:
             rows = (row for row in csv.reader(file) if row and not row[0].lstrip().startswith("#"))
             header = [text.strip() for text in next(rows, [])]
             if not header:
-                raise InputError([f"`{path}` must begin with a header such as `t [s], theta [deg]`, but is empty."])
+                raise InputError(
+                    [
+                        f"`{path}` must begin with a header such as `t [s], theta [deg]`, but "
+                        "is empty."
+                    ]
+                )
             if all(_is_number(text) for text in header):
                 raise InputError(
-                    [f"`{path}` must begin with a header such as `t [s], theta [deg]`, but begins with numbers."]
+                    [
+                        f"`{path}` must begin with a header such as `t [s], theta [deg]`, but "
+                        "begins with numbers."
+                    ]
                 )
-            for letter, words in ((";", " (and points in its numbers), not `;`."), ("\t", ", not tabs.")):
+            for letter, words in (
+                (";", " (and points in its numbers), not `;`."),
+                ("\t", ", not tabs."),
+            ):
                 if len(header) == 1 and letter in header[0]:
                     raise InputError([f"`{path}` must have commas between columns{words}"])
             read = _heading(path, header)
             width, places = len(header), read.places
-            values = np.array([_numbers(path, k, row, width, places) for k, row in enumerate(rows, 1)])
+            values = np.array(
+                [_numbers(path, k, row, width, places) for k, row in enumerate(rows, 1)]
+            )
     except UnicodeDecodeError:
         raise InputError([f"`{path}` must be text in UTF-8, but is not."]) from None
     except csv.Error as error:
@@ -162,7 +194,12 @@ def _csv(path: Path) -> tuple[Sequence[str], np.ndarray]:
 
 
 def _too_long(path: Path, rows: int) -> InputError:
-    return InputError([f"`{path}` must have at most {MOST_ROWS:,} rows, but has {rows:,}: keep every tenth or so."])
+    return InputError(
+        [
+            f"`{path}` must have at most {MOST_ROWS:,} rows, but has {rows:,}: keep every tenth "
+            "or so."
+        ]
+    )
 
 
 def _is_number(text: str) -> bool:
@@ -173,16 +210,25 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _numbers(path: Path, number: int, row: list[str], width: int, places: Sequence[int]) -> list[float]:
+def _numbers(
+    path: Path, number: int, row: list[str], width: int, places: Sequence[int]
+) -> list[float]:
     """The numbers of a row at some places; NaN where a cell is empty. Raises InputError."""
     if len(row) != width:
-        raise InputError([f"`{path}`: row {number} must have {width} cells as the header has, but has {len(row)}."])
+        raise InputError(
+            [
+                f"`{path}`: row {number} must have {width} cells as the header has, but has "
+                f"{len(row)}."
+            ]
+        )
     cells = [row[i] for i in places]
     try:
         return [float(text) if text.strip() else np.nan for text in cells]
     except ValueError:
         bad = next(text for text in cells if text.strip() and not _is_number(text))
-        raise InputError([f"`{path}`: row {number} must have numbers, but has {bad!r:.60}."]) from None
+        raise InputError(
+            [f"`{path}`: row {number} must have numbers, but has {bad!r:.60}."]
+        ) from None
 
 
 def _parquet(path: Path) -> tuple[Sequence[str], np.ndarray]:
@@ -190,7 +236,9 @@ def _parquet(path: Path) -> tuple[Sequence[str], np.ndarray]:
     try:
         import pyarrow.parquet as pq
     except ImportError:
-        raise InputError([f"`{path}` must be CSV where pyarrow is not installed (install tippetop[export])."]) from None
+        raise InputError(
+            [f"`{path}` must be CSV where pyarrow is not installed (install tippetop[export])."]
+        ) from None
     try:
         rows = pq.read_metadata(path).num_rows
         if rows > MOST_ROWS:
@@ -198,11 +246,16 @@ def _parquet(path: Path) -> tuple[Sequence[str], np.ndarray]:
         header = list(pq.read_schema(path).names)
         read = _heading(path, header)
         table: Any = pq.read_table(path, columns=[header[i] for i in read.places])
-        values = [np.asarray(column.to_numpy(zero_copy_only=False), float) for column in table.columns]
+        values = [
+            np.asarray(column.to_numpy(zero_copy_only=False), float) for column in table.columns
+        ]
     except InputError:
         raise
     except Exception as error:  # the library raises what it likes
         raise InputError(
-            [f"`{path}` must be a Parquet file of numbers, but: {' '.join(str(error).split())[:120]}."]
+            [
+                f"`{path}` must be a Parquet file of numbers, but: "
+                f"{' '.join(str(error).split())[:120]}."
+            ]
         ) from None
     return read.names, np.stack(values, axis=1) * read.sizes

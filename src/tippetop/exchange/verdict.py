@@ -24,7 +24,10 @@ class Verdict:
 
     def __init__(self, problem: Problem, files: Sequence[Path], convention: Convention):
         self.motions = tuple(compare(problem, file, convention) for file in files)
-        self.orders, self.title = orders(self.motions), f"{problem.system.title}, {problem.form.name} form"
+        self.orders, self.title = (
+            orders(self.motions),
+            f"{problem.system.title}, {problem.form.name} form",
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data, as `tippetop compare --json` prints it."""
@@ -37,15 +40,25 @@ class Verdict:
             lines = _table(self.motions)
         else:
             lines = [f"{m.path}: {sentence}" for m in self.motions for sentence in verdict(m)]
-        lines += [f"{m.path}: {m.numbers['suspicion']}" for m in self.motions if "suspicion" in m.numbers]
+        lines += [
+            f"{m.path}: {m.numbers['suspicion']}" for m in self.motions if "suspicion" in m.numbers
+        ]
         for pair in self.orders:
-            values = ", ".join(f"{name} {value:.2f}" for name, value in pair.items() if name != "steps")
+            values = ", ".join(
+                f"{name} {value:.2f}" for name, value in pair.items() if name != "steps"
+            )
             coarse, fine = pair["steps"]
-            lines.append(f"order of convergence from step {coarse:g} to {fine:g} s: {values or 'none can be given'}")
+            lines.append(
+                f"order of convergence from step {coarse:g} to {fine:g} s: "
+                f"{values or 'none can be given'}"
+            )
         return "\n".join(lines)
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} of {', '.join(str(m.path) for m in self.motions)} with {self.title}>"
+        return (
+            f"<{type(self).__name__} of {', '.join(str(m.path) for m in self.motions)} with "
+            f"{self.title}>"
+        )
 
 
 HEAD = ("file", "largest error", "0.1 exceeded at", "until", "energy", "Jellett", "in the floor")
@@ -64,7 +77,10 @@ def _row(motion: Compared) -> tuple[str, ...]:
     numbers = motion.numbers
     name, unit = main_quantity(numbers)
     left = numbers[name]["leaves"]["0.1"]
-    changes = [f"{numbers[key]:.2g}" if key in numbers else "-" for key in ("energy_error", "jellett_error")]
+    changes = [
+        f"{numbers[key]:.2g}" if key in numbers else "-"
+        for key in ("energy_error", "jellett_error")
+    ]
     contact = f"{numbers['contact']['penetration']:.2g} m" if "contact" in numbers else "-"
     error = f"{name} {numbers[name]['max']:.2g} {unit}"
     beyond = "never" if left is None else f"{left:.4g} s"

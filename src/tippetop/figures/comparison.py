@@ -1,4 +1,6 @@
-"""Another program's motion beside the reference: theta of both, differences, and what must be conserved."""
+"""Another program's motion beside the reference: theta of both, differences, and what must be
+conserved.
+"""
 
 import itertools
 from collections.abc import Sequence
@@ -13,7 +15,11 @@ from .style import LOWER, QUIET, RUN, UPPER, figure, legend, literal, styled
 COLORS = (UPPER, LOWER, "#6d28d9", "#0369a1", "#a16207", "#be185d")
 LEVELS = (1e-3, 1e-2, 1e-1)
 FLOOR = 1e-17  # below it a difference is not drawn
-SHOWN = {"theta": ("θ", "rad"), "place": ("place", "m"), "omega3": ("ω₃", "rad s⁻¹")}  # others: by name, in rad
+SHOWN = {
+    "theta": ("θ", "rad"),
+    "place": ("place", "m"),
+    "omega3": ("ω₃", "rad s⁻¹"),
+}  # others: by name, in rad
 
 
 @styled()
@@ -44,7 +50,14 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
                 _draw(panels[2], m.t, m.curves[kept], color=color, ls=style)
     if name != "omega3":
         panels[1].hlines(
-            LEVELS, 0, 1, transform=panels[1].get_yaxis_transform(), color=QUIET, lw=0.7, ls="--", label="_levels"
+            LEVELS,
+            0,
+            1,
+            transform=panels[1].get_yaxis_transform(),
+            color=QUIET,
+            lw=0.7,
+            ls="--",
+            label="_levels",
         )
     panels[0].set(ylabel="inclination θ (rad)", title=literal(title[:1].upper() + title[1:]))
     dotted = "" if name == "theta" else ", dotted θ alone"
@@ -68,7 +81,9 @@ def _draw(axes: Any, t: np.ndarray, values: np.ndarray, **style: Any) -> None:
 
 def _cut(axes: Any) -> None:
     """Leaves out what is below nearly all of the curves: the first row of each is often exact."""
-    values = np.concatenate([line.get_ydata()[1:] for line in axes.lines if len(line.get_xdata()) > 2])
+    values = np.concatenate(
+        [line.get_ydata()[1:] for line in axes.lines if len(line.get_xdata()) > 2]
+    )
     values = values[np.isfinite(values)]
     if len(values):
         axes.set_ylim(bottom=max(FLOOR, 0.1 * float(np.quantile(values, 0.01))))

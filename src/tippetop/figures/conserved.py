@@ -1,4 +1,6 @@
-"""How well a run kept what must not change: the relative changes over the time, and how the worst of them grows."""
+"""How well a run kept what must not change: the relative changes over the time, and how the worst
+of them grows.
+"""
 
 from typing import Any
 
@@ -20,8 +22,10 @@ UNIT = 2.2e-16  # of rounding
 
 
 def drift(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """How well the run kept what must not change: the picture of trust. Where a change is exactly 0 the curve is open,
-    and the legend says so."""
+    """How well the run kept what must not change: the picture of trust.
+
+    Where a change is exactly 0 the curve is open, and the legend says so.
+    """
     ax = panel(ax, 10, 5.0)
     t = trajectory["time"].values
     for i, (words, values, color) in enumerate(changes(trajectory, attrs)):
@@ -29,13 +33,17 @@ def drift(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
         _curve(ax, when, most, words, color, dashes(i), alone=".")
     _dress(ax, attrs)
     since = number(0.0 if attrs.get("first_row") else float(t[0]))
-    words = "relative change" if compact() else f"relative change since t = {since} s, worst per bin"
+    words = (
+        "relative change" if compact() else f"relative change since t = {since} s, worst per bin"
+    )
     ax.set(ylabel=words, xlim=span(t))
     return ax
 
 
 def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """How the worst change since the start grows with the length of the run, beside a random walk's sqrt(t)."""
+    """How the worst change since the start grows with the length of the run, beside a random walk's
+    sqrt(t).
+    """
     ax = panel(ax, 9, 5.4)
     t = trajectory["time"].values
     later = t > 0
@@ -46,7 +54,14 @@ def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
         _curve(ax, t[later], grown, words, color, dashes(i))
     ax.set_xscale("log")
     if most > 0:
-        ax.plot(t[later], most * np.sqrt(t[later] / t[-1]), color=ink().quiet, lw=1.0, ls="--", label="∝ √t")
+        ax.plot(
+            t[later],
+            most * np.sqrt(t[later] / t[-1]),
+            color=ink().quiet,
+            lw=1.0,
+            ls="--",
+            label="∝ √t",
+        )
     _dress(ax, attrs)
     at = " (at keyframes)" if attrs.get("run", {}).get("output") == "keyframes" else ""
     ax.set(ylabel=f"worst relative change up to t{at}")
@@ -55,8 +70,12 @@ def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     return ax
 
 
-def _curve(ax: Axes, t: np.ndarray, values: np.ndarray, words: str, color: str, ls: Any, alone: str = "") -> None:
-    """A curve on a logarithmic axis, open where it is exactly 0; if it is 0 everywhere, an entry of the legend only."""
+def _curve(
+    ax: Axes, t: np.ndarray, values: np.ndarray, words: str, color: str, ls: Any, alone: str = ""
+) -> None:
+    """A curve on a logarithmic axis, open where it is exactly 0; if it is 0 everywhere, an entry of
+    the legend only.
+    """
     if not values.any():
         ax.plot([], [], color=color, ls=ls, lw=1.3, label=f"{words}: exactly 0")
         return
@@ -75,7 +94,13 @@ def _dress(ax: Axes, attrs: dict[str, Any]) -> None:
     heights = [np.asarray(line.get_ydata(), dtype=float) for line in ax.get_lines()]
     known = [y for y in heights if np.isfinite(y).any()]
     if not known:
-        ax.annotate("every change is exactly 0", (0.5, 0.5), xycoords="axes fraction", ha="center", color=colours.run)
+        ax.annotate(
+            "every change is exactly 0",
+            (0.5, 0.5),
+            xycoords="axes fraction",
+            ha="center",
+            color=colours.run,
+        )
     known = [y for y in known if len(y) > 2]
     ax.axhline(UNIT, color=colours.quiet, lw=0.8, ls=":")
     label_line(ax, "rounding\nunit", UNIT, colours.quiet, -8)
@@ -96,7 +121,11 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
             continue
         values = trajectory[name].values
         handed = _handed_over(trajectory, attrs) if name == "jellett" else np.empty(0, dtype=int)
-        if name == "jellett" and "jellett_lost" in trajectory and trajectory["jellett_lost"].values.any():
+        if (
+            name == "jellett"
+            and "jellett_lost" in trajectory
+            and trajectory["jellett_lost"].values.any()
+        ):
             values, words = values + trajectory["jellett_lost"].values, "λ + what torques took"
         words += ", since its ball touched first" if len(handed) else ""
         piece, *others = np.split(values, handed)
@@ -105,7 +134,12 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
     if "energy" in trajectory:
         work = trajectory["work"].values if "work" in trajectory else 0.0
         begun = first["energy"] + first.get("work", 0.0) if first else None
-        curves.append(("energy balance E + ∫ friction power", relative(trajectory["energy"].values + work, begun)))
+        curves.append(
+            (
+                "energy balance E + ∫ friction power",
+                relative(trajectory["energy"].values + work, begun),
+            )
+        )
     if "axis" in trajectory:
         length = np.linalg.norm(trajectory["axis"].values, axis=1)
         curves.append(("length of the axis $|\\hat{3}|$", relative(length, 1.0 if first else None)))

@@ -37,7 +37,9 @@ def figure_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Lo
     return axes_of(kind, groups, attrs, look).get_figure(root=True)
 
 
-def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look = PLAIN, ax: Any = None) -> Any:
+def axes_of(
+    kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look = PLAIN, ax: Any = None
+) -> Any:
     """Draw one kind of figure of a run; return the Axes, of several panels the first.
 
     Parameters
@@ -45,7 +47,8 @@ def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look
     kind
         A name of `FIGURES`.
     groups
-        trajectory and events, and phases and impacts where the run has them; Datasets or columns by name.
+        trajectory and events, and phases and impacts where the run has them; Datasets or columns by
+        name.
     attrs
         The root attributes of the run's store.
     look
@@ -65,7 +68,9 @@ def axes_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look
     chosen = FIGURES[kind]
     _refuse(kind, groups["trajectory"], attrs)
     if ax is not None and (kind == "surface") != (getattr(ax, "name", "") == "3d"):
-        raise InputError([f"`ax` of `{kind}` must be {'in 3-D' if kind == 'surface' else 'flat'}, but is not."])
+        raise InputError(
+            [f"`ax` of `{kind}` must be {'in 3-D' if kind == 'surface' else 'flat'}, but is not."]
+        )
     attrs = with_records(attrs) | {"handed_over": handed_over(groups)}
     given: Any = (groups["trajectory"], groups["events"], attrs)
     if kind == "film":
@@ -105,16 +110,23 @@ def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any], *, several: bool 
         this, rowless = "one of these", "one of these runs has none: replay or resume it"
     if chosen.needs not in trajectory:
         system_words = a_system(attrs["system"])
-        raise InputError([f"`{kind}` is drawn for {chosen.drawn_for} only; {this} is {system_words}."])
+        raise InputError(
+            [f"`{kind}` is drawn for {chosen.drawn_for} only; {this} is {system_words}."]
+        )
     if not len(trajectory["time"].values):
         raise InputError([f"`{kind}` is drawn of rows, and {rowless}."])
 
 
 def several(
-    kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str], look: Look = PLAIN, ax: Any = None
+    kind: str,
+    runs: list[tuple[Any, dict[str, Any]]],
+    names: list[str],
+    look: Look = PLAIN,
+    ax: Any = None,
 ) -> Any:
-    """The same curve of several runs in one panel, the Axes; `runs` are trajectories and root attributes, `names` what
-    they are called where nothing else tells them apart. Raises InputError."""
+    """The same curve of several runs in one panel, the Axes; `runs` are trajectories and root
+    attributes, `names` what they are called where nothing else tells them apart. Raises InputError.
+    """
     from .overlay import overlay
     from .style import literal, styled
 
@@ -125,23 +137,32 @@ def several(
     for trajectory, attrs in runs:
         _refuse(kind, trajectory, attrs, several=True)
     with styled(dark=look.dark, size=look.size, ax=ax):
-        axes = overlay(kind, [(run, with_records(attrs)) for run, attrs in runs], [*map(literal, names)], ax)
+        axes = overlay(
+            kind, [(run, with_records(attrs)) for run, attrs in runs], [*map(literal, names)], ax
+        )
         return _finished(axes, look)
 
 
-def states_of(system: str, parameters: dict[str, float], lam: float, look: Look = PLAIN, title: str = "") -> Any:
-    """The diagram of the asymptotic states of a body with the |lambda| of its start [kg m^3/s]. Raises
-    InputError for a system that has none."""
+def states_of(
+    system: str, parameters: dict[str, float], lam: float, look: Look = PLAIN, title: str = ""
+) -> Any:
+    """The diagram of the asymptotic states of a body with the |lambda| of its start [kg m^3/s].
+
+    Raises InputError for a system that has none.
+    """
     from ..landscape import along_run
     from .style import literal
 
     branches, marks = along_run.diagram(system, parameters, lam)
-    return composed("states", (branches, marks | {"|λ| of the start": abs(lam)}, literal(title)), look)
+    return composed(
+        "states", (branches, marks | {"|λ| of the start": abs(lam)}, literal(title)), look
+    )
 
 
 def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return the attributes of a run with what the records of its system and its friction law add: the units of the
-    numbers of the law, the `symbols` of all numbers, and the words for the `law`."""
+    """Return the attributes of a run with what the records of its system and its friction law add:
+    the units of the numbers of the law, the `symbols` of all numbers, and the words for the `law`.
+    """
     from ..mechanics.contact.opening import ABOVE
     from ..mechanics.contact.restitution import CONTACT
     from ..mechanics.systems import find
@@ -153,9 +174,13 @@ def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
     if law := system.laws.get(friction.get("law", "")):
         law = law.given(friction)
         attrs = attrs | {"law": law.words}
-        attrs["units"] = attrs.get("units", {}) | {name: rule.unit.symbol for name, rule in law.parameters.items()}
+        attrs["units"] = attrs.get("units", {}) | {
+            name: rule.unit.symbol for name, rule in law.parameters.items()
+        }
         rules |= law.parameters
-    return attrs | {"symbols": {name: symbol(rule.symbol) for name, rule in rules.items() if rule.symbol}}
+    return attrs | {
+        "symbols": {name: symbol(rule.symbol) for name, rule in rules.items() if rule.symbol}
+    }
 
 
 def _finished(axes: Any, look: Look) -> Any:
@@ -164,7 +189,9 @@ def _finished(axes: Any, look: Look) -> Any:
 
     figure = axes.get_figure(root=True)
     if look.title is not None:
-        if any("\ud800" <= letter <= "\udfff" for letter in look.title):  # bytes of a command line that are no text
+        if any(
+            "\ud800" <= letter <= "\udfff" for letter in look.title
+        ):  # bytes of a command line that are no text
             raise InputError([f"the title must be text in UTF-8, but is {look.title!r}."])
         if is_ours() and figure.get_suptitle():
             figure.suptitle(as_given(look.title), x=0.01, ha="left")

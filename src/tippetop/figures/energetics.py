@@ -26,7 +26,9 @@ def weight(attrs: dict[str, Any]) -> float:
     return float(attrs["parameters"]["m"] * attrs["parameters"]["g"])
 
 
-def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
+def normal_force(
+    trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None
+) -> Axes:
     """g_n(t) in units of the weight m g."""
     ax = panel(ax, 10, 4.4)
     colours = ink()
@@ -41,9 +43,17 @@ def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes |
     low, high = min(0.0, float(force.min())), max(1.0, float(force.max()))
     extremes = attrs.get("report", {}).get("normal_force") or {}
     if extremes and np.ptp(force) < CONSTANT:
-        ax.annotate("constant", (limits[0], force[0]), xytext=(8, 6), textcoords="offset points", color=colours.run)
+        ax.annotate(
+            "constant",
+            (limits[0], force[0]),
+            xytext=(8, 6),
+            textcoords="offset points",
+            color=colours.run,
+        )
         extremes = {}
-    for key, color, side in (("min", colours.lower, -14), ("max", colours.upper, 6)) if extremes else ():
+    for key, color, side in (
+        (("min", colours.lower, -14), ("max", colours.upper, 6)) if extremes else ()
+    ):
         value, when = extremes[key] / mg, extremes[f"t_{key}"]
         if not limits[0] <= when <= limits[1] or ("phase" in trajectory and value < 1e-9):
             continue  # not in this window; or the body flies, and there is no force
@@ -51,16 +61,23 @@ def normal_force(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes |
         late = when > 0.7 * limits[1] + 0.3 * limits[0]
         ax.annotate(
             f"{key} {number(value, 4)} at t = {number(when, 5)} s",
-            (when, value), color=color, xytext=(-8 if late else 8, side), textcoords="offset points",
+            (when, value),
+            color=color,
+            xytext=(-8 if late else 8, side),
+            textcoords="offset points",
             ha="right" if late else "left",
-        )  # fmt: skip
-    ax.set(xlabel="time t (s)", ylabel="normal force $g_n\\,/\\,mg$", title=title(attrs), xlim=limits)
+        )
+    ax.set(
+        xlabel="time t (s)", ylabel="normal force $g_n\\,/\\,mg$", title=title(attrs), xlim=limits
+    )
     ax.set_ylim(low - 0.12 * (high - low), high + 0.15 * (high - low))
     return ax
 
 
 def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """Energy E, modified energy E~ and what friction has taken; changes since the start, where they are slight."""
+    """Energy E, modified energy E~ and what friction has taken; changes since the start, where they
+    are slight.
+    """
     colours = ink()
     ax = panel(ax, 10, 4.8)
     t = trajectory["time"].values
@@ -77,7 +94,9 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
         modified = np.where(touches, curves.pop("modified_energy"), np.nan)
         curves |= {"modified_energy": modified} if touches.any() else {}
     level = max(float(np.nanmax(np.abs(values))) for values in curves.values()) or 1.0
-    changes = {name: float(np.nanmax(values) - np.nanmin(values)) for name, values in curves.items()}
+    changes = {
+        name: float(np.nanmax(values) - np.nanmin(values)) for name, values in curves.items()
+    }
     if all(change <= CONSTANT * level for change in changes.values()):
         curves.pop("work", None)  # nothing is taken
     origin = float(curves["energy"][0])
@@ -86,11 +105,22 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     for i, (name, words, color, width) in enumerate(names):
         if name in curves:
             shift = origin if slight and name != "work" else 0.0
-            label = f"{words}{' − E(0)' if shift else ''}{', constant' if changes[name] <= CONSTANT * level else ''}"
+            constant = ", constant" if changes[name] <= CONSTANT * level else ""
+            label = f"{words}{' − E(0)' if shift else ''}{constant}"
             label += lost if name == "modified_energy" else ""
-            ax.plot(*thinned(t, (curves[name] - shift) / size), color=color, ls=dashes(i), lw=width, label=label)
+            ax.plot(
+                *thinned(t, (curves[name] - shift) / size),
+                color=color,
+                ls=dashes(i),
+                lw=width,
+                label=label,
+            )
     at = in_joules(level)
-    note = f"change of energy ({unit}), E(0) = {number(origin / at[0], 5)} {at[1]}" if slight else f"energy ({unit})"
+    note = (
+        f"change of energy ({unit}), E(0) = {number(origin / at[0], 5)} {at[1]}"
+        if slight
+        else f"energy ({unit})"
+    )
     ax.set(xlabel="time t (s)", ylabel=note, title=title(attrs), xlim=span(t))
     if all(changes[name] <= CONSTANT * level for name in curves):
         ends = [float(values[0]) / size for values in curves.values()]

@@ -18,12 +18,14 @@ GAP = 0.12  # between two poses
 SHADOW = 0.8  # of half a pose: how far a shadow reaches beyond it
 
 
-def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """Eight poses of the body by their times: evenly spread over the part of the run in which it turns over, if it
-    does, else over the whole.
+def film(
+    trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes | None = None
+) -> Axes:
+    """Eight poses of the body by their times: evenly spread over the part of the run in which it
+    turns over, if it does, else over the whole.
 
-    `trajectory` has time, theta, orientation and, where the contact may open, z; `shape` is the body as
-    `runs.shape.with_shape` gives it.
+    `trajectory` has time, theta, orientation and, where the contact may open, z; `shape` is the
+    body as `runs.shape.with_shape` gives it.
     """
     rows = _rows(trajectory)
     scenes = [_scene(trajectory, shape, row) for row in rows]
@@ -36,7 +38,12 @@ def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes
     for i, scene in enumerate(scenes):
         right = reach + SHADOW * reach
         seen = raycast.picture(scene, -reach, right, bottom, top, PIXELS)
-        ax.imshow(seen, extent=(i * step - reach, i * step + right, bottom, top), interpolation="antialiased", zorder=2)
+        ax.imshow(
+            seen,
+            extent=(i * step - reach, i * step + right, bottom, top),
+            interpolation="antialiased",
+            zorder=2,
+        )
     t, theta = trajectory["time"].values[rows], trajectory["theta"].values[rows]
     between = float(np.min(np.diff(t))) if len(t) > 1 else 1.0
     decimals = max(0, 1 - int(np.floor(np.log10(max(between, 1e-12)))))
@@ -51,7 +58,11 @@ def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes
     ax.spines[["left", "top", "right"]].set_visible(False)
     ax.spines["bottom"].set_color(ink().quiet)
     ax.tick_params(axis="x", color=ink().quiet, labelsize="small")
-    ax.set(xlim=(-reach - GAP / 2, (len(rows) - 1) * step + (1 + SHADOW) * reach), ylim=(bottom, top), aspect="equal")
+    ax.set(
+        xlim=(-reach - GAP / 2, (len(rows) - 1) * step + (1 + SHADOW) * reach),
+        ylim=(bottom, top),
+        aspect="equal",
+    )
     ax.set_title(title(attrs))
     if scenes[0].kind != "heavy" and not compact():
         ax.set_title("grey dot: centre of mass", loc="right", fontsize="small", color=ink().quiet)
@@ -61,14 +72,22 @@ def film(trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes
 def _rows(trajectory: Any) -> np.ndarray:
     """The rows that are drawn."""
     t = trajectory["time"].values
-    first, last = busy(trajectory["axis"].values, t) if "axis" in trajectory else _moving(trajectory, t)
+    first, last = (
+        busy(trajectory["axis"].values, t) if "axis" in trajectory else _moving(trajectory, t)
+    )
     wanted = np.linspace(max(first, t[0]), min(last, t[-1]), POSES)
     return np.unique(np.clip(np.searchsorted(t, wanted), 0, len(t) - 1))
 
 
 def _moving(trajectory: Any, t: np.ndarray) -> tuple[float, float]:
-    """The time in which a body that stays upright turns, but for the rest of its way before and after."""
-    way = np.cumsum(np.abs(np.diff(trajectory["theta"].values))) if "theta" in trajectory else np.zeros(0)
+    """The time in which a body that stays upright turns, but for the rest of its way before and
+    after.
+    """
+    way = (
+        np.cumsum(np.abs(np.diff(trajectory["theta"].values)))
+        if "theta" in trajectory
+        else np.zeros(0)
+    )
     if not len(way) or not way[-1] > 0:
         return span(t)
     first, last = turned(way)
@@ -87,7 +106,11 @@ def _scene(trajectory: Any, shape: dict[str, Any], row: int) -> raycast.Scene:
         height = -balls[0][0] * third[2]
     else:  # the lowest point is on the floor
         height = max(radius - offset * third[2] for offset, radius in balls)
-    mass = np.array([0.0, 0.0, height]) - balls[0][0] * third * (1, 1, 0)  # the ball, or tip, stays in the middle
+    mass = np.array([0.0, 0.0, height]) - balls[0][0] * third * (
+        1,
+        1,
+        0,
+    )  # the ball, or tip, stays in the middle
     tip = mass + balls[0][0] * third if shape["kind"] == "heavy" else None
     places = [(mass + offset * third, radius) for offset, radius in balls]
     across, along = (half / unit for half in shape["ellipsoid"])

@@ -1,4 +1,6 @@
-"""Words and letters of the figures: numbers with their units, titles of runs, and what tells several runs apart."""
+"""Words and letters of the figures: numbers with their units, titles of runs, and what tells
+several runs apart.
+"""
 
 from typing import Any
 
@@ -23,11 +25,17 @@ def number(value: float, digits: int = 6) -> str:
 
 def quantity(value: float, unit: str, digits: int = 6) -> str:
     """A number with its unit."""
-    return number(value, digits) if unit in ("", "1") else f"{number(value, digits)} {units_text(unit)}"
+    return (
+        number(value, digits)
+        if unit in ("", "1")
+        else f"{number(value, digits)} {units_text(unit)}"
+    )
 
 
 def end_of(values: Any) -> str:
-    """What the last known value of a curve along a run is, which is NaN from where the stem takes over."""
+    """What the last known value of a curve along a run is, which is NaN from where the stem takes
+    over.
+    """
     return "its end" if np.isfinite(values[-1]) else "last on its sphere"
 
 
@@ -39,7 +47,9 @@ def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False
         if key == "centre_at_rest":
             words += ["centre of mass at rest"] if value else []
         elif isinstance(value, int | float) and not isinstance(value, bool):
-            words.append(f"{symbol}{'(0)' if at_start else ''} = {quantity(value, units.get(key, '1'))}")
+            words.append(
+                f"{symbol}{'(0)' if at_start else ''} = {quantity(value, units.get(key, '1'))}"
+            )
         elif not isinstance(value, dict | list):
             words.append(f"{symbol} = {value}")
     return words
@@ -48,7 +58,9 @@ def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False
 def friction(table: dict[str, Any], attrs: dict[str, Any]) -> str:
     """A friction law in words, with its numbers."""
     numbers = entries({key: value for key, value in table.items() if key != "law"}, attrs)
-    return ", ".join([attrs.get("law", f"{table['law']} friction"), *numbers] if "law" in table else numbers)
+    return ", ".join(
+        [attrs.get("law", f"{table['law']} friction"), *numbers] if "law" in table else numbers
+    )
 
 
 def title(attrs: dict[str, Any]) -> str:
@@ -67,7 +79,9 @@ def title(attrs: dict[str, Any]) -> str:
 def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
     """The attributes of several runs as far as all have the same, for their common title."""
     first = runs[0]
-    common: dict[str, Any] = {name: first[name] for name in ("title", "units", "symbols", "law") if name in first}
+    common: dict[str, Any] = {
+        name: first[name] for name in ("title", "units", "symbols", "law") if name in first
+    }
     if any(attrs.get("system") != first.get("system") for attrs in runs):
         common["title"] = f"{len(runs)} runs"
     elif any(attrs["title"] != first["title"] for attrs in runs):
@@ -84,9 +98,14 @@ def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
-    """For each run the words that tell it from the others: what its scenario has and theirs have not; its name as well,
-    where there is no difference."""
-    tables = [name for name in TABLES if any(attrs.get(name, {}) != runs[0].get(name, {}) for attrs in runs)]
+    """For each run the words that tell it from the others: what its scenario has and theirs have
+    not; its name as well, where there is no difference.
+    """
+    tables = [
+        name
+        for name in TABLES
+        if any(attrs.get(name, {}) != runs[0].get(name, {}) for attrs in runs)
+    ]
     if not all("contact" in attrs for attrs in runs):
         tables = [name for name in tables if name != "contact"]  # it follows from the friction law
     words = []

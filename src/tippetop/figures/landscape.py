@@ -1,4 +1,7 @@
-"""Figures of the landscape: the minimal surface, the band, the inversion in its plane. No physics."""
+"""Figures of the landscape: the minimal surface, the band, the inversion in its plane.
+
+No physics.
+"""
 
 from typing import Any
 
@@ -7,7 +10,17 @@ from matplotlib.axes import Axes
 
 from ..columns import SUPERSCRIPTS, units_text
 from .labels import end_of
-from .style import compact, figure, heading, ink, legend, mark_ends, panel, panels_over_time, ticks_of_pi
+from .style import (
+    compact,
+    figure,
+    heading,
+    ink,
+    legend,
+    mark_ends,
+    panel,
+    panels_over_time,
+    ticks_of_pi,
+)
 from .theta import WIDE
 
 
@@ -19,18 +32,24 @@ EXACT = 1e-17  # rad: a turning angle nearer to the edge of the band is on it
 def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: Any = None) -> Any:
     """F(D, lambda) in 3-D [figure 4.1 of the source], with the spinning states and a run on it.
 
-    `grid` as `minimal_surface` gives it, `lines` as `marked_lines`; `run` has routh, jellett and modified_energy. A
-    panel that is given must be one in 3-D.
+    `grid` as `minimal_surface` gives it, `lines` as `marked_lines`; `run` has routh, jellett and
+    modified_energy. A panel that is given must be one in 3-D.
     """
-    axes: Any = figure(8.6, 6.4).add_subplot(projection="3d", computed_zorder=False) if ax is None else ax
+    axes: Any = (
+        figure(8.6, 6.4).add_subplot(projection="3d", computed_zorder=False) if ax is None else ax
+    )
     colours = ink()
     x_name, y_name = grid["F"].dims
     rows, columns = (np.unique(np.linspace(0, n - 1, FACETS).astype(int)) for n in grid["F"].shape)
     part = grid["F"][rows, columns]
     x_scale, y_scale = (_scale(grid[name].values) for name in (x_name, y_name))
-    X, Y = np.meshgrid(part[x_name].values / x_scale[0], part[y_name].values / y_scale[0], indexing="ij")
+    X, Y = np.meshgrid(
+        part[x_name].values / x_scale[0], part[y_name].values / y_scale[0], indexing="ij"
+    )
     F = 1e3 * part.values
-    axes.plot_surface(X, Y, F, cmap="viridis", rstride=1, cstride=1, lw=0, alpha=0.9, antialiased=False, zorder=1)
+    axes.plot_surface(
+        X, Y, F, cmap="viridis", rstride=1, cstride=1, lw=0, alpha=0.9, antialiased=False, zorder=1
+    )
     low, high = np.nanmin(F), np.nanmax(F)
     if lines is not None:
         _spinning(axes, lines, grid[x_name].values, x_scale[0], y_scale[0])
@@ -61,9 +80,13 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
 
 
 def _spinning(axes: Any, lines: Any, x: np.ndarray, x_size: float, y_size: float) -> None:
-    """The spinning states as lines: solid on the surface, dotted above it; the one begins where the other ends."""
+    """The spinning states as lines: solid on the surface, dotted above it; the one begins where the
+    other ends.
+    """
     colours = ink()
-    for i, (end, color) in enumerate(zip(lines["end"].values, (colours.lower, colours.upper), strict=True)):
+    for i, (end, color) in enumerate(
+        zip(lines["end"].values, (colours.lower, colours.upper), strict=True)
+    ):
         line = lines.isel(end=i)
         inside = ((line["D"] >= x.min()) & (line["D"] <= x.max())).values
         on = line["on_surface"].values
@@ -75,12 +98,16 @@ def _spinning(axes: Any, lines: Any, x: np.ndarray, x_size: float, y_size: float
                 keep = keep | (inside & (np.r_[keep[1:], False] | np.r_[False, keep[:-1]]))
             sizes = {"D": 1 / x_size, "lambda": 1 / y_size, "E": 1e3}
             place = (np.where(keep, line[name] * size, np.nan) for name, size in sizes.items())
-            axes.plot(*place, color=color, ls=style, lw=2.0, label=f"spinning, {words}{more}", zorder=3)
+            axes.plot(
+                *place, color=color, ls=style, lw=2.0, label=f"spinning, {words}{more}", zorder=3
+            )
 
 
 def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
-    """theta(t) on the nutational band that the main equation predicts; logged turning angles as dots; below, how far
-    they lie from the nearer edge of the band. `dataset` as `band` gives it; events: time, theta, edge (predicted)."""
+    """theta(t) on the nutational band that the main equation predicts; logged turning angles as
+    dots; below, how far they lie from the nearer edge of the band. `dataset` as `band` gives it;
+    events: time, theta, edge (predicted).
+    """
     colours = ink()
     away = np.abs(events["theta"].values - events["edge"].values)
     ax, below = panels_over_time(ax, 1.4 if np.isfinite(away).any() else 0)
@@ -99,19 +126,40 @@ def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
         values.append(dataset["theta"].values[::step])
         ax.plot(t, values[-1], color=colours.run, lw=0.7, label="θ(t)")
     if away.size:
-        ax.scatter(events["time"], events["theta"], s=6, color=colours.mark, lw=0, zorder=3, label="logged turnings")
+        ax.scatter(
+            events["time"],
+            events["theta"],
+            s=6,
+            color=colours.mark,
+            lw=0,
+            zorder=3,
+            label="logged turnings",
+        )
     bottom, top = np.nanmin(np.concatenate(values)), np.nanmax(np.concatenate(values))
     room = max(0.04 * (top - bottom), 1e-3)
     if top - bottom > WIDE:
         ticks_of_pi(ax)
-    ax.set(ylabel="inclination θ (rad)", title=heading(title), ylim=(bottom - room, top + room), xlim=(t[0], t[-1]))
+    ax.set(
+        ylabel="inclination θ (rad)",
+        title=heading(title),
+        ylim=(bottom - room, top + room),
+        xlim=(t[0], t[-1]),
+    )
     legend(ax, "upper right", ncols=4, markerscale=2)
     if below is not None:
         exact = int((away <= EXACT).sum())
-        below.semilogy(events["time"].values, np.where(away > EXACT, away, np.nan), ".", ms=3, color=colours.run)
+        below.semilogy(
+            events["time"].values,
+            np.where(away > EXACT, away, np.nan),
+            ".",
+            ms=3,
+            color=colours.run,
+        )
         below.set_ylabel("|logged − edge|\n(rad)")
         if exact:
-            below.set_title(f"{exact} of {len(away)} exactly on the edge", fontsize="small", loc="right", pad=2)
+            below.set_title(
+                f"{exact} of {len(away)} exactly on the edge", fontsize="small", loc="right", pad=2
+            )
         apart = away[np.isfinite(away) & (away > EXACT)]
         if len(apart):
             below.set_ylim(apart.min() / 5, apart.max() * 5)
@@ -122,7 +170,8 @@ def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
 def inversion(section: Any, lines: Any, run: Any, title: str = "", ax: Axes | None = None) -> Axes:
     """(D(t), E~(t)) of a run on the plane lambda = const, over the section of the minimal surface.
 
-    `section`: F along D at that lambda; `lines`: marked lines at that lambda: the boundary values (D0, E0), (D1, E1).
+    `section`: F along D at that lambda; `lines`: marked lines at that lambda: the boundary values
+    (D0, E0), (D1, E1).
     """
     colours = ink()
     ax = panel(ax, 9, 5.8)
@@ -130,7 +179,13 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "", ax: Axes | No
     size, power = _scale(D)
     step = max(1, run["routh"].size // MOST_POINTS)
     ax.fill_between(
-        D / size, F, F.min() - 10 * np.ptp(F), color=colours.quiet, alpha=0.22, lw=0, label="below F: no motion"
+        D / size,
+        F,
+        F.min() - 10 * np.ptp(F),
+        color=colours.quiet,
+        alpha=0.22,
+        lw=0,
+        label="below F: no motion",
     )
     ax.plot(D / size, F, color=colours.quiet, lw=1.4, label="minimal surface F")
     x, y = run["routh"].values[::step] / size, 1e3 * run["modified_energy"].values[::step]
@@ -139,7 +194,15 @@ def inversion(section: Any, lines: Any, run: Any, title: str = "", ax: Axes | No
     for i, (words, color) in enumerate((("θ = 0", colours.lower), ("θ = π", colours.upper))):
         end = lines.isel(end=i)
         where = float(end["D"].values.ravel()[0]) / size, 1e3 * float(end["E"].values.ravel()[0])
-        ax.scatter(*where, s=90, facecolors="none", edgecolors=color, lw=1.6, zorder=5, label=f"spinning, {words}")
+        ax.scatter(
+            *where,
+            s=90,
+            facecolors="none",
+            edgecolors=color,
+            lw=1.6,
+            zorder=5,
+            label=f"spinning, {words}",
+        )
     bottom, top = min(np.nanmin(y), F.min()), max(np.nanmax(y), 1e3 * float(lines["E"].max()))
     ax.set_ylim(bottom - 0.12 * (top - bottom), top + 0.12 * (top - bottom))
     ax.set(
@@ -165,7 +228,9 @@ def _symbol(name: Any) -> str:
 
 def _name(name: Any) -> str:
     """An axis of the surface by name and symbol."""
-    words = {"D": "Routh's function", "lambda": "Jellett's integral"}.get(str(name), "angular momentum")
+    words = {"D": "Routh's function", "lambda": "Jellett's integral"}.get(
+        str(name), "angular momentum"
+    )
     return f"{words} {_symbol(name)}"
 
 

@@ -24,7 +24,9 @@ SHOWN = {
 COLOURS = ("#1f77b4", "#d95f02", "#1b9e77", "#b3258f", "#8c6d1f", "#666666", "#e7298a", "#5254a3")
 
 
-def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str], ax: Axes | None = None) -> Axes:
+def overlay(
+    kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str], ax: Axes | None = None
+) -> Axes:
     """The same curve of several runs, named by what is different in them.
 
     Parameters
@@ -46,7 +48,9 @@ def overlay(kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str],
     for i, ((trajectory, each), label) in enumerate(zip(runs, labels, strict=True)):
         t, values = _curve(kind, trajectory, each)
         color = COLOURS[i % len(COLOURS)]
-        width = 1.6 - 0.8 * i / len(runs)  # what is drawn first can be seen below what is drawn last
+        width = 1.6 - 0.8 * i / len(
+            runs
+        )  # what is drawn first can be seen below what is drawn last
         ax.plot(t, values / size, color=color, ls=dashes(i), lw=width, label=label)
     times = np.array([trajectory["time"].values[[0, -1]] for trajectory, _ in runs])
     words = SHOWN[kind].partition(" since")[0] if compact() else SHOWN[kind]

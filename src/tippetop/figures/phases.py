@@ -1,4 +1,6 @@
-"""The phases of a contact behind the curves of a run, as shades, and its impacts, as ticks on the axis of time."""
+"""The phases of a contact behind the curves of a run, as shades, and its impacts, as ticks on the
+axis of time.
+"""
 
 from typing import Any
 
@@ -19,7 +21,8 @@ CELLS = 500  # each wider than a pixel
 
 
 def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
-    """Shades the phases in panels over time, and marks the impacts; a legend below our own figures names both.
+    """Shades the phases in panels over time, and marks the impacts; a legend below our own figures
+    names both.
 
     Parameters
     ----------
@@ -33,7 +36,9 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
         return
     colours = ink()
     kinds, lengths = _kinds(phases), ended - begun
-    edges, colors = cells(begun, ended, [colours.shades[phase][on_stem] for phase, on_stem in kinds])
+    edges, colors = cells(
+        begun, ended, [colours.shades[phase][on_stem] for phase, on_stem in kinds]
+    )
     balls = np.array(flag_names(impacts["ball"]))
     ticks = [
         (ball, color, impacts["time"].values[balls == ball])
@@ -58,14 +63,18 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
     for ball, color, when in ticks:
         if count := len(when):
             words = f"{count} impact" + "s" * (count > 1) + " of the stem" * (ball == "stem")
-            handles.append(Line2D([], [], color=color, marker="|", ms=9, mew=1.4, ls="none", label=words))
+            handles.append(
+                Line2D([], [], color=color, marker="|", ms=9, mew=1.4, ls="none", label=words)
+            )
     if is_ours():
         legend(panels[0], "lower center", handles=handles, ncols=len(handles))
 
 
 def cells(begun: np.ndarray, ended: np.ndarray, shades: list[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Time in cells: their edges (n + 1,), and their colours (n, 3), means over the phases within. Each cell is a
-    phase, unless there are too many."""
+    """Time in cells: their edges (n + 1,), and their colours (n, 3), means over the phases within.
+
+    Each cell is a phase, unless there are too many.
+    """
     edges = np.unique([*begun, ended[-1]])
     if len(edges) > MOST_SHADES:
         edges = np.linspace(begun[0], ended[-1], CELLS + 1)
@@ -76,7 +85,9 @@ def cells(begun: np.ndarray, ended: np.ndarray, shades: list[str]) -> tuple[np.n
     names = np.array(shades)
     for shade in sorted(set(shades)):
         lengths = np.where(names == shade, ended - begun, 0.0)
-        until = np.interp(edges, np.append(begun, ended[-1]), np.concatenate([[0.0], np.cumsum(lengths)]))
+        until = np.interp(
+            edges, np.append(begun, ended[-1]), np.concatenate([[0.0], np.cumsum(lengths)])
+        )
         colors += np.diff(until)[:, None] * np.array(to_rgb(shade))
         weights += np.diff(until)
     empty = weights <= 0

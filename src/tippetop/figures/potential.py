@@ -1,4 +1,6 @@
-"""The effective potential V(z) with the level of the energy and the turning angles, a panel for each time."""
+"""The effective potential V(z) with the level of the energy and the turning angles, a panel for
+each time.
+"""
 
 from typing import Any
 
@@ -16,13 +18,16 @@ MARGIN = np.radians(4.0)  # at least this is shown beside the band
 
 
 def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | None = None) -> Axes:
-    """V(z) with the energy level and the turning angles, a panel for each (title, potential, turning angles).
+    """V(z) with the energy level and the turning angles, a panel for each (title, potential,
+    turning angles).
 
-    The potential has V along z; the turning angles have F, theta_star, and, where a level is drawn, energy, theta_min
-    and theta_max. In a panel that is given the first of them is drawn.
+    The potential has V along z; the turning angles have F, theta_star, and, where a level is drawn,
+    energy, theta_min and theta_max. In a panel that is given the first of them is drawn.
     """
     curves = curves[:1] if ax is not None else curves[:: FEW if compact() else 1]
-    unit = in_joules(max(abs(float(at[name])) for _, _, at in curves for name in ("F", "energy") if name in at))
+    unit = in_joules(
+        max(abs(float(at[name])) for _, _, at in curves for name in ("F", "energy") if name in at)
+    )
     labels = {"xlabel": "z = cos θ", "ylabel": f"V ({unit[1]})"}
     if ax is not None:
         _well(ax, *curves[0], unit)
@@ -31,7 +36,9 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | No
         return ax
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)
-    fig = figure(1.2 + 3.8 * columns if columns > 1 else 7.5, 1.3 + (2.9 * rows if columns > 1 else 4.4))
+    fig = figure(
+        1.2 + 3.8 * columns if columns > 1 else 7.5, 1.3 + (2.9 * rows if columns > 1 else 4.4)
+    )
     panels = np.atleast_1d(fig.subplots(rows, columns)).ravel()
     for i, (axes, curve) in enumerate(zip(panels, curves, strict=False)):
         _well(axes, *curve, unit)
@@ -57,7 +64,13 @@ def _well(axes: Axes, title: str, V: Any, at: Any, unit: tuple[float, str]) -> N
     axes.plot(z, values, color=colours.run, lw=1.4, label="V(z)")
     star = float(at["theta_star"])
     axes.scatter(
-        [np.cos(star)], [least], s=28, color=colours.quiet, zorder=3, clip_on=False, label="least V, which is F"
+        [np.cos(star)],
+        [least],
+        s=28,
+        color=colours.quiet,
+        zorder=3,
+        clip_on=False,
+        label="least V, which is F",
     )
     window = (-1.0, 1.0)
     high = least + REACH * 0.35 * (np.percentile(values[np.isfinite(values)], 70) - least)
@@ -68,15 +81,30 @@ def _well(axes: Axes, title: str, V: Any, at: Any, unit: tuple[float, str]) -> N
         axes.axhline(level, color=colours.upper, lw=0.6, ls=":")
         if np.isfinite(inner) and level >= least:
             margin = max(MARGIN, 0.7 * (outer - inner))
-            window = float(np.cos(min(np.pi, outer + margin))), float(np.cos(max(0.0, inner - margin)))
+            window = (
+                float(np.cos(min(np.pi, outer + margin))),
+                float(np.cos(max(0.0, inner - margin))),
+            )
             seen = values[(z >= window[0]) & (z <= window[1]) & np.isfinite(values)]
             high = max(float(min(seen[0], seen[-1])), level + 0.6 * (level - least))
-            axes.hlines(level, np.cos(outer), np.cos(inner), color=colours.upper, lw=1.6, label="level Ẽ")
-            for angle, color, dot in ((outer, colours.upper, "θ greatest"), (inner, colours.lower, "θ least")):
-                axes.scatter([np.cos(angle)], [level], s=28, color=color, zorder=3, clip_on=False, label=dot)
-            words = f"{_degrees(inner)} ≤ θ ≤ {_degrees(outer)}\nẼ = {number(level, 5)}, F = {number(least, 5)} {name}"
+            axes.hlines(
+                level, np.cos(outer), np.cos(inner), color=colours.upper, lw=1.6, label="level Ẽ"
+            )
+            for angle, color, dot in (
+                (outer, colours.upper, "θ greatest"),
+                (inner, colours.lower, "θ least"),
+            ):
+                axes.scatter(
+                    [np.cos(angle)], [level], s=28, color=color, zorder=3, clip_on=False, label=dot
+                )
+            words = (
+                f"{_degrees(inner)} ≤ θ ≤ {_degrees(outer)}\nẼ = {number(level, 5)}, F = "
+                f"{number(least, 5)} {name}"
+            )
         else:
-            words = f"no band: Ẽ = {number(level, 5)} {name}\nlies below F = {number(least, 5)} {name}"
+            words = (
+                f"no band: Ẽ = {number(level, 5)} {name}\nlies below F = {number(least, 5)} {name}"
+            )
     axes.set_title(f"{title}\n{words}" if title else words, fontsize="small")
     axes.set(xlim=window, ylim=(least - 0.08 * (high - least), high))
     axes.locator_params(axis="x", nbins=5)

@@ -1,4 +1,5 @@
-"""A body as it is seen: balls, rods, ellipsoids and cylinders met by parallel rays, shaded, with a shadow on the floor.
+"""A body as it is seen: balls, rods, ellipsoids and cylinders met by parallel rays, shaded, with a
+shadow on the floor.
 
 Lengths are in units of the body. The camera looks along y, from somewhat above; z is up.
 """
@@ -15,7 +16,8 @@ RIGHT = np.array([1.0, 0.0, 0.0])
 UP = np.array([0.0, np.sin(ELEVATION), np.cos(ELEVATION)])
 AHEAD = np.array([0.0, np.cos(ELEVATION), -np.sin(ELEVATION)])
 CREAM, BLUE, ORANGE, WOOD, IRON = (
-    np.array(rgb) / 255 for rgb in ((243, 232, 205), (44, 92, 143), (217, 95, 30), (196, 142, 84), (35, 38, 44))
+    np.array(rgb) / 255
+    for rgb in ((243, 232, 205), (44, 92, 143), (217, 95, 30), (196, 142, 84), (35, 38, 44))
 )
 SECTORS = 8  # of a body around its axis, in turns light and dark: they show the spin
 SEE_THROUGH = 0.45  # how much of the hidden mass shows through the body
@@ -27,8 +29,10 @@ Part = tuple[Array, Array, Array]
 
 
 class Scene(NamedTuple):
-    """A body in a pose: its kind, the space directions of its body axes (3, 3, a column for each), its centre of mass,
-    its balls (centre and radius), and half axes of its ellipsoid, across and along."""
+    """A body in a pose: its kind, the space directions of its body axes (3, 3, a column for each),
+    its centre of mass, its balls (centre and radius), and half axes of its ellipsoid, across and
+    along.
+    """
 
     kind: str
     axes: Array
@@ -38,8 +42,11 @@ class Scene(NamedTuple):
     tip: Array | None = None
 
 
-def picture(scene: Scene, left: float, right: float, bottom: float, top: float, pixels: int) -> Array:
-    """The scene as (height, width, 4): colours and how opaque, from 0 to 1; what is beside the body is transparent.
+def picture(
+    scene: Scene, left: float, right: float, bottom: float, top: float, pixels: int
+) -> Array:
+    """The scene as (height, width, 4): colours and how opaque, from 0 to 1; what is beside the body
+    is transparent.
 
     Parameters
     ----------
@@ -72,15 +79,21 @@ def _body(scene: Scene, origin: Array) -> Part:
         tip = scene.mass if scene.tip is None else scene.tip
         depth, normal, local = _quadric(origin, scene.mass, scene.axes, (across, across, along))
         end = scene.mass + (along + 0.3) * scene.axes[:, 2]
-        return _nearest([(depth, normal, _sectors(local)), *_rod(origin, scene.axes, tip, end, 0.05, IRON)])
+        return _nearest(
+            [(depth, normal, _sectors(local)), *_rod(origin, scene.axes, tip, end, 0.05, IRON)]
+        )
     if scene.kind == "cylinder":
         parts = _cylinder(origin, scene)
     else:
         depth, normal, local = _quadric(origin, centre, scene.axes, 3 * (radius,))
         parts = [(depth, normal, _sectors(local))]
     inner, *_ = _quadric(origin, scene.mass, scene.axes, 3 * (0.17 * radius,))
-    opaque = np.where(inner < BEYOND, 1 - SEE_THROUGH, 1.0)[..., None]  # the hidden mass shines through
-    parts = [(depth, normal, opaque * paint + (1 - opaque) * IRON) for depth, normal, paint in parts]
+    opaque = np.where(inner < BEYOND, 1 - SEE_THROUGH, 1.0)[
+        ..., None
+    ]  # the hidden mass shines through
+    parts = [
+        (depth, normal, opaque * paint + (1 - opaque) * IRON) for depth, normal, paint in parts
+    ]
     for end, thickness in scene.balls[1:]:
         parts += _rod(origin, scene.axes, centre, end, thickness, WOOD)
     return _nearest(parts)
@@ -95,20 +108,24 @@ def _nearest(parts: Sequence[Part]) -> Part:
 
 
 def _sectors(local: Array, equator: bool = True) -> Array:
-    """The paint at these directions (..., 3) of the body: its upper half light, its lower half blue, sectors around
-    its axis, and a cap at the pole."""
+    """The paint at these directions (..., 3) of the body: its upper half light, its lower half
+    blue, sectors around its axis, and a cap at the pole.
+    """
     turn = np.floor((np.arctan2(local[..., 1], local[..., 0]) / (2 * np.pi)) * SECTORS) % 2
     half = local[..., 2] > 0 if equator else turn > 0
     paint = np.where(half[..., None], CREAM, BLUE)
     if equator:
-        paint = np.where(turn[..., None] > 0, paint, np.where(half[..., None], 0.82 * CREAM, 0.62 * BLUE))
+        paint = np.where(
+            turn[..., None] > 0, paint, np.where(half[..., None], 0.82 * CREAM, 0.62 * BLUE)
+        )
         paint = np.where((local[..., 2] > 0.93)[..., None], ORANGE, paint)
     return paint
 
 
 def _quadric(origin: Array, centre: Array, axes: Array, sizes: Sequence[float]) -> Part:
-    """Depth and outer normal of an ellipsoid with these half axes, and the place on it in units of them, along its
-    axes. With an infinite half axis it is a cylinder."""
+    """Depth and outer normal of an ellipsoid with these half axes, and the place on it in units of
+    them, along its axes. With an infinite half axis it is a cylinder.
+    """
     scale = 1 / np.array(sizes)
     o, d = (origin - centre) @ axes * scale, AHEAD @ axes * scale
     a, b = max(d @ d, 1e-12), o @ d
@@ -119,7 +136,9 @@ def _quadric(origin: Array, centre: Array, axes: Array, sizes: Sequence[float]) 
     return depth, outward / np.linalg.norm(outward, axis=-1, keepdims=True), local
 
 
-def _rod(origin: Array, axes: Array, start: Array, end: Array, radius: float, colour: Array) -> list[Part]:
+def _rod(
+    origin: Array, axes: Array, start: Array, end: Array, radius: float, colour: Array
+) -> list[Part]:
     """The parts of a rod along axis 3 with round ends."""
     depth, normal, _ = _quadric(origin, start, axes, (radius, radius, np.inf))
     along = (origin + depth[..., None] * AHEAD - start) @ axes[:, 2] / ((end - start) @ axes[:, 2])
@@ -152,7 +171,9 @@ def _lit(normal: Array, paint: Array) -> Array:
 
 
 def _shadow(scene: Scene, origin: Array) -> Array:
-    """How dark the floor is where no ray meets the body: its shadow, and the dark spot where it touches."""
+    """How dark the floor is where no ray meets the body: its shadow, and the dark spot where it
+    touches.
+    """
     if scene.tip is not None and scene.tip[2] > scene.mass[2]:
         return np.zeros(origin.shape[:2])  # it hangs: there is no floor
     floor = origin - (origin[..., 2] / AHEAD[2])[..., None] * AHEAD

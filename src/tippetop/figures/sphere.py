@@ -1,4 +1,6 @@
-"""The path of a top's axis on the unit sphere, coloured by the time: from the side, from above, from below."""
+"""The path of a top's axis on the unit sphere, coloured by the time: from the side, from above,
+from below.
+"""
 
 from typing import Any, NamedTuple
 
@@ -14,12 +16,17 @@ from .thinning import MOST_POINTS, span
 
 SMALL = 0.3  # a path within this of the vertical is drawn larger, from above or below
 FLAT = 0.01  # a path no further above or below the equator is seen from the side
-CALM = 0.02  # of the whole way: what the axis does before and after is shown in the colours of its ends
-INCLINED = 0.3  # rad: a top whose mean inclination changes by less has its colours over the whole run
+# of the whole way: what the axis does before and after is shown in the colours of its ends
+CALM = 0.02
+INCLINED = (
+    0.3  # rad: a top whose mean inclination changes by less has its colours over the whole run
+)
 
 
 class View(NamedTuple):
-    """A view on the sphere: its name, the directions to the right, up and towards us, as rows, and labels of two."""
+    """A view on the sphere: its name, the directions to the right, up and towards us, as rows, and
+    labels of two.
+    """
 
     words: str
     frame: np.ndarray
@@ -32,7 +39,8 @@ BELOW = View("from below", np.diag([1.0, -1.0, -1.0]), ("x", "−y"))
 
 
 def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """The path of 3hat on the unit sphere; the far side is left out, and so are views in which nothing is seen.
+    """The path of 3hat on the unit sphere; the far side is left out, and so are views in which
+    nothing is seen.
 
     In a panel that is given there is one view: that which shows most of the path.
     """
@@ -71,7 +79,9 @@ def _worth_showing(path: np.ndarray) -> list[View]:
     return seen or [SIDE]
 
 
-def _view(axes: Axes, view: View, path: np.ndarray, t: np.ndarray, limits: tuple[float, float]) -> Any:
+def _view(
+    axes: Axes, view: View, path: np.ndarray, t: np.ndarray, limits: tuple[float, float]
+) -> Any:
     """One view; its lines, coloured by the time."""
     colours = ink()
     *plane, depth = view.frame @ path.T
@@ -84,7 +94,9 @@ def _view(axes: Axes, view: View, path: np.ndarray, t: np.ndarray, limits: tuple
     axes.add_collection(lines)
     for angle in (np.pi / 6, np.pi / 3):  # circles of latitude, 30 and 60 degrees
         if view is not SIDE:
-            axes.add_patch(Circle((0, 0), np.cos(angle), fill=False, color=colours.grid, lw=0.6, zorder=0))
+            axes.add_patch(
+                Circle((0, 0), np.cos(angle), fill=False, color=colours.grid, lw=0.6, zorder=0)
+            )
         else:
             for z in (np.sin(angle), -np.sin(angle)):
                 axes.hlines(z, -np.cos(angle), np.cos(angle), color=colours.grid, lw=0.6, zorder=0)
@@ -102,11 +114,21 @@ def _view(axes: Axes, view: View, path: np.ndarray, t: np.ndarray, limits: tuple
 
 
 def _ends(axes: Axes, plane: np.ndarray, depth: np.ndarray) -> None:
-    """The start, the end, and an arrow that shows which way the axis goes; on the far side they are not seen."""
+    """The start, the end, and an arrow that shows which way the axis goes; on the far side they are
+    not seen.
+    """
     mark = ink().mark
     for place, style, words, face in ((0, "o", "start", mark), (-1, "D", "end", "none")):
         seen = depth[place] >= 0
-        axes.plot(*(plane[[place]].T if seen else ([], [])), style, color=mark, mfc=face, ms=5, label=words, zorder=4)
+        axes.plot(
+            *(plane[[place]].T if seen else ([], [])),
+            style,
+            color=mark,
+            mfc=face,
+            ms=5,
+            label=words,
+            zorder=4,
+        )
     way = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(plane, axis=0), axis=1))])
     if not way[-1] > 0:
         return
@@ -116,9 +138,19 @@ def _ends(axes: Axes, plane: np.ndarray, depth: np.ndarray) -> None:
     here, there = np.searchsorted(way, way[first] + (3 * size, 4 * size))
     if there < len(way) and here < there and (depth[here : there + 1] >= 0).all():
         axes.annotate(
-            "", plane[there], plane[here], zorder=5,
-            arrowprops={"arrowstyle": "-|>", "color": mark, "lw": 0, "mutation_scale": 14, "shrinkA": 0, "shrinkB": 0},
-        )  # fmt: skip
+            "",
+            plane[there],
+            plane[here],
+            zorder=5,
+            arrowprops={
+                "arrowstyle": "-|>",
+                "color": mark,
+                "lw": 0,
+                "mutation_scale": 14,
+                "shrinkA": 0,
+                "shrinkB": 0,
+            },
+        )
 
 
 def busy(path: np.ndarray, t: np.ndarray) -> tuple[float, float]:

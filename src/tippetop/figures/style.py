@@ -1,4 +1,6 @@
-"""The common style of the figures: colours on white and on black, empty panels, legends, and how one is saved."""
+"""The common style of the figures: colours on white and on black, empty panels, legends, and how
+one is saved.
+"""
 
 import re
 import textwrap
@@ -20,8 +22,10 @@ from ..store.files import replacing, writing
 
 
 class Ink(NamedTuple):
-    """The colours of a figure: of a run, of what lies above and below, of what is beside the point, of an alarm; of
-    marks, of grids, of the paper; and of the phases of a contact, for each a body's and a stem's."""
+    """The colours of a figure: of a run, of what lies above and below, of what is beside the point,
+    of an alarm; of marks, of grids, of the paper; and of the phases of a contact, for each a body's
+    and a stem's.
+    """
 
     run: str
     upper: str
@@ -61,7 +65,9 @@ RUN, UPPER, LOWER, QUIET, ALARM = LIGHT[:5]
 
 
 class Setting(NamedTuple):
-    """What is drawn: in which colours, how large [inches], and whether the figure is ours or a panel of the user's."""
+    """What is drawn: in which colours, how large [inches], and whether the figure is ours or a
+    panel of the user's.
+    """
 
     ink: Ink = LIGHT
     size: tuple[float, float] | None = None
@@ -77,7 +83,13 @@ LEAST_FONT = 6.5
 WIDTH = 95  # letters of a line of a title
 COMPACT = (5.0, 4.0)
 """Below this width or height [inches] a figure has one line of title and one panel."""
-DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (6, 2, 1, 2, 1, 2)))
+DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (6, 2)),
+    (0, (2, 1.5)),
+    (0, (6, 2, 1, 2)),
+    (0, (6, 2, 1, 2, 1, 2)),
+)
 """Line styles of curves in one panel, so that they do not differ by colour alone.
 
 Five has no factor in common with the number of colours."""
@@ -120,8 +132,12 @@ class ShownFigure(Figure):
 
 
 def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
-    """An empty figure of the size that was asked for, else this one, inches; with room managed by matplotlib."""
-    fig = ShownFigure(figsize=_setting.get().size or (width, height), layout="constrained", **options)
+    """An empty figure of the size that was asked for, else this one, inches; with room managed by
+    matplotlib.
+    """
+    fig = ShownFigure(
+        figsize=_setting.get().size or (width, height), layout="constrained", **options
+    )
     FigureCanvasAgg(fig)
     return fig
 
@@ -132,7 +148,9 @@ def panel(ax: Axes | None, width: float = 9.0, height: float = 5.0) -> Axes:
 
 
 def panels_over_time(ax: Axes | None, below: float) -> tuple[Axes, Axes | None]:
-    """The panel to draw in, and below it one that is this much of its height / 4, where a new figure has room."""
+    """The panel to draw in, and below it one that is this much of its height / 4, where a new
+    figure has room.
+    """
     if ax is None and below and not compact():
         return tuple(figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, below)))
     return panel(ax, 10, 5.0), None
@@ -146,21 +164,40 @@ def ticks_of_pi(ax: Axes) -> None:
 def label_line(ax: Axes, words: str, height: float, color: str, offset: float) -> None:
     """Words on the right of a panel, at the height of a horizontal line."""
     place: Any = ("axes fraction", "data")
-    ax.annotate(words, (1, height), xycoords=place, color=color, xytext=(4, offset), textcoords="offset points")
+    ax.annotate(
+        words,
+        (1, height),
+        xycoords=place,
+        color=color,
+        xytext=(4, offset),
+        textcoords="offset points",
+    )
 
 
-def mark_ends(axes: Any, *path: np.ndarray, last: str = "its end", sizes: tuple[float, float] = (6, 5)) -> None:
+def mark_ends(
+    axes: Any, *path: np.ndarray, last: str = "its end", sizes: tuple[float, float] = (6, 5)
+) -> None:
     """The first and the last known point of a path: a full circle, an open diamond."""
     colours, known = ink(), np.flatnonzero(np.isfinite(sum(path)))
     faces = (colours.mark, colours.paper)
     for at, style, words, face, size in zip(
         (known[:1], known[-1:]), "oD", ("its start", last), faces, sizes, strict=True
     ):
-        axes.plot(*(part[at] for part in path), style, color=colours.mark, mfc=face, ms=size, zorder=6, label=words)
+        axes.plot(
+            *(part[at] for part in path),
+            style,
+            color=colours.mark,
+            mfc=face,
+            ms=size,
+            zorder=6,
+            label=words,
+        )
 
 
 def legend(ax: Axes, place: str, **options: Any) -> None:
-    """A legend of what is drawn in a panel: outside of it at `place`, if the figure is our own; else in it."""
+    """A legend of what is drawn in a panel: outside of it at `place`, if the figure is our own;
+    else in it.
+    """
     if not options.get("handles") and not ax.get_legend_handles_labels()[1]:
         return
     most = options.pop("ncols", 1)
@@ -168,7 +205,9 @@ def legend(ax: Axes, place: str, **options: Any) -> None:
         ax.legend(**options)
         return
     whole: Any = ax.get_figure(root=True)
-    pairs = [pair for axes in whole.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
+    pairs = [
+        pair for axes in whole.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)
+    ]
     options = {"handles": [*{label: handle for handle, label in pairs}.values()]} | options
     # no wider than the figure: in fewer columns, then in broken lines
     room = 0.98 * whole.bbox.width
@@ -186,8 +225,12 @@ def legend(ax: Axes, place: str, **options: Any) -> None:
 
 
 def broken(words: str, letters: int) -> str:
-    """A label on lines of so many letters at most, broken between words but in no formula and no number's unit."""
-    kept = re.sub(r"\$[^$]*\$| = [^,]*", lambda part: part[0].replace(" ", "\N{NO-BREAK SPACE}"), words)
+    """A label on lines of so many letters at most, broken between words but in no formula and no
+    number's unit.
+    """
+    kept = re.sub(
+        r"\$[^$]*\$| = [^,]*", lambda part: part[0].replace(" ", "\N{NO-BREAK SPACE}"), words
+    )
     lines = textwrap.wrap(kept, letters, break_long_words=False, break_on_hyphens=False)
     return "\n".join(lines).replace("\N{NO-BREAK SPACE}", " ")
 
@@ -195,7 +238,11 @@ def broken(words: str, letters: int) -> str:
 def letters() -> int:
     """Return the number of letters in a line of a title, for the requested size."""
     size = _setting.get().size
-    return WIDTH if size is None else max(20, min(WIDTH, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
+    return (
+        WIDTH
+        if size is None
+        else max(20, min(WIDTH, int(9.0 * size[0] * FONT / mpl.rcParams["font.size"])))
+    )
 
 
 def compact() -> bool:
@@ -231,7 +278,9 @@ def literal(text: str) -> str:
 
 
 def as_given(text: str) -> str:
-    """Text of a user, with the formulas in it as matplotlib sets them; letter by letter where they are none."""
+    """Text of a user, with the formulas in it as matplotlib sets them; letter by letter where they
+    are none.
+    """
     try:
         for line in text.splitlines():
             MathTextParser("path").parse(line)
@@ -241,7 +290,9 @@ def as_given(text: str) -> str:
 
 
 @contextmanager
-def styled(*, dark: bool = False, size: tuple[float, float] | None = None, ax: Any = None) -> Iterator[None]:
+def styled(
+    *, dark: bool = False, size: tuple[float, float] | None = None, ax: Any = None
+) -> Iterator[None]:
     """Draw in our style, whatever the user's settings are, at this size [inches].
 
     A panel of the user's figure, `ax`, keeps the user's settings and its own size.
@@ -268,4 +319,6 @@ def save(fig: Figure, path: Path, *, dpi: float = 150, overwrite: bool = False) 
     with writing(path), replacing(path, overwrite=overwrite) as scratch:
         ending = path.suffix.removeprefix(".").lower()
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
-        fig.savefig(scratch, dpi=dpi, format=ending, facecolor=fig.get_facecolor(), metadata=undated)
+        fig.savefig(
+            scratch, dpi=dpi, format=ending, facecolor=fig.get_facecolor(), metadata=undated
+        )

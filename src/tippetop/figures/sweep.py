@@ -62,11 +62,17 @@ FIELDS = {
 CURVES: dict[str, tuple[str, dict[str, tuple[str, str, str | None]]]] = {
     "inversion": (
         "time t (s)",
-        {"first_equator": ("lower", "--", "first θ = π/2"), "inverted_at": ("upper", "-", "first θ = π − 0.1")},
+        {
+            "first_equator": ("lower", "--", "first θ = π/2"),
+            "inverted_at": ("upper", "-", "first θ = π − 0.1"),
+        },
     ),
     "normal-force": (
         "normal force $g_n\\,/\\,mg$",
-        {"normal_force_min": ("run", "--", "least"), "normal_force_max": ("upper", "-", "greatest")},
+        {
+            "normal_force_min": ("run", "--", "least"),
+            "normal_force_max": ("upper", "-", "greatest"),
+        },
     ),
     "lyapunov": (FIELDS["lyapunov"][1], {"lyapunov": ("run", "-", None)}),
 }
@@ -123,7 +129,9 @@ def _classes(axes: Any, sweep_map: Any, values: np.ndarray, words: dict[str, str
 
 
 def _liftoff(axes: Any, x: Any, y: Any, field: np.ndarray) -> list[Any]:
-    """The border at which the normal force reaches zero: the edges between cells that do and cells that do not."""
+    """The border at which the normal force reaches zero: the edges between cells that do and cells
+    that do not.
+    """
     touches = np.where(np.isnan(field), np.nan, field <= TOUCH)
     edges = [
         [(x.edges[j + side], y.edges[i + 1 - side]), (x.edges[j + 1], y.edges[i + 1])]
@@ -132,7 +140,9 @@ def _liftoff(axes: Any, x: Any, y: Any, field: np.ndarray) -> list[Any]:
     ]
     if not edges:
         return []
-    axes.add_collection(LineCollection(edges, colors=ink().alarm, linewidths=1.6, capstyle="projecting"))
+    axes.add_collection(
+        LineCollection(edges, colors=ink().alarm, linewidths=1.6, capstyle="projecting")
+    )
     return [Line2D([], [], color=ink().alarm, lw=1.6, label="liftoff: $g_n$ reaches 0")]
 
 
@@ -154,19 +164,27 @@ def _over_one(sweep_map: Any) -> Axes:
     marker = "." if len(x.centres) < 200 else ""
     if sweep_map.kind == "class":
         kinds, theta = sweep_map.fields["class"], sweep_map.fields["theta_end"]
-        for piece in np.split(np.arange(len(theta)), np.flatnonzero(np.diff(np.nan_to_num(kinds, nan=-1))) + 1):
-            axes.plot(x.centres[piece], theta[piece], color=inks.quiet, lw=0.8)  # open where the fate changes
+        for piece in np.split(
+            np.arange(len(theta)), np.flatnonzero(np.diff(np.nan_to_num(kinds, nan=-1))) + 1
+        ):
+            axes.plot(
+                x.centres[piece], theta[piece], color=inks.quiet, lw=0.8
+            )  # open where the fate changes
         for i, name in enumerate(sweep_map.classes):
             here = kinds == i
             if (here & np.isfinite(theta)).any():
-                axes.plot(x.centres[here], theta[here], ".", color=of_class[name], label=_name(name), ms=7)
+                axes.plot(
+                    x.centres[here], theta[here], ".", color=of_class[name], label=_name(name), ms=7
+                )
         axes.set(ylabel="inclination θ at the end (rad)", ylim=(-0.1, np.pi + 0.1))
         ticks_of_pi(axes)
     else:
         label, curves = CURVES[sweep_map.kind]
         for name, (colour, style, words) in curves.items():
             values = sweep_map.fields[name]
-            axes.plot(x.centres, values, color=getattr(inks, colour), ls=style, marker=marker, label=words)
+            axes.plot(
+                x.centres, values, color=getattr(inks, colour), ls=style, marker=marker, label=words
+            )
         axes.set_ylabel(label)
         if sweep_map.kind != "inversion":
             force = sweep_map.kind == "normal-force"
@@ -175,7 +193,13 @@ def _over_one(sweep_map: Any) -> Axes:
         known, above = np.isfinite(values), values > 0
         passed = known[1:] & known[:-1] & (above[1:] != above[:-1])
         for i, at in enumerate(x.span[:-1][passed]):
-            axes.axvline(at, color=inks.mark, lw=1.0, ls=style, label=_mathematical(label) if i == 0 else None)
+            axes.axvline(
+                at,
+                color=inks.mark,
+                lw=1.0,
+                ls=style,
+                label=_mathematical(label) if i == 0 else None,
+            )
     _dress(axes, sweep_map, x)
     legend(axes, "lower center", ncols=3)
     return axes
@@ -187,14 +211,21 @@ def _dress(axes: Any, sweep_map: Any, x: Any) -> None:
         axes.set_xscale("log")
     axes.set_xlim(x.edges[0], x.edges[-1])
     name = sweep_map.title[:1].upper() + sweep_map.title[1:]
-    title = TITLES[sweep_map.kind] if len(sweep_map.axes) == 2 else ONE_AXIS.get(sweep_map.kind, TITLES[sweep_map.kind])
+    title = (
+        TITLES[sweep_map.kind]
+        if len(sweep_map.axes) == 2
+        else ONE_AXIS.get(sweep_map.kind, TITLES[sweep_map.kind])
+    )
     lines = [f"{name}: {title}", *(["; ".join(sweep_map.notes)] if sweep_map.notes else [])]
     axes.set_title("\n".join(heading(line) for line in lines))
 
 
 def _name(name: str) -> str:
     """The name of a class."""
-    words = {"none": "no end: invalid, not finite, stalled, not followed", "near-upright": "still near upright"}
+    words = {
+        "none": "no end: invalid, not finite, stalled, not followed",
+        "near-upright": "still near upright",
+    }
     return words.get(name, name.replace("-", " "))
 
 

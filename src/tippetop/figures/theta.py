@@ -18,19 +18,26 @@ WIDE = 1.2  # rad: an axis of angles over more than this has ticks at parts of p
 
 
 def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """theta(t) with the logged turning angles and their envelopes, the nutational band; below, how wide it is.
+    """theta(t) with the logged turning angles and their envelopes, the nutational band; below, how
+    wide it is.
 
     In a panel that is given there is nothing below. A run without a band has no panel below.
     """
     t, angle = trajectory["time"].values, trajectory["theta"].values
     low, high = _turnings(events, +1), _turnings(events, -1)
-    pieces = bands(_turnings(events, +1, True), _turnings(events, -1, True), np.array(attrs.get("handed_over", ())))
+    pieces = bands(
+        _turnings(events, +1, True),
+        _turnings(events, -1, True),
+        np.array(attrs.get("handed_over", ())),
+    )
     ax, below = panels_over_time(ax, 1.2 if pieces else 0)
     colours = ink()
     inclined = "inclination" in trajectory["theta"].attrs.get("long_name", "inclination")
     words = "nutational band" if inclined else "band between the turnings"
     for i, (when, bottom, top) in enumerate(pieces):
-        ax.fill_between(when, bottom, top, color=colours.upper, alpha=0.22, lw=0, label="_" * (i > 0) + words)
+        ax.fill_between(
+            when, bottom, top, color=colours.upper, alpha=0.22, lw=0, label="_" * (i > 0) + words
+        )
     ax.plot(*thinned(t, angle), color=colours.run, lw=0.7, label="θ(t)")
     size = 5 if len(low[0]) + len(high[0]) < 1000 else 1.5
     for (when, where), color, name in (
@@ -39,7 +46,11 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     ):
         if len(when):
             ax.scatter(*thinned(when, where), s=size, color=color, lw=0, zorder=3, label=name)
-    ax.set(ylabel="inclination θ (rad)" if inclined else "angle θ (rad)", title=title(attrs), xlim=span(t))
+    ax.set(
+        ylabel="inclination θ (rad)" if inclined else "angle θ (rad)",
+        title=title(attrs),
+        xlim=span(t),
+    )
     _ticks(ax, float(np.min(angle)), float(np.max(angle)))
     lifted = events["time"].values[flagged(events["kind"], "liftoff")]
     for when in lifted[:1]:
@@ -78,10 +89,13 @@ def _width(ax: Axes, pieces: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) ->
         ax.set_ylim(0, 1.25 * float(np.nanmax(width)))
 
 
-def bands(low: Curve, high: Curve, breaks: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Pieces of the band between the envelopes (times, low, high), broken where turnings pause, since theta is monotone
-    there (the rise of an inversion), and at these times. One piece, if turnings are more than can be seen: a pause
-    would be narrower than a line."""
+def bands(
+    low: Curve, high: Curve, breaks: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Pieces of the band between the envelopes (times, low, high), broken where turnings pause,
+    since theta is monotone there (the rise of an inversion), and at these times. One piece, if
+    turnings are more than can be seen: a pause would be narrower than a line.
+    """
     times = np.union1d(low[0], high[0])
     if len(low[0]) < 2 or len(high[0]) < 2:
         return []
@@ -112,8 +126,9 @@ def _usual(values: np.ndarray) -> np.ndarray:
 
 
 def _turnings(events: Any, sign: int, of_band: bool = False) -> Curve:
-    """Times and angles of the significant minima (sign +1) or maxima (-1) of theta; of the band those alone that are no
-    trembling within a swing, as impacts leave it."""
+    """Times and angles of the significant minima (sign +1) or maxima (-1) of theta; of the band
+    those alone that are no trembling within a swing, as impacts leave it.
+    """
     keep = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
     if of_band:
         keep[keep] = ~_trembling(events["amplitude"].values[keep])
@@ -122,7 +137,9 @@ def _turnings(events: Any, sign: int, of_band: bool = False) -> Curve:
 
 
 def _trembling(swings: np.ndarray) -> np.ndarray:
-    """Which turnings begin or end a swing that is far smaller than those around it; they come in pairs."""
+    """Which turnings begin or end a swing that is far smaller than those around it; they come in
+    pairs.
+    """
     if not 0 < len(swings) <= MOST_POINTS:
         return np.zeros(len(swings), dtype=bool)
     small = swings < TREMBLING * _usual(swings)

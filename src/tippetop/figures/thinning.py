@@ -5,7 +5,9 @@ import numpy as np
 from ..sampling import extremes
 
 
-MOST_POINTS = 40_000  # more cannot be seen; beyond it the smallest and largest of each bin are drawn
+MOST_POINTS = (
+    40_000  # more cannot be seen; beyond it the smallest and largest of each bin are drawn
+)
 BINS = 250  # of a curve that shows the worst of each
 
 

@@ -1,4 +1,6 @@
-"""The body whose potential is evaluated: parameters in SI become coefficients of V, rounded once."""
+"""The body whose potential is evaluated: parameters in SI become coefficients of V,
+rounded once.
+"""
 
 import decimal
 from collections.abc import Mapping
@@ -61,12 +63,15 @@ def landscape_of(system: str | System) -> tuple[System, Landscape]:
     if record is None or record.landscape is None:
         known = ", ".join(name for name, s in SYSTEMS.items() if s.landscape is not None)
         name = system if isinstance(system, str) else system.name
-        raise InputError([f"the system must be one of {known}, which have a landscape, but is {name}."])
+        raise InputError(
+            [f"the system must be one of {known}, which have a landscape, but is {name}."]
+        )
     return record, record.landscape
 
 
 def top(parameters: Mapping[str, float], system: str | System = "tippe-top") -> Top:
-    """The body of a system with its parameters; its constants are taken with 50 digits, then rounded once.
+    """The body of a system with its parameters; its constants are taken with 50 digits, then
+    rounded once.
 
     Parameters
     ----------
@@ -88,4 +93,11 @@ def top(parameters: Mapping[str, float], system: str | System = "tippe-top") -> 
         exact = record.body_of(given, Frictionless(), decimal.Decimal)
         coefficients = rounded(landscape.coefficients(exact))
         two_wells = landscape.two_wells is not None and bool(landscape.two_wells(exact) < 0)
-    return Top(record, landscape, given, coefficients, refill(exact, (float(x) for x in exact[:-1])), two_wells)
+    return Top(
+        record,
+        landscape,
+        given,
+        coefficients,
+        refill(exact, (float(x) for x in exact[:-1])),
+        two_wells,
+    )

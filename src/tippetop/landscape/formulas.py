@@ -1,13 +1,16 @@
-"""The potential of a top in a variable that keeps its digits at both poles, and its minimal surface. [section 5, 8]
+"""The potential of a top in a variable that keeps its digits at both poles, and its minimal
+surface. [section 5, 8]
 
-Instead of z = cos(theta) the formulas take q = tan(theta/2)^2, 0 < q < oo: 1 - z = 2q/(1 + q), 1 + z = 2/(1 + q), and
-dz/dln(q) = -(1 - z^2)/2. X = lambda sqrt(d) + R(alpha - z) D is carried by its values at the poles,
-a ~ X(+1) and b ~ X(-1): with K from d = (1 - z^2)(h^2 + K), h linear in 1/sqrt(q) and sqrt(q),
+Instead of z = cos(theta) the formulas take q = tan(theta/2)^2, 0 < q < oo: 1 - z = 2q/(1 + q), 1 +
+z = 2/(1 + q), and dz/dln(q) = -(1 - z^2)/2. X = lambda sqrt(d) + R(alpha - z) D is carried by its
+values at the poles, a ~ X(+1) and b ~ X(-1): with K from d = (1 - z^2)(h^2 + K), h linear in
+1/sqrt(q) and sqrt(q),
 
     X/sqrt(1 - z^2) ~ (a + b q + k psi)/sqrt(q),    psi = K q/(h + sqrt(h^2 + K q)),
 
-and nothing cancels, neither at the poles nor on the marked lines a = 0 and b = 0. K ~ -chi vanishes for sqrt(d) linear
-in z. Heavy tops are the case K = 0, d = 1, seen upside down: q = cot(theta/2)^2. Squares are in joules.
+and nothing cancels, neither at the poles nor on the marked lines a = 0 and b = 0. K ~ -chi vanishes
+for sqrt(d) linear in z. Heavy tops are the case K = 0, d = 1, seen upside down: q = cot(theta/2)^2.
+Squares are in joules.
 
 In every formula q > 0, p is a `Point` (the two momenta), c the `PotentialCoefficients` of the body.
 """
@@ -31,7 +34,9 @@ class Point(NamedTuple):
 
 @formula
 def at_momenta(first, second, c):
-    """The point (D, lambda), or (L3, Lz); exact to one rounding also where a or b nearly cancels."""
+    """The point (D, lambda), or (L3, Lz); exact to one rounding also where a or b
+    nearly cancels.
+    """
     spin, other = scaled(first, c.spin1), scaled(second, c.spin2)
     return Point(
         tidy(plus(scaled(first, c.a1), scaled(second, c.a2))),
@@ -44,7 +49,9 @@ def at_momenta(first, second, c):
 
 @formula
 def psi(q, p, c):
-    """2 psi sqrt(q), a double-double: the root of psi (psi + 2h) = 4 K q with h twice that of above, times sqrt(q)."""
+    """2 psi sqrt(q), a double-double: the root of psi (psi + 2h) = 4 K q with h twice that of
+    above, times sqrt(q).
+    """
     Kq = scaled(4 * q, c.K)
     h = plus(c.sqrt_d0, scaled(q, c.sqrt_d1))
     e = sqrt(h.head * h.head + Kq.head)
@@ -66,7 +73,10 @@ def motion_terms(psi, q, p, c):
 @formula
 def total(motion, q, p, c):
     """V [J] of its motion terms: weight and motion."""
-    t, gq = plus(DoubleDouble(1.0, 0.0), DoubleDouble(q, 0.0)), scaled(q, c.gamma)  # 1 + q = 2/(1 + z)
+    t, gq = (
+        plus(DoubleDouble(1.0, 0.0), DoubleDouble(q, 0.0)),
+        scaled(q, c.gamma),
+    )  # 1 + q = 2/(1 + z)
     per = 1 / (t.head * gq.head)
     weight = quotient(scaled(q, c.height_gain), t, gq.head * per)
     return plus(plus(c.height_energy, weight), quotient(motion, gq, t.head * per))
@@ -74,7 +84,10 @@ def total(motion, q, p, c):
 
 @formula
 def potential(q, p, c):
-    """V [J] at q of the point p, a double-double: weight and (Y^2/q + offset)/gamma. [equal to T 4.12, 2.38]"""
+    """V [J] at q of the point p, a double-double: weight and (Y^2/q + offset)/gamma.
+
+    [equal to T 4.12, 2.38]
+    """
     return total(motion_terms(psi(q, p, c), q, p, c), q, p, c)
 
 
@@ -170,7 +183,9 @@ def frame(q, p, c):
     he, t = h + e, 1 + q
     per = 1 / (e * he * t)
     per_e = he * t * per
-    return Frame(2 * p.k.head * K * q * (e * t * per), h * per_e, (d1q - d0) * (0.25 * per_e), e * he * per)
+    return Frame(
+        2 * p.k.head * K * q * (e * t * per), h * per_e, (d1q - d0) * (0.25 * per_e), e * he * per
+    )
 
 
 @formula
@@ -181,7 +196,10 @@ def slopes_in(f, q, p, c):
     turn2 = s * ((1 - n * n) * (0.25 - s * s) - 2 * n * turn)
     a, bq = p.a.head, p.b.head * q
     Y, Y1 = (a + bq) + psi, (bq - a) / 2 - s * psi
-    Y2, Y3 = (a + bq) / 4 + psi * (s * s - turn), (bq - a) / 8 + psi * (s * (3 * turn - s * s) - turn2)
+    Y2, Y3 = (
+        (a + bq) / 4 + psi * (s * s - turn),
+        (bq - a) / 8 + psi * (s * (3 * turn - s * s) - turn2),
+    )
     y = q * f.cos2
     yc = y * f.cos2
     weight = c.gamma.head * c.height_gain.head * q * yc
@@ -194,19 +212,25 @@ def slopes_in(f, q, p, c):
 
 @formula
 def slopes(q, p, c):
-    """q gamma times the first three derivatives of V by ln(q) [J]; the first is -N(z)/(1 - z^2) but for a factor."""
+    """q gamma times the first three derivatives of V by ln(q) [J]; the first is -N(z)/(1 - z^2) but
+    for a factor.
+    """
     return slopes_in(frame(q, p, c), q, p, c)
 
 
 @formula
 def curvature(q, p, c):
-    """Second derivative of V by ln(q) [J]; at the minimum d2V/dtheta2 is 4/sin(theta)^2 times this."""
+    """Second derivative of V by ln(q) [J]; at the minimum d2V/dtheta2 is 4/sin(theta)^2
+    times this.
+    """
     return slopes(q, p, c)[1] / (q * c.gamma.head)
 
 
 @formula
 def pole_values(p, c):
-    """a and b with k psi of X added at the pole where it counts: there they are X(+-1)' in place of X(-+1)."""
+    """a and b with k psi of X added at the pole where it counts: there they are X(+-1)' in place of
+    X(-+1).
+    """
     a, b = abs(p.a.head), abs(p.b.head)
     psi = 2 * p.k.head * c.K.head / ((c.sqrt_d0.head * b + c.sqrt_d1.head * a) * (a + b))
     return abs(p.a.head + psi * a * a), abs(p.b.head + psi * b * b)
@@ -232,7 +256,9 @@ def rough(p, c):
 
 @formula
 def sharper(k, p, c):
-    """One of Halley's steps in ln(q) towards the minimum for K = 0: the root of (b q)^2 + (g q/(1 + q))^2 = a^2."""
+    """One of Halley's steps in ln(q) towards the minimum for K = 0: the root of (b q)^2 + (g q/(1 +
+    q))^2 = a^2.
+    """
     t = 1 + k.q  # the function times t^2, its derivatives times t^3, t^4
     bq, gq = k.b * k.q * t, c.root_gamma_gain * k.q
     B, G = bq * bq, gq * gq
@@ -255,7 +281,9 @@ def guess(p, c):
 
 @formula
 def ends(first, second, p, c):
-    """Is the infimum approached at q -> 0, at q -> oo? So it is on the marked lines, to a rounding of D and lambda."""
+    """Is the infimum approached at q -> 0, at q -> oo? So it is on the marked lines, to a rounding
+    of D and lambda.
+    """
     little = 4 * 2.220446049250313e-16
     a = abs(p.a.head + 2 * p.k.head * c.K.head / c.sqrt_d1.head)  # that of `pole_values` for b = 0
     return (
@@ -264,7 +292,8 @@ def ends(first, second, p, c):
     )
 
 
-# what may be worked stage by stage: each takes the result of the one before it, then what the whole takes
+# what may be worked stage by stage: each takes the result of the one before it, then what the whole
+# takes
 STAGES: dict[Callable, tuple[Callable, ...]] = {
     guess: (rough, sharper, sharpest),
     slopes: (frame, slopes_in),

@@ -6,7 +6,17 @@ from functools import cache
 from tippetop_kernels import grid, staging
 from tippetop_kernels.compilation import Entry, inlined
 
-from .formulas import STAGES, at_momenta, curvature, ends, excess, guess, slopes, surface_gradient, value
+from .formulas import (
+    STAGES,
+    at_momenta,
+    curvature,
+    ends,
+    excess,
+    guess,
+    slopes,
+    surface_gradient,
+    value,
+)
 
 
 staging.STAGES.update(STAGES)

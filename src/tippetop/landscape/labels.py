@@ -1,4 +1,6 @@
-"""How the landscape's arguments are checked and its results labelled: axes, units, long names, CF flags."""
+"""How the landscape's arguments are checked and its results labelled: axes, units, long names, CF
+flags.
+"""
 
 from collections.abc import Iterable
 from enum import IntEnum
@@ -22,8 +24,9 @@ NAMES = {
 
 
 def axis(name: str, values: Any) -> np.ndarray:
-    """A grid axis, (n,): one-dimensional, not empty, ascending; NaN and infinities are let through, as points without
-    answer. It is contiguous: for each way in which an array lies in memory, kernels would be compiled anew.
+    """A grid axis, (n,): one-dimensional, not empty, ascending; NaN and infinities are let through,
+    as points without answer. It is contiguous: for each way in which an array lies in memory,
+    kernels would be compiled anew.
 
     Raises
     ------
@@ -32,7 +35,9 @@ def axis(name: str, values: Any) -> np.ndarray:
     """
     x = np.ascontiguousarray(np.atleast_1d(numbers(name, values)))
     if x.ndim != 1 or x.size == 0:
-        raise InputError([f"`{name}` must be a number or a one-dimensional array that is not empty: {x.shape}."])
+        raise InputError(
+            [f"`{name}` must be a number or a one-dimensional array that is not empty: {x.shape}."]
+        )
     known = x[np.isfinite(x)]
     if np.any(np.diff(known) <= 0):
         raise InputError([f"`{name}` must ascend, but does not."])
@@ -46,10 +51,16 @@ def at_numbers(grid: xr.Dataset, arguments: Iterable[tuple[str, Any]]) -> xr.Dat
 
 def attributes(t: Top, **more: Any) -> dict[str, Any]:
     """The attributes of a Dataset: the system, its parameters in SI, and more."""
-    return {"system": t.system.name, **{f"parameter_{k}": v for k, v in t.parameters.items()}, **more}
+    return {
+        "system": t.system.name,
+        **{f"parameter_{k}": v for k, v in t.parameters.items()},
+        **more,
+    }
 
 
-def labelled(name: str, dims: Any, values: Any, units: str | None = None, long_name: str | None = None) -> tuple:
+def labelled(
+    name: str, dims: Any, values: Any, units: str | None = None, long_name: str | None = None
+) -> tuple:
     """A variable with its unit and meaning."""
     known = NAMES.get(name, ("1", name))
     return dims, values, {"units": units or known[0], "long_name": long_name or known[1]}

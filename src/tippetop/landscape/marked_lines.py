@@ -13,7 +13,8 @@ from .labels import attributes, axis, labelled, of_momentum
 
 
 def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
-    """The spinning states theta = 0, pi of a tippe top: the lines that they are on its minimal surface. [T 4.23-4.28]
+    """The spinning states theta = 0, pi of a tippe top: the lines that they are on its minimal
+    surface. [T 4.23-4.28]
 
     Parameters
     ----------
@@ -25,14 +26,16 @@ def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over `end` (theta = 0, theta = pi) and `lambda`, (2, n): D [kg m^2/s], E, the energy E~ [J], omega3 [rad/s],
-        and on_surface, whether E~ = F there: theta = 0 always, theta = pi iff |lambda| >= lambda_pi [5.1], which is an
-        attribute [kg m^3/s]; of a peg, alpha < 0, theta = pi always, and theta = 0 from lambda_pi on.
+        Over `end` (theta = 0, theta = pi) and `lambda`, (2, n): D [kg m^2/s], E, the energy E~ [J],
+        omega3 [rad/s], and on_surface, whether E~ = F there: theta = 0 always, theta = pi iff
+        |lambda| >= lambda_pi [5.1], which is an attribute [kg m^3/s]; of a peg, alpha < 0, theta =
+        pi always, and theta = 0 from lambda_pi on.
 
     Raises
     ------
     ValueError
-        For a parameter that is missing, not finite or outside its interval, and numbers that do not ascend.
+        For a parameter that is missing, not finite or outside its interval, and numbers that do not
+        ascend.
     """
     t = top(parameters)
     lam, z = axis("lambda", lam), np.array([1.0, -1.0])
@@ -42,9 +45,19 @@ def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
     return xr.Dataset(
         {
             "D": of_momentum(first, dims, spinning.momentum(Z, Lam, t.body)),
-            "E": labelled("E", dims, spinning.energy(Z, Lam, t.body), "J", "modified energy E~ of the spinning state"),
+            "E": labelled(
+                "E",
+                dims,
+                spinning.energy(Z, Lam, t.body),
+                "J",
+                "modified energy E~ of the spinning state",
+            ),
             "omega3": labelled("omega3", dims, spin(Z, Lam, t.body), "rad s-1", "spin omega_3"),
-            "on_surface": (dims, (t.upright == Z) | (np.abs(Lam) >= lam_pi), {"long_name": "E~ = F there"}),
+            "on_surface": (
+                dims,
+                (t.upright == Z) | (np.abs(Lam) >= lam_pi),
+                {"long_name": "E~ = F there"},
+            ),
         },
         {"end": ["theta = 0", "theta = pi"], "lambda": of_momentum(second, "lambda", lam)},
         attributes(t, lambda_pi=lam_pi),

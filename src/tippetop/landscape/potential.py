@@ -12,7 +12,11 @@ from .labels import at_numbers, attributes, axis, labelled, of_momentum
 
 
 def potential(
-    parameters: Mapping[str, float], z: Any, first: Any, second: Any, system: str | System = "tippe-top"
+    parameters: Mapping[str, float],
+    z: Any,
+    first: Any,
+    second: Any,
+    system: str | System = "tippe-top",
 ) -> xr.Dataset:
     """The effective potential V of a top and its derivatives by z over a grid. [T 4.12, 2.38, 5.26]
 
@@ -23,24 +27,24 @@ def potential(
     z
         cos(theta) in (-1, 1), a number or ascending numbers.
     first, second
-        The two momenta, numbers or ascending numbers: D [kg m^2/s] and lambda [kg m^3/s] of a tippe top, L3 and Lz
-        [kg m^2/s] of a heavy top.
+        The two momenta, numbers or ascending numbers: D [kg m^2/s] and lambda [kg m^3/s] of a tippe
+        top, L3 and Lz [kg m^2/s] of a heavy top.
     system
         A system that has a landscape, or its name.
 
     Returns
     -------
     xarray.Dataset
-        V, V_z and V_zz [J] over z x first x second; arguments that are numbers, not arrays, are no dimensions. No
-        digits are lost near the poles: 1 - z is exact there, and X is formed without cancellation. Outside (-1, 1), at
-        z = +-1 too, and for infinite arguments V is NaN: it is +oo at a pole off the marked line; the end values on
-        it are those of `marked_lines`.
+        V, V_z and V_zz [J] over z x first x second; arguments that are numbers, not arrays, are no
+        dimensions. No digits are lost near the poles: 1 - z is exact there, and X is formed without
+        cancellation. Outside (-1, 1), at z = +-1 too, and for infinite arguments V is NaN: it is
+        +oo at a pole off the marked line; the end values on it are those of `marked_lines`.
 
     Raises
     ------
     ValueError
-        For a system without landscape, a parameter that is missing, not finite or outside its interval, and axes that
-        are empty or do not ascend.
+        For a system without landscape, a parameter that is missing, not finite or outside its
+        interval, and axes that are empty or do not ascend.
     """
     from .kernels import potentials
 
@@ -60,7 +64,10 @@ def potential(
         },
         {
             "z": labelled("z", "z", z),
-            **{m.symbol: of_momentum(m, m.symbol, v) for m, v in zip(t.landscape.momenta, (x, y), strict=True)},
+            **{
+                m.symbol: of_momentum(m, m.symbol, v)
+                for m, v in zip(t.landscape.momenta, (x, y), strict=True)
+            },
             "theta": labelled("theta", "z", np.arccos(np.clip(z, -1, 1))),
         },
         attributes(t),

@@ -1,4 +1,7 @@
-"""theta(t) of a run made again from its D(t) and E~(t): the main equation as an equation of motion. [T 4.40, 5.26]"""
+"""theta(t) of a run made again from its D(t) and E~(t): the main equation as an equation of motion.
+
+[T 4.40, 5.26]
+"""
 
 import math
 import warnings
@@ -18,13 +21,18 @@ from ..problem import Problem
 if TYPE_CHECKING:
     import xarray as xr
 
-LEAST_ROWS = 4  # of a swing, from one turning to the next: with fewer the curves through D and E~ mean nothing
+# of a swing, from one turning to the next: with fewer the curves through D and E~ mean nothing
+LEAST_ROWS = 4
 
 
 def reconstruction(
-    problem: Problem, trajectory: "Callable[[], xr.Dataset]", events: "Callable[[], xr.Dataset]", period: float | None
+    problem: Problem,
+    trajectory: "Callable[[], xr.Dataset]",
+    events: "Callable[[], xr.Dataset]",
+    period: float | None,
 ) -> "xr.Dataset":
-    """Return theta along the rows of a run, and the times of its turnings; see `theory.reconstruct`. Raises InputError.
+    """Return theta along the rows of a run, and the times of its turnings; see
+    `theory.reconstruct`. Raises InputError.
 
     Parameters
     ----------
@@ -39,26 +47,43 @@ def reconstruction(
 
     system = problem.system
     if problem.contact is not None:
-        raise InputError(["the run must be one whose contact stays what it is, but its contact may change its phase."])
+        raise InputError(
+            [
+                "the run must be one whose contact stays what it is, but its contact may change "
+                "its phase."
+            ]
+        )
     if len(system.momenta) != 2:
-        raise InputError([f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."])
+        raise InputError(
+            [f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."]
+        )
     rows = trajectory()
     require(("theta", "modified_energy", *system.momenta), rows, "what theta is reconstructed from")
     times = rows["time"].values
     if len(times) < LEAST_ROWS:
-        raise InputError([f"the run must have rows enough, some hundred in each nutation, but has {len(times)}."])
+        raise InputError(
+            [f"the run must have rows enough, some hundred in each nutation, but has {len(times)}."]
+        )
     log = events()
     turning = (log["kind"].values == 0) & log["significant"].values.astype(bool)
     if period is None and not turning.any():
         raise InputError(["`period` must be given where the run has no turnings, but is missing."])
     guess = 2 * float(log["time"].values[turning][0]) if period is None else period
     if guess <= (apart := float(np.diff(times).min())):
-        raise InputError([f"`period` must be longer than the {apart:.3g} s between two rows, but is {guess:.3g} s."])
-    _refuse_few(times, np.append(0.0, log["time"].values[turning]) if turning.any() else [0.0, guess / 2])
+        raise InputError(
+            [
+                f"`period` must be longer than the {apart:.3g} s between two rows, but is "
+                f"{guess:.3g} s."
+            ]
+        )
+    _refuse_few(
+        times, np.append(0.0, log["time"].values[turning]) if turning.any() else [0.0, guess / 2]
+    )
     units = {quantity.name: quantity.unit for quantity in system.quantities}
     second = float(problem.scales.of(SECOND))
     energy, *momenta = (
-        rows[name].values / float(problem.scales.of(units[name])) for name in ("modified_energy", *system.momenta)
+        rows[name].values / float(problem.scales.of(units[name]))
+        for name in ("modified_energy", *system.momenta)
     )
     solution = main_equation.reconstruct(
         system,
@@ -74,7 +99,8 @@ def reconstruction(
         gap = f"its pieces disagree by {solution.mismatch:.1e} in cos(theta)"
         why = "no turning is found beyond" if solution.mismatch <= main_equation.APART else gap
         warnings.warn(
-            f"the reconstruction ends at t = {end:.4g} s: {why}. After it theta is not to be relied on, and not given.",
+            f"the reconstruction ends at t = {end:.4g} s: {why}. After it theta is not to be "
+            "relied on, and not given.",
             stacklevel=3,
         )
     theta = {"units": "rad", "long_name": "theta by the main equation"}
@@ -82,7 +108,11 @@ def reconstruction(
         {"theta": ("time", np.arccos(solution.z), theta)},
         {
             "time": rows["time"],
-            "turning": ("turning", solution.turnings * second, {"units": "s", "long_name": "times of the turnings"}),
+            "turning": (
+                "turning",
+                solution.turnings * second,
+                {"units": "s", "long_name": "times of the turnings"},
+            ),
         },
         {"mismatch": solution.mismatch},
     )
@@ -95,7 +125,8 @@ def _refuse_few(times: np.ndarray, turnings: "np.ndarray | list[float]") -> None
     if len(rows) and (least := int(rows.min())) < LEAST_ROWS:
         raise InputError(
             [
-                f"the run must have rows enough, some hundred in each nutation, but has {least} between two turnings: "
+                f"the run must have rows enough, some hundred in each nutation, but has {least} "
+                "between two turnings: "
                 "a smaller `output_step`."
             ]
         )

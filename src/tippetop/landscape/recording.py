@@ -1,4 +1,6 @@
-"""Landscapes on disk. Surfaces beyond memory are written chunk by chunk; the ledger lists what is done.
+"""Landscapes on disk.
+
+Surfaces beyond memory are written chunk by chunk; the ledger lists what is done.
 
 A second call with the same body and axes continues a surface that was interrupted.
 """
@@ -32,7 +34,9 @@ BEGUN, FINISHED = {"status": "running"}, {"status": "finished"}
 
 @dataclass(frozen=True)
 class Surface:
-    """A minimal surface F [J] over x times y, the momenta of a body, in chunks of so many rows and columns."""
+    """A minimal surface F [J] over x times y, the momenta of a body, in chunks of so many rows and
+    columns.
+    """
 
     top: bodies.Top
     x: np.ndarray
@@ -41,7 +45,13 @@ class Surface:
 
     @classmethod
     def over(
-        cls, parameters: Mapping[str, float], x: Any, y: Any, system: str = "tippe-top", *, chunk: int = CHUNK
+        cls,
+        parameters: Mapping[str, float],
+        x: Any,
+        y: Any,
+        system: str = "tippe-top",
+        *,
+        chunk: int = CHUNK,
     ) -> "Surface":
         """The surface of a body. Raises ValueError for axes that are empty or do not ascend."""
         top = bodies.top(parameters, system)
@@ -50,13 +60,17 @@ class Surface:
     def axes(self) -> dict[str, Column]:
         """The axes as columns."""
         return {
-            m.symbol: Column((m.symbol,), values, {"units": m.unit.symbol, "long_name": m.long_name})
+            m.symbol: Column(
+                (m.symbol,), values, {"units": m.unit.symbol, "long_name": m.long_name}
+            )
             for m, values in zip(self.top.landscape.momenta, (self.x, self.y), strict=True)
         }
 
     def blocks(self) -> Iterator[tuple[int, int]]:
         """The first row and column of every chunk."""
-        return itertools.product(range(0, self.x.size, self.chunk), range(0, self.y.size, self.chunk))
+        return itertools.product(
+            range(0, self.x.size, self.chunk), range(0, self.y.size, self.chunk)
+        )
 
     def attributes(self) -> dict[str, Any]:
         """The root attributes of the store."""
@@ -67,7 +81,8 @@ class Surface:
             "system": self.top.system.name,
             "parameters": self.top.parameters,
             "axes": {
-                name: [float(v.values[0]), float(v.values[-1]), int(v.values.size)] for name, v in self.axes().items()
+                name: [float(v.values[0]), float(v.values[-1]), int(v.values.size)]
+                for name, v in self.axes().items()
             },
             "chunk": self.chunk,
             **provenance(),
@@ -79,18 +94,30 @@ class Surface:
 
         axes, dims, none = self.axes(), self.top.momenta, np.zeros((0, 0))
         flags = {
-            k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in labels.flags(Status, "how F is taken").items()
+            k: v.tolist() if isinstance(v, np.ndarray) else v
+            for k, v in labels.flags(Status, "how F is taken").items()
         }
         columns = {
-            "F": Column(dims, none, dict(zip(("units", "long_name"), labels.NAMES["F"], strict=True))),
+            "F": Column(
+                dims, none, dict(zip(("units", "long_name"), labels.NAMES["F"], strict=True))
+            ),
             "z": Column(dims, none, {"units": "1", "long_name": "z = cos(theta) where V is least"}),
             "status": Column(dims, none.astype(np.int8), flags),
         }
-        sizes = {dim: (n, min(self.chunk, n)) for dim, n in zip(dims, (self.x.size, self.y.size), strict=True)}
+        sizes = {
+            dim: (n, min(self.chunk, n))
+            for dim, n in zip(dims, (self.x.size, self.y.size), strict=True)
+        }
         members = {name: zarr3.array(axis, {}, 0) for name, axis in axes.items()}
-        members |= {name: zarr3.array(c, sizes, -1 if name == "status" else None) for name, c in columns.items()}
+        members |= {
+            name: zarr3.array(c, sizes, -1 if name == "status" else None)
+            for name, c in columns.items()
+        }
         arrays = {f"{GROUP}/{name}": document for name, document in members.items()}
-        tables = {name: [f"{GROUP}/{column}" for column in of] for name, of in (("axes", axes), (GROUP, columns))}
+        tables = {
+            name: [f"{GROUP}/{column}" for column in of]
+            for name, of in (("axes", axes), (GROUP, columns))
+        }
         return ledger.header(self.attributes(), {GROUP: zarr3.group({}), **arrays}, tables)
 
 
@@ -101,7 +128,8 @@ def write(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Writes F [J], z and status of a surface into the group `surface` of a store at `path`, or continues it.
+    """Writes F [J], z and status of a surface into the group `surface` of a store at `path`, or
+    continues it.
 
     Parameters
     ----------
@@ -135,7 +163,9 @@ def write(
         for done, (i, j) in enumerate(blocks, 1):
             key = f"{GROUP}/{i // wanted.chunk}.{j // wanted.chunk}"
             if key not in store.state.chunks:
-                values = _values(wanted, slice(i, i + wanted.chunk), slice(j, j + wanted.chunk), threads=threads)
+                values = _values(
+                    wanted, slice(i, i + wanted.chunk), slice(j, j + wanted.chunk), threads=threads
+                )
                 store.check()
                 store.put(key, values)
                 store.commit()
@@ -147,7 +177,10 @@ def write(
 
 
 def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
-    """Writes the Dataset V of `potential` along z into the group `potential` of a new store. Raises StoreError."""
+    """Writes the Dataset V of `potential` along z into the group `potential` of a new store.
+
+    Raises StoreError.
+    """
     group = "potential"
     columns = {
         f"{group}/{name}": Column(("z",), np.asarray(v), dict(v.attrs))
@@ -158,7 +191,10 @@ def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
     attributes = {"content": group, **attrs, **BEGUN, **provenance()}
     header = ledger.header(attributes, {group: zarr3.group({}), **arrays}, {group: list(columns)})
     with new_store(path) as scratch, Ledger.created(scratch, header) as store:
-        store.put(f"{group}/0", {name.rpartition("/")[2]: column.values for name, column in columns.items()})
+        store.put(
+            f"{group}/0",
+            {name.rpartition("/")[2]: column.values for name, column in columns.items()},
+        )
         store.finish(FINISHED)
 
 
@@ -181,13 +217,17 @@ def _opened(path: Path, wanted: Surface) -> Ledger:
     try:
         unsound, state = store.unsound(), store.state
         if any(state.header["attributes"].get(key) != header["attributes"][key] for key in SAME):
-            raise StoreError(f"`{path}` must be the same surface, unfinished, but is another: remove it.")
+            raise StoreError(
+                f"`{path}` must be the same surface, unfinished, but is another: remove it."
+            )
         known = AXES in state.chunks and AXES not in unsound
         for file in state.files(AXES) if known else ():
             place = file.rpartition("/")[0]
             stored = zarr3.decode(store.folder.read(file), header["members"][place])
             if not np.array_equal(stored, axes[place.rpartition("/")[2]]):
-                raise StoreError(f"`{path}` must be the same surface, unfinished, but is another: remove it.")
+                raise StoreError(
+                    f"`{path}` must be the same surface, unfinished, but is another: remove it."
+                )
         if not known or state.header != header:  # of other versions: it is begun again
             store.restart(header, [])
         elif unsound:
@@ -201,7 +241,9 @@ def _opened(path: Path, wanted: Surface) -> Ledger:
     return store
 
 
-def _values(wanted: Surface, rows: Any, columns: Any, *, threads: int | None) -> dict[str, np.ndarray]:
+def _values(
+    wanted: Surface, rows: Any, columns: Any, *, threads: int | None
+) -> dict[str, np.ndarray]:
     """F, z and status at some rows and columns, in the order in which they are written."""
     F, q, status = surface.minima(wanted.top, wanted.x[rows], wanted.y[columns], threads)
     return {"F": F, "z": surface.argmin(q, status, wanted.top.upright)[0], "status": status}

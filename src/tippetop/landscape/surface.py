@@ -12,7 +12,8 @@ from .labels import at_numbers, attributes, axis, cosine, flags, inclination, la
 
 
 def argmin(q: np.ndarray, status: np.ndarray, upright: int) -> tuple[np.ndarray, np.ndarray]:
-    """z = cos(theta) and theta [rad] where V is least: the pole itself where the infimum is approached there.
+    """z = cos(theta) and theta [rad] where V is least: the pole itself where the infimum is
+    approached there.
 
     Parameters
     ----------
@@ -36,7 +37,9 @@ def argmin(q: np.ndarray, status: np.ndarray, upright: int) -> tuple[np.ndarray,
     return z, theta
 
 
-def minima(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) -> tuple[np.ndarray, ...]:
+def minima(
+    t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None
+) -> tuple[np.ndarray, ...]:
     """F [J], q of the minimum and Status over x x y, each (x.size, y.size).
 
     Parameters
@@ -64,14 +67,20 @@ def minima(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) -> 
     return F, q, status
 
 
-def heights(t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """F [J] and Status alone over x x y, in four fifths of the time; F is as good as that of `minima`."""
+def heights(
+    t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """F [J] and Status alone over x x y, in four fifths of the time; F is as good as that of
+    `minima`.
+    """
     from tippetop_kernels.grid import on_threads
 
     from .kernels import heights
 
     F, status = np.empty((x.size, y.size)), np.empty((x.size, y.size), np.int8)
-    on_threads(lambda s: heights(t.two_wells, x[s], y, t.coefficients, F[s], status[s]), x.size, threads)
+    on_threads(
+        lambda s: heights(t.two_wells, x[s], y, t.coefficients, F[s], status[s]), x.size, threads
+    )
     return F, status
 
 
@@ -97,7 +106,11 @@ def gradients(
     from . import kernels
 
     by_x, by_y = np.empty_like(q), np.empty_like(q)
-    on_threads(lambda s: kernels.gradients(x[s], y, t.coefficients, q[s], by_x[s], by_y[s]), x.size, threads)
+    on_threads(
+        lambda s: kernels.gradients(x[s], y, t.coefficients, q[s], by_x[s], by_y[s]),
+        x.size,
+        threads,
+    )
     return by_x, by_y
 
 
@@ -110,15 +123,17 @@ def minimal_surface(
     gradient: bool = True,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """The minimal surface F = inf V [J] over a grid, with where and how it is taken. [T 4.13 with section 5]
+    """The minimal surface F = inf V [J] over a grid, with where and how it is taken.
+
+    [T 4.13 with section 5]
 
     Parameters
     ----------
     parameters
         The numbers of the system, SI, by name.
     first, second
-        The two momenta, numbers or ascending numbers: D [kg m^2/s] and lambda [kg m^3/s] of a tippe top, L3 and Lz
-        [kg m^2/s] of a heavy top.
+        The two momenta, numbers or ascending numbers: D [kg m^2/s] and lambda [kg m^3/s] of a tippe
+        top, L3 and Lz [kg m^2/s] of a heavy top.
     system
         A system that has a landscape, or its name.
     gradient
@@ -129,24 +144,26 @@ def minimal_surface(
     Returns
     -------
     xarray.Dataset
-        F [J], z = cos(theta) and theta [rad] of the minimum, status, and the gradient, over first x second. `status`:
-        attained; at_lower_end, at_upper_end: an infimum that is approached at theta = 0, pi (exchanged for heavy tops
-        and pegs), the momenta being on a marked line to within four roundings; lower_of_two; unsettled; undefined (an
-        argument is not finite: NaN). D = lambda = 0 is on the line theta = 0 (of a peg theta = pi). A momentum that
-        is a number, not an array, is no dimension.
+        F [J], z = cos(theta) and theta [rad] of the minimum, status, and the gradient, over first x
+        second. `status`: attained; at_lower_end, at_upper_end: an infimum that is approached at
+        theta = 0, pi (exchanged for heavy tops and pegs), the momenta being on a marked line to
+        within four roundings; lower_of_two; unsettled; undefined (an argument is not finite: NaN).
+        D = lambda = 0 is on the line theta = 0 (of a peg theta = pi). A momentum that is a number,
+        not an array, is no dimension.
 
     Raises
     ------
     ValueError
-        For a system without landscape, a parameter that is missing, not finite or outside its interval, and axes that
-        are empty or do not ascend.
+        For a system without landscape, a parameter that is missing, not finite or outside its
+        interval, and axes that are empty or do not ascend.
 
     Notes
     -----
-    F is good to 1 ulp (tested: 4). The minimiser is good to the rounding of dV/dln(q) over d2V/dln(q)^2,
-    q = tan(theta/2)^2: some 1e-15 relative in q, hence in theta and in 1 - |z|, except next to the points where the
-    minimum flattens (lambda = lambda_pi on the line theta = pi), where the cube root of that is left. The gradient, by
-    the envelope theorem, is good to 3 ulp (tested: 4).
+    F is good to 1 ulp (tested: 4). The minimiser is good to the rounding of dV/dln(q) over
+    d2V/dln(q)^2, q = tan(theta/2)^2: some 1e-15 relative in q, hence in theta and in 1 - |z|,
+    except next to the points where the minimum flattens (lambda = lambda_pi on the line theta =
+    pi), where the cube root of that is left. The gradient, by the envelope theorem, is good to 3
+    ulp (tested: 4).
     """
     from tippetop_kernels.minimise import Status
 
@@ -165,4 +182,6 @@ def minimal_surface(
         for m, by in zip(momenta, gradients(t, x, y, q, threads), strict=True):
             data[f"F_{m.symbol}"] = labelled("", dims, by, m.rate.symbol, f"dF/d{m.symbol}")
     coords = {m.symbol: of_momentum(m, m.symbol, v) for m, v in zip(momenta, (x, y), strict=True)}
-    return at_numbers(xr.Dataset(data, coords, attributes(t)), zip(t.momenta, (first, second), strict=True))
+    return at_numbers(
+        xr.Dataset(data, coords, attributes(t)), zip(t.momenta, (first, second), strict=True)
+    )

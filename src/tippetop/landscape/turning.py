@@ -14,7 +14,8 @@ from .body import Top, landscape_of, top
 from .labels import attributes, cosine, flags, inclination, labelled
 
 
-ALLOWANCE = 1e-12  # relative: an energy this close to the minimum touches it (the drift of a good run stays below)
+# relative: an energy this close to the minimum touches it (the drift of a good run stays below)
+ALLOWANCE = 1e-12
 
 
 class Swing(NamedTuple):
@@ -27,12 +28,17 @@ class Swing(NamedTuple):
     curvature: np.ndarray  # d2V/dln(q)^2 there [J]
     level: np.ndarray  # Level, int8
     period: np.ndarray  # [s]; NaN where it does not settle
-    other: np.ndarray  # (2, n) q where V = E~ around a minimum that a higher V parts from this one; NaN: none
+    other: (
+        np.ndarray
+    )  # (2, n) q where V = E~ around a minimum that a higher V parts from this one; NaN: none
 
 
-def swings(t: Top, x: np.ndarray, y: np.ndarray, energy: np.ndarray, theta: np.ndarray | None = None) -> Swing:
-    """The nutation at momenta x, y [SI] and energies [J], each (n,): around the lowest minimum of V, or in the well
-    where theta [rad], (n,), lies."""
+def swings(
+    t: Top, x: np.ndarray, y: np.ndarray, energy: np.ndarray, theta: np.ndarray | None = None
+) -> Swing:
+    """The nutation at momenta x, y [SI] and energies [J], each (n,): around the lowest minimum of
+    V, or in the well where theta [rad], (n,), lies.
+    """
     from . import kernels
 
     c = t.coefficients
@@ -46,12 +52,16 @@ def swings(t: Top, x: np.ndarray, y: np.ndarray, energy: np.ndarray, theta: np.n
 
 
 def small_period(t: Top, swing: Swing) -> np.ndarray:
-    """The period of vanishing nutations about the minimum of V [s], 2 pi sqrt(2 g/V'') by theta, (n,)."""
+    """The period of vanishing nutations about the minimum of V [s], 2 pi sqrt(2 g/V'') by theta,
+    (n,).
+    """
     q = swing.q
     inertia = t.system.theta_inertia
     assert inertia is not None
     # d2V/dtheta2 = 4/sin(theta)^2 d2V/dln(q)^2, sin(theta)^2 = 4q/(1 + q)^2
-    return np.pi * np.sqrt(2 * inertia(cosine(q, t.upright), t.body) * (4 * q / (1 + q) ** 2) / swing.curvature)
+    return np.pi * np.sqrt(
+        2 * inertia(cosine(q, t.upright), t.body) * (4 * q / (1 + q) ** 2) / swing.curvature
+    )
 
 
 def turning_angles(
@@ -63,37 +73,42 @@ def turning_angles(
     *,
     theta: Any = None,
 ) -> xr.Dataset:
-    """The two angles where V = E~, the period of nutation between them, and that of small ones. [T 4.12, 4.21]
+    """The two angles where V = E~, the period of nutation between them, and that of small ones.
+
+    [T 4.12, 4.21]
 
     Parameters
     ----------
     parameters
         The numbers of the system, SI, by name.
     first, second
-        The two momenta: D [kg m^2/s] and lambda [kg m^3/s] of a tippe top, L3 and Lz [kg m^2/s] of a heavy top.
+        The two momenta: D [kg m^2/s] and lambda [kg m^3/s] of a tippe top, L3 and Lz [kg m^2/s] of
+        a heavy top.
     energy
-        Modified energy E~ [J]. The three are broadcast against one another, with any shape; DataArrays keep their
-        dimensions and coordinates.
+        Modified energy E~ [J]. The three are broadcast against one another, with any shape;
+        DataArrays keep their dimensions and coordinates.
     system
         A system that has a landscape, or its name.
     theta
-        An angle [rad] of the motion, broadcast too: it says in which of two wells the body moves. None, NaN: in that
-        of the lower minimum.
+        An angle [rad] of the motion, broadcast too: it says in which of two wells the body moves.
+        None, NaN: in that of the lower minimum.
 
     Returns
     -------
     xarray.Dataset
-        theta_min <= theta_star <= theta_max [rad], theta_star where V is least in this band (the lower of two minima,
-        unless `theta` says otherwise), F [J] there; other_theta_min, other_theta_max [rad]: the band in the other
-        well, which the body could move in with the same momenta and energy; NaN where there is none;
-        `period` [s], the quadrature of the separated equation, NaN where it does not settle to 11 digits (nutations of
-        some 1e-5 rad or less, and next to a separatrix); `small_period` [s], exact for vanishing amplitude; `level`:
+        theta_min <= theta_star <= theta_max [rad], theta_star where V is least in this band (the
+        lower of two minima, unless `theta` says otherwise), F [J] there; other_theta_min,
+        other_theta_max [rad]: the band in the other well, which the body could move in with the
+        same momenta and energy; NaN where there is none; `period` [s], the quadrature of the
+        separated equation, NaN where it does not settle to 11 digits (nutations of some 1e-5 rad or
+        less, and next to a separatrix); `small_period` [s], exact for vanishing amplitude; `level`:
         above; touching: E~ is the minimum to 1e-12, both angles are theta_star; below; undefined.
 
     Raises
     ------
     ValueError
-        For a system without landscape, and a parameter that is missing, not finite or outside its interval.
+        For a system without landscape, and a parameter that is missing, not finite or outside its
+        interval.
     """
     from tippetop_kernels.level_crossings import Level
 
@@ -106,7 +121,9 @@ def turning_angles(
     angles = "inclination theta [rad] where V = E~"
 
     def angle(q: np.ndarray, long_name: str) -> tuple:
-        return labelled("theta", dims, inclination(q, t.upright).reshape(shape), long_name=long_name)
+        return labelled(
+            "theta", dims, inclination(q, t.upright).reshape(shape), long_name=long_name
+        )
 
     data = {
         "theta_min": angle(inner, "least " + angles),
@@ -116,30 +133,40 @@ def turning_angles(
         "other_theta_max": angle(others[1], "largest " + angles + " in the other well"),
         "F": labelled("F", dims, swing.F.reshape(shape)),
         "period": labelled("", dims, swing.period.reshape(shape), "s", "period of nutation"),
-        "small_period": labelled("", dims, small_period(t, swing).reshape(shape), "s", "period of small nutations"),
-        "level": (dims, swing.level.reshape(shape), flags(Level, "how E~ lies to the minimum of V")),
+        "small_period": labelled(
+            "", dims, small_period(t, swing).reshape(shape), "s", "period of small nutations"
+        ),
+        "level": (
+            dims,
+            swing.level.reshape(shape),
+            flags(Level, "how E~ lies to the minimum of V"),
+        ),
     }
     return xr.Dataset(data, coords, attributes(t))
 
 
-def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System = "tippe-top") -> xr.Dataset:
-    """The nutational band along a run, as the main equation predicts it; none while the body flies. [T 4.21, 5.26]
+def band(
+    parameters: Mapping[str, float], run: xr.Dataset, system: str | System = "tippe-top"
+) -> xr.Dataset:
+    """The nutational band along a run, as the main equation predicts it; none while the body flies.
+
+    [T 4.21, 5.26]
 
     Parameters
     ----------
     parameters
         The numbers of the system, SI, by name.
     run
-        The trajectory of a run: the momenta (routh and jellett, or L3 and Lz) and modified_energy [J] along `time`;
-        theta [rad], if it is there, chooses between two wells.
+        The trajectory of a run: the momenta (routh and jellett, or L3 and Lz) and modified_energy
+        [J] along `time`; theta [rad], if it is there, chooses between two wells.
     system
         A system that has a landscape, or its name.
 
     Returns
     -------
     xarray.Dataset
-        As `turning_angles`, along the time of the run: theta_min(t), theta_max(t), F(t), periods; with the momenta, the
-        energy and theta of the run.
+        As `turning_angles`, along the time of the run: theta_min(t), theta_max(t), F(t), periods;
+        with the momenta, the energy and theta of the run.
 
     Raises
     ------
@@ -153,7 +180,9 @@ def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System 
     first, second, energy = (run[name] for name in names)
     angles = turning_angles(parameters, first, second, energy, system, theta=run.get("theta"))
     if "phase" in run:
-        angles = angles.where(~xr.DataArray(flagged(run["phase"], "flight"), dims=run["phase"].dims))
+        angles = angles.where(
+            ~xr.DataArray(flagged(run["phase"], "flight"), dims=run["phase"].dims)
+        )
     for name in (*names, "theta"):
         if name in run:
             angles[name] = run[name]
@@ -161,17 +190,24 @@ def band(parameters: Mapping[str, float], run: xr.Dataset, system: str | System 
 
 
 def _aligned(**arguments: Any) -> tuple[tuple[np.ndarray, ...], tuple[int, ...], tuple, dict]:
-    """Arguments broadcast against one another, each (n,); and their shape, dimensions and coordinates. Raises
-    InputError."""
-    arrays: list[Any] = [a if isinstance(a, xr.DataArray) else numbers(name, a) for name, a in arguments.items()]
+    """Arguments broadcast against one another, each (n,); and their shape, dimensions and
+    coordinates. Raises InputError.
+    """
+    arrays: list[Any] = [
+        a if isinstance(a, xr.DataArray) else numbers(name, a) for name, a in arguments.items()
+    ]
     if any(isinstance(a, xr.DataArray) for a in arrays):
-        arrays = list(xr.broadcast(*(a if isinstance(a, xr.DataArray) else xr.DataArray(a) for a in arrays)))
+        arrays = list(
+            xr.broadcast(*(a if isinstance(a, xr.DataArray) else xr.DataArray(a) for a in arrays))
+        )
         dims, coords = arrays[0].dims, dict(arrays[0].coords)
     else:
         try:
             arrays = list(np.broadcast_arrays(*arrays))
         except ValueError:
-            shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(arguments, arrays, strict=True))
+            shapes = ", ".join(
+                f"{name} {array.shape}" for name, array in zip(arguments, arrays, strict=True)
+            )
             raise InputError(
                 [f"momenta, energy and theta must have shapes that broadcast, but have {shapes}."]
             ) from None

@@ -1,4 +1,6 @@
-"""The states in which a tippe top may end, the energy that decides between them, and the general system."""
+"""The states in which a tippe top may end, the energy that decides between them, and the general
+system.
+"""
 
 import math
 from typing import NamedTuple
@@ -17,7 +19,9 @@ from .run import Run
 from .sources import top_of
 
 
-def asymptotic_states(top: TippeTop | Run | Problem | str, lam: float | str) -> list[AsymptoticState]:
+def asymptotic_states(
+    top: TippeTop | Run | Problem | str, lam: float | str
+) -> list[AsymptoticState]:
     """The spinning and tumbling states of a tippe top for a value of Jellett's integral.
 
     Parameters
@@ -30,8 +34,8 @@ def asymptotic_states(top: TippeTop | Run | Problem | str, lam: float | str) -> 
     Returns
     -------
     list of AsymptoticState
-        From theta = 0 to pi, each with kind (upright, tumbling, inverted), theta [rad], phi_dot and omega3 [rad/s],
-        energy [J], and whether it is stable where the contact glides.
+        From theta = 0 to pi, each with kind (upright, tumbling, inverted), theta [rad], phi_dot and
+        omega3 [rad/s], energy [J], and whether it is stable where the contact glides.
 
     Raises
     ------
@@ -40,20 +44,24 @@ def asymptotic_states(top: TippeTop | Run | Problem | str, lam: float | str) -> 
 
     Notes
     -----
-    They are the critical points of `least_energy`, and stable where it has a minimum. Rutstam (2010), theorems 3.3.1
-    and 3.3.2, corrected.
+    They are the critical points of `least_energy`, and stable where it has a minimum. Rutstam
+    (2010), theorems 3.3.1 and 3.3.2, corrected.
     """
     number, body = measured("lam", lam, JELLETT), top_of(top, TippeTop).body()
     try:
         return least.asymptotic_states(number, body)
     except OverflowError:
-        raise InputError(f"`lam` must give energies in the range of a double, but {number:g} does not.") from None
+        raise InputError(
+            f"`lam` must give energies in the range of a double, but {number:g} does not."
+        ) from None
 
 
 def least_energy(
-    top: TippeTop | Run | Problem | str, theta: float | str | np.ndarray, lam: float | str | np.ndarray
+    top: TippeTop | Run | Problem | str,
+    theta: float | str | np.ndarray,
+    lam: float | str | np.ndarray,
 ) -> float | np.ndarray:
-    """The least energy E_lambda of a tippe top at an inclination, for a value of Jellett's integral.
+    """Compute the least energy E_lambda of a tippe top for a value of Jellett's integral.
 
     Parameters
     ----------
@@ -76,8 +84,8 @@ def least_energy(
 
     Notes
     -----
-    E = E_lambda + m|s'|^2/2 + (omega - omega_lambda).I(omega - omega_lambda)/2 with omega_lambda = -lambda a/(a.I a).
-    Rutstam (2010), eqs. 3.43 and 3.44, corrected.
+    E = E_lambda + m|s'|^2/2 + (omega - omega_lambda).I(omega - omega_lambda)/2 with omega_lambda =
+    -lambda a/(a.I a). Rutstam (2010), eqs. 3.43 and 3.44, corrected.
     """
     theta = numbers("theta", measured_values("theta", theta, RADIAN))[()]
     lam = numbers("lam", measured_values("lam", lam, JELLETT))[()]
@@ -86,7 +94,9 @@ def least_energy(
         np.broadcast_shapes(np.shape(theta), np.shape(lam))
     except ValueError:
         shapes = f"{np.shape(theta)} and {np.shape(lam)}"
-        raise InputError(f"`theta` and `lam` must have shapes that broadcast, but have {shapes}.") from None
+        raise InputError(
+            f"`theta` and `lam` must have shapes that broadcast, but have {shapes}."
+        ) from None
     return least.least_energy(np.cos(theta), lam, top_of(top, TippeTop).body())
 
 
@@ -119,8 +129,8 @@ def accelerations(
     theta_dot, phi_dot, omega3 : float or str
         Rates [rad/s].
     w_x, w_y : float or str
-        Acceleration of the contact point [m/s^2], dv_A/dt = w_x e + w_y 2hat; none is pure rolling. Under friction it
-        is w_x = nu_x' - phi' nu_y, w_y = nu_y' + phi' nu_x.
+        Acceleration of the contact point [m/s^2], dv_A/dt = w_x e + w_y 2hat; none is pure rolling.
+        Under friction it is w_x = nu_x' - phi' nu_y, w_y = nu_y' + phi' nu_x.
 
     Returns
     -------
@@ -134,7 +144,8 @@ def accelerations(
 
     Notes
     -----
-    Whatever friction does, F = m s'' + m g zhat follows from the motion. Rutstam (2010), eqs. 3.36, 4.2-4.4.
+    Whatever friction does, F = m s'' + m g zhat follows from the motion. Rutstam (2010), eqs. 3.36,
+    4.2-4.4.
     """
     body, angle = top_of(top, TippeTop).body(), measured("theta", theta, RADIAN)
     if not 0 < angle < math.pi:
@@ -142,4 +153,6 @@ def accelerations(
     rates = (("theta_dot", theta_dot), ("phi_dot", phi_dot), ("omega3", omega3))
     state = EulerState(angle, *(measured(name, value, RADIAN_PER_SECOND) for name, value in rates))
     pushes = measured("w_x", w_x, METRE_PER_SECOND2), measured("w_y", w_y, METRE_PER_SECOND2)
-    return Accelerations(*general_accelerations(state, math.sin(angle), math.cos(angle), *pushes, body))
+    return Accelerations(
+        *general_accelerations(state, math.sin(angle), math.cos(angle), *pushes, body)
+    )

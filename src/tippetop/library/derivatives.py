@@ -27,32 +27,41 @@ class Sensitivities:
     trajectory : xarray.Dataset
         The derivative of every column along `time` and `parameter`, SI units per SI unit.
     events : xarray.Dataset
-        Of each event along `event` and `parameter`: the derivative of its `time`, and of `theta` there.
+        Of each event along `event` and `parameter`: the derivative of its `time`, and of `theta`
+        there.
     second : xarray.Dataset
-        Second derivatives of the columns, along `time`, `parameter` and `parameter_2`; empty unless `order=2`.
+        Second derivatives of the columns, along `time`, `parameter` and `parameter_2`; empty unless
+        `order=2`.
     """
 
-    def __init__(self, run: Run, trajectory: "xr.Dataset", events: "xr.Dataset", second: "xr.Dataset"):
+    def __init__(
+        self, run: Run, trajectory: "xr.Dataset", events: "xr.Dataset", second: "xr.Dataset"
+    ):
         self.run, self.trajectory, self.events, self.second = run, trajectory, events, second
 
     def __repr__(self) -> str:
         names = ", ".join(map(str, self.trajectory.parameter.values))
-        return f"<Sensitivities of {self.run.attributes['system']} by {names}: {self.trajectory.sizes['time']} rows>"
+        return (
+            f"<Sensitivities of {self.run.attributes['system']} by {names}: "
+            f"{self.trajectory.sizes['time']} rows>"
+        )
 
 
 @takes(problem_of)
 def sensitivities(
     source: Any, wrt: Sequence[str], friction: Any = None, *, order: int = 1, **arguments: Any
 ) -> Sensitivities:
-    """Derivatives of every column of a run, and of its events, by numbers of the body, the law and the start.
+    """Compute derivatives of the columns and events of a run by its numbers.
+
+    The numbers are those of the body, the law and the start.
 
     Parameters
     ----------
     source : TippeTop, HeavyTop, Cylinder, str, path, System, mapping or Problem
         As for `run`.
     wrt : list of str
-        Names of numbers: "alpha", "mu", "omega3", ...; one that stands in several tables is written with its table,
-        "friction.mu", as the results name all of them.
+        Names of numbers: "alpha", "mu", "omega3", ...; one that stands in several tables is written
+        with its table, "friction.mu", as the results name all of them.
     friction : law, mapping or list of str, optional
         As for `run`.
     order : int
@@ -67,12 +76,14 @@ def sensitivities(
     Raises
     ------
     InputError
-        If a name is wrong, or the run has no derivatives: its contact changes, or its law is set-valued.
+        If a name is wrong, or the run has no derivatives: its contact changes, or its law is
+        set-valued.
 
     Notes
     -----
-    By the variational equations, along one direction in each SIMD lane: exact to rounding, no differences are taken.
-    Units of mass, length and time are those of the run, and fixed. A column that is undefined at a pole is NaN there.
+    By the variational equations, along one direction in each SIMD lane: exact to rounding, no
+    differences are taken. Units of mass, length and time are those of the run, and fixed. A column
+    that is undefined at a pole is NaN there.
 
     Examples
     --------
@@ -99,7 +110,9 @@ def sensitivities(
     run = Run(solution)
     tables = []
     for columns in (derived.trajectory, derived.events, derived.second):
-        table = xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=run.attributes)
+        table = xr.Dataset(
+            {k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=run.attributes
+        )
         if "event" not in table.dims:
             table = with_coordinates(table)
         names = {name: (name, list(wrt)) for name in (PARAMETER, OTHER) if name in table.dims}
@@ -111,7 +124,9 @@ def sensitivities(
 
 
 @takes(problem_of)
-def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments: Any) -> "xr.Dataset":
+def lyapunov(
+    source: Any, friction: Any = None, *, rows: int = 201, **arguments: Any
+) -> "xr.Dataset":
     """How fast small errors of the start of a run grow, and from when on a double says nothing.
 
     Parameters
@@ -128,9 +143,10 @@ def lyapunov(source: Any, friction: Any = None, *, rows: int = 201, **arguments:
     Returns
     -------
     xarray.Dataset
-        `factor` (the largest growth of an error, in the norm of 3hat, L and r' in units of m, R and the power of two
-        seconds nearest to sqrt(R/g)) and `exponent` (finite-time Lyapunov exponent, s-1) along `time`; attributes
-        `horizon` (when an error of 1e-16 has grown to 1e-3 [s]; NaN if it does not) and `sentence`.
+        `factor` (the largest growth of an error, in the norm of 3hat, L and r' in units of m, R and
+        the power of two seconds nearest to sqrt(R/g)) and `exponent` (finite-time Lyapunov
+        exponent, s-1) along `time`; attributes `horizon` (when an error of 1e-16 has grown to 1e-3
+        [s]; NaN if it does not) and `sentence`.
 
     Raises
     ------

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
 
 class Comparison(Verdict):
-    """Motions of another program beside the exact one. `tippetop.compare` makes it; it prints its verdict.
+    """Motions of another program beside the exact one.
+
+    `tippetop.compare` makes it; it prints its verdict.
 
     Attributes
     ----------
@@ -34,31 +36,36 @@ class Comparison(Verdict):
     """
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
-        """theta of both, the differences, and what must be conserved, as a figure; saved where a path is given, over a
-        file that is there if it may be overwritten."""
+        """theta of both, the differences, and what must be conserved, as a figure; saved where a
+        path is given, over a file that is there if it may be overwritten.
+        """
         from ..figures.comparison import comparison
 
         return _saved(comparison(self.motions, self.title), path, overwrite)
 
 
 def compare(
-    others: str | Path | Sequence[str | Path], reference: Any, *, quaternion: str | None = None, up: str = "z"
+    others: str | Path | Sequence[str | Path],
+    reference: Any,
+    *,
+    quaternion: str | None = None,
+    up: str = "z",
 ) -> Comparison:
     """How far another program's motion is from the exact one, and from when on.
 
     Parameters
     ----------
     others : path or list of paths
-        CSV or Parquet files whose headers name columns and units: `t [s], theta [deg]`, `axis_x, axis_y, axis_z`,
-        `q_w, q_x, q_y, q_z` (body to space), `x [m]`, `vx [m/s]`, `omega_x [rad/s]` (space), `omega_body_x [rad/s]`. A
-        name such as `dt=1e-3.csv` says the time step.
+        CSV or Parquet files whose headers name columns and units: `t [s], theta [deg]`, `axis_x,
+        axis_y, axis_z`, `q_w, q_x, q_y, q_z` (body to space), `x [m]`, `vx [m/s]`, `omega_x
+        [rad/s]` (space), `omega_body_x [rad/s]`. A name such as `dt=1e-3.csv` says the time step.
     reference : str, path, Run, Problem or mapping
         A scenario, or a run: the exact motion is computed at the other's own times.
     quaternion : str, optional
         The order of columns q_0 ... q_3: "wxyz" or "xyzw".
     up : str
-        The letter of the vertical in the other's frames, and of the body's axis of symmetry: "z" or "y". With "y" their
-        z, x, y are our x, y, z.
+        The letter of the vertical in the other's frames, and of the body's axis of symmetry: "z" or
+        "y". With "y" their z, x, y are our x, y, z.
 
     Returns
     -------
@@ -101,8 +108,8 @@ class Fitted:
     problem : Problem
         The scenario with the fitted numbers: `tippetop.run` takes it.
     residuals : dict of ndarray
-        What was measured less what is predicted, by kind of measurement, (rows, parts), SI; of an axis two parts,
-        across it.
+        What was measured less what is predicted, by kind of measurement, (rows, parts), SI; of an
+        axis two parts, across it.
     """
 
     def __init__(self, before: Problem, observation: Any, result: Any):
@@ -141,7 +148,10 @@ class Fitted:
         return "\n".join(fit_text.lines(self._fit, self._observation))
 
     def __repr__(self) -> str:
-        return f"<Fitted {', '.join(self.estimates)}: {'trustworthy' if self.trustworthy else 'to be read with care'}>"
+        return (
+            f"<Fitted {', '.join(self.estimates)}: "
+            f"{'trustworthy' if self.trustworthy else 'to be read with care'}>"
+        )
 
 
 def fit(
@@ -166,24 +176,25 @@ def fit(
     scenario : str, path, Run, Problem or mapping
         What is not free is as it stands there; what is free starts there.
     free : str or list of str
-        Dotted names, such as "friction.mu", "parameters.I1", "initial.omega3"; "time.offset" and "time.scale" of the
-        table's clock: the motion's time is scale t + offset, so that a clock that was started before the motion has a
-        negative offset.
+        Dotted names, such as "friction.mu", "parameters.I1", "initial.omega3"; "time.offset" and
+        "time.scale" of the table's clock: the motion's time is scale t + offset, so that a clock
+        that was started before the motion has a negative offset.
     loss : str
         "linear", or "soft_l1", "huber", "cauchy", which outliers hardly move.
     starts : int
-        Independent searches at most, until three of them have ended in the best minimum. Each begins at eight points
-        within 40 % of the scenario.
+        Independent searches at most, until three of them have ended in the best minimum. Each
+        begins at eight points within 40 % of the scenario.
     marker : three floats, or text with commas, optional
-        Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body axes [m].
+        Where the marker of columns `marker_x` ... is on the body, from the centre of mass, body
+        axes [m].
     quaternion, up : str
         As for `compare`.
     noise : float or str, optional
-        Standard deviation of measured angles and directions: radians, or a text such as "1.5 deg". theta may lie beyond
-        0 and pi by five of these, and larger residuals are reported.
+        Standard deviation of measured angles and directions: radians, or a text such as "1.5 deg".
+        theta may lie beyond 0 and pi by five of these, and larger residuals are reported.
     progress : bool or callable
-        True shows a bar on a terminal; a callable is called with the numbers of windows of the data that are done and
-        that are expected.
+        True shows a bar on a terminal; a callable is called with the numbers of windows of the data
+        that are done and that are expected.
 
     Returns
     -------
@@ -192,7 +203,8 @@ def fit(
     Raises
     ------
     InputError
-        If the table, a name or the scenario is wrong, or a free number does nothing to what was measured.
+        If the table, a name or the scenario is wrong, or a free number does nothing to what was
+        measured.
 
     Examples
     --------
@@ -201,9 +213,16 @@ def fit(
     """
     problem = _reference(scenario)
     observation = measured.observation_of(
-        problem, path_of("data", data), names_of(free), Convention(quaternion, up), fit_text.marker_of(marker), noise
+        problem,
+        path_of("data", data),
+        names_of(free),
+        Convention(quaternion, up),
+        fit_text.marker_of(marker),
+        noise,
     )
-    return Fitted(problem, observation, measured.fitted(observation, loss, whole("starts", starts), progress))
+    return Fitted(
+        problem, observation, measured.fitted(observation, loss, whole("starts", starts), progress)
+    )
 
 
 def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:

@@ -44,11 +44,13 @@ def minimal_surface(
     Parameters
     ----------
     top : TippeTop, HeavyTop, Run, Problem, str or mapping
-        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is that of `system`.
+        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is
+        that of `system`.
     D, lam : float or array, ascending
         Of a tippe top: Routh's function D [kg m^2/s] and Jellett's integral lambda [kg m^3/s].
     L3, Lz : float or array, ascending
-        Of a heavy top: the angular momenta [kg m^2/s] about the axis and, at the tip, about the vertical.
+        Of a heavy top: the angular momenta [kg m^2/s] about the axis and, at the tip, about the
+        vertical.
     first, second
         The two by position.
     gradient : bool
@@ -59,8 +61,8 @@ def minimal_surface(
     Returns
     -------
     xarray.Dataset
-        F [J], z = cos(theta), theta [rad] of the minimum, status, F_D [1/s], F_lambda [1/(m s)]; each (first, second);
-        a number, not an array, is no dimension.
+        F [J], z = cos(theta), theta [rad] of the minimum, status, F_D [1/s], F_lambda [1/(m s)];
+        each (first, second); a number, not an array, is no dimension.
 
     Raises
     ------
@@ -69,8 +71,8 @@ def minimal_surface(
 
     Notes
     -----
-    F is good to 4 units of rounding. Rutstam (2010), eq. 4.13. `status`: attained; at_lower_end, at_upper_end (an
-    infimum that is approached at a pole); lower_of_two; unsettled; undefined.
+    F is good to 4 units of rounding. Rutstam (2010), eq. 4.13. `status`: attained; at_lower_end,
+    at_upper_end (an infimum that is approached at a pole); lower_of_two; unsettled; undefined.
     """
     parameters, name = _body(top, system)
     x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
@@ -94,7 +96,8 @@ def potential(
     Parameters
     ----------
     top : TippeTop, HeavyTop, Run, Problem, str or mapping
-        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is that of `system`.
+        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is
+        that of `system`.
     z : float or array, ascending
         cos(theta), in (-1, 1).
     D, lam, L3, Lz, first, second
@@ -103,7 +106,8 @@ def potential(
     Returns
     -------
     xarray.Dataset
-        V, V_z, V_zz [J], each (z, first, second); a number, not an array, is no dimension. NaN at z = -1 and 1.
+        V, V_z, V_zz [J], each (z, first, second); a number, not an array, is no dimension. NaN at z
+        = -1 and 1.
 
     Raises
     ------
@@ -134,25 +138,28 @@ def turning_angles(
     Lz: Any = None,
     theta: Any = None,
 ) -> "xr.Dataset":
-    """The two angles where V = E~, the period of nutation between them, and that of small nutations.
+    """Compute the angles where V = E~ and the periods of this and of small nutations.
 
     Parameters
     ----------
     top : TippeTop, HeavyTop, Run, Problem, str or mapping
-        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is that of `system`.
+        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is
+        that of `system`.
     D, lam, L3, Lz, first, second
-        As for `minimal_surface`, but of any shape: they are broadcast against one another and against the energy.
+        As for `minimal_surface`, but of any shape: they are broadcast against one another and
+        against the energy.
     energy : float or array
         The modified energy E~ [J].
     theta : float or array, optional
-        An angle [rad] of the motion: it says in which of two wells the body moves; without it, in the deeper one.
+        An angle [rad] of the motion: it says in which of two wells the body moves; without it, in
+        the deeper one.
 
     Returns
     -------
     xarray.Dataset
-        theta_min <= theta_star <= theta_max [rad], F [J], period and small_period [s], level (above, touching, below,
-        undefined), of the broadcast shape; other_theta_min, other_theta_max [rad] of the band in the other well, NaN
-        where there is none.
+        theta_min <= theta_star <= theta_max [rad], F [J], period and small_period [s], level
+        (above, touching, below, undefined), of the broadcast shape; other_theta_min,
+        other_theta_max [rad] of the band in the other well, NaN where there is none.
 
     Raises
     ------
@@ -175,19 +182,23 @@ def turning_angles(
 
 
 def band(
-    run: Run | Mapping[str, float], trajectory: "xr.Dataset | None" = None, system: str | System | None = None
+    run: Run | Mapping[str, float],
+    trajectory: "xr.Dataset | None" = None,
+    system: str | System | None = None,
 ) -> "xr.Dataset":
-    """The nutational band along a run, as the main equation predicts it from D(t), lambda and E~(t).
+    """Compute the nutational band along a run from D(t), lambda and E~(t).
 
     Parameters
     ----------
     run : Run
-        Of a tippe top or heavy top. (Or parameters, then its trajectory, and the name of the system.)
+        Of a tippe top or heavy top. (Or parameters, then its trajectory, and the name of the
+        system.)
 
     Returns
     -------
     xarray.Dataset
-        Along `time`: theta_min, theta_max, theta_star, theta [rad], F [J], period, small_period [s].
+        Along `time`: theta_min, theta_max, theta_star, theta [rad], F [J], period, small_period
+        [s].
 
     Raises
     ------
@@ -201,9 +212,15 @@ def band(
     parameters, name = _body(run, system)
     if trajectory is None:
         if not isinstance(run, Run):
-            raise InputError("`trajectory` must be given where the first argument is no Run, but is missing.")
+            raise InputError(
+                "`trajectory` must be given where the first argument is no Run, but is missing."
+            )
         trajectory = run.trajectory
-        require(("theta", *(("phase",) if "contact" in run.attributes else ())), trajectory, "the band along a run")
+        require(
+            ("theta", *(("phase",) if "contact" in run.attributes else ())),
+            trajectory,
+            "the band along a run",
+        )
     return turning.band(parameters, trajectory, name)
 
 
@@ -220,7 +237,8 @@ def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
     Returns
     -------
     xarray.Dataset
-        D [kg m^2/s], E [J], omega3 [rad/s] and whether the state lies on the surface, each (end, lambda).
+        D [kg m^2/s], E [J], omega3 [rad/s] and whether the state lies on the surface, each (end,
+        lambda).
 
     Raises
     ------

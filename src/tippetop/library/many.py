@@ -44,28 +44,31 @@ def ensemble(
     source, friction
         What they have in common, as for `run`.
     variations : mapping of str to array, (n,) each
-        What varies, in SI units: `dict(omega3=..., mu=...)`; or texts with units, `["1000 rpm", "1200 rpm"]`. A name
-        that stands in several tables is written with its table, `"friction.mu"`; `"until"` varies the end of the run.
+        What varies, in SI units: `dict(omega3=..., mu=...)`; or texts with units, `["1000 rpm",
+        "1200 rpm"]`. A name that stands in several tables is written with its table,
+        `"friction.mu"`; `"until"` varies the end of the run.
     threads : int, optional
         How many threads compute; by default one per usable core.
     progress : callable or bool
         `progress(done, of)` counts tops; True draws a bar.
     orientation : bool
-        Whether the orientation of each body at its end is wanted: columns orientation_w_end, orientation_x_end,
-        orientation_y_end, orientation_z_end (the unit quaternion that turns body axes into space axes) and psi_end
-        [rad]. It changes no other column.
+        Whether the orientation of each body at its end is wanted: columns orientation_w_end,
+        orientation_x_end, orientation_y_end, orientation_z_end (the unit quaternion that turns body
+        axes into space axes) and psi_end [rad]. It changes no other column.
     lyapunov : bool
-        Whether the finite-time Lyapunov exponent of each run is wanted: a column lyapunov [1/s], that of
-        `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
+        Whether the finite-time Lyapunov exponent of each run is wanted: a column lyapunov [1/s],
+        that of `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
     {names}
-        What the tops have in common, as for `run`; none that say which rows are kept: there are none.
+        What the tops have in common, as for `run`; none that say which rows are kept: there are
+        none.
 
     Returns
     -------
     xarray.Dataset
-        Along `top`, (n,): status, class, t_end [s], times of passages [s], theta_min, theta_max [rad],
-        normal_force_min, normal_force_max [N], drift of the invariants; what varies is its coordinates. Invalid tops
-        have the status `invalid`; what is wrong with the first of them stands in the attributes.
+        Along `top`, (n,): status, class, t_end [s], times of passages [s], theta_min, theta_max
+        [rad], normal_force_min, normal_force_max [N], drift of the invariants; what varies is its
+        coordinates. Invalid tops have the status `invalid`; what is wrong with the first of them
+        stands in the attributes.
 
     Raises
     ------
@@ -78,7 +81,9 @@ def ensemble(
     >>> tt.ensemble("inverting", {"omega3": np.linspace(100, 200, 64)}, until=8.0)
     """
     if rows := [name for name in OF_ROWS if scenario.get(name) is not None]:
-        raise InputError([f"`{name}` must not be given in an ensemble: it keeps no rows." for name in rows])
+        raise InputError(
+            [f"`{name}` must not be given in an ensemble: it keeps no rows." for name in rows]
+        )
     base = problem_of(source, friction, **scenario)
     instance("variations", variations, Mapping, "a mapping of names to arrays")
     keys = dotted_keys(variations, base.rules)
@@ -92,7 +97,13 @@ def ensemble(
     threads = None if threads is None else whole("threads", threads)
     instance("progress", progress, bool | Callable, "a function or a bool")
     return ensembles.of_problem(
-        base, dotted, threads=threads, progress=progress, orientation=orientation, alone=alone, lyapunov=lyapunov
+        base,
+        dotted,
+        threads=threads,
+        progress=progress,
+        orientation=orientation,
+        alone=alone,
+        lyapunov=lyapunov,
     )
 
 

@@ -1,4 +1,6 @@
-"""The figures of a run as an object: run.plot("theta") is a Figure, run.plot.theta(ax=ax) draws into Axes."""
+"""The figures of a run as an object: run.plot("theta") is a Figure, run.plot.theta(ax=ax) draws
+into Axes.
+"""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -20,8 +22,9 @@ if TYPE_CHECKING:
 class Plots:
     """The figures of a run.
 
-    Each kind of figure is a method too, which takes and returns Axes: `run.plot.normal_force(ax=ax)`. Without `ax` it
-    makes a figure of its own. Options are those of a call.
+    Each kind of figure is a method too, which takes and returns Axes:
+    `run.plot.normal_force(ax=ax)`. Without `ax` it makes a figure of its own. Options are those of
+    a call.
 
     Examples
     --------
@@ -51,7 +54,8 @@ class Plots:
         Parameters
         ----------
         kind : str
-            theta, normal-force, drift, growth, sphere, energy, states, band, surface, potential, inversion or film.
+            theta, normal-force, drift, growth, sphere, energy, states, band, surface, potential,
+            inversion or film.
         path : path-like, optional
             A file to write as well; its ending (.png, .svg, .pdf) names the format.
         ax : matplotlib.axes.Axes, optional
@@ -99,16 +103,28 @@ class Plots:
         if kind not in FIGURES:
             raise AttributeError(f"a run has no figure `{name}`: it has {', '.join(dir(self))}")
 
-        def figure(ax: "Axes | None" = None, *, beside: "Sequence[Run]" = (), **options: Any) -> "Axes":
+        def figure(
+            ax: "Axes | None" = None, *, beside: "Sequence[Run]" = (), **options: Any
+        ) -> "Axes":
             return self._axes(kind, ax, _look(options), options, beside)
 
-        figure.__name__, figure.__doc__ = name, f"{FIGURES[kind].shows}. Takes and returns Axes; options as of a call."
+        figure.__name__, figure.__doc__ = (
+            name,
+            f"{FIGURES[kind].shows}. Takes and returns Axes; options as of a call.",
+        )
         return figure
 
     def __dir__(self) -> list[str]:
         return [kind.replace("-", "_") for kind in FIGURES]
 
-    def _axes(self, kind: str, ax: "Axes | None", look: Look, options: dict[str, Any], beside: "Sequence[Run]") -> Any:
+    def _axes(
+        self,
+        kind: str,
+        ax: "Axes | None",
+        look: Look,
+        options: dict[str, Any],
+        beside: "Sequence[Run]",
+    ) -> Any:
         """Draws; `options` are what is left of them: the window."""
         if ax is not None and not hasattr(ax, "get_figure"):
             raise InputError(f"`ax` must be Axes of matplotlib, but is {ax!r:.60}.")
@@ -120,13 +136,17 @@ class Plots:
         from .run import Run
 
         others: Any = [beside] if isinstance(beside, Run) else beside
-        if not isinstance(others, list | tuple) or not all(isinstance(other, Run) for other in others):
+        if not isinstance(others, list | tuple) or not all(
+            isinstance(other, Run) for other in others
+        ):
             raise InputError(f"`beside` must be a list of Runs, but is {beside!r:.60}.")
         runs = [self._run, *others]
         parts = [in_window(run._for_figures(kind, window), run.attributes, *window) for run in runs]
         if others:
             names = [f"run {i + 1}" for i in range(len(runs))]
-            return drawing.several(kind, [(groups["trajectory"], attrs) for groups, attrs in parts], names, look, ax)
+            return drawing.several(
+                kind, [(groups["trajectory"], attrs) for groups, attrs in parts], names, look, ax
+            )
         return drawing.axes_of(kind, *parts[0], look, ax)
 
 

@@ -36,7 +36,7 @@ LAWS: Mapping[str, type[FrictionLaw]] = _Laws()
 
 
 def register(record: System | type[FrictionLaw]) -> Any:
-    """Makes a system or a friction law of your own known by name in this process: to TOML, `run` and sweeps.
+    """Register a user-defined system or friction law by name, for TOML, `run` and sweeps.
 
     Parameters
     ----------
@@ -51,20 +51,23 @@ def register(record: System | type[FrictionLaw]) -> Any:
     Raises
     ------
     InputError
-        If the name is taken, or the record cannot be a law or a system. What this process registered itself may be
-        registered anew, as where a notebook's cell runs once more: a system of the same name, and a law whose class is
-        defined again.
+        If the name is taken, or the record cannot be a law or a system. What this process
+        registered itself may be registered anew, as where a notebook's cell runs once more: a
+        system of the same name, and a law whose class is defined again.
 
     Notes
     -----
-    Other processes do not know it: not the command line, not the workers of a sweep, which then runs in this process
-    (`workers=1`, or none given). A package makes its records known everywhere by entry points: the group
-    `tippetop.systems` names System records, `tippetop.friction` names laws.
+    Other processes do not know it: not the command line, not the workers of a sweep, which then
+    runs in this process (`workers=1`, or none given). A package makes its records known everywhere
+    by entry points: the group `tippetop.systems` names System records, `tippetop.friction` names
+    laws.
     """
     if isinstance(record, System):
         systems.add(record, here=True)
     elif isinstance(record, type) and issubclass(record, FrictionLaw) and record is not FrictionLaw:
         systems.add_law(record, here=True)
     else:
-        raise InputError(f"`record` must be a System or a class of FrictionLaw, but is {record!r:.60}.")
+        raise InputError(
+            f"`record` must be a System or a class of FrictionLaw, but is {record!r:.60}."
+        )
     return record

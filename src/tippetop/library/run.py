@@ -40,13 +40,16 @@ class Run:
     trajectory : xarray.Dataset
         The rows along `time` [s]: angles, quantities, vectors; SI units.
     events : xarray.Dataset
-        The event log along `event`: time [s], kind, theta [rad], amplitude [rad], whether it is significant.
+        The event log along `event`: time [s], kind, theta [rad], amplitude [rad], whether it is
+        significant.
     phases, impacts : xarray.Dataset
-        Of a run whose contact may change its phase: each phase's start and end [s], the ball, why it began; each
-        impact's time [s], velocities before and after [m/s], impulses [N s], work [J].
+        Of a run whose contact may change its phase: each phase's start and end [s], the ball, why
+        it began; each impact's time [s], velocities before and after [m/s], impulses [N s], work
+        [J].
     sensitivities, event_sensitivities : xarray.Dataset
-        Of a run whose scenario has `run.sensitivities`: the derivative of every column along `time` and `parameter`,
-        of the time of every event, and of theta there, along `event` and `parameter`; SI units per SI unit.
+        Of a run whose scenario has `run.sensitivities`: the derivative of every column along `time`
+        and `parameter`, of the time of every event, and of theta there, along `event` and
+        `parameter`; SI units per SI unit.
     summary : Summary
         The summary of the run, as `tippetop info --json` prints it.
     drift : Record
@@ -84,12 +87,15 @@ class Run:
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
         return {
-            name: dataset.assign_attrs(self.attributes) for name, dataset in attributes.datasets(self.solution).items()
+            name: dataset.assign_attrs(self.attributes)
+            for name, dataset in attributes.datasets(self.solution).items()
         }
 
     @property
     def trajectory(self) -> "xr.Dataset":
-        """The rows along `time` [s], in SI units: what is set in this Dataset leaves the run as it is."""
+        """The rows along `time` [s], in SI units: what is set in this Dataset leaves the run as it
+        is.
+        """
         return self._datasets["trajectory"].copy()
 
     @property
@@ -110,7 +116,9 @@ class Run:
     @cached_property
     def _derived(self) -> "dict[str, xr.Dataset]":
         derived = self.solution.sensitivities
-        return {name: attributes.dataset(columns, self.attributes) for name, columns in derived.items()}
+        return {
+            name: attributes.dataset(columns, self.attributes) for name, columns in derived.items()
+        }
 
     @property
     def sensitivities(self) -> "xr.Dataset":
@@ -119,19 +127,25 @@ class Run:
 
     @property
     def event_sensitivities(self) -> "xr.Dataset":
-        """The derivatives of the times of events, and of theta there, along `event` and `parameter`, SI per SI."""
+        """The derivatives of the times of events, and of theta there, along `event` and
+        `parameter`, SI per SI.
+        """
         return self._of_derivatives("event_sensitivities")
 
     def _of_derivatives(self, name: str) -> "xr.Dataset":
         """A table that only a run has whose scenario asks for it. Raises AttributeError."""
         if not self._derivatives:
-            raise AttributeError(f"there is no table `{name}`: the scenario has no `run.sensitivities`")
+            raise AttributeError(
+                f"there is no table `{name}`: the scenario has no `run.sensitivities`"
+            )
         return self._derived[name]
 
     def _of_contact(self, name: str) -> "xr.Dataset":
         """A table that only a run has whose contact may change its phase. Raises AttributeError."""
         if name not in tables_of(self.attributes):
-            raise AttributeError(f"there is no table `{name}`: the contact of this run does not change its phase")
+            raise AttributeError(
+                f"there is no table `{name}`: the contact of this run does not change its phase"
+            )
         return self._datasets[name]
 
     def datasets(self) -> "dict[str, xr.Dataset]":
@@ -140,7 +154,8 @@ class Run:
         Returns
         -------
         dict of xarray.Dataset
-            `trajectory` and `events`; `phases` and `impacts` where the contact may change its phase.
+            `trajectory` and `events`; `phases` and `impacts` where the contact may change its
+            phase.
         """
         names = ("trajectory", "events", *tables_of(self.attributes))
         return {name: getattr(self, name) for name in (*names, *self._derivatives)}
@@ -149,7 +164,11 @@ class Run:
     def _derivatives(self) -> tuple[str, ...]:
         """The names of the tables of derivatives."""
         attrs = self.attributes
-        return sensitivities.NAMES if attrs["run"].get("sensitivities") and "replay" not in attrs else ()
+        return (
+            sensitivities.NAMES
+            if attrs["run"].get("sensitivities") and "replay" not in attrs
+            else ()
+        )
 
     @cached_property
     def summary(self) -> Summary:
@@ -167,14 +186,22 @@ class Run:
 
     @cached_property
     def final(self) -> "xr.Dataset":
-        """The integrated variables at the end, in SI units; they are without dimension in the sense of xarray."""
+        """The integrated variables at the end, in SI units; they are without dimension in the sense
+        of xarray.
+        """
         import xarray as xr
 
         system = self._system()
         known = Variables(system.forms[self.attributes["form"]]) if system else None
         return xr.Dataset(
             {
-                name: ((), value, _meaning(name, system, known) if system and known and name in known.units else {})
+                name: (
+                    (),
+                    value,
+                    _meaning(name, system, known)
+                    if system and known and name in known.units
+                    else {},
+                )
                 for name, value in self.attributes["final_state"].items()
             },
             {"time": ((), self.attributes["report"]["t_end"], {"units": "s", "long_name": "time"})},
@@ -189,14 +216,17 @@ class Run:
         Returns
         -------
         xarray.DataTree
-            With the children `trajectory` and `events`, `phases` and `impacts` where there are any, and the root
-            attributes of the store.
+            With the children `trajectory` and `events`, `phases` and `impacts` where there are any,
+            and the root attributes of the store.
         """
         import xarray as xr
 
         tables = self.datasets()
         return xr.DataTree.from_dict(
-            {"/": xr.Dataset(attrs=self.attributes), **{name: t.drop_attrs(deep=False) for name, t in tables.items()}}
+            {
+                "/": xr.Dataset(attrs=self.attributes),
+                **{name: t.drop_attrs(deep=False) for name, t in tables.items()},
+            }
         )
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
@@ -228,7 +258,8 @@ class Run:
 
     @property
     def plot(self) -> "Plots":
-        """The figures of the run: `run.plot("theta")` is a Figure, `run.plot.theta(ax=ax)` draws into Axes.
+        """The figures of the run: `run.plot("theta")` is a Figure, `run.plot.theta(ax=ax)` draws
+        into Axes.
 
         `help(run.plot)` has its options, `dir(run.plot)` the kinds of figures.
         """
@@ -237,7 +268,9 @@ class Run:
         return Plots(self)
 
     def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
-        """Return the tables for a kind of figure; of a store the first row and those in the window."""
+        """Return the tables for a kind of figure; of a store the first row and those in
+        the window.
+        """
         return self._datasets
 
     def view(self, start: float | str | None = None, until: float | str | None = None) -> "Page":
@@ -246,7 +279,8 @@ class Run:
         Parameters
         ----------
         start, until : float or str, optional
-            The part that is shown [s], or texts with a unit; by default all of it, as far as one file can hold it.
+            The part that is shown [s], or texts with a unit; by default all of it, as far as one
+            file can hold it.
 
         Returns
         -------
@@ -271,7 +305,9 @@ class Run:
 
         refuse(self.attributes, "the run")
         trajectory = self.trajectory
-        rows = {name: trajectory[name].values for name in needed(self.attributes) if name in trajectory}
+        rows = {
+            name: trajectory[name].values for name in needed(self.attributes) if name in trajectory
+        }
         return page(iter([rows]), self._datasets, self.attributes, start, until)
 
     def certify(self, window: float | str | None = None) -> Record:
@@ -280,15 +316,16 @@ class Run:
         Parameters
         ----------
         window : float, optional
-            Compare the first so many seconds only; "1 ms" is fine. Of a stored run that is not finished at most what
-            is stored of it is compared.
+            Compare the first so many seconds only; "1 ms" is fine. Of a stored run that is not
+            finished at most what is stored of it is compared.
 
         Returns
         -------
         Record
-            `against` (the wider precision), `window` [s], the largest difference of `theta` [rad] and of its end,
-            whether both end the same way, of the times of shared turnings [s], of every column (`columns`), and of
-            shared `phases` and `impacts`, in SI units. It joins the summary.
+            `against` (the wider precision), `window` [s], the largest difference of `theta` [rad]
+            and of its end, whether both end the same way, of the times of shared turnings [s], of
+            every column (`columns`), and of shared `phases` and `impacts`, in SI units. It joins
+            the summary.
         """
         span = seconds("window", window)
         if span is not None and span <= 0:
@@ -302,13 +339,18 @@ class Run:
         return Record(result, "certificate")
 
     def _so_far(self) -> float | None:
-        """How far a run that is not finished has come [s]; None where it has come to its end. Raises InputError where
-        it has not begun."""
+        """How far a run that is not finished has come [s]; None where it has come to its end.
+
+        Raises InputError where it has not begun.
+        """
         return None
 
     def __repr__(self) -> str:
         attrs = self.attributes
-        return f"<{type(self).__name__} of {attrs['system']}: {attrs['reason']}, {attrs['report']['steps']} steps>"
+        return (
+            f"<{type(self).__name__} of {attrs['system']}: {attrs['reason']}, "
+            f"{attrs['report']['steps']} steps>"
+        )
 
     @property
     def _headline(self) -> str:
@@ -334,14 +376,26 @@ class Run:
             if (rows := self.trajectory.sizes.get("time", 0)) > SHOWN:
                 return f"<p>In motion: .view() makes the page of its {rows} rows.</p>"
             page = self.view()
-        except (InputError, StoreError) as error:  # it keeps no rows or no orientation, or is not finished
+        except (
+            InputError,
+            StoreError,
+        ) as error:  # it keeps no rows or no orientation, or is not finished
             return f"<p>Not shown in motion: {html.escape(str(error))}</p>"
         return f"<details><summary>See it turn</summary>{page._repr_html_()}</details>"
 
 
 def _meaning(name: str, system: "System", variables: Variables) -> dict[str, str]:
     """Unit and long name of an integrated variable."""
-    words = LONG_NAMES | {integral.name: integral.long_name for integral in variables.integrals} | system.long_names
-    for vector, parts in system.vectors.items() if variables.form is system.forms.get("vector") else ():
-        words |= {part: f"{words[vector]}, {axis} component" for part, axis in zip(parts, "xyz", strict=True)}
+    words = (
+        LONG_NAMES
+        | {integral.name: integral.long_name for integral in variables.integrals}
+        | system.long_names
+    )
+    for vector, parts in (
+        system.vectors.items() if variables.form is system.forms.get("vector") else ()
+    ):
+        words |= {
+            part: f"{words[vector]}, {axis} component"
+            for part, axis in zip(parts, "xyz", strict=True)
+        }
     return {"units": variables.units[name].symbol, "long_name": words.get(name, "")}

@@ -39,41 +39,46 @@ def run(
     Parameters
     ----------
     source : TippeTop, HeavyTop, Cylinder, str, path, System, mapping or Problem
-        A body; or the name of a preset, or a TOML file; or a System with `parameters`; or the tables of a scenario.
-        A body with a friction law glides. Without one, a HeavyTop has its tip fixed and a Cylinder rolls; a TippeTop
-        must have one, unless `system="rolling-tippe-top"`.
+        A body; or the name of a preset, or a TOML file; or a System with `parameters`; or the
+        tables of a scenario. A body with a friction law glides. Without one, a HeavyTop has its tip
+        fixed and a Cylinder rolls; a TippeTop must have one, unless `system="rolling-tippe-top"`.
     friction : law, mapping or list of str, optional
-        A law such as `Viscous(mu=0.3)`, or the record of a registered one; or numbers that replace those of the
-        source, `dict(mu=0.2)`. Or assignments `"table.key=value"`, as the command line's `--set` takes them.
+        A law such as `Viscous(mu=0.3)`, or the record of a registered one; or numbers that replace
+        those of the source, `dict(mu=0.2)`. Or assignments `"table.key=value"`, as the command
+        line's `--set` takes them.
     start, initial : mapping, optional
-        The start, over that of the source: theta, phi, psi [rad], theta_dot, phi_dot, omega3 [rad/s], nu_x, nu_y [m/s],
-        x, y [m]; what is not named is zero. psi_dot [rad/s] may stand for omega3, centre_at_rest (a bool) for nu_x and
-        nu_y. psi turns the body about its axis: of the motion it changes the columns psi and orientation alone. A
-        cylinder has theta, theta_dot, x and, where it glides, nu_x. The two arguments are the same. `start` may also
-        be the store of a finished run of the same body: this one starts at t = 0 where that ended, exactly.
+        The start, over that of the source: theta, phi, psi [rad], theta_dot, phi_dot, omega3
+        [rad/s], nu_x, nu_y [m/s], x, y [m]; what is not named is zero. psi_dot [rad/s] may stand
+        for omega3, centre_at_rest (a bool) for nu_x and nu_y. psi turns the body about its axis: of
+        the motion it changes the columns psi and orientation alone. A cylinder has theta,
+        theta_dot, x and, where it glides, nu_x. The two arguments are the same. `start` may also be
+        the store of a finished run of the same body: this one starts at t = 0 where that ended,
+        exactly.
     parameters : mapping, optional
         Numbers of the body that replace those of the source, SI units.
     system : str or System, optional
         Another system than that of the source.
     form : str, optional
-        The form of the equations: "auto" (the default) takes the cheapest that is regular where this top goes; vector,
-        euler, reduced, ...
+        The form of the equations: "auto" (the default) takes the cheapest that is regular where
+        this top goes; vector, euler, reduced, ...
     contact : mapping, optional
-        How the contact opens and closes, `dict(restitution="energetic", e_n=0.5)`: the body flies and lands.
-        restitution is energetic, poisson or newton; an empty mapping stands for the defaults, energetic and 0.
+        How the contact opens and closes, `dict(restitution="energetic", e_n=0.5)`: the body flies
+        and lands. restitution is energetic, poisson or newton; an empty mapping stands for the
+        defaults, energetic and 0.
     stem : mapping, optional
-        The stem of a tippe top, `dict(r=0.004, h=0.022)`: the radius of its ball [m], and how far along 3hat its
-        centre lies from that of the sphere [m].
+        The stem of a tippe top, `dict(r=0.004, h=0.022)`: the radius of its ball [m], and how far
+        along 3hat its centre lies from that of the sphere [m].
     {options}
     out : path, optional
-        A store that is written as the run goes: for runs that exceed memory. The result is then a StoredRun.
+        A store that is written as the run goes: for runs that exceed memory. The result is then a
+        StoredRun.
     overwrite : bool
         Whether a store that is at `out` is replaced.
     progress : bool
         Whether a bar is drawn in a terminal.
     stop : threading.Event, optional
-        With `out`: set it, in a signal handler or another thread, and the run stops so that `resume` continues it;
-        before its first step, if it is set already.
+        With `out`: set it, in a signal handler or another thread, and the run stops so that
+        `resume` continues it; before its first step, if it is set already.
 
     Returns
     -------
@@ -102,7 +107,9 @@ def run(
         instance("stop", stop, threading.Event, "a threading.Event")
     if out is None:
         if problem.output == "keyframes":
-            raise InputError('`out` must be given where `output` is "keyframes": a store keeps them.')
+            raise InputError(
+                '`out` must be given where `output` is "keyframes": a store keeps them.'
+            )
         with following(bar=progress) as follow:
             return Run(solve(problem, follow))
     place = path_of("out", out)
@@ -119,7 +126,11 @@ def _resumable(place: Path) -> Iterator[None]:
     try:
         yield
     except Interrupted:
-        kept = f"tippetop.resume({str(place)!r}) continues it." if place.exists() else "nothing was stored."
+        kept = (
+            f"tippetop.resume({str(place)!r}) continues it."
+            if place.exists()
+            else "nothing was stored."
+        )
         raise Interrupted(f"the run was asked to stop: {kept}") from None
 
 
@@ -139,8 +150,8 @@ def open(
     gridded : bool
         Whether the axes of a sweep are dimensions of its table, which is read into memory.
     events, columns : iterable of Event and of Quantity, optional
-        The records of your own that a run was made with. What is stored is read without them; `problem`, `certify` and
-        `replay` need them.
+        The records of your own that a run was made with. What is stored is read without them;
+        `problem`, `certify` and `replay` need them.
 
     Returns
     -------
@@ -176,7 +187,9 @@ def resume(
     events: Iterable[Event] | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = None,
 ) -> StoredRun:
-    """Continues an interrupted run of a store to its end, or a finished one to a later end: bit by bit one run.
+    """Continue an interrupted run of a store to its end, or a finished one to a later end.
+
+    The result equals an uninterrupted run bit by bit.
 
     Parameters
     ----------
@@ -187,9 +200,11 @@ def resume(
     stop : threading.Event, optional
         As for `run`.
     accept_other_version : bool
-        Whether to continue what other versions or another processor began: bits may differ, and the store names both.
+        Whether to continue what other versions or another processor began: bits may differ, and the
+        store names both.
     events, columns : iterable of Event and of Quantity, optional
-        The records of your own that the run was made with: a store has their names, not their formulas.
+        The records of your own that the run was made with: a store has their names, not their
+        formulas.
 
     Returns
     -------
@@ -198,9 +213,11 @@ def resume(
     Raises
     ------
     InputError
-        If the run is as long as `until` already; or has events or columns of your own that are not given.
+        If the run is as long as `until` already; or has events or columns of your own that are not
+        given.
     StoreError
-        If the run is finished and there is no `until`, or it ended before its time, or another process writes it.
+        If the run is finished and there is no `until`, or it ended before its time, or another
+        process writes it.
     Interrupted
         If `stop` was set.
     """
@@ -212,5 +229,12 @@ def resume(
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     with in_python(), _resumable(place):
-        continued(place, end, Patience(warn), stop=stop, accept_other_version=accept_other_version, known=own)
+        continued(
+            place,
+            end,
+            Patience(warn),
+            stop=stop,
+            accept_other_version=accept_other_version,
+            known=own,
+        )
     return StoredRun(place, own)

@@ -38,11 +38,22 @@ def problem_of(
 ) -> Problem:
     """Return the checked Problem of what `run` takes. Raises InputError."""
     if isinstance(source, Problem):
-        beside = {"friction": friction, "start": start, "initial": initial, "parameters": parameters, "system": system,
-                 "form": form, "contact": contact, "stem": stem, **options}  # fmt: skip
+        beside = {
+            "friction": friction,
+            "start": start,
+            "initial": initial,
+            "parameters": parameters,
+            "system": system,
+            "form": form,
+            "contact": contact,
+            "stem": stem,
+            **options,
+        }
         if surplus := [f"`{key}`" for key, value in beside.items() if value is not None]:
             words = ", ".join(surplus)
-            raise InputError(f"a Problem must stand alone, but is given beside {words}: change it in `load`.")
+            raise InputError(
+                f"a Problem must stand alone, but is given beside {words}: change it in `load`."
+            )
         return checked(source)
     named, own = _named("events", options.pop("events", None), Event)
     named_columns, own_columns = _named("columns", options.pop("columns", None), Quantity)
@@ -60,13 +71,18 @@ def problem_of(
         for name, numbers in (("parameters", parameters), ("contact", contact), ("stem", stem)):
             _merge(tables, name, numbers)
         if start is not None and initial is not None:
-            raise InputError("`start` and `initial` are the same argument: one of them must be given, but both are.")
+            raise InputError(
+                "`start` and `initial` are the same argument: one of them must be given, but "
+                "both are."
+            )
         starts: dict[str, Any] = {"start": start, "initial": initial}
         for name, given in starts.items():
             if isinstance(given, str | os.PathLike):
                 given = {"from": os.fspath(given)}
             if given is not None:
-                instance(name, given, Mapping, "a mapping such as dict(theta=0.1), or the store of a run")
+                instance(
+                    name, given, Mapping, "a mapping such as dict(theta=0.1), or the store of a run"
+                )
             _start(tables, given or {}, chosen)
         if form is not None:
             tables["form"] = form
@@ -85,8 +101,12 @@ def checked(problem: Problem) -> Problem:
         return build.checked(problem)
 
 
-def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[dict[str, Any], System | None]:
-    """The tables that the source gives, and the record of its system where that need not be the registered one."""
+def _tables(
+    source: Any, system: str | System | None, friction: Any
+) -> tuple[dict[str, Any], System | None]:
+    """The tables that the source gives, and the record of its system where that need not be the
+    registered one.
+    """
     record = system if isinstance(system, System) else None
     for each in (record, source):
         if isinstance(each, System):
@@ -105,7 +125,8 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
         tables = reading.read(os.fspath(source))
     else:
         raise InputError(
-            "the first argument must be a body (TippeTop, HeavyTop, Cylinder), the name of a preset, a TOML file, "
+            "the first argument must be a body (TippeTop, HeavyTop, Cylinder), the name of a "
+            "preset, a TOML file, "
             f"the tables of a scenario or a System, but is {source!r:.60}."
         )
     if system is not None and not isinstance(source, System):
@@ -119,7 +140,9 @@ def _tables(source: Any, system: str | System | None, friction: Any) -> tuple[di
 
 
 def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tuple[Any, ...]]:
-    """Return the names of the events to log or the columns to keep, None for all, and the user's records of them."""
+    """Return the names of the events to log or the columns to keep, None for all, and the user's
+    records of them.
+    """
     if given is None:
         return None, ()
     records = given_records(argument, given, kind)
@@ -131,11 +154,16 @@ def _assigned(tables: dict[str, Any], assignments: Any) -> dict[str, Any]:
     """The tables with `table.key=value` texts applied."""
     for assignment in assignments:
         if not isinstance(assignment, str):
-            raise InputError(f"the assignments must be texts `table.key=value`, but have {assignment!r:.60}.")
+            raise InputError(
+                f"the assignments must be texts `table.key=value`, but have {assignment!r:.60}."
+            )
     try:
         return reading.override(tables, list(assignments))
     except InputError as error:
-        words = (s.replace("--set must", "an assignment must").replace("--set ", "") for s in error.sentences)
+        words = (
+            s.replace("--set must", "an assignment must").replace("--set ", "")
+            for s in error.sentences
+        )
         raise InputError(list(words)) from None
 
 
@@ -187,7 +215,11 @@ def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
         return
     tables["run"] = {**reading.without_output(base, given), **given}
     until, times = given.get("until"), base.get("output_times")
-    if isinstance(times, list) and isinstance(until, int | float) and "output_times" in tables["run"]:
+    if (
+        isinstance(times, list)
+        and isinstance(until, int | float)
+        and "output_times" in tables["run"]
+    ):
         tables["run"]["output_times"] = reading.times_until(times, until)
 
 
@@ -196,9 +228,15 @@ def table_of(law: Any) -> dict[str, Any]:
     if isinstance(law, FrictionLaw):
         if named(type(law)) is None:
             load_entry_points()
-            if named(type(law), {name: known for name, (known, _) in systems_of_laws().items()}) is None:
+            if (
+                named(type(law), {name: known for name, (known, _) in systems_of_laws().items()})
+                is None
+            ):
                 kind = type(law).__name__
-                raise InputError(f"the friction law {kind} must be registered: tippetop.extending.register({kind}).")
+                raise InputError(
+                    f"the friction law {kind} must be registered: "
+                    f"tippetop.extending.register({kind})."
+                )
         return {"law": law.key, **law._asdict()}
     such, value = "Viscous(mu=0.3)", f"{law!r:.60}"
     if isinstance(law, str):
@@ -227,11 +265,15 @@ def _needs_law(top: Top) -> str:
 
 @contextlib.contextmanager
 def _in_python() -> Iterator[None]:
-    """A block whose InputErrors are in the words of a call: options of the run are arguments, hints for the command
-    line go."""
+    """A block whose InputErrors are in the words of a call: options of the run are arguments, hints
+    for the command line go.
+    """
     try:
         yield
     except InputError as error:
         without_hints = [re.sub(r" \(--set [^)]*\)", "", sentence) for sentence in error.sentences]
-        words = [re.sub(r"`run\.(\w+)", r"`\1", s.replace("run.until =", "until =")) for s in without_hints]
+        words = [
+            re.sub(r"`run\.(\w+)", r"`\1", s.replace("run.until =", "until ="))
+            for s in without_hints
+        ]
         raise InputError(words) from error.__cause__

@@ -18,7 +18,8 @@ KINDS = (TippeTop, HeavyTop, Cylinder)
 
 
 def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem | None:
-    """The problem of a run, of a problem, of a preset, a TOML file or the tables of a scenario; None of a body.
+    """The problem of a run, of a problem, of a preset, a TOML file or the tables of a scenario;
+    None of a body.
 
     Raises InputError."""
     if isinstance(source, Top):
@@ -30,7 +31,8 @@ def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem
     if isinstance(source, str | Mapping) or hasattr(source, "__fspath__"):
         return problem_of(source)
     raise InputError(
-        f"the body must be {_words(kinds)}, a Run, a Problem or the name of a preset, but is {source!r:.60}."
+        f"the body must be {_words(kinds)}, a Run, a Problem or the name of a preset, but is "
+        f"{source!r:.60}."
     )
 
 
@@ -43,9 +45,13 @@ def top_of(source: Any, *kinds: type[Top]) -> Any:
         raise InputError(f"the body must be {_words(kinds)}, but is {source!r:.60}.")
     for kind in kinds:
         names = (kind.gliding, kind.resting)
-        if problem.system.name in names or any(problem.system.body == SYSTEMS[name].body for name in names):
+        if problem.system.name in names or any(
+            problem.system.body == SYSTEMS[name].body for name in names
+        ):
             return kind(**{name: float(value) for name, value in problem.parameters.items()})
-    raise InputError(f"the body must be {_words(kinds)}, but is that of the system {problem.system.name}.")
+    raise InputError(
+        f"the body must be {_words(kinds)}, but is that of the system {problem.system.name}."
+    )
 
 
 def _words(kinds: tuple[type, ...]) -> str:

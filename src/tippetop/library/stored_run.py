@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 
 
 class StoredRun(Run):
-    """A run in a store, finished or not: a `Run` whose tables are read when needed. `tippetop.open` makes it.
+    """A run in a store, finished or not: a `Run` whose tables are read when needed.
+
+    `tippetop.open` makes it.
 
     Attributes
     ----------
@@ -48,7 +50,10 @@ class StoredRun(Run):
 
     @cached_property
     def problem(self) -> Problem:
-        """What was integrated, built again from the store. Raises InputError if this process does not know it."""
+        """What was integrated, built again from the store.
+
+        Raises InputError if this process does not know it.
+        """
         return build.stored(self.attributes, known=self._own)
 
     @cached_property
@@ -66,7 +71,12 @@ class StoredRun(Run):
         return {name: root.open_group(self.path, name) for name in self._derivatives}
 
     def replay(
-        self, start: float | str, until: float | str, step: float | str, *, accept_other_version: bool = False
+        self,
+        start: float | str,
+        until: float | str,
+        step: float | str,
+        *,
+        accept_other_version: bool = False,
     ) -> "xr.Dataset":
         """Integrates a part of the run again, from the nearest keyframe.
 
@@ -89,7 +99,8 @@ class StoredRun(Run):
         InputError
             If the times are not within the run, or too many for the memory.
         StoreError
-            If the run is not finished, has no keyframes and a start too far away, or is of other versions.
+            If the run is not finished, has no keyframes and a start too far away, or is of other
+            versions.
 
         Examples
         --------
@@ -99,8 +110,13 @@ class StoredRun(Run):
         """
         from ..runs import replay
 
-        times = [measured(name, value, SECOND) for name, value in (("start", start), ("until", until), ("step", step))]
-        columns = replay.columns(self.path, *times, accept_other_version=accept_other_version, known=self._own)
+        times = [
+            measured(name, value, SECOND)
+            for name, value in (("start", start), ("until", until), ("step", step))
+        ]
+        columns = replay.columns(
+            self.path, *times, accept_other_version=accept_other_version, known=self._own
+        )
         return attributes.dataset(columns, self.attributes)
 
     def _so_far(self) -> float | None:
@@ -108,7 +124,9 @@ class StoredRun(Run):
         if attrs["status"] != Status.RUNNING.value:
             return None
         if not attrs["report"]["t_end"] > 0:
-            raise InputError(f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s.")
+            raise InputError(
+                f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s."
+            )
         return attrs["report"]["t_end"]
 
     def _problem(self) -> Problem | None:

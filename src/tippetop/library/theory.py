@@ -1,4 +1,6 @@
-"""What theory says of a top: thresholds, regimes, modes, nutation, and the main equation solved along a run."""
+"""What theory says of a top: thresholds, regimes, modes, nutation, and the main equation solved
+along a run.
+"""
 
 import math
 import warnings
@@ -52,9 +54,10 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
     Returns
     -------
     dict of Threshold
-        By name, each with value, unit and long_name. Of a tippe top: lambda_u, lambda_s, lambda_de [kg m^3/s],
-        spin_upright, spin_inverted, spin_full [rad/s], gamma, gamma_c, gamma_plus; of its surface and of rolling
-        lambda_pi [kg m^3/s] and gamma_star. Of a heavy top: spin_sleeping [rad/s].
+        By name, each with value, unit and long_name. Of a tippe top: lambda_u, lambda_s, lambda_de
+        [kg m^3/s], spin_upright, spin_inverted, spin_full [rad/s], gamma, gamma_c, gamma_plus; of
+        its surface and of rolling lambda_pi [kg m^3/s] and gamma_star. Of a heavy top:
+        spin_sleeping [rad/s].
 
     Raises
     ------
@@ -86,8 +89,8 @@ def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
     Returns
     -------
     Regime
-        upright, inverted: whether that spin is stable; tumbling, unstable: theta [rad] of the stable and unstable
-        tumbling states. `sentence()` says it in words.
+        upright, inverted: whether that spin is stable; tumbling, unstable: theta [rad] of the
+        stable and unstable tumbling states. `sentence()` says it in words.
 
     Raises
     ------
@@ -111,8 +114,8 @@ def linear_modes(
     top : TippeTop, HeavyTop, Run, Problem or str
         The body, or what has one, as for `thresholds`.
     law : friction law, optional
-        A record such as `Viscous(mu=0.3)`. With one, the contact glides; without, it is at rest (pure rolling, or a
-        fixed tip) - but a run, a problem or a preset has its own law.
+        A record such as `Viscous(mu=0.3)`. With one, the contact glides; without, it is at rest
+        (pure rolling, or a fixed tip) - but a run, a problem or a preset has its own law.
     omega3 : float or str
         Spin about the axis [rad/s], or a text such as "1480 rpm".
     inverted : bool
@@ -121,24 +124,28 @@ def linear_modes(
     Returns
     -------
     ndarray of complex
-        Rates [1/s], fastest growth first, of equal growth (to rounding) the fastest turning: three of a gliding top,
-        two of one whose contact is at rest.
+        Rates [1/s], fastest growth first, of equal growth (to rounding) the fastest turning: three
+        of a gliding top, two of one whose contact is at rest.
 
     Raises
     ------
     InputError
-        If the body spins in no such state, the law is not known, or the motion is not linear: dry friction without eps.
+        If the body spins in no such state, the law is not known, or the motion is not linear: dry
+        friction without eps.
 
     Notes
     -----
-    The equations of motion, linearised about theta = 0 or pi: a cubic in p where the contact glides. Friedl (1997).
+    The equations of motion, linearised about theta = 0 or pi: a cubic in p where the contact
+    glides. Friedl (1997).
     """
     body, problem = top_of(top, TippeTop, HeavyTop), problem_behind(top)
     spin = measured("omega3", omega3, RADIAN_PER_SECOND)
     friction = problem.friction if problem is not None and problem.system.frictional else None
     friction = friction if law is None else record_of(law, SYSTEMS[body.gliding])
     if friction is not None and has_parts(friction):
-        raise InputError("the friction law must be without mu_r and mu_d: under them no spin lasts.")
+        raise InputError(
+            "the friction law must be without mu_r and mu_d: under them no spin lasts."
+        )
     if friction is None:
         rates = modes.rolling_modes(spin, body.body(), inverted=inverted)
     else:
@@ -146,9 +153,16 @@ def linear_modes(
     if np.isfinite(rates).all():
         return rates
     if friction is not None and modes.is_nowhere_linear(spin, friction, inverted=inverted):
-        words = "k = |F|/(g_n |v_A|) must be finite as v_A goes to 0, for the motion to be linear there, but is not"
-        raise InputError(f"the friction law's {words}: give Coulomb friction its regularisation speed eps.")
-    raise InputError(f"`omega3` must give rates in the range of a double, but {spin:g} rad/s does not.")
+        words = (
+            "k = |F|/(g_n |v_A|) must be finite as v_A goes to 0, for the motion to be "
+            "linear there, but is not"
+        )
+        raise InputError(
+            f"the friction law's {words}: give Coulomb friction its regularisation speed eps."
+        )
+    raise InputError(
+        f"`omega3` must give rates in the range of a double, but {spin:g} rad/s does not."
+    )
 
 
 def nutation(
@@ -168,7 +182,8 @@ def nutation(
     top : TippeTop, HeavyTop, Run, Problem or str
         The body, or what has one, as for `thresholds`.
     energy : float or str
-        The modified energy E~ [J]; each number may be a text with a unit, such as "2.5 mJ" or "6 deg".
+        The modified energy E~ [J]; each number may be a text with a unit, such as "2.5 mJ" or "6
+        deg".
     theta : float or str
         An angle that the motion passes, or starts at [rad].
     D, lam : float or str
@@ -201,17 +216,24 @@ def nutation(
     if missing:
         raise InputError(missing)
     system, b = SYSTEMS[body.gliding], body.body()
-    momenta = [measured(name, value, JELLETT if name == "lam" else ANGULAR_MOMENTUM) for name, value in given]
+    momenta = [
+        measured(name, value, JELLETT if name == "lam" else ANGULAR_MOMENTUM)
+        for name, value in given
+    ]
     energy, theta = measured("energy", energy, JOULE), measured("theta", theta, RADIAN)
     within("theta", theta, 0, math.pi, "[0, pi]")
     assert system.potential is not None
     assert system.theta_inertia is not None
     inertia, potential = system.theta_inertia, system.potential
-    result = one_dimensional.nutation(lambda z: inertia(z, b), lambda z: potential(z, *momenta, b), energy, theta)
+    result = one_dimensional.nutation(
+        lambda z: inertia(z, b), lambda z: potential(z, *momenta, b), energy, theta
+    )
     if math.isnan(result.period):
         warnings.warn(
-            f"the energy {energy:.17g} J is not above the effective potential at any angle, so that nothing swings: it "
-            "is that of steady motion, to rounding, or belongs to other momenta; both angles are theta, the period is "
+            f"the energy {energy:.17g} J is not above the effective potential at any angle, so "
+            "that nothing swings: it "
+            "is that of steady motion, to rounding, or belongs to other momenta; both angles "
+            "are theta, the period is "
             "NaN.",
             stacklevel=2,
         )
@@ -224,15 +246,17 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     Parameters
     ----------
     run : Run
-        Of a tippe top or heavy top that starts at a turning angle, with some hundred rows per nutation.
+        Of a tippe top or heavy top that starts at a turning angle, with some hundred rows per
+        nutation.
     period : float or str, optional
         A guess of the period of nutation [s]; by default twice the first turning time of the run.
 
     Returns
     -------
     xarray.Dataset
-        `theta` [rad] along `time`, NaN where it ends early or after the last whole swing; `turning` [s], the times of
-        the turnings; the attribute `mismatch`, the worst disagreement of cos(theta) where pieces meet.
+        `theta` [rad] along `time`, NaN where it ends early or after the last whole swing; `turning`
+        [s], the times of the turnings; the attribute `mismatch`, the worst disagreement of
+        cos(theta) where pieces meet.
 
     Raises
     ------
@@ -242,8 +266,9 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     Warns
     -----
     UserWarning
-        If it ends early: `mismatch` is above 1e-6, as where rows are too few, or no next turning is found, as where the
-        axis rises and hardly turns (in the canonical inversion after 6.23 s and 314 turnings).
+        If it ends early: `mismatch` is above 1e-6, as where rows are too few, or no next turning is
+        found, as where the axis rises and hardly turns (in the canonical inversion after 6.23 s and
+        314 turnings).
 
     Notes
     -----

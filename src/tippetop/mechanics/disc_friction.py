@@ -1,8 +1,10 @@
-"""Friction of a contact patch that slides and drills: Coulomb at each point under the pressure of Hertz. [contact 5]
+"""Friction of a contact patch that slides and drills: Coulomb at each point under the pressure of
+Hertz. [contact 5]
 
-F = -mu N k v_A and the torque -mu N patch^2 twist Omega_z zhat, with U = patch |Omega_z|, x = w/U, k = f(x)/w and
-twist = m(x)/U: functions of w^2 and U^2, regular where slip stops (`inside`) and where drilling does (`outside`).
-f and m are elementary; there is one formula for each region, and no approximation.
+F = -mu N k v_A and the torque -mu N patch^2 twist Omega_z zhat, with U = patch |Omega_z|, x = w/U,
+k = f(x)/w and twist = m(x)/U: functions of w^2 and U^2, regular where slip stops (`inside`) and
+where drilling does (`outside`). f and m are elementary; there is one formula for each region, and
+no approximation.
 """
 
 import math
@@ -20,7 +22,9 @@ class Drag(NamedTuple):
 
 
 OUTSIDE_FROM = 2.5
-"""x = w/U beyond which the closed form loses digits to cancellation, and its series, of 24 terms, does not."""
+"""x = w/U beyond which the closed form loses digits to cancellation, and its series, of 24 terms,
+does not.
+"""
 
 
 @formula
@@ -59,7 +63,7 @@ def drag(w2, U2):
     return between(w2, U2) if w2 < OUTSIDE_FROM**2 * U2 else outside(w2, U2)
 
 
-# --- regions ----------------------------------------------------------------------------------------------------------
+# --- regions ------------------------------------------------------------------------------------
 
 
 SLOW = 1e-6
@@ -70,8 +74,9 @@ A longer step may pass the rest of a disc that hardly turns, which is short, and
 EDGE = 1 + 1e-5
 """x = w/U from which `between` holds: its slope has a root at 1.
 
-Nearer to it Taylor coefficients overflow where U is least. `inside` is right there to 1e-13, and for no longer than
-1e-5 U takes."""
+Nearer to it Taylor coefficients overflow where U is least. `inside` is right there to 1e-13, and
+for no longer than 1e-5 U takes.
+"""
 
 
 class Border(NamedTuple):
@@ -119,7 +124,7 @@ REGIONS = {
 """The regions of a disc by name, by rising x."""
 
 
-# --- force, torque, power ---------------------------------------------------------------------------------------------
+# --- force, torque, power -----------------------------------------------------------------------
 
 
 @formula
@@ -136,8 +141,10 @@ def drilling_torque(N, Omega_z, drag, mu, patch):
 
 @formula
 def rolling_torque(N, omega, mu_r, still=0):
-    """The torque of rolling resistance, (3,) [N m], -mu_r N omega_h/|omega_h|; mu_r [m] is a lever. `still` [rad/s]
-    makes it smooth where omega_h = 0."""
+    """The torque of rolling resistance, (3,) [N m], -mu_r N omega_h/|omega_h|; mu_r [m] is a lever.
+
+    `still` [rad/s] makes it smooth where omega_h = 0.
+    """
     k = -(mu_r * N) / sqrt(omega.x * omega.x + omega.y * omega.y + still**2)
     return Vector(k * omega.x, k * omega.y, 0)
 

@@ -1,7 +1,9 @@
-"""Numbers as an unevaluated sum head + tail: twice the digits, where the last ulp of a result counts.
+"""Numbers as an unevaluated sum head + tail: twice the digits, where the last ulp of a result
+counts.
 
-The tail carries what rounding took from the head, to first order; nothing is renormalised but by `tidy`. Plain
-arithmetic: fed with decimals or 50-digit numbers, the formulas give what these give, and the tails are nothing.
+The tail carries what rounding took from the head, to first order; nothing is renormalised but by
+`tidy`. Plain arithmetic: fed with decimals or 50-digit numbers, the formulas give what these give,
+and the tails are nothing.
 """
 
 import math
@@ -40,7 +42,9 @@ def minus(x, y):
 
 @formula
 def tidy(x):
-    """The same number with the head rounded from the whole: needed after a cancellation, where heads are used alone."""
+    """The same number with the head rounded from the whole: needed after a cancellation, where
+    heads are used alone.
+    """
     s = x.head + x.tail
     return DoubleDouble(s, x.tail - (s - x.head))
 
@@ -48,7 +52,9 @@ def tidy(x):
 @formula
 def times(x, y):
     """x y."""
-    return DoubleDouble(x.head * y.head, product_error(x.head, y.head) + (x.head * y.tail + x.tail * y.head))
+    return DoubleDouble(
+        x.head * y.head, product_error(x.head, y.head) + (x.head * y.tail + x.tail * y.head)
+    )
 
 
 @formula
@@ -61,7 +67,9 @@ def scaled(k, x):
 def quotient(x, y, per):
     """x/y, given per = 1/y to a few roundings: the quotient is mended by its remainder."""
     c = x.head * per
-    return DoubleDouble(c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per)
+    return DoubleDouble(
+        c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per
+    )
 
 
 def parts_of(value: Any) -> list[float]:

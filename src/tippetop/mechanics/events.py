@@ -1,4 +1,6 @@
-"""What an event is: a zero of a function of the state, what it means for a run, and what is kept of it."""
+"""What an event is: a zero of a function of the state, what it means for a run, and what is kept of
+it.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,34 +10,48 @@ import numpy as np
 
 
 NUMBERED = ("turning", "liftoff", "equator", "inverted", "settled")
-"""The kinds of events that have fixed numbers in stores: their places here. Every store lists them all."""
+"""The kinds of events that have fixed numbers in stores: their places here.
+
+Every store lists them all.
+"""
 
 NOISE_FLOOR = 100 * np.finfo(float).eps
-"""Swings of theta below this [rad] are rounding: components of 3hat carry a few units of 2.2e-16."""
+"""Swings of theta below this [rad] are rounding: components of 3hat carry a few units of 2.2e-16.
+"""
 
 AT_POLE = 1e-9
-"""Internal time in which the axis passes a pole: where its closest approach is less than this times its speed, z' = 0
-is a passage of a planar motion through the pole, where theta = |..| has a kink, and no turning."""
+"""Internal time in which the axis passes a pole: where its closest approach is less than this times
+its speed, z' = 0 is a passage of a planar motion through the pole, where theta = |..| has a kink,
+and no turning.
+"""
 
 NEAR_POLE = 1e-6
-"""Internal time within which the closest approach must be: a zero of z' known no better than 1e-7 is still it."""
+"""Internal time within which the closest approach must be: a zero of z' known no better than 1e-7
+is still it.
+"""
 
 ON_ZERO = 1e-9
-"""An event function, of order one, that is smaller than this at t = 0 starts on its zero, which is no event."""
+"""An event function, of order one, that is smaller than this at t = 0 starts on its zero, which is
+no event.
+"""
 
 ON_ZERO_FOR = 1e-6
-"""Internal time in which such a function leaves its zero: one zero of it so early is that of the start."""
+"""Internal time in which such a function leaves its zero: one zero of it so early is that of the
+start.
+"""
 
 
 class Kept(NamedTuple):
-    """A number that is kept of the passages of an event, of every run and of every top of an ensemble.
+    """A number that is kept of the passages of an event, of every run and of every top of an
+    ensemble.
 
     Parameters
     ----------
     name : str
         Of the number in `run.summary.kept`, and of the column of an ensemble.
     what : str
-        "first" or "last": the time of that passage [s], NaN if there is none; "count": how many there are.
+        "first" or "last": the time of that passage [s], NaN if there is none; "count": how many
+        there are.
     long_name : str
         What it is, in words.
     direction : int
@@ -59,31 +75,35 @@ class Event:
     long_name : str
         What happens, in words.
     formula : callable
-        formula(s, b), under `@formula`: `s` are the scalars of a state, `b` is the body, in units in which mass, length
-        and time of the body are about 1. It must be regular: finite, with derivatives, wherever the run goes; and of
-        order one: its values are neither millions nor millionths. None: it happens in jumps, which log it.
+        formula(s, b), under `@formula`: `s` are the scalars of a state, `b` is the body, in units
+        in which mass, length and time of the body are about 1. It must be regular: finite, with
+        derivatives, wherever the run goes; and of order one: its values are neither millions nor
+        millionths. None: it happens in jumps, which log it.
     direction : int
         +1: rising zeros only; -1: falling ones only; 0: all.
     ends : str, optional
-        The status of a run that the event ends (unless `on_liftoff` says "continue"): liftoff, fallen; any other word
-        gives `ended`. Without, it ends none.
+        The status of a run that the event ends (unless `on_liftoff` says "continue"): liftoff,
+        fallen; any other word gives `ended`. Without, it ends none.
     sense : int
-        Of the turnings of theta: +1 if the formula has the sign of theta', -1 if the opposite. 0: it is no turning.
+        Of the turnings of theta: +1 if the formula has the sign of theta', -1 if the opposite. 0:
+        it is no turning.
     lasting : bool
-        Whether a passage is significant only if the function stays beyond its zero to the end of the run.
+        Whether a passage is significant only if the function stays beyond its zero to the end of
+        the run.
     extremes : str
         The quantity that the function is, if its least and greatest values are to be reported.
     kept : tuple of Kept
         What is kept of its passages.
     sampled : bool
-        Whether `formula` is a plain function of numbers, without a Taylor series, positive until it happens. It is
-        evaluated in the middle and at the end of each step, so that a shorter passage is missed. Only an exit of a
-        phase whose motion is slow may be sampled: the phase `rest` of a disc has the only one of this package.
+        Whether `formula` is a plain function of numbers, without a Taylor series, positive until it
+        happens. It is evaluated in the middle and at the end of each step, so that a shorter
+        passage is missed. Only an exit of a phase whose motion is slow may be sampled: the phase
+        `rest` of a disc has the only one of this package.
 
     Notes
     -----
-    Of the events of a system one may have a `sense`, one may be `lasting`, one may have `extremes`. A formula written
-    with the sub-expressions of the equations of motion costs no further product.
+    Of the events of a system one may have a `sense`, one may be `lasting`, one may have `extremes`.
+    A formula written with the sub-expressions of the equations of motion costs no further product.
     """
 
     name: str
@@ -113,6 +133,7 @@ def kinds(events: Sequence[Event]) -> tuple[str, ...]:
 
     Notes
     -----
-    The numbered kinds come first, whether these events have them or not; then new ones in their order.
+    The numbered kinds come first, whether these events have them or not; then new ones in their
+    order.
     """
     return (*NUMBERED, *(event.name for event in events if event.name not in NUMBERED))

@@ -1,4 +1,6 @@
-"""How a motion is written: forms, their integrals and quantities, phases of the contact and their exits."""
+"""How a motion is written: forms, their integrals and quantities, phases of the contact and their
+exits.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -36,20 +38,22 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Integral:
-    """A variable that the equations of motion do not read: it is integrated beside them and must not control the step.
+    """A variable that the equations of motion do not read: it is integrated beside them and must
+    not control the step.
 
     Parameters
     ----------
     name, unit, long_name
         As a column; the name is unique in its form.
     rate
-        rate(q, carried, b), its time derivative: of the state that moves, q, and the record of all integrals of the
-        form, `carried`; None in a form that is not integrated.
+        rate(q, carried, b), its time derivative: of the state that moves, q, and the record of all
+        integrals of the form, `carried`; None in a form that is not integrated.
     start
-        start(data, sin_theta, cos_theta) of the initial data that the user gives; None: the value of the same name in
-        the record of angles, 0 where it has none.
+        start(data, sin_theta, cos_theta) of the initial data that the user gives; None: the value
+        of the same name in the record of angles, 0 where it has none.
     of
-        The quantity whose integral it is, if an event has that one's extremes: it is then not integrated twice.
+        The quantity whose integral it is, if an event has that one's extremes: it is then not
+        integrated twice.
     """
 
     name: str
@@ -67,7 +71,8 @@ class Orientation:
     Parameters
     ----------
     axes
-        axes(q, carried, b) -> the body's axes 1 and 3 in the space frame, two Vectors; defined at the poles too.
+        axes(q, carried, b) -> the body's axes 1 and 3 in the space frame, two Vectors; defined at
+        the poles too.
     integrals
         What is integrated for it.
     psi
@@ -80,7 +85,9 @@ class Orientation:
 
 
 class Domain(NamedTuple):
-    """A scalar function that must stay positive, formula(scalars, b), and what it means when it does not."""
+    """A scalar function that must stay positive, formula(scalars, b), and what it means when it
+    does not.
+    """
 
     formula: Callable
     meaning: str
@@ -99,14 +106,16 @@ class Form:
     units
         The record (a NamedTuple) of the state that moves, q, filled with the unit of each variable.
     rates
-        rates(q, b) -> the same record: the time derivatives; None: a form of rows, which is not integrated.
+        rates(q, b) -> the same record: the time derivatives; None: a form of rows, which is not
+        integrated.
     scalars
         scalars(q, b) -> what the quantities and events are written in; by default the state.
     of_angles, to_angles
-        of_angles(angles, sin_theta, cos_theta, b) -> q, and back: to_angles(q, carried, b) -> the record of angles;
-        By default the state is that record.
+        of_angles(angles, sin_theta, cos_theta, b) -> q, and back: to_angles(q, carried, b) -> the
+        record of angles; By default the state is that record.
     vectors
-        vectors(q, b) -> a record with the `vectors` of its system; None: they are made of the angles.
+        vectors(q, b) -> a record with the `vectors` of its system; None: they are made of the
+        angles.
     integrals
         What is integrated beside the state.
     orientation
@@ -145,13 +154,13 @@ class Next:
     phase
         Its name.
     x
-        The common state in which it begins. If it has a field `carried`, that is the record of the integrals of the
-        run; otherwise integrals continue.
+        The common state in which it begins. If it has a field `carried`, that is the record of the
+        integrals of the run; otherwise integrals continue.
     delay
         Time that passes in the jump.
     series
-        The motion in this time: series(t) -> states of the phase that follows, and integrals, of times (n,). None: it
-        is too short for rows and events.
+        The motion in this time: series(t) -> states of the phase that follows, and integrals, of
+        times (n,). None: it is too short for rows and events.
     logged
         Names of events that happen here, whose functions have no zero here or none at all.
     logged_after
@@ -159,13 +168,14 @@ class Next:
     zeros
         The multiplicity of the roots that event functions of the next phase have here, by name.
     sides
-        The signs of event functions of the next phase, by name. Without, an event with an exit begins on the side from
-        which it can happen.
+        The signs of event functions of the next phase, by name. Without, an event with an exit
+        begins on the side from which it can happen.
     lasts
-        Time after which the phase ends by the exit `CLOCK`, if no other one comes first; None: it has none.
+        Time after which the phase ends by the exit `CLOCK`, if no other one comes first; None: it
+        has none.
     cause
-        Why the phase begins, as the table of phases has it; None: the event that ended the one before; empty: the same
-        phase continues in other words.
+        Why the phase begins, as the table of phases has it; None: the event that ended the one
+        before; empty: the same phase continues in other words.
     rows
         Rows for further tables of the run: records in internal units, by table.
     ends, message
@@ -202,9 +212,10 @@ class Exit:
     to
         The names of the phases that may follow.
     jump
-        jump(x, world) -> Next, of numbers: `x` is the common state where the phase ended; `world` has `body`, `system`,
-        `rules` (of the contact), `phases` and the present `phase` by record, `left` (time to the end of the run), and
-        `rates(phase, q, carried)` of the integrals of the run.
+        jump(x, world) -> Next, of numbers: `x` is the common state where the phase ended; `world`
+        has `body`, `system`, `rules` (of the contact), `phases` and the present `phase` by record,
+        `left` (time to the end of the run), and `rates(phase, q, carried)` of the integrals of the
+        run.
     """
 
     event: str
@@ -214,20 +225,24 @@ class Exit:
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """What stays the same between two changes of the contact: slip, roll, flight, both balls at once.
+    """What stays the same between two changes of the contact: slip, roll, flight, both balls at
+    once.
 
     Parameters
     ----------
     forms
-        The ways to write the state, by name; the first is the default, and the one that a jump enters. Or the only one.
+        The ways to write the state, by name; the first is the default, and the one that a jump
+        enters. Or the only one.
     quantities
         What can be read of a state, as columns.
     events
         What is looked for.
     exits
-        Which events end the phase, and how; none: only the end of the run does, or an event that stops it.
+        Which events end the phase, and how; none: only the end of the run does, or an event that
+        stops it.
     enter, leave
-        enter(x, b) -> q, the state of the first form, of the common state x; and back: leave(q, b) -> x.
+        enter(x, b) -> q, the state of the first form, of the common state x; and back: leave(q, b)
+        -> x.
     reaction
         reaction(q, b) -> what the plane does to the body, for columns; None: nothing.
     parameters

@@ -1,7 +1,9 @@
-"""The laws of the planar contact force: F_h = -k g_n v_A. To add a law: a class, and its name in LAWS.
+"""The laws of the planar contact force: F_h = -k g_n v_A.
 
-k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact lies.
-The attributes of a law decide how its contact behaves: no code tests its name or its class.
+To add a law: a class, and its name in LAWS.
+
+k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact
+lies. The attributes of a law decide how its contact behaves: no code tests its name or its class.
 """
 
 import re
@@ -45,7 +47,9 @@ EPS = number(METRE_PER_SECOND, "regularisation speed eps", symbol=r"\varepsilon"
 
 @formula
 def drilling_part(omega, law):
-    """The drilling torque about the vertical, per normal force [m]: -mu_d sgn(Omega_z), smooth where Omega_z = 0."""
+    """The drilling torque about the vertical, per normal force [m]: -mu_d sgn(Omega_z), smooth
+    where Omega_z = 0.
+    """
     return -(law.mu_d * omega.z) / sqrt(omega.z * omega.z + STOPS_ROLLING**2)
 
 
@@ -58,7 +62,9 @@ def torque_of_parts(drag, omega, law):
 
 @formula
 def torque_of_disc_and_part(drag, omega, law):
-    """The torque of a disc under Coulomb's law, and the drilling torque, per normal force, (3,) [m]."""
+    """The torque of a disc under Coulomb's law, and the drilling torque, per normal force, (3,)
+    [m].
+    """
     of_disc = torque(drag, omega, law)
     return Vector(of_disc.x, of_disc.y, of_disc.z + drilling_part(omega, law))
 
@@ -69,14 +75,19 @@ def has_parts(law: Any) -> bool:
 
 
 def load(omega: Vector, law: Any) -> Vector | None:
-    """Return the torque of a law without regions per normal force, (3,) [m]; None under a law without parts."""
+    """Return the torque of a law without regions per normal force, (3,) [m]; None under a law
+    without parts.
+    """
     return torque_of_parts(None, omega, law) if "mu_d" in law._fields else None
 
 
 class FrictionLaw(Record, abstract=True):
-    """A friction law F_h = -k g_n v_A: what `[friction] law` names. Its records are what formulas take.
+    """A friction law F_h = -k g_n v_A: what `[friction] law` names.
 
-    The class attributes of a law of the user are `key` and `coefficient`; the others are for laws of the package.
+    Its records are what formulas take.
+
+    The class attributes of a law of the user are `key` and `coefficient`; the others are for laws
+    of the package.
     """
 
     table = "friction"
@@ -87,15 +98,20 @@ class FrictionLaw(Record, abstract=True):
     words: ClassVar[str]
     """What figures call it; by default the key, and "friction"."""
     coefficient: ClassVar[Any] = None
-    """k(v2, z, law) [s/m] under `@formula`: v2 = |v_A|^2 [m^2/s^2], z = cos(theta), law the record. It must be finite,
-    at rest too, and not negative. A law that is no multiple of g_n v_A (the modified reaction) has none."""
+    """k(v2, z, law) [s/m] under `@formula`: v2 = |v_A|^2 [m^2/s^2], z = cos(theta), law the record.
+
+    It must be finite, at rest too, and not negative. A law that is no multiple of g_n v_A (the
+    modified reaction) has none.
+    """
     set_valued: ClassVar[bool] = False
     """Whether a contact at rest bears any |F_h| <= mu g_n: it slips, rolls, and slips again."""
     regions: ClassVar[Mapping[str, Region]] = {}
-    """The formulas of a law that has several, by the name of the region of w/U in which each holds."""
+    """The formulas of a law that has several, by the name of the region of w/U in which each holds.
+    """
     torque: ClassVar[Callable | None] = None
-    """torque(drag, omega, law) -> (3,) [m], per normal force, in the region of this drag; it ignores the drag under a
-    law without regions."""
+    """torque(drag, omega, law) -> (3,) [m], per normal force, in the region of this drag; it
+    ignores the drag under a law without regions.
+    """
     without: ClassVar[Any] = None
     """The law where the optional numbers are left out."""
     with_parts: ClassVar[Any] = None
@@ -118,17 +134,29 @@ class FrictionLaw(Record, abstract=True):
         if "with_parts" not in body:
             more = {name: rule for name, rule in PARTS.items() if name not in cls.parameters}
             torque = torque_of_disc_and_part if cls.regions else torque_of_parts
-            own = {"torque": staticmethod(torque), "with_parts": None, "without": None, "__doc__": doc}
+            own = {
+                "torque": staticmethod(torque),
+                "with_parts": None,
+                "without": None,
+                "__doc__": doc,
+            }
             place = {"__module__": cls.__module__, "__qualname__": f"{cls.__qualname__}.with_parts"}
-            cls.with_parts = RecordType(cls.__name__, (cls,), {**cls.parameters, **more, **own, **place})
+            cls.with_parts = RecordType(
+                cls.__name__, (cls,), {**cls.parameters, **more, **own, **place}
+            )
 
     @classmethod
     def given(cls, names: Collection[str]) -> Any:
-        """Return the law that these numbers belong to: `without`, if no optional one is among them; `with_parts`, if
-        numbers of PARTS are."""
+        """Return the law that these numbers belong to: `without`, if no optional one is among them;
+        `with_parts`, if numbers of PARTS are.
+        """
         optional = [name for name, rule in cls.parameters.items() if rule.optional]
         law = cls if cls.without is None or any(name in names for name in optional) else cls.without
-        return law.with_parts if any(name in names for name in PARTS if name not in law.parameters) else law
+        return (
+            law.with_parts
+            if any(name in names for name in PARTS if name not in law.parameters)
+            else law
+        )
 
     @classmethod
     def units(cls) -> Any:
@@ -153,8 +181,9 @@ class Viscous(FrictionLaw):
 class Coulomb(FrictionLaw):
     """F = -mu g_n v_A/sqrt(v_A^2 + eps^2).
 
-    Dry friction (Coulomb 1785). The regularisation speed eps decides when a top inverts. Without it this is Coulomb's
-    law itself: the contact slips, rolls and flies, and the tables `phases` and `impacts` say when.
+    Dry friction (Coulomb 1785). The regularisation speed eps decides when a top inverts. Without it
+    this is Coulomb's law itself: the contact slips, rolls and flies, and the tables `phases` and
+    `impacts` say when.
     """
 
     words = "regularised Coulomb friction"
@@ -170,7 +199,8 @@ class Coulomb(FrictionLaw):
 class SetValued(Coulomb):
     """F = -mu g_n v_A/|v_A|; |F| <= mu g_n where v_A = 0.
 
-    Coulomb's law itself: |F| = mu g_n against v_A where the contact slides, |F| <= mu g_n where it does not.
+    Coulomb's law itself: |F| = mu g_n against v_A where the contact slides, |F| <= mu g_n where it
+    does not.
     """
 
     words = "Coulomb friction"
@@ -188,10 +218,11 @@ Coulomb.without = SetValued
 
 
 class Contensou(FrictionLaw):
-    """Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev), Hertz pressure.
+    """Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev), Hertz
+    pressure.
 
-    Friction that drills, of a tippe top, and rolling resistance. (Contensou 1963, Zhuravlev 1998) The contact slips and
-    flies, and the tables `phases` and `impacts` say when.
+    Friction that drills, of a tippe top, and rolling resistance. (Contensou 1963, Zhuravlev 1998)
+    The contact slips and flies, and the tables `phases` and `impacts` say when.
     """
 
     words = "Coulomb–Contensou friction"
@@ -199,7 +230,10 @@ class Contensou(FrictionLaw):
     torque = staticmethod(torque)
     mu: Number = again(Coulomb.parameters["mu"])
     patch: Number = number(
-        METRE, "radius of the contact disc, 1e-5 to 1 times that of the sphere", symbol="contact radius", above=0
+        METRE,
+        "radius of the contact disc, 1e-5 to 1 times that of the sphere",
+        symbol="contact radius",
+        above=0,
     )
     mu_r: Number = number(
         METRE,
@@ -214,8 +248,8 @@ class Contensou(FrictionLaw):
 class Mixed(FrictionLaw):
     """Viscous and Coulomb together.
 
-    F = -[mu + mu_coulomb/sqrt(|v_A|^2 + eps^2)] g_n v_A. Or, A. C.: The dynamics of a tippe top. SIAM J. Appl. Math. 54
-    (1994).
+    F = -[mu + mu_coulomb/sqrt(|v_A|^2 + eps^2)] g_n v_A. Or, A. C.: The dynamics of a tippe top.
+    SIAM J. Appl. Math. 54 (1994).
     """
 
     words = "viscous and Coulomb friction"
@@ -237,25 +271,35 @@ class Stribeck(FrictionLaw):
 
     words = "Stribeck friction"
     mu: Number = again(Coulomb.parameters["mu"])
-    mu_static: Number = number(ONE, "Coulomb friction coefficient at rest", symbol=r"\mu_s", least=0)
-    v_s: Number = number(METRE_PER_SECOND, "Stribeck speed, over which mu_static falls to mu", symbol="v_s", above=0)
+    mu_static: Number = number(
+        ONE, "Coulomb friction coefficient at rest", symbol=r"\mu_s", least=0
+    )
+    v_s: Number = number(
+        METRE_PER_SECOND, "Stribeck speed, over which mu_static falls to mu", symbol="v_s", above=0
+    )
     eps: Number = again(EPS)
 
     @formula
     def coefficient(v2, z, law):
         """k = [mu + (mu_static - mu) exp(-v^2/v_s^2)]/sqrt(v^2 + eps^2) [s/m]."""
-        return (law.mu + (law.mu_static - law.mu) * exp(-(v2 / law.v_s**2))) / sqrt(v2 + law.eps * law.eps)
+        return (law.mu + (law.mu_static - law.mu) * exp(-(v2 / law.v_s**2))) / sqrt(
+            v2 + law.eps * law.eps
+        )
 
 
 class Latitude(FrictionLaw):
     """Viscous, linear in cos(theta) between mu on the heavy cap and mu_stem on the stem's side.
 
-    Friction of a body of two materials: mu where the contact is at z = 1, mu_stem where it is at z = -1.
+    Friction of a body of two materials: mu where the contact is at z = 1, mu_stem where it is at z
+    = -1.
     """
 
     mu: Number = again(Viscous.parameters["mu"])
     mu_stem: Number = number(
-        SECOND_PER_METRE, "viscous friction coefficient on the side of the stem", symbol=r"\mu_{stem}", least=0
+        SECOND_PER_METRE,
+        "viscous friction coefficient on the side of the stem",
+        symbol=r"\mu_{stem}",
+        least=0,
     )
 
     @formula
@@ -267,8 +311,8 @@ class Latitude(FrictionLaw):
 class Frictionless(FrictionLaw):
     """No friction.
 
-    The plane pushes vertically only. Not to be confused with pure rolling, where the contact point is at rest: that is
-    another system.
+    The plane pushes vertically only. Not to be confused with pure rolling, where the contact point
+    is at rest: that is another system.
     """
 
     key = "none"
@@ -283,11 +327,16 @@ class Frictionless(FrictionLaw):
 LAWS: dict[str, type[FrictionLaw]] = {
     law.key: law for law in (Viscous, Coulomb, Mixed, Stribeck, Latitude, Frictionless, Contensou)
 }
-"""The laws by name. The contact of a body has phases under a law that is set-valued or has regions; both have mu."""
+"""The laws by name.
+
+The contact of a body has phases under a law that is set-valued or has regions; both have mu.
+"""
 
 
 def all_laws(laws: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield every law with its name, also those of the same name with fewer numbers, or with parts."""
+    """Yield every law with its name, also those of the same name with fewer numbers, or
+    with parts.
+    """
     for name, law in laws.items():
         for one in (law, law.without):
             if one is not None:
@@ -297,7 +346,9 @@ def all_laws(laws: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def named(record: type, laws: Mapping[str, Any] = LAWS) -> Any:
-    """Return the class of a record if it is that of a law of `laws`, or else of LAWS; None if it is not."""
+    """Return the class of a record if it is that of a law of `laws`, or else of LAWS; None if it is
+    not.
+    """
     key = getattr(record, "key", "")
     known = [law for law in (laws.get(key), LAWS.get(key)) if law is not None]
     return record if any(law.face is record.face for law in known) else None  # type: ignore[attr-defined]
@@ -316,7 +367,8 @@ SPEEDS2, HEIGHTS = (
 
 
 def is_frictionless(law: Any) -> bool:
-    """Whether a law with its numbers takes no energy: k = 0 at rest and in motion, wherever the contact lies.
+    """Whether a law with its numbers takes no energy: k = 0 at rest and in motion, wherever the
+    contact lies.
 
     So are the law `none`, and every law with mu = 0.
     """
@@ -342,14 +394,21 @@ FAST2 = np.float64(1e6)  # |v_A|^2 [m^2/s^2] beyond that of any top
 
 
 def nowhere_vanishes(law: Any) -> bool:
-    """Return whether a law k g_n v_A acts wherever on the body the contact lies, at rest and in fast sliding."""
+    """Return whether a law k g_n v_A acts wherever on the body the contact lies, at rest and in
+    fast sliding.
+    """
     with np.errstate(all="ignore"):
-        return all(slip_coefficient(v2, z, law) > 0 for v2 in (np.float64(0), FAST2) for z in HEIGHTS)
+        return all(
+            slip_coefficient(v2, z, law) > 0 for v2 in (np.float64(0), FAST2) for z in HEIGHTS
+        )
 
 
 def is_linear(law: Any) -> bool:
     """Return whether k depends neither on the sliding speed nor on the place of the contact."""
-    return len({float(slip_coefficient(v2, z, law)) for v2 in (np.float64(0), FAST2) for z in HEIGHTS}) == 1
+    return (
+        len({float(slip_coefficient(v2, z, law)) for v2 in (np.float64(0), FAST2) for z in HEIGHTS})
+        == 1
+    )
 
 
 def add(law: type[FrictionLaw]) -> None:
@@ -361,32 +420,48 @@ def add(law: type[FrictionLaw]) -> None:
     if faults := _faults(law):
         raise InputError(faults)
     LAWS[law.key] = law
-    SLIP[law] = SLIP[law.with_parts] = names_its_faults(law.coefficient, f"the friction law `{law.key}`")
+    SLIP[law] = SLIP[law.with_parts] = names_its_faults(
+        law.coefficient, f"the friction law `{law.key}`"
+    )
 
 
 NAME = r"[A-Za-z_][A-Za-z0-9_-]*"
-"""What the name of a law or a system is made of: it stands in TOML, on the command line and in stores."""
+"""What the name of a law or a system is made of: it stands in TOML, on the command line and in
+stores.
+"""
 
 
 def _faults(law: type[FrictionLaw]) -> list[str]:
     """What is wrong with a law that is to be registered, in sentences."""
     name = law.key
     if not isinstance(name, str) or not re.fullmatch(NAME, name):
-        return [f"the name of a law must be letters, digits, - and _, and begin with no digit, but is {name!r:.60}."]
+        return [
+            "the name of a law must be letters, digits, - and _, and begin with no digit, but "
+            f"is {name!r:.60}."
+        ]
     faults = []
     if name in LAWS:
-        faults.append(f"the name of a law must be new, but `{name}` is that of {LAWS[name].__name__}.")
+        faults.append(
+            f"the name of a law must be new, but `{name}` is that of {LAWS[name].__name__}."
+        )
     if law.coefficient is None:
         faults.append(f"the law `{name}` must have a coefficient k(v2, z, law), but has none.")
     elif not callable(law.coefficient):
-        faults.append(f"the coefficient of the law `{name}` must be a function, but is {law.coefficient!r:.60}.")
+        faults.append(
+            f"the coefficient of the law `{name}` must be a function, but is "
+            f"{law.coefficient!r:.60}."
+        )
     more = [word for word in ("set_valued", "regions", "torque", "without") if getattr(law, word)]
     must = "must be left out: it is for the laws of this package"
     faults += [f"`{word}` of the law `{name}` {must}." for word in more]
     if "law" in law.parameters:
-        faults.append(f"a parameter of the law `{name}` must not be named `law`: that is the key of the law's name.")
+        faults.append(
+            f"a parameter of the law `{name}` must not be named `law`: that is the key of the "
+            "law's name."
+        )
     return faults + [
-        f"a parameter of the law `{name}` must not be named `{part}`: every law takes it, as {rule.long_name}."
+        f"a parameter of the law `{name}` must not be named `{part}`: every law takes it, as "
+        f"{rule.long_name}."
         for part, rule in PARTS.items()
         if part in law.parameters
     ]

@@ -1,7 +1,7 @@
 """Formulas of numbers as straight-line Python, without calls and records between their operations.
 
-The operations and their order are those of the formula, and so are the bits of the result; it takes a fraction of the
-time.
+The operations and their order are those of the formula, and so are the bits of the result; it takes
+a fraction of the time.
 """
 
 import math
@@ -30,15 +30,18 @@ PYTHON = Language("", repr, {name: name for name in FUNCTIONS}, powers=True)
 
 
 def inlined(formula: F) -> F:
-    """Return a formula that soon takes less time with Python's floats; other operands take the formula itself.
+    """Return a formula that soon takes less time with Python's floats; other operands take the
+    formula itself.
 
     Parameters
     ----------
     formula
-        Its arguments are numbers and records of numbers, the last of them the body; it gives such a record, a list or
-        a number. One that branches stays as it is.
+        Its arguments are numbers and records of numbers, the last of them the body; it gives such a
+        record, a list or a number. One that branches stays as it is.
     """
-    known: dict[tuple[type, type], Callable] = {}  # by the records of the body and of the friction law
+    known: dict[
+        tuple[type, type], Callable
+    ] = {}  # by the records of the body and of the friction law
     calls: dict[tuple[type, type], int] = {}
 
     @wraps(formula)
@@ -64,14 +67,18 @@ def inlined(formula: F) -> F:
 
 
 def straight(formula: Callable, arguments: tuple) -> Callable:
-    """Return the straight-line function of a formula of such arguments; the formula itself, if it cannot be written."""
+    """Return the straight-line function of a formula of such arguments; the formula itself, if it
+    cannot be written.
+    """
     program = Program(PYTHON)
     names: dict[str, Any] = {**FUNCTIONS, "record": tuple.__new__}
 
     def symbols(value: Any, text: str) -> Any:
         if not isinstance(value, tuple):
             return program.new(text)
-        return tuple.__new__(type(value), [symbols(part, f"{text}[{k}]") for k, part in enumerate(value)])
+        return tuple.__new__(
+            type(value), [symbols(part, f"{text}[{k}]") for k, part in enumerate(value)]
+        )
 
     def written(value: Any) -> str:
         if not isinstance(value, tuple | list):

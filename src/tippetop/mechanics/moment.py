@@ -1,4 +1,6 @@
-"""What formulas of events and columns read of a state, whatever its form: scalars, place and axis."""
+"""What formulas of events and columns read of a state, whatever its form: scalars,
+place and axis.
+"""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -17,14 +19,16 @@ PLACE = ("phi", "x", "y", *AXIS)
 
 
 class Moment(tuple):
-    """A state as formulas see it: its scalars, and an attribute for each of them and of PLACE that is known.
+    """A state as formulas see it: its scalars, and an attribute for each of them and of PLACE that
+    is known.
 
     Parameters
     ----------
     scalars
         The record of the scalars.
     place
-        Functions without arguments that compute the others, by name; called where a formula reads one.
+        Functions without arguments that compute the others, by name; called where a formula reads
+        one.
     """
 
     _scalars: Any
@@ -63,7 +67,9 @@ def moment(system: "System", form: "Form", q: Any, carried: Any, b: Any) -> Mome
     axis = system.vectors.get("axis", AXIS)
     sources = {"phi": "phi", "x": "x", "y": "y", **dict(zip(AXIS, axis, strict=True))}
     place: dict[str, Callable[[], Any]] = {
-        name: partial(values.__getitem__, source) for name, source in sources.items() if source in values
+        name: partial(values.__getitem__, source)
+        for name, source in sources.items()
+        if source in values
     }
     if all(name in values for name in axis):
         place.setdefault("phi", lambda: atan2(values[axis[1]], values[axis[0]]))

@@ -1,4 +1,6 @@
-"""Numbers that a user gives, declared once: unit, meaning and interval; and the records that contain them."""
+"""Numbers that a user gives, declared once: unit, meaning and interval; and the records that
+contain them.
+"""
 
 import inspect
 import math
@@ -21,7 +23,8 @@ from .units import Unit
 
 @dataclass(frozen=True)
 class Number:
-    """A number that the user gives: its unit, its meaning, and the open or closed interval it must lie in.
+    """A number that the user gives: its unit, its meaning, and the open or closed interval it must
+    lie in.
 
     Parameters
     ----------
@@ -73,13 +76,21 @@ class Number:
         """What contradicts itself, in sentences."""
         unit: Any = self.unit
         if not isinstance(unit, Unit):
-            return [f"`unit` of the number `{self.long_name}` must be a Unit, but is {self.unit!r:.60}."]
+            return [
+                f"`unit` of the number `{self.long_name}` must be a Unit, but is {self.unit!r:.60}."
+            ]
         for low in (bound for bound in (self.above, self.least) if bound is not None):
             for high in (bound for bound in (self.below, self.most) if bound is not None):
                 if low > high or (low == high and (self.above == low or self.below == high)):
-                    return [f"some number must be {self.must()[8:]}, for `{self.long_name}`, but none is."]
+                    return [
+                        f"some number must be {self.must()[8:]}, for `{self.long_name}`, but "
+                        "none is."
+                    ]
         if self.default is not None and self.broken(self.default):
-            return [f"`default` of the number `{self.long_name}` {self.must()}, but is {self.default:g}."]
+            return [
+                f"`default` of the number `{self.long_name}` {self.must()}, but is "
+                f"{self.default:g}."
+            ]
         return []
 
     @cached_property
@@ -92,7 +103,9 @@ class Number:
             ("less than", self.below, operator.ge),
             ("at most", self.most, operator.gt),
         )
-        return [(words, float(limit), breaks) for words, limit, breaks in bounds if limit is not None]
+        return [
+            (words, float(limit), breaks) for words, limit, breaks in bounds if limit is not None
+        ]
 
     def broken(self, values: Any) -> Any:
         """Where values lie outside the interval or are not finite: a mask of their shape.
@@ -108,18 +121,28 @@ class Number:
             True where the value is not allowed.
         """
         if type(values) is float:  # soon decided
-            return not math.isfinite(values) or any(breaks(values, limit) for _, limit, breaks in self._bounds)
+            return not math.isfinite(values) or any(
+                breaks(values, limit) for _, limit, breaks in self._bounds
+            )
         broken = ~np.isfinite(values)
         for _, limit, breaks in self._bounds:
             broken = broken | breaks(values, limit)
         return broken
 
     def must(self, value: float | None = None) -> str:
-        """What must hold, as in "must be finite, greater than 0"; of a value: the first thing that it breaks."""
+        """What must hold, as in "must be finite, greater than 0"; of a value: the first thing that
+        it breaks.
+        """
         if value is None:
-            return "must be finite" + "".join(f", {words} {limit:g}" for words, limit, _ in self._bounds)
-        broken = [f"{words} {limit}" for words, limit, breaks in self._bounds if breaks(value, limit)]
-        return f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
+            return "must be finite" + "".join(
+                f", {words} {limit:g}" for words, limit, _ in self._bounds
+            )
+        broken = [
+            f"{words} {limit}" for words, limit, breaks in self._bounds if breaks(value, limit)
+        ]
+        return (
+            f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
+        )
 
     def fault(self, key: str, value: float) -> str:
         """The sentence on a value that is broken."""
@@ -128,7 +151,11 @@ class Number:
     def read(self, key: str, value: Any) -> float:
         """Return a value that is given for it as a float. Raises InputError."""
         try:
-            number = float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+            number = (
+                float(value)
+                if isinstance(value, int | float) and not isinstance(value, bool)
+                else None
+            )
         except OverflowError:
             number = None
         if number is None:
@@ -159,7 +186,9 @@ def number(
     optional: bool = False,
     kw_only: bool = False,
 ) -> Any:
-    """Declare a number of a body or a friction law, as a field of its class: `mu: Number = number(ONE, "friction")`.
+    """Declare a number of a body or a friction law as a field of its class.
+
+    Example: `mu: Number = number(ONE, "friction")`.
 
     Parameters
     ----------
@@ -176,23 +205,35 @@ def number(
 
 
 def again(
-    rule: Number, *, default: None = None, optional: bool = False, kw_only: bool = False, symbol: str = ""
+    rule: Number,
+    *,
+    default: None = None,
+    optional: bool = False,
+    kw_only: bool = False,
+    symbol: str = "",
 ) -> Any:
-    """Return the Number of another record as a field. Type checkers read `default` and `kw_only`."""
+    """Return the Number of another record as a field.
+
+    Type checkers read `default` and `kw_only`.
+    """
     return replace(rule, optional=optional or rule.optional, symbol=symbol or rule.symbol)
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(number, again))
 class RecordType(type):
-    """Makes a class of records, named tuples of the Numbers in its body; `parameters` has them by name.
+    """Makes a class of records, named tuples of the Numbers in its body; `parameters` has them by
+    name.
 
-    An `abstract` class has no records of its own: its Numbers are `parts`, optional keywords of the classes below it.
+    An `abstract` class has no records of its own: its Numbers are `parts`, optional keywords of the
+    classes below it.
     """
 
     parameters: Mapping[str, Number]
     parts: Mapping[str, Number]
 
-    def __new__(mcs, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False) -> Any:
+    def __new__(
+        mcs, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False
+    ) -> Any:
         own = {key: value for key, value in body.items() if isinstance(value, Number)}
         parts = {key: rule for base in bases for key, rule in getattr(base, "parts", {}).items()}
         before = [key for base in bases for key in getattr(base, "parameters", ())]
@@ -201,16 +242,27 @@ class RecordType(type):
             body = {key: value for key, value in body.items() if key not in own}
             return super().__new__(mcs, name, bases, body | {"parts": own})
         record = namedtuple(name, own)  # type: ignore[misc]
-        body |= {key: vars(record)[key] for key in (*own, "_fields", "_make", "_replace", "_asdict", "__match_args__")}
+        body |= {
+            key: vars(record)[key]
+            for key in (*own, "_fields", "_make", "_replace", "_asdict", "__match_args__")
+        }
         fields = [_field(key, rule) for key, rule in own.items()]
-        more = [_field(key, rule).replace(kind=_KEYWORD) for key, rule in parts.items() if key not in own]
+        more = [
+            _field(key, rule).replace(kind=_KEYWORD)
+            for key, rule in parts.items()
+            if key not in own
+        ]
         body |= {"parameters": ReadOnly(own), "__signature__": inspect.Signature([*fields, *more])}
         described = [f"{key} : {rule.described()}" for key, rule in {**own, **parts, **own}.items()]
         sections = ["Parameters\n----------", *described] if described else []
-        body["__doc__"] = "\n".join([inspect.cleandoc(body.get("__doc__") or ""), "", *sections]).rstrip()
+        body["__doc__"] = "\n".join(
+            [inspect.cleandoc(body.get("__doc__") or ""), "", *sections]
+        ).rstrip()
         return super().__new__(mcs, name, bases, body)
 
-    def __init__(cls, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False) -> None:
+    def __init__(
+        cls, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False
+    ) -> None:
         super().__init__(name, bases, body)
 
 
@@ -219,14 +271,18 @@ _KEYWORD = inspect.Parameter.KEYWORD_ONLY
 
 def _field(name: str, rule: Number) -> inspect.Parameter:
     """Return a field of a record as a parameter of its signature."""
-    default = None if rule.optional else inspect.Parameter.empty if rule.default is None else rule.default
+    default = (
+        None if rule.optional else inspect.Parameter.empty if rule.default is None else rule.default
+    )
     return inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=default)
 
 
 class Record(tuple, metaclass=RecordType, abstract=True):
-    """Numbers that formulas take, and that are checked where all are plain: floats, or texts such as "20 g".
+    """Numbers that formulas take, and that are checked where all are plain: floats, or texts such
+    as "20 g".
 
-    Operands of formulas (arrays, expressions, wide numbers) pass unchecked. So do the arguments of `_make`, `_replace`.
+    Operands of formulas (arrays, expressions, wide numbers) pass unchecked. So do the arguments of
+    `_make`, `_replace`.
     """
 
     table: ClassVar[str]
@@ -236,7 +292,9 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
     def __init_subclass__(cls) -> None:
         if "parameters" in vars(cls):
-            cls.face = next((vars(base)["face"] for base in cls.__bases__ if "parameters" in vars(base)), cls)
+            cls.face = next(
+                (vars(base)["face"] for base in cls.__bases__ if "parameters" in vars(base)), cls
+            )
 
     if TYPE_CHECKING:
         _fields: ClassVar[tuple[str, ...]]
@@ -262,7 +320,9 @@ class Record(tuple, metaclass=RecordType, abstract=True):
             for key, rule in kind.parameters.items():
                 value = bound.arguments.get(key, rule.default)
                 given[key] = rule.default if value is None else _scalar(value)
-            return kind._make((given if any(map(_is_operand, given.values())) else kind.checked(given)).values())
+            return kind._make(
+                (given if any(map(_is_operand, given.values())) else kind.checked(given)).values()
+            )
 
     @classmethod
     def given(cls, names: Any) -> Any:
@@ -276,7 +336,10 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
     @classmethod
     def checked(cls, values: Mapping[str, Any]) -> dict[str, float]:
-        """Return the numbers by name as floats. Raises InputError with a sentence for each that is wrong."""
+        """Return the numbers by name as floats.
+
+        Raises InputError with a sentence for each that is wrong.
+        """
         rules, faults, read = cls.parameters, [], {}
         units = {cls.table: {key: rule.unit for key, rule in rules.items()}}
         for key, value in worked_out({cls.table: values}, units)[cls.table].items():
@@ -301,7 +364,8 @@ class Record(tuple, metaclass=RecordType, abstract=True):
         return type(self)._make, (tuple(self),)
 
     def __repr__(self) -> str:
-        return f"{type(self).face.__name__}({', '.join(f'{key}={value!r}' for key, value in self._asdict().items())})"
+        values = ", ".join(f"{key}={value!r}" for key, value in self._asdict().items())
+        return f"{type(self).face.__name__}({values})"
 
 
 def _scalar(value: Any) -> Any:
@@ -323,13 +387,17 @@ def rules_faults(words: str, rules: Any) -> list[str]:
 
 
 class Alternative(NamedTuple):
-    """An initial datum that says in another way what others say: it stands alone, without any of `others`."""
+    """An initial datum that says in another way what others say: it stands alone, without any of
+    `others`.
+    """
 
     name: str
     others: tuple[str, ...]
     flag: bool = False  # true or false, not a number
 
     def fault(self, verb: str) -> str:
-        """The sentence on data that are not alone; `verb` says how the others come: they are given, or vary."""
+        """The sentence on data that are not alone; `verb` says how the others come: they are given,
+        or vary.
+        """
         others = " or ".join(f"`initial.{other}`" for other in self.others)
         return f"`initial.{self.name}` must stand alone, but {others} {verb} too."

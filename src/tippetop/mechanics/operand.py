@@ -9,7 +9,9 @@ import heyoka as hy
 import numpy as np
 
 
-Operand = Any  # float, complex, array (any precision), heyoka expression; heyoka and numba are untyped
+Operand = (
+    Any  # float, complex, array (any precision), heyoka expression; heyoka and numba are untyped
+)
 F = TypeVar("F", bound=Callable)
 
 
@@ -62,7 +64,11 @@ def formula(function: F) -> F:
 
 
 def _lift(name: str) -> Callable:
-    symbolic, numeric, scalar = getattr(hy, name), getattr(np, name.replace("atan", "arctan")), getattr(math, name)
+    symbolic, numeric, scalar = (
+        getattr(hy, name),
+        getattr(np, name.replace("atan", "arctan")),
+        getattr(math, name),
+    )
 
     def lifted(*x: Operand) -> Operand:
         return symbolic(*x) if any(isinstance(v, hy.expression) for v in x) else numeric(*x)
@@ -76,7 +82,9 @@ sqrt, sin, cos, exp, atan2 = _lift("sqrt"), _lift("sin"), _lift("cos"), _lift("e
 
 
 def rounding(x: Any) -> float:
-    """That of a number's kind: of a double, one of 80 bits, one of heyoka's 128 bits, or one of mpmath."""
+    """That of a number's kind: of a double, one of 80 bits, one of heyoka's 128 bits, or one of
+    mpmath.
+    """
     context = getattr(x, "context", None)  # of mpmath
     if context is not None:
         return float(context.eps)
@@ -84,7 +92,8 @@ def rounding(x: Any) -> float:
 
 
 def product_error(x: Operand, y: Operand) -> Operand:
-    """What rounding took from a product: x y = fl(x y) + product_error(x, y), exact (Dekker 1971; in numba an fma).
+    """What rounding took from a product: x y = fl(x y) + product_error(x, y), exact (Dekker 1971;
+    in numba an fma).
 
     Parameters
     ----------
@@ -143,7 +152,11 @@ def leaves(record: Any) -> list:
     list
         What is no record, depth first.
     """
-    return [leaf for field in record for leaf in (leaves(field) if isinstance(field, tuple) else [field])]
+    return [
+        leaf
+        for field in record
+        for leaf in (leaves(field) if isinstance(field, tuple) else [field])
+    ]
 
 
 def refill(record: Any, values: Any) -> Any:
@@ -166,7 +179,8 @@ def refill(record: Any, values: Any) -> Any:
 
 
 def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> Callable:
-    """A formula that is chosen by the type of its last argument, a NamedTuple: in Python and inside numba.
+    """A formula that is chosen by the type of its last argument, a NamedTuple: in Python and inside
+    numba.
 
     Parameters
     ----------
@@ -182,7 +196,8 @@ def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> 
 
     Notes
     -----
-    `choices` is read when the formula is called (in numba, compiled): it may grow. `otherwise` is for other types.
+    `choices` is read when the formula is called (in numba, compiled): it may grow. `otherwise` is
+    for other types.
     """
 
     def selected(*arguments: Operand) -> Operand:
@@ -197,7 +212,10 @@ def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> 
 
 
 def teach_numba() -> None:
-    """Makes every formula callable inside numba.njit. numba calls this itself, before its first compilation."""
+    """Makes every formula callable inside numba.njit.
+
+    numba calls this itself, before its first compilation.
+    """
     if _school.teach is not None:
         return
     from numba import types
@@ -205,7 +223,9 @@ def teach_numba() -> None:
 
     def teach(function: Callable) -> None:
         choice = getattr(function, "for_numba", None)
-        if choice is None:  # numpy's error model: a division does not test for zero, 3.1 ns per V instead of 5.7
+        if (
+            choice is None
+        ):  # numpy's error model: a division does not test for zero, 3.1 ns per V instead of 5.7
             register_jitable(error_model="numpy", forceinline=True)(function)
         else:
 
@@ -227,7 +247,9 @@ def teach_numba() -> None:
 
     @intrinsic
     def fma(typing, x, y, z):
-        return types.float64(types.float64, types.float64, types.float64), lambda _, builder, __, a: builder.fma(*a)
+        return types.float64(
+            types.float64, types.float64, types.float64
+        ), lambda _, builder, __, a: builder.fma(*a)
 
     @overload(product_error)
     def _(x, y):

@@ -1,4 +1,5 @@
-"""Coefficients of the effective potential of a top, in a variable that keeps its digits at both poles. [section 5, 8]
+"""Coefficients of the effective potential of a top, in a variable that keeps its digits at both
+poles. [section 5, 8]
 
 The systems say what these numbers are for their bodies; `landscape.formulas` evaluates V from them.
 """
@@ -24,7 +25,8 @@ class PotentialCoefficients(NamedTuple):
     b1: DoubleDouble
     b2: DoubleDouble
     k: DoubleDouble  # k second, times psi, is what X has besides a and b [sqrt(J)]
-    spin1: DoubleDouble  # (spin1 first)^2 - (spin2 second)^2 is gamma times what V has besides weight and X^2 [J]
+    # (spin1 first)^2 - (spin2 second)^2 is gamma times what V has besides weight and X^2 [J]
+    spin1: DoubleDouble
     spin2: DoubleDouble
     spin22_by_k: DoubleDouble  # spin2^2/k, 0 where spin2 is
 
@@ -32,5 +34,7 @@ class PotentialCoefficients(NamedTuple):
 def rounded(c: PotentialCoefficients) -> PotentialCoefficients:
     """Coefficients of decimals as doubles or double-doubles, as the fields say."""
     of = PotentialCoefficients.__annotations__
-    parts: Any = (doubledouble(x) if of[name] is DoubleDouble else float(x) for name, x in c._asdict().items())
+    parts: Any = (
+        doubledouble(x) if of[name] is DoubleDouble else float(x) for name, x in c._asdict().items()
+    )
     return PotentialCoefficients(*parts)

@@ -1,7 +1,9 @@
-"""Numbers as people write them: "3/10", "2/5*m*R^2", "20 g", "1480 rpm"; computed exactly, rounded once.
+"""Numbers as people write them: "3/10", "2/5*m*R^2", "20 g", "1480 rpm"; computed exactly, rounded
+once.
 
-`ast` reads the arithmetic and pint the units, in fractions. They are not mixed, because `m`, `g` and `R` are names of
-both: a text is arithmetic of numbers and names, or arithmetic of numbers followed by a unit.
+`ast` reads the arithmetic and pint the units, in fractions. They are not mixed, because `m`, `g`
+and `R` are names of both: a text is arithmetic of numbers and names, or arithmetic of numbers
+followed by a unit.
 """
 
 import ast
@@ -29,10 +31,15 @@ OPERATORS: dict[type, Callable] = {
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
 }
-MEASURED = re.compile(r"\s*(?P<number>[-+0-9.eE/*() ]*[0-9.)])\s*(?P<unit>(?![eE][-+]?\d)[^\W\d_].*|[°%].*)", re.DOTALL)
+MEASURED = re.compile(
+    r"\s*(?P<number>[-+0-9.eE/*() ]*[0-9.)])\s*(?P<unit>(?![eE][-+]?\d)[^\W\d_].*|[°%].*)",
+    re.DOTALL,
+)
 UNIT = re.compile(r"[^\W\d_]\w*(\s*(\*\*|\^)\s*\(?-?\d{1,2}\)?(?!\d))?|[°%](?!\d)|[*/·()\s]")
 """One part of a unit. pint computes the rest of what it is given, however large."""
-POWER = re.compile(r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.])(?(1)\))")  # m2, s-1, m^2, m**(-1)
+POWER = re.compile(
+    r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.])(?(1)\))"
+)  # m2, s-1, m^2, m**(-1)
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 EXPONENT = re.compile(r"[eE]([-+]?[\d_]+)$")
 HERTZ = re.compile(r"\b(k?Hz|k?hertz)\b")
@@ -42,13 +49,16 @@ FORMS = (
 )
 
 
-def number_of(text: str, key: str, unit: Unit, names: Mapping[str, Any] | None = None, own: str = "") -> float:
+def number_of(
+    text: str, key: str, unit: Unit, names: Mapping[str, Any] | None = None, own: str = ""
+) -> float:
     """Return the number of a text in SI units.
 
     Parameters
     ----------
     text
-        Arithmetic of numbers, pi and `names` (+ - * / ^ and brackets), or arithmetic of numbers and then a unit.
+        Arithmetic of numbers, pi and `names` (+ - * / ^ and brackets), or arithmetic of numbers and
+        then a unit.
     key
         The dotted name of the number, for messages.
     unit
@@ -95,12 +105,22 @@ class _Reading:
     def exact(self) -> Fraction:
         """Return the number."""
         if len(self.text) > MOST_CHARACTERS:
-            self.refuse(f"be at most {MOST_CHARACTERS} characters of arithmetic", f"has {len(self.text)}")
+            self.refuse(
+                f"be at most {MOST_CHARACTERS} characters of arithmetic", f"has {len(self.text)}"
+            )
         measured = MEASURED.fullmatch(self.text)
-        head = _tree(measured["number"]) if measured and not self.text.rstrip().endswith(tuple("*/+-(^")) else None
+        head = (
+            _tree(measured["number"])
+            if measured and not self.text.rstrip().endswith(tuple("*/+-(^"))
+            else None
+        )
         if measured is None or head is None:
             return self.value(_tree(self.text))
-        if isinstance(head, ast.BinOp) and isinstance(head.op, ast.Add | ast.Sub) and head.col_offset == 0:
+        if (
+            isinstance(head, ast.BinOp)
+            and isinstance(head.op, ast.Add | ast.Sub)
+            and head.col_offset == 0
+        ):
             self.refuse("have its sum in brackets before a unit")
         return self.converted(self.value(head), measured["unit"].strip())
 
@@ -108,7 +128,9 @@ class _Reading:
         """Return the number of an expression."""
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                return _literal(ast.get_source_segment(_python(self.text), node) or str(number), number)
+                return _literal(
+                    ast.get_source_segment(_python(self.text), node) or str(number), number
+                )
             case ast.Name(id="pi"):
                 return PI
             case ast.Name(id=name):
@@ -128,16 +150,28 @@ class _Reading:
     def named(self, name: str) -> Fraction:
         """Return the number of a name in an expression."""
         if name in self.under:
-            raise InputError([f'`parameters.{name}` must not depend on itself, but does, by "{self.text}".'])
+            raise InputError(
+                [f'`parameters.{name}` must not depend on itself, but does, by "{self.text}".']
+            )
         if name not in self.names:
             near = suggestion(name, self.names)
             if name == self.text.strip():
                 self.refuse("be a number", f"is {self.text!r}", near)
-            others = f", pi and {', '.join(n for n in self.names if n not in self.under)}" if self.names else " and pi"
-            self.refuse(f"be a number, or arithmetic of numbers{others}", f'"{self.text}" has {name!r}', near)
+            others = (
+                f", pi and {', '.join(n for n in self.names if n not in self.under)}"
+                if self.names
+                else " and pi"
+            )
+            self.refuse(
+                f"be a number, or arithmetic of numbers{others}",
+                f'"{self.text}" has {name!r}',
+                near,
+            )
         value = self.names[name]
         if isinstance(value, tuple):  # a text and its unit
-            inner = _Reading(value[0], f"parameters.{name}", value[1], self.names, (*self.under, name))
+            inner = _Reading(
+                value[0], f"parameters.{name}", value[1], self.names, (*self.under, name)
+            )
             value = self.names[name] = inner.exact()
         return value if isinstance(value, Fraction) else Fraction(str(value))
 
@@ -148,19 +182,34 @@ class _Reading:
         symbol = self.unit.symbol
         must = "have no unit" if symbol == "1" else f"be in {symbol} or what can be converted to it"
         if self.unit == RADIAN_PER_SECOND and HERTZ.search(given):
-            self.refuse("be in rad/s, deg/s or rpm", f'"{self.text}" could be turns or radians per second')
+            self.refuse(
+                "be in rad/s, deg/s or rpm", f'"{self.text}" could be turns or radians per second'
+            )
         measured, wanted = _powers(given), "" if symbol == "1" else _powers(symbol)
         if UNIT.sub("", measured):
             self.refuse(must, f'"{given}" is no unit')
         registry = _registry()
         try:
-            number = Fraction(registry.Quantity(value, measured).to(wanted or "dimensionless").magnitude)
-            parts, asked = (dict(registry.Quantity(1, u).to_root_units().unit_items()) for u in (measured, wanted))
+            number = Fraction(
+                registry.Quantity(value, measured).to(wanted or "dimensionless").magnitude
+            )
+            parts, asked = (
+                dict(registry.Quantity(1, u).to_root_units().unit_items())
+                for u in (measured, wanted)
+            )
         except pint.DimensionalityError:
             self.refuse(must)
         except pint.UndefinedUnitError:
             self.refuse(must, f'"{given}" is no unit')
-        except (pint.PintError, ValueError, TypeError, AttributeError, SyntaxError, AssertionError, RecursionError):
+        except (
+            pint.PintError,
+            ValueError,
+            TypeError,
+            AttributeError,
+            SyntaxError,
+            AssertionError,
+            RecursionError,
+        ):
             self.refuse(FORMS)
         # pint takes angles and their powers for pure numbers; s-1 for rad s-1 is understood
         turned = parts.get("radian", 0)
@@ -200,7 +249,9 @@ def _small(value: Fraction, power: int = 1) -> Fraction:
 
 def _powers(unit: str) -> str:
     """Return a unit with `**` before each power."""
-    return POWER.sub(lambda power: f"**({power[2].strip('+')}{power[3]})", unit.translate(SUPERSCRIPTS))
+    return POWER.sub(
+        lambda power: f"**({power[2].strip('+')}{power[3]})", unit.translate(SUPERSCRIPTS)
+    )
 
 
 @lru_cache(maxsize=1)
@@ -213,10 +264,12 @@ def _registry() -> Any:
     return registry
 
 
-# --- tables -----------------------------------------------------------------------------------------------------------
+# --- tables -------------------------------------------------------------------------------------
 
 
-def worked_out(tables: Mapping[str, Any], units: Mapping[str, Mapping[str, Unit]]) -> dict[str, Any]:
+def worked_out(
+    tables: Mapping[str, Any], units: Mapping[str, Mapping[str, Unit]]
+) -> dict[str, Any]:
     """Return tables with numbers in place of texts.
 
     Parameters
@@ -224,7 +277,8 @@ def worked_out(tables: Mapping[str, Any], units: Mapping[str, Mapping[str, Unit]
     tables
         The tables of a scenario, or any others.
     units
-        The unit of each number, by table and key; other keys are kept. Every table may name numbers of `parameters`.
+        The unit of each number, by table and key; other keys are kept. Every table may name numbers
+        of `parameters`.
 
     Returns
     -------
@@ -252,7 +306,9 @@ def worked_out(tables: Mapping[str, Any], units: Mapping[str, Mapping[str, Unit]
         for name, unit in of_table.items():
             if isinstance(text := values.get(name), str):
                 try:
-                    read[name] = number_of(text, f"{table}.{name}", unit, names, name if table == "parameters" else "")
+                    read[name] = number_of(
+                        text, f"{table}.{name}", unit, names, name if table == "parameters" else ""
+                    )
                 except InputError as error:
                     faults += error.sentences
         result[table] = {**values, **read} if read else values

@@ -8,7 +8,10 @@ class ReadOnly(dict):
     """A dict that refuses to be changed; `|` and `copy` give a plain dict."""
 
     def _refused(self, *_: Any, **__: Any) -> NoReturn:
-        raise TypeError("what a record holds cannot be changed: make another record, as dataclasses.replace does.")
+        raise TypeError(
+            "what a record holds cannot be changed: make another record, as dataclasses.replace "
+            "does."
+        )
 
     __setitem__ = __delitem__ = __ior__ = _refused
     clear = pop = popitem = setdefault = update = _refused
@@ -18,7 +21,9 @@ class ReadOnly(dict):
 
 
 def freeze(record: Any, *names: str) -> None:
-    """Makes mappings among the fields of a frozen record read-only; what is no mapping stays, for a check to name."""
+    """Makes mappings among the fields of a frozen record read-only; what is no mapping stays, for a
+    check to name.
+    """
     for name in names:
         value = getattr(record, name)
         if isinstance(value, Mapping) and not isinstance(value, ReadOnly):

@@ -1,4 +1,6 @@
-"""Rotations as unit quaternions w, x, y, z, which turn body axes into space axes: v_space = q v_body q*."""
+"""Rotations as unit quaternions w, x, y, z, which turn body axes into space axes: v_space = q
+v_body q*.
+"""
 
 from typing import NamedTuple
 
@@ -69,7 +71,9 @@ def rotated(q, v):
 
 @formula
 def outer(first, third):
-    """4 q q^t of the rotation that turns the body's axes 1 and 3 into these, four rows: each is q times a number."""
+    """4 q q^t of the rotation that turns the body's axes 1 and 3 into these, four rows: each is q
+    times a number.
+    """
     (a, d, g), (b, e, h), (c, f, i) = first, cross(third, first), third
     return (
         Quaternion(1 + a + e + i, h - f, c - g, d - b),
@@ -81,17 +85,20 @@ def outer(first, third):
 
 @formula
 def cubic(a, da, b, db, s):
-    """Hermite's cubic at the fraction s of an interval: values at its ends, and slopes times its length."""
+    """Hermite's cubic at the fraction s of an interval: values at its ends, and slopes times its
+    length.
+    """
     r = 1 - s
     return r * r * (a * (1 + 2 * s) + da * s) + s * s * (b * (3 - 2 * s) - db * r)
 
 
 @formula
 def between(p, wp, q, wq, h, s):
-    """The rotation at the fraction s of an interval of length h, between two with their angular velocities.
+    """The rotation at the fraction s of an interval of length h, between two with their angular
+    velocities.
 
-    Axis 3 is a cubic through both ends with their velocities; the turn about it is one too, with omega_3 as its slope,
-    so that it may be many times around.
+    Axis 3 is a cubic through both ends with their velocities; the turn about it is one too, with
+    omega_3 as its slope, so that it may be many times around.
     """
     u, v = axes(p)[2], axes(q)[2]
     du, dv = times(h, cross(wp, u)), times(h, cross(wq, v))

@@ -36,7 +36,9 @@ __all__ = [
 
 
 class Momentum(NamedTuple):
-    """One of the two momenta that the effective potential takes: an axis of the landscape, a column of a run."""
+    """One of the two momenta that the effective potential takes: an axis of the landscape, a column
+    of a run.
+    """
 
     symbol: str  # of the axis: D, lambda, L3, Lz
     unit: Unit
@@ -47,15 +49,21 @@ class Momentum(NamedTuple):
 
 @dataclass(frozen=True)
 class Landscape:
-    """What the effective potential V(z; first, second momentum) of a system is made of. [section 5, 8]
+    """What the effective potential V(z; first, second momentum) of a system is made of.
 
-    Law: V of the coefficients at q = (1 - up z)/(1 + up z) is `System.potential` at z, where q = 0, z = up = +1 or -1
-    is the pole at which the centre of mass is lowest.
+    [section 5, 8]
+
+    Law: V of the coefficients at q = (1 - up z)/(1 + up z) is `System.potential` at z, where q = 0,
+    z = up = +1 or -1 is the pole at which the centre of mass is lowest.
     """
 
     momenta: tuple[Momentum, Momentum]
-    coefficients: Callable  # coefficients(body) -> PotentialCoefficients, in the numbers of the body
-    two_wells: Callable | None = None  # two_wells(body) < 0 iff V can have two minima; None: it never has
+    coefficients: (
+        Callable  # coefficients(body) -> PotentialCoefficients, in the numbers of the body
+    )
+    two_wells: Callable | None = (
+        None  # two_wells(body) < 0 iff V can have two minima; None: it never has
+    )
     energy: str = "modified_energy"  # the column of a run that is compared with V
 
     @property
@@ -84,11 +92,15 @@ class Opening(NamedTuple):
     sphere: bool = False  # whether its ball has a radius: there may be a stem, and a contact disc
     routh: Callable | None = None  # Routh's function of the gliding body, if it has one
     outlook: Callable | None = None  # outlook(b, start, rules) -> Outlook
-    without: tuple[str, ...] = ()  # quantities of the gliding body that are no columns of its phases
+    without: tuple[
+        str, ...
+    ] = ()  # quantities of the gliding body that are no columns of its phases
 
 
 def _all_are(records: Any, kind: type) -> bool:
-    return isinstance(records, Mapping) and all(isinstance(record, kind) for record in records.values())
+    return isinstance(records, Mapping) and all(
+        isinstance(record, kind) for record in records.values()
+    )
 
 
 def _same(value: Any) -> Any:
@@ -99,7 +111,8 @@ def _same(value: Any) -> Any:
 class System:
     """A mechanical system: everything that the rest of the package needs to know of it.
 
-    `replace` makes another one from it. What each field is, and must be, says docs/how-to/a-system.md.
+    `replace` makes another one from it. What each field is, and must be, says
+    docs/how-to/a-system.md.
 
     Parameters
     ----------
@@ -108,14 +121,15 @@ class System:
     parameters, initial : dict of Number
         The numbers of the body and of the start, by name.
     body, body_units : callable
-        body(parameters, friction) -> the NamedTuple `b` that every formula takes, in SI units; body_units(units of the
-        friction record) -> the same, filled with units.
+        body(parameters, friction) -> the NamedTuple `b` that every formula takes, in SI units;
+        body_units(units of the friction record) -> the same, filled with units.
     scales : callable
         scales(b) -> the mass [kg] and the length [m] that are 1 while it is integrated.
     normalised_to : dict of float
         What of `b` is 0 or 1 in these units, whatever the numbers are.
     start : callable
-        start(data, sin_theta, cos_theta, b) -> the record of angles, SI; data: the initial numbers that were given.
+        start(data, sin_theta, cos_theta, b) -> the record of angles, SI; data: the initial numbers
+        that were given.
     angles : NamedTuple
         What people read of a state, each field filled with its unit; `start` gives such a record.
     phases : dict of Phase
@@ -125,7 +139,8 @@ class System:
     long_names : dict of str
         Words for the fields of `angles` and for `vectors`.
     **others
-        Each has a default, under which there is nothing of it: no friction laws, no theory, no landscape.
+        Each has a default, under which there is nothing of it: no friction laws, no theory, no
+        landscape.
     """
 
     name: str
@@ -135,39 +150,79 @@ class System:
     source: str = ""
     body: Any = None  # body(parameters, friction) -> the record that every formula takes, SI
     body_units: Any = None  # body_units(friction units) -> that record filled with units
-    scales: Callable = field(default=lambda b: (1.0, 1.0))  # scales(b) -> mass [kg] and length [m] that become 1
-    normalised_to: dict[str, float] = field(default_factory=dict)  # what is 0 or 1 in these units by construction:
+    scales: Callable = field(
+        default=lambda b: (1.0, 1.0)
+    )  # scales(b) -> mass [kg] and length [m] that become 1
+    normalised_to: dict[str, float] = field(
+        default_factory=dict
+    )  # what is 0 or 1 in these units by construction:
     # the expressions fold
     initial: Any = None
     start: Any = None  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
     angles: Any = None  # the record that people read and write (a NamedTuple) filled with units
     integrals: tuple[str, ...] = ()  # conserved quantities, by name: their drift is reported
-    long_names: dict[str, str] = field(default_factory=dict)  # of the fields of `angles` and of `vectors`
-    vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # name -> variables of the vector form
-    undefined_at_poles: tuple[str, ...] = ()  # what of the angles means nothing where sin(theta) = 0; none: no poles
-    checks: Callable = field(default=lambda parameters: [])  # sentences on what parameters break together
+    long_names: dict[str, str] = field(
+        default_factory=dict
+    )  # of the fields of `angles` and of `vectors`
+    vectors: Mapping[str, tuple[str, ...]] = field(
+        default_factory=dict
+    )  # name -> variables of the vector form
+    undefined_at_poles: tuple[
+        str, ...
+    ] = ()  # what of the angles means nothing where sin(theta) = 0; none: no poles
+    checks: Callable = field(
+        default=lambda parameters: []
+    )  # sentences on what parameters break together
     alternatives: tuple[Alternative, ...] = ()  # initial data that say the same in two ways
-    laws: Any = field(default_factory=dict)  # the friction laws that it takes, by name; none where nothing glides
+    laws: Any = field(
+        default_factory=dict
+    )  # the friction laws that it takes, by name; none where nothing glides
     potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
     theta_inertia: Callable | None = None
     momenta: tuple[str, ...] = ()  # the quantities that V takes
-    landscape: Landscape | None = None  # V in the variable of the landscape; None: no surface, no band
-    outlook: Callable | None = None  # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI
+    landscape: Landscape | None = (
+        None  # V in the variable of the landscape; None: no surface, no band
+    )
+    outlook: Callable | None = (
+        None  # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI
+    )
     # a system whose contact has phases takes its ContactLaw as a third argument
-    motion: Callable | None = None  # motion(b, start) -> the name of the motion, where theory has one
-    borders: Callable | None = None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
-    long_form: str = ""  # the form that keeps E over runs of 1e5 s and more, if another one does not
-    inverts: bool = False  # friction can turn it over: its inversion is reported even where there was none
+    motion: Callable | None = (
+        None  # motion(b, start) -> the name of the motion, where theory has one
+    )
+    borders: Callable | None = (
+        None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
+    )
+    long_form: str = (
+        ""  # the form that keeps E over runs of 1e5 s and more, if another one does not
+    )
+    inverts: bool = (
+        False  # friction can turn it over: its inversion is reported even where there was none
+    )
     contact: Any = None  # how it was opened; None: the contact does not open
     on_request: tuple[Quantity, ...] = ()  # quantities that are columns only where a run names them
-    classes: tuple[str, ...] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
+    classes: tuple[
+        str, ...
+    ] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
     opening: Opening | None = None  # of a body whose contact may open, see contact.opening.opened
-    common: Phase | None = None  # forms, columns and events of the rows of all phases; None: those of the first phase
-    row: Callable | None = None  # row(phase, q, carried, body) -> the state of the common form; None: leave(q, b)
-    read: Callable | None = None  # read(phase, q, carried, b) -> the common state within a phase, and the body
-    begin: Callable | None = None  # begin(x, world) -> Next, how a run begins; None: in the first phase
-    assembled: Callable | None = None  # assembled(b, rules, internal) -> body of the world, phases; None: b, `phases`
-    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # further tables: units or words by column
+    common: Phase | None = (
+        None  # forms, columns and events of the rows of all phases; None: those of the first phase
+    )
+    row: Callable | None = (
+        None  # row(phase, q, carried, body) -> the state of the common form; None: leave(q, b)
+    )
+    read: Callable | None = (
+        None  # read(phase, q, carried, b) -> the common state within a phase, and the body
+    )
+    begin: Callable | None = (
+        None  # begin(x, world) -> Next, how a run begins; None: in the first phase
+    )
+    assembled: Callable | None = (
+        None  # assembled(b, rules, internal) -> body of the world, phases; None: b, `phases`
+    )
+    tables: Mapping[str, Mapping[str, Any]] = field(
+        default_factory=dict
+    )  # further tables: units or words by column
 
     def __post_init__(self) -> None:
         self._derive()
@@ -176,7 +231,9 @@ class System:
             object.__setattr__(self, "laws", MappingProxyType(self.laws))
 
     def _derive(self) -> None:
-        """Fill the fields that are not given: from the parameters, and from the state of the first phase."""
+        """Fill the fields that are not given: from the parameters, and from the state of the first
+        phase.
+        """
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and _all_are(self.parameters, Number):
             record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"], rename=True)
@@ -188,16 +245,27 @@ class System:
             angles = given["angles"] = getattr(self.phase.form, "units", None)
         fields = getattr(angles, "_fields", ())
         if self.initial is None and fields:
-            given["initial"] = {name: Number(unit, name, default=0.0) for name, unit in angles._asdict().items()}
+            given["initial"] = {
+                name: Number(unit, name, default=0.0) for name, unit in angles._asdict().items()
+            }
         if self.start is None and fields:
             make = type(angles)._make
             given["start"] = lambda data, s, z, b: make(data.get(name, 0 * z) for name in fields)
         rules = given.get("initial", self.initial)
         if not self.long_names and _all_are(rules, Number):
-            given["long_names"] = {name: rules[name].long_name if name in rules else name for name in fields}
+            given["long_names"] = {
+                name: rules[name].long_name if name in rules else name for name in fields
+            }
         if not self.tables and _all_are(self.phases, Phase) and self.is_hybrid:
-            ways = [way.event for phase in self.phases.values() for way in phase.exits if isinstance(way, Exit)]
-            given["tables"] = {"phases": {"phase": tuple(self.phases), "reason": ("start", *dict.fromkeys(ways))}}
+            ways = [
+                way.event
+                for phase in self.phases.values()
+                for way in phase.exits
+                if isinstance(way, Exit)
+            ]
+            given["tables"] = {
+                "phases": {"phase": tuple(self.phases), "reason": ("start", *dict.fromkeys(ways))}
+            }
         for name, value in given.items():
             object.__setattr__(self, name, value)
 
@@ -210,8 +278,11 @@ class System:
     def __deepcopy__(self, memo: Any) -> "System":
         return self
 
-    def body_of(self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same) -> Any:
-        """The record that formulas take, in SI units: of parameters by name and the record of a friction law.
+    def body_of(
+        self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same
+    ) -> Any:
+        """The record that formulas take, in SI units: of parameters by name and the record of a
+        friction law.
 
         Parameters
         ----------
@@ -240,7 +311,9 @@ class System:
         return self.body(given, friction._make(map(number, friction)))
 
     def faults(self, parameters: Mapping[str, float]) -> list[str]:
-        """What is wrong with parameters by name, in sentences: one by one, then together; empty if nothing is."""
+        """What is wrong with parameters by name, in sentences: one by one, then together; empty if
+        nothing is.
+        """
         faults = []
         for name, rule in self.parameters.items():
             if name not in parameters:
@@ -266,7 +339,11 @@ class System:
         list of str
             Empty if each datum is given once.
         """
-        return [a.fault(verb) for a in self.alternatives if a.name in initial and not set(a.others).isdisjoint(initial)]
+        return [
+            a.fault(verb)
+            for a in self.alternatives
+            if a.name in initial and not set(a.others).isdisjoint(initial)
+        ]
 
     def rivals(self, name: str) -> set[str]:
         """The initial numbers that cannot be given beside another."""
@@ -277,7 +354,8 @@ class System:
         return names
 
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
-        """Initial data with some changed: a number takes the place of those that say the same in another way.
+        """Initial data with some changed: a number takes the place of those that say the same in
+        another way.
 
         Parameters
         ----------
@@ -320,14 +398,28 @@ class System:
         return self.phase.events
 
     def replace(self, **changes: Any) -> "System":
-        """The system with other fields; `forms`, `quantities` and `events` are those of the first phase.
+        """The system with other fields; `forms`, `quantities` and `events` are those of the first
+        phase.
 
-        What theory says of a start (`outlook`) stays unless it is replaced too: None where the equations are others.
+        What theory says of a start (`outlook`) stays unless it is replaced too: None where the
+        equations are others.
         """
-        known = {"forms", "quantities", "events", "exits", *(field.name for field in dataclasses.fields(self))}
+        known = {
+            "forms",
+            "quantities",
+            "events",
+            "exits",
+            *(field.name for field in dataclasses.fields(self)),
+        }
         if unknown := [name for name in changes if name not in known]:
-            raise TypeError(f"a System has no field `{unknown[0]}`.{suggestion(unknown[0], sorted(known))}")
-        of_phase = {key: changes.pop(key) for key in ("forms", "quantities", "events", "exits") if key in changes}
+            raise TypeError(
+                f"a System has no field `{unknown[0]}`.{suggestion(unknown[0], sorted(known))}"
+            )
+        of_phase = {
+            key: changes.pop(key)
+            for key in ("forms", "quantities", "events", "exits")
+            if key in changes
+        }
         phase = dataclasses.replace(self.phase, **of_phase)
         if self.common:
             changes.setdefault("common", phase)
@@ -336,7 +428,8 @@ class System:
         return dataclasses.replace(self, **changes)
 
     def with_requested(self, columns: Collection[str]) -> "System":
-        """The system with those of its quantities on request that are named; the same record for the same names.
+        """The system with those of its quantities on request that are named; the same record for
+        the same names.
 
         Parameters
         ----------
@@ -354,7 +447,11 @@ class System:
 
     def folds(self, form: Form) -> dict[str, float]:
         """What is 0 or 1 in the units of a form by construction."""
-        return {name: value for name, value in self.normalised_to.items() if name not in form.not_normalised}
+        return {
+            name: value
+            for name, value in self.normalised_to.items()
+            if name not in form.not_normalised
+        }
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -373,7 +470,12 @@ def _with_quantities(system: System, more: tuple[Quantity, ...]) -> System:
 
 
 def of_one_phase(
-    phase: str, *, forms: dict[str, Form], quantities: Sequence[Quantity], events: Sequence[Event], **rest: Any
+    phase: str,
+    *,
+    forms: dict[str, Form],
+    quantities: Sequence[Quantity],
+    events: Sequence[Event],
+    **rest: Any,
 ) -> System:
     """A system whose contact never changes; `rest` is what else a System has.
 

@@ -29,28 +29,48 @@ class Unit:
     def __post_init__(self) -> None:
         powers = (self.mass, self.length, self.time)
         if not all(isinstance(power, int) and not isinstance(power, bool) for power in powers):
-            raise InputError([f"the powers of a Unit must be whole numbers, but are {', '.join(map(repr, powers))}."])
+            raise InputError(
+                [
+                    "the powers of a Unit must be whole numbers, but are "
+                    f"{', '.join(map(repr, powers))}."
+                ]
+            )
         if not isinstance(self.symbol, str) or not self.symbol.strip():
             raise InputError([f"`symbol` of a Unit must be a text, but is {self.symbol!r:.60}."])
         if (meant := _powers(self.symbol)) not in (None, powers):
-            raise InputError([f'the powers of a Unit "{self.symbol}" must be {meant}, but are {powers}.'])
+            raise InputError(
+                [f'the powers of a Unit "{self.symbol}" must be {meant}, but are {powers}.']
+            )
 
 
 KNOWN = {
-    "1": (0, 0, 0), "rad": (0, 0, 0), "kg": (1, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1), "Hz": (0, 0, -1),
-    "N": (1, 1, -2), "J": (1, 2, -2), "W": (1, 2, -3), "Pa": (1, -1, -2),
-}  # fmt: skip
+    "1": (0, 0, 0),
+    "rad": (0, 0, 0),
+    "kg": (1, 0, 0),
+    "m": (0, 1, 0),
+    "s": (0, 0, 1),
+    "Hz": (0, 0, -1),
+    "N": (1, 1, -2),
+    "J": (1, 2, -2),
+    "W": (1, 2, -3),
+    "Pa": (1, -1, -2),
+}
 """Powers of kg, m and s in the symbols that this package knows."""
 
 
 def _powers(symbol: str) -> tuple[int, int, int] | None:
-    """The powers that a symbol such as "kg m2 s-1" stands for; None of one that has parts which are not known."""
+    """The powers that a symbol such as "kg m2 s-1" stands for; None of one that has parts which are
+    not known.
+    """
     powers = [0, 0, 0]
     for part in symbol.split():
         match = re.fullmatch(r"([A-Za-z]+|1)(-?\d+)?", part)
         if match is None or match[1] not in KNOWN:
             return None
-        powers = [total + int(match[2] or 1) * each for total, each in zip(powers, KNOWN[match[1]], strict=True)]
+        powers = [
+            total + int(match[2] or 1) * each
+            for total, each in zip(powers, KNOWN[match[1]], strict=True)
+        ]
     return powers[0], powers[1], powers[2]
 
 

@@ -1,4 +1,7 @@
-"""What is integrated: the state that moves, then the integrals, scaled. The one place that knows the scale."""
+"""What is integrated: the state that moves, then the integrals, scaled.
+
+The one place that knows the scale.
+"""
 
 from collections import namedtuple
 from collections.abc import Sequence
@@ -14,7 +17,9 @@ from .units import Scales, Unit
 
 
 INTEGRAL_SCALE = 2.0**-32
-"""Factor on integrals among the variables: too small to control the step; a power of two, so that it costs no bit."""
+"""Factor on integrals among the variables: too small to control the step; a power of two, so that
+it costs no bit.
+"""
 
 
 LONG_NAMES = {
@@ -37,7 +42,8 @@ LONG_NAMES = {
 
 @dataclass(frozen=True)
 class Variables:
-    """The variables of an integrator, in order: the state record of a form, then its integrals times `INTEGRAL_SCALE`.
+    """The variables of an integrator, in order: the state record of a form, then its integrals
+    times `INTEGRAL_SCALE`.
 
     Parameters
     ----------
@@ -53,13 +59,18 @@ class Variables:
     @cached_property
     def integrals(self) -> tuple[Integral, ...]:
         """What is integrated beside the state."""
-        turning = self.form.orientation.integrals if self.orientation and self.form.orientation else ()
+        turning = (
+            self.form.orientation.integrals if self.orientation and self.form.orientation else ()
+        )
         return (*self.form.integrals, *turning)
 
     @cached_property
     def units(self) -> dict[str, Unit]:
         """The unit of each variable, by name, in order."""
-        return {**self.form.units._asdict(), **{integral.name: integral.unit for integral in self.integrals}}
+        return {
+            **self.form.units._asdict(),
+            **{integral.name: integral.unit for integral in self.integrals},
+        }
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -82,10 +93,13 @@ class Variables:
         Parameters
         ----------
         values
-            A sequence or an array whose first axis is the variables: numbers, arrays or expressions.
+            A sequence or an array whose first axis is the variables: numbers, arrays or
+            expressions.
         """
         n = self.moving
-        return type(self.form.units)(*values[:n]), self.carried(*(v / INTEGRAL_SCALE for v in values[n:]))
+        return type(self.form.units)(*values[:n]), self.carried(
+            *(v / INTEGRAL_SCALE for v in values[n:])
+        )
 
     def join(self, q: Sequence, carried: Sequence) -> list:
         """The variables, of state and integrals, or of their rates: what `split` undoes."""
@@ -93,7 +107,9 @@ class Variables:
 
     def rates(self, q: Any, carried: Any, b: Any) -> list:
         """The time derivatives of the variables."""
-        return self.join(self.form.rates(q, b), [integral.rate(q, carried, b) for integral in self.integrals])
+        return self.join(
+            self.form.rates(q, b), [integral.rate(q, carried, b) for integral in self.integrals]
+        )
 
     def start(self, data: dict[str, Any], angles: Any, s: Any, z: Any, b: Any) -> tuple[Any, Any]:
         """State and integrals at the start, in the units of the initial data."""
@@ -107,11 +123,15 @@ class Variables:
         """SI value of one internal unit of each variable."""
         units = [scales.of(unit) for unit in self.units.values()]
         whole = units[: self.moving]
-        return [*whole, *(unit / np.asarray(unit).dtype.type(INTEGRAL_SCALE) for unit in units[self.moving :])]
+        return [
+            *whole,
+            *(unit / np.asarray(unit).dtype.type(INTEGRAL_SCALE) for unit in units[self.moving :]),
+        ]
 
     def coefficients(self, name: str, coefficients: Any) -> Any:
-        """Taylor coefficients (n, order + 1) of an integral, whole again, among those of all variables, (n, variables,
-        order + 1)."""
+        """Taylor coefficients (n, order + 1) of an integral, whole again, among those of all
+        variables, (n, variables, order + 1).
+        """
         with np.errstate(over="ignore"):  # wider numbers, where a motion ends in a singularity
             return coefficients[:, self.names.index(name)].astype(float) / INTEGRAL_SCALE
 

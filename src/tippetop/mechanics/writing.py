@@ -1,7 +1,9 @@
-"""Formulas written down as a program in another language: an operand that notes what is done with it.
+"""Formulas written down as a program in another language: an operand that notes what is done with
+it.
 
-Fed symbols, a formula gives symbols, and `Program` has a line for each sub-expression, once: so the C++ of the
-benchmarks and the JavaScript of the pages are the formulas of this package, and no second copy.
+Fed symbols, a formula gives symbols, and `Program` has a line for each sub-expression, once: so the
+C++ of the benchmarks and the JavaScript of the pages are the formulas of this package, and no
+second copy.
 """
 
 import math
@@ -11,7 +13,9 @@ from typing import Any, NamedTuple
 
 
 class Language(NamedTuple):
-    """How a program is written: the start of a line, a number, and the functions by the names that numpy has."""
+    """How a program is written: the start of a line, a number, and the functions by the names that
+    numpy has.
+    """
 
     begin: str
     number: Callable[[float], str]
@@ -34,7 +38,9 @@ CPP = Language(
 )
 JAVASCRIPT = Language(
     "const ",
-    lambda x: repr(x) if math.isfinite(x) else "Infinity" if x > 0 else "-Infinity" if x < 0 else "NaN",
+    lambda x: (
+        repr(x) if math.isfinite(x) else "Infinity" if x > 0 else "-Infinity" if x < 0 else "NaN"
+    ),
     {
         **{name: f"Math.{name}" for name in NAMES},
         "arctan2": "Math.atan2",
@@ -53,7 +59,9 @@ class Program:
 
     language: Language
     names: dict[str, str] = field(default_factory=dict)  # text -> name
-    needs: dict[str, tuple[str, ...]] = field(default_factory=dict)  # name -> names that its line reads
+    needs: dict[str, tuple[str, ...]] = field(
+        default_factory=dict
+    )  # name -> names that its line reads
 
     def new(self, text: str, needs: Iterable[str] = ()) -> "Symbol":
         """The name of an expression that reads other names."""
@@ -76,7 +84,11 @@ class Program:
             if name in self.needs and name not in alive:
                 alive.add(name)
                 wanted += self.needs[name]
-        return [f"{self.language.begin}{name} = {text};" for text, name in self.names.items() if name in alive]
+        return [
+            f"{self.language.begin}{name} = {text};"
+            for text, name in self.names.items()
+            if name in alive
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +161,9 @@ class Symbol:
         return math.prod([self] * int(power), start=self.program.of(1.0))
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
-        """What numpy does with it: the functions of a language, and arithmetic with numbers of numpy on the left."""
+        """What numpy does with it: the functions of a language, and arithmetic with numbers of
+        numpy on the left.
+        """
         name = ufunc.__name__
         if method == "__call__" and not options and name in SIGNS:
             return self.program.of(inputs[0])._with(SIGNS[name], inputs[1])
@@ -160,7 +174,9 @@ class Symbol:
 
     def _called(self, name: str, *others: "Symbol") -> "Symbol":
         names = [self.name, *(other.name for other in others)]
-        return self.program.new(f"{self.program.language.functions[name]}({', '.join(names)})", names)
+        return self.program.new(
+            f"{self.program.language.functions[name]}({', '.join(names)})", names
+        )
 
 
 def function(

@@ -1,7 +1,8 @@
-"""What is to be integrated: checked bodies, starts and spans, and the units in which they are integrated.
+"""What is to be integrated: checked bodies, starts and spans, and the units in which they are
+integrated.
 
-`Problem` is one run. `Problems` are many that differ in numbers only, arrays of shape (n,); everything that is computed
-of a run is computed there, and a single run is the case n = 1.
+`Problem` is one run. `Problems` are many that differ in numbers only, arrays of shape (n,);
+everything that is computed of a run is computed there, and a single run is the case n = 1.
 """
 
 from .choice import AUTO, Choice, choice

@@ -17,7 +17,8 @@ class Choice(NamedTuple):
 
 
 def choice(system: System) -> Choice:
-    """The first form of a system: of those that are regular everywhere and keep every column exact, the cheapest.
+    """The first form of a system: of those that are regular everywhere and keep every column exact,
+    the cheapest.
 
     Parameters
     ----------
@@ -31,9 +32,10 @@ def choice(system: System) -> Choice:
 
     Notes
     -----
-    The motion alone is a tenth cheaper in the reduced form of a rolling top. But phi' has poles where z = cos(theta) is
-    1 or -1, nearer in complex time than those of z, which controls the step: after 4 s phi is wrong by 2e-12 where
-    theta stays above 0.51 rad, and by 1.5e-8 above 0.15 rad; about the contact by 1e-14.
+    The motion alone is a tenth cheaper in the reduced form of a rolling top. But phi' has poles
+    where z = cos(theta) is 1 or -1, nearer in complex time than those of z, which controls the
+    step: after 4 s phi is wrong by 2e-12 where theta stays above 0.51 rad, and by 1.5e-8 above 0.15
+    rad; about the contact by 1e-14.
     """
     form, *others = system.forms.values()
     regular = "it is regular everywhere, and the cheapest such form of this system"

@@ -1,4 +1,6 @@
-"""Which problems have derivatives by their numbers, and by which of them: what is wrong, in sentences."""
+"""Which problems have derivatives by their numbers, and by which of them: what is wrong, in
+sentences.
+"""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -18,16 +20,24 @@ MOST_DERIVATIVES = 1_000_000  # rows times numbers: 400 MB of states and columns
 def derivative_faults(problem: "Problem") -> list[str]:
     """Why a run has no derivatives, or none that is computed; empty if it has."""
     if problem.system.is_hybrid:
-        why = "sticks and slips under a set-valued law" if problem.law.set_valued else "may open and close"
+        why = (
+            "sticks and slips under a set-valued law"
+            if problem.law.set_valued
+            else "may open and close"
+        )
         why = "is a disc, which may come to rest" if problem.law.regions else why
         return [
-            f"the contact must never change for derivatives to exist along the run, but this one {why}: give a smooth "
+            "the contact must never change for derivatives to exist along the run, but this "
+            f"one {why}: give a smooth "
             'law (a Coulomb law with `eps`), and no [contact], no [stem], no `on_liftoff = "fly"`.'
         ]
     if problem.precision != "double":
         return [f'`run.precision` must be "double" for derivatives, but is "{problem.precision}".']
     if problem.origin is not None:
-        return ["`initial.from` must not be given for derivatives: the end of another run has none here."]
+        return [
+            "`initial.from` must not be given for derivatives: the end of another run has none "
+            "here."
+        ]
     return []
 
 
@@ -36,10 +46,15 @@ def name_faults(problem: "Problem", wrt: Sequence[str]) -> list[str]:
     faults = []
     for name in wrt:
         if name.startswith(NO_NUMBERS):
-            faults.append(f"`{name}` must be a number of the body, the friction law or the start, but is none.")
+            faults.append(
+                f"`{name}` must be a number of the body, the friction law or the start, but is "
+                "none."
+            )
     twice = dict.fromkeys(name for name in wrt if list(wrt).count(name) > 1)
     faults += [f"`{name}` must be named once, but is named twice." for name in twice]
-    faults += key_faults(problem, [name for name in wrt if not name.startswith(NO_NUMBERS)], without=NO_NUMBERS)
+    faults += key_faults(
+        problem, [name for name in wrt if not name.startswith(NO_NUMBERS)], without=NO_NUMBERS
+    )
     initial = [name.partition(".")[2] for name in wrt if name.startswith("initial.")]
     given = [name for name, value in problem.initial.items() if value is not False]
     return faults or problem.system.clashes([*given, *initial])
@@ -52,16 +67,22 @@ def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
 
 
 def kept_faults(problem: "Problem") -> list[str]:
-    """What is wrong with the derivatives that a run is to keep (`run.sensitivities`), in sentences."""
+    """What is wrong with the derivatives that a run is to keep (`run.sensitivities`),
+    in sentences.
+    """
     wrt = problem.sensitivities
     if not wrt:
         return []
     if problem.output != "times":
-        return [f'`run.output` must be "times" where `run.sensitivities` is given, but is "{problem.output}".']
+        return [
+            '`run.output` must be "times" where `run.sensitivities` is given, but is '
+            f'"{problem.output}".'
+        ]
     rows, most = len(problem.times), MOST_DERIVATIVES // len(wrt)
     if rows > most:
         return [
-            f"`run.output_step` must give at most {most:,} rows where `run.sensitivities` names {len(wrt)}, but gives "
+            f"`run.output_step` must give at most {most:,} rows where `run.sensitivities` names "
+            f"{len(wrt)}, but gives "
             f"{rows:,}."
         ]
     return derivative_faults(problem) or name_faults(problem, wrt)

@@ -1,4 +1,5 @@
-"""Many runs that differ in numbers only, arrays of shape (n,), and the units in which they are integrated.
+"""Many runs that differ in numbers only, arrays of shape (n,), and the units in which they are
+integrated.
 
 Everything that is computed of a run is computed here; a single run is the case n = 1.
 """
@@ -28,19 +29,26 @@ ROUNDING = 1e-9  # of what a system says of its units
 
 @dataclass(frozen=True, eq=False)
 class Problems:
-    """n runs that differ in numbers only: `columns` has arrays (n,), SI, under dotted keys like `friction.mu`.
+    """n runs that differ in numbers only: `columns` has arrays (n,), SI, under dotted keys like
+    `friction.mu`.
 
-    A run's numbers depend on its own alone, to the bit. Units are converted in 80 bits, or in the precision of the base
-    if that is wider; what an integrator is fed is rounded once.
+    A run's numbers depend on its own alone, to the bit. Units are converted in 80 bits, or in the
+    precision of the base if that is wider; what an integrator is fed is rounded once.
     """
 
     base: "Problem"
     columns: Mapping[str, np.ndarray]
-    orientation: bool = False  # whether the turn about the axis is integrated too: of one among many, few ask
+    orientation: bool = (
+        False  # whether the turn about the axis is integrated too: of one among many, few ask
+    )
 
     @classmethod
-    def vary(cls, base: "Problem", columns: Mapping[str, Any], orientation: bool = False) -> "Problems":
-        """Problems of arrays or lists (n,). Raises InputError if a key is wrong; `check` tells of single numbers.
+    def vary(
+        cls, base: "Problem", columns: Mapping[str, Any], orientation: bool = False
+    ) -> "Problems":
+        """Problems of arrays or lists (n,).
+
+        Raises InputError if a key is wrong; `check` tells of single numbers.
 
         Parameters
         ----------
@@ -62,10 +70,16 @@ class Problems:
         """
         sentences = variation_faults(base, columns)
         if base.origin is not None:
-            sentences = ["`initial.from` must be the start of a single run, but many are asked for."]
+            sentences = [
+                "`initial.from` must be the start of a single run, but many are asked for."
+            ]
         if sentences:
             raise InputError(sentences)
-        return cls(base, {key: np.array(values, dtype=float) for key, values in columns.items()}, orientation)
+        return cls(
+            base,
+            {key: np.array(values, dtype=float) for key, values in columns.items()},
+            orientation,
+        )
 
     @property
     def n(self) -> int:
@@ -74,9 +88,15 @@ class Problems:
 
     def given(self, table: str) -> dict[str, Any]:
         """What a table gives, by name: arrays where it varies."""
-        columns = {key.partition(".")[2]: v for key, v in self.columns.items() if key.startswith(f"{table}.")}
+        columns = {
+            key.partition(".")[2]: v
+            for key, v in self.columns.items()
+            if key.startswith(f"{table}.")
+        }
         base = self.base.tables[table]
-        return self.base.system.replaced(base, columns) if table == "initial" else {**base, **columns}
+        return (
+            self.base.system.replaced(base, columns) if table == "initial" else {**base, **columns}
+        )
 
     @cached_property
     def _single(self) -> bool:
@@ -84,7 +104,9 @@ class Problems:
         return not self.columns and self.base.exact is np.longdouble
 
     def _wide(self, value: Any) -> Any:
-        """A number or a column in the type in which units are converted, (n,), or a number; a flag as it is."""
+        """A number or a column in the type in which units are converted, (n,), or a number; a flag
+        as it is.
+        """
         if isinstance(value, bool):
             return value
         if self._single:
@@ -110,8 +132,8 @@ class Problems:
 
     @cached_property
     def _scales(self) -> Scales:
-        """Internal units, (n,) or numbers: the system's mass and length, and the power of two seconds that is nearest
-        sqrt(length/g), or to a second without `g`.
+        """Internal units, (n,) or numbers: the system's mass and length, and the power of two
+        seconds that is nearest sqrt(length/g), or to a second without `g`.
 
         A power of two, so that times convert without rounding: output and event times are exact.
         """
@@ -139,13 +161,20 @@ class Problems:
     def pars(self) -> np.ndarray:
         """Leaves of the bodies in internal units, (leaves, n), in the working precision."""
         units = leaves(self.base.system.body_units(self.base.law.units()))
-        scaled = iter([value / self._scales.of(unit) for value, unit in zip(leaves(self._body), units, strict=True)])
+        scaled = iter(
+            [
+                value / self._scales.of(unit)
+                for value, unit in zip(leaves(self._body), units, strict=True)
+            ]
+        )
         body, folds = refill(self._body, scaled), self.base.system.folds(self.base.form)
         self._refuse_false(folds, body)
         return self._rounded(leaves(body._replace(**folds)))
 
     def _refuse_false(self, folds: dict[str, float], body: Any) -> None:
-        """Raises InputError where what the equations take for 0 or 1 is another number in internal units."""
+        """Raises InputError where what the equations take for 0 or 1 is another number in internal
+        units.
+        """
         numbers = [name for name, value in body._asdict().items() if not isinstance(value, tuple)]
         if strange := [name for name in folds if name not in numbers]:
             raise InputError(
@@ -158,21 +187,29 @@ class Problems:
             if far.any():
                 wrong = np.atleast_1d(scaled)[np.atleast_1d(far)]
                 raise InputError(
-                    f"`normalised_to` of `{self.base.system.name}` must hold in its internal units (`scales`; the "
-                    f"unit of time is a power of two seconds), but `{name}` is {wrong[0]:.6g} there, not {value:g}."
+                    f"`normalised_to` of `{self.base.system.name}` must hold in its internal "
+                    "units (`scales`; the "
+                    f"unit of time is a power of two seconds), but `{name}` is {wrong[0]:.6g} "
+                    f"there, not {value:g}."
                 )
 
     @cached_property
     def parameters(self) -> np.ndarray:
-        """What the user gives of the bodies, in internal units: parameters, then friction, (numbers, n)."""
+        """What the user gives of the bodies, in internal units: parameters, then friction,
+        (numbers, n).
+        """
         given, friction = self.given("parameters"), self.given("friction")
         units = [*(p.unit for p in self.base.system.parameters.values()), *self.base.law.units()]
         values = [*(given[name] for name in self.base.system.parameters), *friction.values()]
-        return self._rounded([self._wide(v) / self._scales.of(unit) for v, unit in zip(values, units, strict=True)])
+        return self._rounded(
+            [self._wide(v) / self._scales.of(unit) for v, unit in zip(values, units, strict=True)]
+        )
 
     @cached_property
     def internal_body(self) -> Any:
-        """The bodies in internal units, as formulas take them; what is 0 or 1 by construction is exactly that."""
+        """The bodies in internal units, as formulas take them; what is 0 or 1 by construction is
+        exactly that.
+        """
         return self.body_of_pars(self.pars)
 
     def body_of_pars(self, pars: np.ndarray) -> Any:
@@ -204,7 +241,9 @@ class Problems:
     @cached_property
     def end(self) -> np.ndarray:
         """Internal times at which the runs end, (n,), doubles."""
-        return np.asarray(np.broadcast_to(self.given("run")["until"], (self.n,)) / self.unit(SECOND), float)
+        return np.asarray(
+            np.broadcast_to(self.given("run")["until"], (self.n,)) / self.unit(SECOND), float
+        )
 
     def record(self, states: np.ndarray) -> Any:
         """The state record of states (variables, k), in internal units."""
@@ -214,10 +253,11 @@ class Problems:
         """Return what formulas read of states (variables, k), in internal units."""
         return moment(self.base.system, self.base.form, *self.variables.split(states), body)
 
-    # --- which of them can be -------------------------------------------------------------------------------------
+    # --- which of them can be --------------------------------------------------------------------
 
     def check(self) -> tuple[np.ndarray, list[tuple[int, str]]]:
-        """Which runs are valid, (n,), and what is wrong with the others: (number, sentence), ascending.
+        """Which runs are valid, (n,), and what is wrong with the others: (number, sentence),
+        ascending.
 
         Returns
         -------
@@ -228,8 +268,8 @@ class Problems:
 
         Notes
         -----
-        Looks at every number that varies, at what parameters break together, and at the start: all that is computed of
-        it must be finite, and the model must have a solution there.
+        Looks at every number that varies, at what parameters break together, and at the start: all
+        that is computed of it must be finite, and the model must have a solution there.
         """
         return self._checked
 
@@ -262,7 +302,9 @@ class Problems:
 
 @dataclass(frozen=True, eq=False)
 class StartedFrom(Problems):
-    """A run that starts in a given state, (variables, 1), internal, whatever its initial data say of it."""
+    """A run that starts in a given state, (variables, 1), internal, whatever its initial data say
+    of it.
+    """
 
     state: np.ndarray = field(default_factory=lambda: np.zeros((0, 1)))
 

@@ -73,12 +73,19 @@ class Problem(RunOptions):
         freeze(self, "parameters", "initial", "origin")
 
     def __reduce__(self) -> Any:
-        given = {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init and f.name != "form"}
+        given = {
+            f.name: getattr(self, f.name)
+            for f in dataclasses.fields(self)
+            if f.init and f.name != "form"
+        }
         return _again, (self.form.name, given)
 
     def __repr__(self) -> str:
         start = ", ".join(f"{name} = {value:.6g}" for name, value in self.initial.items())
-        return f"<Problem of {self.system.name}, {self.form.name} form: {start}; until {self.until:.6g} s>"
+        return (
+            f"<Problem of {self.system.name}, {self.form.name} form: {start}; until "
+            f"{self.until:.6g} s>"
+        )
 
     @cached_property
     def number(self) -> Any:
@@ -122,11 +129,17 @@ class Problem(RunOptions):
     def rules(self) -> dict[str, Number]:
         """What must hold of the numbers, by dotted key: the keys that may vary."""
         friction = self.law.parameters if self.system.frictional else {}
-        tables = {"parameters": self.system.parameters, "friction": friction, "initial": self.system.initial}
-        tables |= {name: {"contact": CONTACT, "stem": STEM}[name] for name in self._contact()}
-        return {f"{table}.{name}": rule for table, rules in tables.items() for name, rule in rules.items()} | {
-            "run.until": UNTIL
+        tables = {
+            "parameters": self.system.parameters,
+            "friction": friction,
+            "initial": self.system.initial,
         }
+        tables |= {name: {"contact": CONTACT, "stem": STEM}[name] for name in self._contact()}
+        return {
+            f"{table}.{name}": rule
+            for table, rules in tables.items()
+            for name, rule in rules.items()
+        } | {"run.until": UNTIL}
 
     def faults(self) -> list[str]:
         """What is wrong with the numbers that are given, in sentences; empty if nothing is."""
@@ -142,7 +155,9 @@ class Problem(RunOptions):
         return [*self.system.faults(self.parameters), *faults, *self.clashes()]
 
     def clashes(self) -> list[str]:
-        """Return sentences on what numbers break together that are right one by one, but for those of the body."""
+        """Return sentences on what numbers break together that are right one by one, but for those
+        of the body.
+        """
         faults = self.system.clashes(given_names(self.initial))
         if self.contact is not None and self.contact.stem:
             faults += stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
@@ -154,22 +169,33 @@ class Problem(RunOptions):
         return choice(self.system)
 
     def start_faults(self) -> list[str]:
-        """Why there is no motion from the start, in sentences; of numbers that are right one by one."""
+        """Why there is no motion from the start, in sentences; of numbers that are right one by
+        one.
+        """
         return [sentence for _, sentence in self.alone.check()[1]]
 
     @cached_property
     def alone(self) -> Problems:
         """This run as the one of its `Problems`."""
         origin, names = self.origin, self.variables.names
-        if origin is None or origin["form"] != self.form.name or not set(names) <= set(origin["state"]):
+        if (
+            origin is None
+            or origin["form"] != self.form.name
+            or not set(names) <= set(origin["state"])
+        ):
             return Problems(self, {}, self.orientation)
-        state = np.array([[sum(map(self.number, origin["state"][name]))] for name in names], dtype=self.number)
+        state = np.array(
+            [[sum(map(self.number, origin["state"][name]))] for name in names], dtype=self.number
+        )
         return StartedFrom(self, {}, self.orientation, state)
 
     def table(self) -> dict[str, Any]:
         """Return the options as the table [run] of a scenario, without those that do not apply."""
         table = super().table()
-        without = {"times": ["output", "keyframe_steps"], "keyframes": ["output_step", "output_times"]}
+        without = {
+            "times": ["output", "keyframe_steps"],
+            "keyframes": ["output_step", "output_times"],
+        }
         for name in without.get(self.output, ["output_step", "output_times", "keyframe_steps"]):
             table.pop(name, None)
         if not self.sensitivities:
@@ -182,12 +208,16 @@ class Problem(RunOptions):
 
     @cached_property
     def scales(self) -> Scales:
-        """The units of mass, length and time in which the run is integrated; see `Problems.scales`."""
+        """The units of mass, length and time in which the run is integrated; see
+        `Problems.scales`.
+        """
         return Scales(*(unit[0] for unit in self.alone.scales))
 
     @cached_property
     def internal_body(self) -> Any:
-        """The body in internal units, in the working precision; what is 0 or 1 by construction is exactly that."""
+        """The body in internal units, in the working precision; what is 0 or 1 by construction is
+        exactly that.
+        """
         return refill(self.alone.internal_body, iter(self.alone.pars[:, 0]))
 
     @cached_property
@@ -207,7 +237,9 @@ class Problem(RunOptions):
         return [np.atleast_1d(weight)[0] for weight in self.alone.weights]
 
     def start(self) -> np.ndarray:
-        """The internal state at t = 0, (variables,), in the working precision, as the integrator wants it."""
+        """The internal state at t = 0, (variables,), in the working precision, as the integrator
+        wants it.
+        """
         return self.alone.start[:, 0].copy()
 
     def internal_time(self, t: Any) -> Any:

@@ -1,4 +1,6 @@
-"""The options of a run, [run] in a scenario: each is declared once, and everything else is derived from its field."""
+"""The options of a run, [run] in a scenario: each is declared once, and everything else is derived
+from its field.
+"""
 
 import inspect
 import itertools
@@ -24,8 +26,9 @@ KEYFRAME_STEPS = 8192
 # More rows are a mistake: 200 TB.
 MOST_ROWS = 10**12
 
-# Smallest tolerance in rounding units, 2.2e-21 in double. Over 200 s of rolling in vector form, 1e-20 and 1e-21
-# change E no less than 0 does (1.4e-14, 1.7e-14; 1.5e-14), and compile in 46 s where 1e-18 takes 32 s.
+# Smallest tolerance in rounding units, 2.2e-21 in double. Over 200 s of rolling in vector form,
+# 1e-20 and 1e-21 change E no less than 0 does (1.4e-14, 1.7e-14; 1.5e-14), and compile in 46 s
+# where 1e-18 takes 32 s.
 LEAST_TOLERANCE = 1e-5
 
 UNTIL = Number(SECOND, "end of the run", above=0, most=1e16)
@@ -63,7 +66,14 @@ def option(
     interval
         `above`, `least`, `below` of a number, or of each in a list.
     """
-    metadata = {"words": words, "unit": unit, "note": note, "given": given, "example": example, "rule": rule}
+    metadata = {
+        "words": words,
+        "unit": unit,
+        "note": note,
+        "given": given,
+        "example": example,
+        "rule": rule,
+    }
     return field(default=default, metadata=metadata | {"interval": interval})
 
 
@@ -89,19 +99,24 @@ class RunOptions:
         example=(0.0, 1.0),
     )
     output: Literal["times", "events", "steps", "keyframes"] = option(
-        "rows at times, at events, at the integrator's own steps, or none: its exact state now and then",
+        "rows at times, at events, at the integrator's own steps, or none: its exact state now "
+        "and then",
         default="times",
         note='"keyframes" needs `out`: `StoredRun.replay` makes the rows of any part',
     )
     keyframe_steps: int | None = option(
         "steps between two keyframes; 8192", default=None, least=1, example=KEYFRAME_STEPS
     )
-    stop_when: Literal["until", "settled"] = option("end at `until`, or once the axis is at rest", default="until")
+    stop_when: Literal["until", "settled"] = option(
+        "end at `until`, or once the axis is at rest", default="until"
+    )
     events: tuple[str, ...] | None = option(
         "the kinds of events that are logged; all of the system",
         default=None,
-        note="an empty list logs none. An Event is added to the system and logged, and of the other kinds only those "
-        "named with it; its name is letters, digits and _, and new. Rows of `events` then have the columns of "
+        note="an empty list logs none. An Event is added to the system and logged, and of the "
+        "other kinds only those "
+        "named with it; its name is letters, digits and _, and new. Rows of `events` then have "
+        "the columns of "
         "`trajectory` too: the state at the event",
         given="Iterable[str | Event] | str | Event",
     )
@@ -111,13 +126,19 @@ class RunOptions:
         note='by default "stop"; "fly" with `contact`, `stem`, or a Coulomb law without eps',
         example="stop",
     )
-    precision: Literal["double", "longdouble", "quad"] = option("of all numbers: 53, 64 or 113 bits", default="double")
-    tolerance: float = option("error of a step, relative; 0: the precision's rounding", default=0.0, least=0, below=1)
+    precision: Literal["double", "longdouble", "quad"] = option(
+        "of all numbers: 53, 64 or 113 bits", default="double"
+    )
+    tolerance: float = option(
+        "error of a step, relative; 0: the precision's rounding", default=0.0, least=0, below=1
+    )
     columns: tuple[str, ...] | None = option(
         "the columns that rows have beside the time; all",
         default=None,
-        note="columns that are left out are not stored, and the turn of the body is only integrated for them. "
-        "User-defined columns are Quantity records, functions of the scalars of a state, under new names; they are "
+        note="columns that are left out are not stored, and the turn of the body is only "
+        "integrated for them. "
+        "User-defined columns are Quantity records, functions of the scalars of a state, under "
+        "new names; they are "
         "kept in addition to those that are named",
         given="Iterable[str | Quantity] | str | Quantity",
         example=("theta",),
@@ -125,7 +146,8 @@ class RunOptions:
     sensitivities: tuple[str, ...] | None = option(
         "numbers, such as friction.mu, by which columns and events are differentiated too; none",
         default=None,
-        note="the tables `sensitivities` and `event_sensitivities` of the run contain the derivatives",
+        note="the tables `sensitivities` and `event_sensitivities` of the run contain the "
+        "derivatives",
         given="Sequence[str]",
         example=(),
     )
@@ -140,7 +162,9 @@ class RunOptions:
         """Return the options as the table [run] of a scenario."""
         given = {f.name: getattr(self, f.name) for f in fields(RunOptions)}
         return {
-            name: [*value] if isinstance(value, tuple) else value for name, value in given.items() if value is not None
+            name: [*value] if isinstance(value, tuple) else value
+            for name, value in given.items()
+            if value is not None
         }
 
     def rows(self) -> EvenTimes | ListedTimes:
@@ -151,58 +175,77 @@ class RunOptions:
         return EvenTimes(step, self.until)
 
     def option_faults(self, events: Sequence[str]) -> list[str]:
-        """Return a sentence for each fault of the options together, in a system with these events."""
+        """Return a sentence for each fault of the options together, in a system with
+        these events.
+        """
         faults = [
-            f"`run.events` must be of {', '.join(events)}, but has {name!r}.{suggestion(name, events)}"
+            f"`run.events` must be of {', '.join(events)}, but has "
+            f"{name!r}.{suggestion(name, events)}"
             for name in self.events or ()
             if name not in events
         ]
         step, times = self.output_step, self.output_times
         if step is not None and times is not None:
             faults.append(
-                "`run.output_step` must stand alone, but `run.output_times` is given too: remove one "
+                "`run.output_step` must stand alone, but `run.output_times` is given too: "
+                "remove one "
                 "(--set run.output_step=)."
             )
         if step is not None and not self.until / step <= MOST_ROWS:
             faults.append(
-                f"`run.output_step` must give at most {MOST_ROWS:.0e} rows, but {step:g} gives {self.until / step:.3g}."
+                f"`run.output_step` must give at most {MOST_ROWS:.0e} rows, but {step:g} gives "
+                f"{self.until / step:.3g}."
             )
         faults += tolerance_faults(self.precision, self.tolerance)
         rows = "output_times" if step is None else "output_step"
         for name, output in ((rows, "times"), ("keyframe_steps", "keyframes")):
             if self.output != output and getattr(self, name) is not None:
                 faults.append(
-                    f'`run.output` must be "{output}" where `run.{name}` is given, but is "{self.output}": remove one '
+                    f'`run.output` must be "{output}" where `run.{name}` is given, but is '
+                    f'"{self.output}": remove one '
                     f"(--set run.{name}=)."
                 )
         times = times or ()
         if any(b <= a for a, b in itertools.pairwise(times)):
             faults.append("`run.output_times` must ascend strictly, but do not.")
         if times and times[-1] > self.until:
-            faults.append(f"`run.output_times` must not exceed run.until = {self.until:g}, but reach {times[-1]:g}.")
+            faults.append(
+                f"`run.output_times` must not exceed run.until = {self.until:g}, but reach "
+                f"{times[-1]:g}."
+            )
         return faults
 
 
 def tolerance_faults(precision: str, tolerance: float) -> list[str]:
-    """Return a sentence on a tolerance far below the rounding unit, which costs order after order for nothing."""
+    """Return a sentence on a tolerance far below the rounding unit, which costs order after order
+    for nothing.
+    """
     least = LEAST_TOLERANCE * ROUNDING[precision]
     if tolerance == 0 or tolerance >= least:
         return []
     return [
-        f"`run.tolerance` must be 0 (the rounding unit) or at least {least:.1g} in {precision} precision, but is "
-        f"{tolerance:g}: rounding hides what lies below, and each power of ten takes longer to compile."
+        f"`run.tolerance` must be 0 (the rounding unit) or at least {least:.1g} in {precision} "
+        "precision, but is "
+        f"{tolerance:g}: rounding hides what lies below, and each power of ten takes longer to "
+        "compile."
     ]
 
 
 OPTIONS: dict[str, Field[Any]] = {f.name: f for f in fields(RunOptions)}
 HINTS = get_type_hints(RunOptions)
-UNITS: dict[str, Unit] = {name: f.metadata["unit"] for name, f in OPTIONS.items() if f.metadata["unit"]}
-NUMBERS = {name: unit for name, unit in UNITS.items() if float in (HINTS[name], *get_args(HINTS[name]))}
+UNITS: dict[str, Unit] = {
+    name: f.metadata["unit"] for name, f in OPTIONS.items() if f.metadata["unit"]
+}
+NUMBERS = {
+    name: unit for name, unit in UNITS.items() if float in (HINTS[name], *get_args(HINTS[name]))
+}
 """Options that are a number with a unit: a text may be given instead."""
 
 
 def given_type(name: str) -> str:
-    """Return the type that callers may pass for an option: with a unit also a text; None where it is not given."""
+    """Return the type that callers may pass for an option: with a unit also a text; None where it
+    is not given.
+    """
     about, hint = OPTIONS[name].metadata, HINTS[name]
     union = get_origin(hint) in (types.UnionType, Union)
     parts = [part for part in (get_args(hint) if union else (hint,)) if part is not type(None)]
@@ -219,12 +262,18 @@ def _written(kind: Any) -> str:
 
 
 def run_options(**options: Any) -> dict[str, Any]:
-    """Return the options that are given, as the table [run] of a scenario. Its signature has each option."""
+    """Return the options that are given, as the table [run] of a scenario.
+
+    Its signature has each option.
+    """
     return {name: value for name, value in options.items() if value is not None}
 
 
 run_options.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
-    [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=given_type(n)) for n in OPTIONS]
+    [
+        inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=given_type(n))
+        for n in OPTIONS
+    ]
 )
 
 

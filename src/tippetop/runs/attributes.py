@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 
 
 def groups(run: "Solution") -> dict[str, dict[str, Column]]:
-    """The groups of a store, of a run in memory: trajectory and events; phases and impacts where the contact may change
-    its phase."""
+    """The groups of a store, of a run in memory: trajectory and events; phases and impacts where
+    the contact may change its phase.
+    """
     others = phases.joined(run.problem.system, run.others)
     return {"trajectory": run.columns(), "events": event_columns(run.events), **others}
 
@@ -35,11 +36,16 @@ def dataset(columns: dict[str, Column], attrs: dict[str, Any]) -> Any:
     """Columns as a labelled Dataset."""
     import xarray as xr
 
-    return with_coordinates(xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=attrs))
+    return with_coordinates(
+        xr.Dataset({k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=attrs)
+    )
 
 
 def attributes(progress: RunProgress) -> dict[str, Any]:
-    """Return the root attributes of a store: scenario, measurements, provenance. No times of the clock."""
+    """Return the root attributes of a store: scenario, measurements, provenance.
+
+    No times of the clock.
+    """
     problem, names = progress.problem, progress.problem.variables.names
     values = [float(v) * float(w) for v, w in zip(progress.last[0], problem.weights(), strict=True)]
     parameters = {**problem.system.parameters, **problem.system.initial}
@@ -68,7 +74,11 @@ def info(attrs: dict[str, Any]) -> dict[str, Any]:
         "reason": attrs["reason"],
         **attrs["report"],
         **tables_of(attrs),
-        **{key: attrs[key] for key in ("auto_form", "certificate", "begun_with", "replay", "start") if key in attrs},
+        **{
+            key: attrs[key]
+            for key in ("auto_form", "certificate", "begun_with", "replay", "start")
+            if key in attrs
+        },
         **{key: attrs[key] for key in ("tolerance", "precision", "final_state", "versions", "cpu")},
     }
 
@@ -79,9 +89,14 @@ def headline_of(attrs: dict[str, Any]) -> str:
     if "friction" in attrs:
         law, *numbers = attrs["friction"].items()
         system = find(attrs["system"])
-        known = system.laws.get(law[1]) if system else None  # None: of a package that is not installed here
+        known = (
+            system.laws.get(law[1]) if system else None
+        )  # None: of a package that is not installed here
         rules = known.given(dict(numbers)).parameters if known else {}
         units = {name: rules[name].unit.symbol if known else "" for name, _ in numbers}
-        parts = [f"{name} = {value:g} {units[name]}".removesuffix(" 1").rstrip() for name, value in numbers]
+        parts = [
+            f"{name} = {value:g} {units[name]}".removesuffix(" 1").rstrip()
+            for name, value in numbers
+        ]
         words.append(", ".join([f"{law[1]} friction", *parts]) if numbers else "no friction")
     return " · ".join(words)

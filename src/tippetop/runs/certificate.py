@@ -53,7 +53,9 @@ def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
             drift = math.nan
         if not drift <= bound:  # also true for NaN
             label = name.replace("_", " ")
-            messages.append(f"the drift of {label} must be at most {bound:.1e}, but is {drift:.1e}.")
+            messages.append(
+                f"the drift of {label} must be at most {bound:.1e}, but is {drift:.1e}."
+            )
     return messages
 
 
@@ -82,7 +84,8 @@ def suggest_form(attrs: dict[str, Any]) -> str:
     if not nearest < POLE_DISTANCE:
         return ""
     return (
-        f'theta comes to {nearest:.2g} rad of a pole, where form = "{form}" is singular: take form = "{regular_form}".'
+        f'theta comes to {nearest:.2g} rad of a pole, where form = "{form}" is singular: '
+        f'take form = "{regular_form}".'
     )
 
 
@@ -161,7 +164,8 @@ def certificate_violations(result: dict[str, Any]) -> list[str]:
     messages = []
     if not result["theta"] <= MAX_THETA_ERROR:
         messages.append(
-            f"theta must be within {MAX_THETA_ERROR:.0e} of the wider run, but differs by {result['theta']:.1e}."
+            f"theta must be within {MAX_THETA_ERROR:.0e} of the wider run, but differs by "
+            f"{result['theta']:.1e}."
         )
     if not result["same_end"]:
         messages.append("the run must end as the wider run does, but ends otherwise.")
@@ -182,7 +186,9 @@ def _comparable(problem: Problem, until: float) -> Problem:
     )
 
 
-def _differences(table: Mapping[str, Column], reference: Mapping[str, Column]) -> dict[str, np.ndarray]:
+def _differences(
+    table: Mapping[str, Column], reference: Mapping[str, Column]
+) -> dict[str, np.ndarray]:
     """Return the absolute differences of each column of numbers, in the rows of both tables."""
     result = {}
     for name, column in table.items():

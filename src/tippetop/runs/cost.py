@@ -23,21 +23,35 @@ from .reporting import RunProgress, report
 from .sinks import Memory
 
 
-# --- an estimate ------------------------------------------------------------------------------------------------------
+# --- an estimate --------------------------------------------------------------------------------
 
-STEPS_PER_RADIAN = {"double": 0.9, "longdouble": 0.9, "quad": 0.85}  # measured: canonical inversion, 1337 steps in 8 s
-MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}  # two shared cores of an AMD EPYC
+STEPS_PER_RADIAN = {
+    "double": 0.9,
+    "longdouble": 0.9,
+    "quad": 0.85,
+}  # measured: canonical inversion, 1337 steps in 8 s
+MICROSECONDS_PER_STEP = {
+    "double": 2.0,
+    "longdouble": 35.0,
+    "quad": 900.0,
+}  # two shared cores of an AMD EPYC
 MORE_STEPS = 1.4  # where friction drills: its force bends at w = U, and a stem brings impacts
-DEARER = 15.0  # a step of these equations, which are not optimised, than one of others; measured: 23 to 35 us, idle
+# a step of these equations, which are not optimised, than one of others; measured: 23 to 35 us,
+# idle
+DEARER = 15.0
 SPAN = 9.0  # of a step in the time of friction's slowest decay; measured: 8 to 11
-SHARE = 0.5  # of the time to rest that drilling alone would take: sliding takes of the spin too; measured: 0.4 to 2
+# of the time to rest that drilling alone would take: sliding takes of the spin too; measured: 0.4
+# to 2
+SHARE = 0.5
 
 
 def drilling(problem: Problem) -> tuple[float, float]:
-    """When a disc comes to rest [s], and how many steps its stiff friction takes until then, or until the end.
+    """When a disc comes to rest [s], and how many steps its stiff friction takes until then, or
+    until the end.
 
-    While it hardly slides, friction is viscous with the rate 3 pi mu g/(8 patch |Omega_z|) times m K, and its torque
-    takes of Omega_z what is proportional to time: 2 m K I/(m patch^2) of these rates pass while it falls to 1/e.
+    While it hardly slides, friction is viscous with the rate 3 pi mu g/(8 patch |Omega_z|) times m
+    K, and its torque takes of Omega_z what is proportional to time: 2 m K I/(m patch^2) of these
+    rates pass while it falls to 1/e.
     """
     q, body = Row._make(problem.start()[: len(Row._fields)]), problem.internal_body
     law, second = body.friction, float(problem.scales.of(SECOND))
@@ -55,13 +69,22 @@ def drilling(problem: Problem) -> tuple[float, float]:
 
 
 def estimate(problem: Problem) -> dict[str, float]:
-    """Return orders of magnitude: a step spans about a radian of the fastest angle, or see `drilling`."""
-    rates = problem.initial.get("omega3", problem.initial.get("psi_dot", 0.0)), problem.initial.get("phi_dot", 0.0)
+    """Return orders of magnitude: a step spans about a radian of the fastest angle, or see
+    `drilling`.
+    """
+    rates = (
+        problem.initial.get("omega3", problem.initial.get("psi_dot", 0.0)),
+        problem.initial.get("phi_dot", 0.0),
+    )
     fastest = max(*(abs(float(r)) for r in rates), 1.0 / float(problem.scales.of(SECOND)))
     steps, dearer = problem.until * fastest * STEPS_PER_RADIAN[problem.precision], 1.0
     if problem.law.regions and not is_frictionless(problem.friction):
         until, stiff = drilling(problem)
-        rests = max(0.0, problem.until - until) / float(problem.scales.of(SECOND)) * STEPS_PER_RADIAN[problem.precision]
+        rests = (
+            max(0.0, problem.until - until)
+            / float(problem.scales.of(SECOND))
+            * STEPS_PER_RADIAN[problem.precision]
+        )
         steps, dearer = MORE_STEPS * steps * min(1.0, until / problem.until) + stiff + rests, DEARER
     return {
         "steps": round(steps),
@@ -70,7 +93,7 @@ def estimate(problem: Problem) -> dict[str, float]:
     }
 
 
-# --- a measurement ----------------------------------------------------------------------------------------------------
+# --- a measurement ------------------------------------------------------------------------------
 
 STEPS = 512  # of a slice
 ROWS = 100_000  # of a slice, roughly
@@ -79,7 +102,8 @@ WORTH = 0.2  # [s] of computing from which the rest is inferred
 
 
 def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -> dict[str, float]:
-    """Return the steps and seconds of a run, from its first slices, and the seconds of compiling it.
+    """Return the steps and seconds of a run, from its first slices, and the seconds of compiling
+    it.
 
     Parameters
     ----------
@@ -91,9 +115,9 @@ def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -
     Returns
     -------
     dict
-        `steps` and `seconds` of the whole run, in memory; `compiling`, the seconds that compiling took now: the
-        integrator is kept on disk. Where friction drills, the first slices show how long a step takes, but not how many
-        there are: the estimate counts.
+        `steps` and `seconds` of the whole run, in memory; `compiling`, the seconds that compiling
+        took now: the integrator is kept on disk. Where friction drills, the first slices show how
+        long a step takes, but not how many there are: the estimate counts.
     """
     expected = max(float(estimate(problem)["steps"]), 1.0)
     size = max(FEWEST, min(STEPS, int(ROWS * expected / max(len(problem.times), 1))))
@@ -114,8 +138,12 @@ def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -
     }
 
 
-def _timed(problem: Problem, size: int, worth: float, clock: Callable[[], float]) -> tuple[float, RunProgress]:
-    """Return how long the first slices of a run take, with their rows as columns, and how far they come."""
+def _timed(
+    problem: Problem, size: int, worth: float, clock: Callable[[], float]
+) -> tuple[float, RunProgress]:
+    """Return how long the first slices of a run take, with their rows as columns, and how far they
+    come.
+    """
     began = clock()
     integration, memory = Integration(problem), Memory()
 
@@ -129,7 +157,7 @@ def _timed(problem: Problem, size: int, worth: float, clock: Callable[[], float]
     return clock() - began, integration.progress()
 
 
-# --- a warning --------------------------------------------------------------------------------------------------------
+# --- a warning ----------------------------------------------------------------------------------
 
 LONG = 600.0  # [s] that are left: from there on there is a sentence
 WAITED = 30.0  # [s] of computing without a word: from there on so much that is left is long
@@ -152,7 +180,9 @@ class Patience:
 
     def __init__(self, say: Callable[[str], object], clock: Callable[[], float] = time.monotonic):
         self.say, self.clock = say, clock
-        self.since: tuple[float, float, int, int] | None = None  # clock, time of the run, steps, phases of the contact
+        self.since: tuple[float, float, int, int] | None = (
+            None  # clock, time of the run, steps, phases of the contact
+        )
         self.began = clock()
         self.inferred: list[float] = []  # [s], long ones in a row
 
@@ -182,7 +212,9 @@ def warn(words: str) -> None:
 
 
 @contextmanager
-def following(say: Callable[[str], object] = warn, *, bar: bool = True) -> Iterator[Callable[[RunProgress], None]]:
+def following(
+    say: Callable[[str], object] = warn, *, bar: bool = True
+) -> Iterator[Callable[[RunProgress], None]]:
     """Provide a run's progress callback: it warns of a long run, and draws a bar in a terminal."""
     patience = Patience(say)
     if not bar:
@@ -214,8 +246,12 @@ def sentence(problem: Problem, left: float, step: float, often: bool = False) ->
         keys = [f"friction.{name}" for name in problem.friction._fields]
         why = f", because friction is stiff ({', '.join(keys)})"
         if problem.law.regions:
-            why = ", because friction on a disc that hardly turns is stiff (friction.patch, initial.omega3)"
+            why = (
+                ", because friction on a disc that hardly turns is stiff (friction.patch, "
+                "initial.omega3)"
+            )
     return (
-        f"the rest of this run will take about {left:.2g} s ({left / 3600:.2g} hours): its steps are {step:.2g} s "
+        f"the rest of this run will take about {left:.2g} s ({left / 3600:.2g} hours): its "
+        f"steps are {step:.2g} s "
         f"long{why}. Ctrl-C stops it; a store can be resumed."
     )

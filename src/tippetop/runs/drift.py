@@ -26,13 +26,19 @@ class Monitor:
     def begin(self, row: np.ndarray) -> None:
         """Takes the start, (1, variables), as what the invariants are compared with."""
         values = self.view.evaluate(row)
-        self._start = {name: float(value[0]) for name, value in invariants(self.problem, values).items()}
+        self._start = {
+            name: float(value[0]) for name, value in invariants(self.problem, values).items()
+        }
         self._size = {name: float(value[0]) for name, value in sizes(self.problem, values).items()}
         self.drift = dict.fromkeys(self._start, 0.0)
 
     def follow(self, rows: np.ndarray, force: Extremes, steps: int) -> None:
-        """Takes in step ends (n, variables) of a slice of so many steps, and the extremes of the force so far."""
-        for name, values in invariants(self.problem, self.view.evaluate(rows)).items() if len(rows) else ():
+        """Takes in step ends (n, variables) of a slice of so many steps, and the extremes of the
+        force so far.
+        """
+        for name, values in (
+            invariants(self.problem, self.view.evaluate(rows)).items() if len(rows) else ()
+        ):
             worst = float(np.max(np.abs(values - self._start[name]) / self._size[name]))
             self.drift[name] = max(self.drift[name], worst)
         self.force = force

@@ -1,4 +1,6 @@
-"""The event log as it grows: zeros of a slice become rows, with what can only be known later as marks on older rows."""
+"""The event log as it grows: zeros of a slice become rows, with what can only be known later as
+marks on older rows.
+"""
 
 import math
 from dataclasses import replace
@@ -46,7 +48,9 @@ class Known(NamedTuple):
     kinds: tuple[str, ...]
     empty: EventTable
     lasting: int  # number of the lasting event; -1: there is none
-    kept: tuple[tuple[str, str], ...]  # name and `what` of the kept numbers, in the order of the tallies
+    kept: tuple[
+        tuple[str, str], ...
+    ]  # name and `what` of the kept numbers, in the order of the tallies
     numbers: np.ndarray  # of its kind, int8
     senses: np.ndarray
     is_logged: np.ndarray
@@ -83,7 +87,9 @@ class LogReport(NamedTuple):
         return _known(self.problem.system, self.problem.events)
 
     def kept(self) -> dict[str, Any]:
-        """Return the numbers that events keep, by name: times [s], None if the event did not happen, or counts."""
+        """Return the numbers that events keep, by name: times [s], None if the event did not
+        happen, or counts.
+        """
         values = zip(self.known.kept, self.numbers.tolist(), strict=True)
         second = float(self.problem.scales.of(SECOND))
         return {
@@ -92,7 +98,9 @@ class LogReport(NamedTuple):
         }
 
     def settled_since(self, view: Observables, last: np.ndarray) -> float | None:
-        """Return when the lasting event last happened [s], if in the state `last`, (1, variables), it still holds."""
+        """Return when the lasting event last happened [s], if in the state `last`, (1, variables),
+        it still holds.
+        """
         since = float(self.tally["lasts_since"])
         if math.isnan(since):
             return None
@@ -103,12 +111,17 @@ class LogReport(NamedTuple):
         return since * float(self.problem.scales.of(SECOND))
 
     def report(self) -> dict[str, Any]:
-        """Return counts, inversion and band, as `info --json` has them, and the numbers that users' events keep."""
+        """Return counts, inversion and band, as `info --json` has them, and the numbers that users'
+        events keep.
+        """
         tally, kept = self.tally, self.kept()
         counts = {name: n for name, n in self.counts.items() if n}
         if any(event.sense and event.name in counts for event in self.known.events):
             counts["turning_significant"] = int(tally["turnings"])
-        band = {name: float(tally[name]) if tally["turnings"] else None for name in ("theta_min", "theta_max")}
+        band = {
+            name: float(tally[name]) if tally["turnings"] else None
+            for name in ("theta_min", "theta_max")
+        }
         own = {name: value for name, value in kept.items() if name not in INVERSION + UNREPORTED}
         return {
             "event_counts": counts,
@@ -121,8 +134,9 @@ class LogReport(NamedTuple):
 class EventLog:
     """Turns the zeros of slices into rows of the event table.
 
-    An event at t = 0 is never logged: the log covers 0 < t <= t_end, and a run that starts on the zero of an event does
-    not find it again. Rows of turnings and of lasting events start as not significant; marks make them so later.
+    An event at t = 0 is never logged: the log covers 0 < t <= t_end, and a run that starts on the
+    zero of an event does not find it again. Rows of turnings and of lasting events start as not
+    significant; marks make them so later.
 
     Parameters
     ----------
@@ -146,13 +160,16 @@ class EventLog:
         self.rows = 0  # of the log
         self.counts = dict.fromkeys(self.kinds, 0)  # rows of the log
         self.before = view.theta(first)  # theta where the present swing began
-        self.waiting = self.lasting = -1  # rows of the turning that waits, and of the last lasting event; -1: none
+        self.waiting = (
+            self.lasting
+        ) = -1  # rows of the turning that waits, and of the last lasting event; -1: none
 
-    # --- a slice --------------------------------------------------------------------------------------------------
+    # --- a slice ---------------------------------------------------------------------------------
 
     def take(self, zeros: Passages) -> tuple[EventTable, list[int], np.ndarray]:
-        """Return the rows of a slice, the rows (old or new) that are now known to be significant, and the states
-        (internal) of the new rows."""
+        """Return the rows of a slice, the rows (old or new) that are now known to be significant,
+        and the states (internal) of the new rows.
+        """
         keep = self.known.is_logged[zeros.events]
         if not keep.any():
             return self.empty, [], np.zeros((0, 0))
@@ -186,7 +203,9 @@ class EventLog:
         if len(angles := logged.theta[turning]):
             swing[turning] = np.abs(angles - np.concatenate([[self.before], angles[:-1]]))
             self.before = float(angles[-1])
-        for number, count in enumerate(np.bincount(logged.kind, minlength=len(self.kinds)).tolist()):
+        for number, count in enumerate(
+            np.bincount(logged.kind, minlength=len(self.kinds)).tolist()
+        ):
             self.counts[self.kinds[number]] += count
         known = ~self.known.is_open[logged.event]
         columns = logged.seconds, logged.kind, logged.theta, logged.rising, swing, known
@@ -206,12 +225,16 @@ class EventLog:
         self.waiting = int(waiting[-1])
         return [row for row in waiting[:-1][confirmed].tolist() if row >= 0]
 
-    # --- the end --------------------------------------------------------------------------------------------------
+    # --- the end ---------------------------------------------------------------------------------
 
     def finish(self, last: np.ndarray) -> list[int]:
         """Return the rows that the end of the run, in the state `last`, shows to be significant."""
         waits = self.tallies.lane["waiting"][0]
-        marks = self._marks(np.array([-1]), np.array([0]), np.array([self.view.theta(last)])) if waits else []
+        marks = (
+            self._marks(np.array([-1]), np.array([0]), np.array([self.view.theta(last)]))
+            if waits
+            else []
+        )
         if self.lasting >= 0 and self.summary().settled_since(self.view, last) is not None:
             marks = [*marks, self.lasting]
         return marks

@@ -19,10 +19,14 @@ LONG = 1e5  # seconds after which the vector form of a rolling top has changed E
 
 
 def assessment(problem: Problem) -> dict[str, Any]:
-    """What is at the start (name -> value in SI, unit), what theory predicts of it, and what the run will take."""
+    """What is at the start (name -> value in SI, unit), what theory predicts of it, and what the
+    run will take.
+    """
     start, expected = at_start(problem), cost.estimate(problem)
     columns = [q for q in problem.system.quantities if q.is_column]
-    quantities = {q.name: {"value": _in_words(q, start[q.name]), "unit": q.unit.symbol} for q in columns}
+    quantities = {
+        q.name: {"value": _in_words(q, start[q.name]), "unit": q.unit.symbol} for q in columns
+    }
     predicted = _outlook(problem, start) | regularisation(problem, expected) | _advice(problem)
     form = {"auto_form": {"form": problem.choice.form.name, "because": problem.choice.because}}
     return {**form, "at_start": quantities, **predicted, "expected": expected}
@@ -35,7 +39,10 @@ def at_start(problem: Problem) -> dict[str, float]:
         problem = replace(problem, precision="double", tolerance=0.0)
         first = driver_of(problem).first
     values = Observables(problem).evaluate(first)
-    start = {q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit)) for q in problem.system.quantities}
+    start = {
+        q.name: float(values[q.name][0]) * float(problem.scales.of(q.unit))
+        for q in problem.system.quantities
+    }
     moving = ("theta_dot",) if is_frictionless(problem.friction) else ("theta_dot", "nu_x", "nu_y")
     at_rest = not any(problem.initial.get(name) for name in moving)
     theta = problem.initial.get("theta", 0.0)
@@ -48,7 +55,9 @@ def _in_words(quantity: Any, value: float) -> float | str:
 
 
 def comments(problem: Problem) -> dict[str, Any]:
-    """What theory adds to the report of a finished run: the name of its motion, what eps decides."""
+    """What theory adds to the report of a finished run: the name of its motion, what
+    eps decides.
+    """
     result = regularisation(problem, cost.estimate(problem))
     if problem.system.motion is not None:
         result["motion"] = problem.system.motion(problem.body(), at_start(problem))
@@ -56,22 +65,31 @@ def comments(problem: Problem) -> dict[str, Any]:
 
 
 def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
-    """Thresholds, regime and predicted fate, as far as the theory of the system goes; nothing if it has none."""
+    """Thresholds, regime and predicted fate, as far as the theory of the system goes; nothing if it
+    has none.
+    """
     if problem.system.outlook is None:
         return {}
     law = () if problem.contact is None else (problem.contact,)
     outlook = problem.system.outlook(problem.body(), start, *law)
-    limits = {name: {"value": t.value, "unit": t.unit.symbol} for name, t in outlook.thresholds.items()}
+    limits = {
+        name: {"value": t.value, "unit": t.unit.symbol} for name, t in outlook.thresholds.items()
+    }
     sentences = {"regime": outlook.regime, "fate": outlook.fate}
-    return {**({"thresholds": limits} if limits else {}), **{key: text for key, text in sentences.items() if text}}
+    return {
+        **({"thresholds": limits} if limits else {}),
+        **{key: text for key, text in sentences.items() if text},
+    }
 
 
 TRIED = 1.0  # seconds that a try may take, by the expected cost
 
 
 def tried(problem: Problem) -> dict[str, Any]:
-    """What a short run shows: how it ends, the least normal force on the way. Where the whole run would take more than
-    a second, its first part."""
+    """What a short run shows: how it ends, the least normal force on the way.
+
+    Where the whole run would take more than a second, its first part.
+    """
     from .run import solve
 
     expected = cost.estimate(problem)["seconds"]
@@ -102,5 +120,10 @@ def _advice(problem: Problem) -> dict[str, str]:
     if not better or problem.tolerance or problem.precision != "double" or problem.until < LONG:
         return {}
     if problem.form.name == better:
-        return {"advice": "truncation changes E by some 4.6e-17 a second: tolerance = 1e-18 keeps it"}
-    return {"advice": f'rounding changes E by some 1.5e-17 a second: form = "{better}" with tolerance = 1e-18 keeps it'}
+        return {
+            "advice": "truncation changes E by some 4.6e-17 a second: tolerance = 1e-18 keeps it"
+        }
+    return {
+        "advice": f'rounding changes E by some 1.5e-17 a second: form = "{better}" with '
+        "tolerance = 1e-18 keeps it"
+    }

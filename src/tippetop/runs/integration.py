@@ -1,4 +1,6 @@
-"""One run from start to end: slices go to a sink, the drift monitor and the event log; the end gets a status."""
+"""One run from start to end: slices go to a sink, the drift monitor and the event log; the end gets
+a status.
+"""
 
 import threading
 import time
@@ -67,10 +69,14 @@ class Integration:
         self.story = Story(dict(problem.system.tables.get("phases", {})))
         self.filled, self.t_end, self.fresh = 0, 0.0, True
         self.status: Status | None = None
-        self.last_slice: State | None = None  # where the last slice began: a longer run continues from there
+        self.last_slice: State | None = (
+            None  # where the last slice began: a longer run continues from there
+        )
 
     def run(self, sink: Sink, progress: Callable[[RunProgress], None] | None = None) -> None:
-        """Continues to the end. What the sink has taken after a slice is what a snapshot then stands for.
+        """Continues to the end.
+
+        What the sink has taken after a slice is what a snapshot then stands for.
 
         Parameters
         ----------
@@ -97,11 +103,17 @@ class Integration:
             self.fresh = False
             if self.follow(piece, sink) is not None:
                 break
-            if problem.stop_when == "settled" and self._done_of(self.settled_slice) == 0 and self._settled_long():
+            if (
+                problem.stop_when == "settled"
+                and self._done_of(self.settled_slice) == 0
+                and self._settled_long()
+            ):
                 self.status = Status.SETTLED
                 break
             if problem.output == "keyframes" and self._done_of(problem.keyframe_steps) == 0:
-                sink.keyframe(keyframes.columns(problem, self.driver, self.t_end, self.monitor.steps))
+                sink.keyframe(
+                    keyframes.columns(problem, self.driver, self.t_end, self.monitor.steps)
+                )
             present = self.progress()
             sink.slice_done(present, self.snapshot)
             if progress is not None:
@@ -112,7 +124,9 @@ class Integration:
             self.write(sink, np.array([self.t_end]), self.last)
 
     def part(self, sink: Sink, steps: int, more: Callable[[], bool]) -> None:
-        """Make slices of `steps` steps while `more()`: the rows of a part of a run, or a measurement."""
+        """Make slices of `steps` steps while `more()`: the rows of a part of a run, or a
+        measurement.
+        """
         request = Request(self, sink)
         self.status = self.ended_at_start() if self.fresh else None
         while self.status is None and more():
@@ -121,7 +135,9 @@ class Integration:
         self.fill(sink)
 
     def _steps(self) -> int:
-        """The steps of the next slice: up to a multiple of what one has, so that nothing depends on where it began."""
+        """The steps of the next slice: up to a multiple of what one has, so that nothing depends on
+        where it began.
+        """
         problem = self.problem
         most = self.settled_slice if problem.stop_when == "settled" else STEPS_PER_SLICE
         left = most - self._done_of(most)
@@ -134,7 +150,9 @@ class Integration:
         return self.monitor.steps % steps
 
     def ended_at_start(self) -> Status | None:
-        """How a run ends before its first step: a quantity that must not be negative is so from the start."""
+        """How a run ends before its first step: a quantity that must not be negative is so from the
+        start.
+        """
         if self.driver.ended is not None:
             return self.driver.ended
         events = self.problem.system.events
@@ -146,8 +164,10 @@ class Integration:
         return None
 
     def follow(self, piece: Slice, sink: Sink) -> Status | None:
-        """Takes in a slice; gives how it ended the run, or None. Of its states the samples count, and the end of the
-        run: where a slice ends does not show."""
+        """Takes in a slice; gives how it ended the run, or None.
+
+        Of its states the samples count, and the end of the run: where a slice ends does not show.
+        """
         self.status, self.last = piece.status, piece.last
         self.t_end = float(piece.time) * self.second
         seen = piece.samples if self.status is None else np.concatenate([piece.samples, piece.last])
@@ -156,7 +176,9 @@ class Integration:
         sink.tables(piece.tables)
         table, marks, states = self.log.take(piece.passages)
         sink.events(table, marks)
-        if self.problem.output == "steps" and self.driver.tally["upto"] < 1.0:  # it ended in the midst of a step
+        if (
+            self.problem.output == "steps" and self.driver.tally["upto"] < 1.0
+        ):  # it ended in the midst of a step
             self.write(sink, np.array([self.t_end]), self.last)
         elif self.problem.output == "events" and len(table.time):
             self.write(sink, table.time, states)
@@ -203,8 +225,9 @@ class Integration:
         return self._encoded(self._state())
 
     def ending(self) -> dict[str, Any]:
-        """What the store of a finished run keeps for those who continue it, as plain JSON data: the last slice's
-        beginning, which no end has shortened, and the end."""
+        """What the store of a finished run keeps for those who continue it, as plain JSON data: the
+        last slice's beginning, which no end has shortened, and the end.
+        """
         end = hexfloat.encode({"state": self.last[0], "t_end": self.t_end})
         return {"slice": self._encoded(self.last_slice) if self.last_slice else {}, "end": end}
 
@@ -281,7 +304,9 @@ class Request:
             return np.empty(ROWS_PER_BLOCK)
         if integration.problem.output != "times" or not self.sink.keeps_rows:
             return np.zeros(0)
-        times = integration.problem.times[self.asked : self.asked + ROWS_PER_BLOCK]  # a step may hold more than memory
+        times = integration.problem.times[
+            self.asked : self.asked + ROWS_PER_BLOCK
+        ]  # a step may hold more than memory
         self.asked += len(times)
         return times / integration.second
 
@@ -289,6 +314,10 @@ class Request:
         """Takes rows that were made."""
         integration, clock = self.integration, time.perf_counter()
         filled = integration.filled
-        seconds = times * integration.second if self.steps else integration.problem.times[filled : filled + len(times)]
+        seconds = (
+            times * integration.second
+            if self.steps
+            else integration.problem.times[filled : filled + len(times)]
+        )
         integration.write(self.sink, seconds, states)
         self.seconds += time.perf_counter() - clock

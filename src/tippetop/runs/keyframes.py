@@ -1,4 +1,6 @@
-"""Keyframes: an integrator's exact state every so many steps, from which any part of a run can be integrated again."""
+"""Keyframes: an integrator's exact state every so many steps, from which any part of a run can be
+integrated again.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,11 @@ from ..problem import Problem
 PER_CHUNK = 1024  # keyframes: 1 MB of 120 numbers each
 EXACT = {"state": "state", "clock": "time", "carried": "carried"}
 """Columns of numbers of any precision, by the names in a snapshot."""
-WORDS = {"state": "all that is integrated", "clock": "time in double length", "carried": "integrals between phases"}
+WORDS = {
+    "state": "all that is integrated",
+    "clock": "time in double length",
+    "carried": "integrals between phases",
+}
 KNOWN = ("tally", "functions", "kept", "phase")
 PARTS = {"double": 1, "longdouble": 2, "quad": 3}  # doubles that add up to a number exactly
 
@@ -34,8 +40,8 @@ def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[
     Returns
     -------
     dict
-        time [s]; the steps made; in internal units, as doubles that add up to the number: all that is integrated, and
-        the time in double length; what the observer knows.
+        time [s]; the steps made; in internal units, as doubles that add up to the number: all that
+        is integrated, and the time in double length; what the observer knows.
     """
     kept, number = driver.snapshot(), problem.number
     kept["state"] = [*kept["state"], *[number(0)] * (driver.width - len(kept["state"]))]
@@ -44,18 +50,27 @@ def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[
         for name, source in EXACT.items()
         if source in kept
     }
-    known = np.concatenate([np.ravel(np.array(kept[name], dtype=float)) for name in KNOWN if name in kept])
+    known = np.concatenate(
+        [np.ravel(np.array(kept[name], dtype=float)) for name in KNOWN if name in kept]
+    )
     about = {
         "time": (np.array(t_end), "time", {"units": SECOND.symbol}),
         "step": (np.array(steps), "steps made", {}),
         "observer": (known, "numbers of the events, and of the phase of a contact", {}),
-        **{name: (value, f"{WORDS[name]}: doubles to be added", {}) for name, value in exact.items()},
+        **{
+            name: (value, f"{WORDS[name]}: doubles to be added", {})
+            for name, value in exact.items()
+        },
     }
     about["state"] = (*about["state"][:2], {"equations": fingerprint(driver)})
     dims = {"state": ("variable", "part"), "clock": ("half", "part"), "observer": ("number",)}
     dims["carried"] = ("integral", "part")
     return {
-        name: Column(("keyframe", *dims.get(name, ())), value[None], {"units": "1", "long_name": words, **more})
+        name: Column(
+            ("keyframe", *dims.get(name, ())),
+            value[None],
+            {"units": "1", "long_name": words, **more},
+        )
         for name, (value, words, more) in about.items()
     }
 

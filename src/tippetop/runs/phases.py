@@ -40,12 +40,20 @@ NAMES = tuple(DIMENSIONS)
 
 def tables_of(attributes: dict[str, Any]) -> tuple[str, ...]:
     """Return the names of the tables of a run with these root attributes."""
-    return NAMES if "contact" in attributes else NAMES[:1] if "contact_phases" in attributes["report"] else ()
+    return (
+        NAMES
+        if "contact" in attributes
+        else NAMES[:1]
+        if "contact_phases" in attributes["report"]
+        else ()
+    )
 
 
 @dataclass
 class Story:
-    """What a report says of the phases of a contact: how many there were of each, the first ones and the last."""
+    """What a report says of the phases of a contact: how many there were of each, the first ones
+    and the last.
+    """
 
     words: dict[str, Any]  # those of the table of phases, by column
     counts: dict[str, int] = field(default_factory=dict)
@@ -80,7 +88,12 @@ class Story:
 
     def report(self) -> dict[str, Any]:
         """The part of a run's report."""
-        return {"counts": dict(self.counts), "impacts": self.impacts, "first": list(self.first), "last": self.last}
+        return {
+            "counts": dict(self.counts),
+            "impacts": self.impacts,
+            "first": list(self.first),
+            "last": self.last,
+        }
 
     def snapshot(self) -> dict[str, Any]:
         """Plain data, of which `Story(words, **data)` makes it again."""
@@ -104,12 +117,19 @@ def columns(system: System, name: str, table: dict[str, np.ndarray]) -> dict[str
 
 def empty(system: System) -> dict[str, dict[str, Column]]:
     """The tables without rows, by name."""
-    return {name: columns(system, name, as_table(name, kinds, [])) for name, kinds in system.tables.items()}
+    return {
+        name: columns(system, name, as_table(name, kinds, []))
+        for name, kinds in system.tables.items()
+    }
 
 
-def joined(system: System, parts: dict[str, list[dict[str, np.ndarray]]]) -> dict[str, dict[str, Column]]:
+def joined(
+    system: System, parts: dict[str, list[dict[str, np.ndarray]]]
+) -> dict[str, dict[str, Column]]:
     """Tables whose rows came in parts."""
     whole = empty(system)
     for name, tables in parts.items():
-        whole[name] = columns(system, name, {key: np.concatenate([t[key] for t in tables]) for key in tables[0]})
+        whole[name] = columns(
+            system, name, {key: np.concatenate([t[key] for t in tables]) for key in tables[0]}
+        )
     return whole

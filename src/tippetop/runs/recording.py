@@ -1,4 +1,6 @@
-"""A run becomes a store as it goes: full chunks, a tail of what waits, and records that acknowledge both."""
+"""A run becomes a store as it goes: full chunks, a tail of what waits, and records that acknowledge
+both.
+"""
 
 import contextlib
 import json
@@ -31,8 +33,11 @@ from .reporting import RunProgress
 ROWS_PER_CHUNK = 1 << 16  # of the trajectory: 512 KiB a column
 EVENTS_PER_CHUNK = 1 << 14
 SIGNIFICANT = "significant"  # a column of events that may change in any row until the end of a run
-COMMIT_EVERY = 5.0  # [s] of the clock: what an interruption can cost; when commits happen does not show in the store
-PATIENCE = 2.0  # [s] after which a stop does not wait for the end of a slice: its rows are made again
+# [s] of the clock: what an interruption can cost; when commits happen does not show in the store
+COMMIT_EVERY = 5.0
+PATIENCE = (
+    2.0  # [s] after which a stop does not wait for the end of a slice: its rows are made again
+)
 
 FINISHED = "The run is finished and whole; only temporary files are left in it."
 
@@ -40,9 +45,12 @@ Progress = Callable[[RunProgress], None]
 
 
 class Recorder:
-    """The sink of a run that writes its store. A context; when it ends nothing is being written any more.
+    """The sink of a run that writes its store.
 
-    All writing is done in one thread of its own: it follows the integration, and no KeyboardInterrupt enters it.
+    A context; when it ends nothing is being written any more.
+
+    All writing is done in one thread of its own: it follows the integration, and no
+    KeyboardInterrupt enters it.
     """
 
     keeps_rows = True
@@ -52,13 +60,18 @@ class Recorder:
         self.store, self.stop = store, stop
         names = (name for name in store.state.header["tables"] if not name.endswith(LATE))
         self.growing = {name: Table(store, name) for name in names}
-        self.begun_with: list[dict[str, Any]] = []  # versions and processors of those that wrote it before
+        self.begun_with: list[
+            dict[str, Any]
+        ] = []  # versions and processors of those that wrote it before
         self.behind: deque[Future] = deque()
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
         self.committed_at, self.asked = time.monotonic(), 0.0
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Takes rows. Raises Interrupted where a slice has so many that its end cannot be waited for."""
+        """Takes rows.
+
+        Raises Interrupted where a slice has so many that its end cannot be waited for.
+        """
         if self.stop is not None and self.stop.is_set():
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
@@ -80,14 +93,18 @@ class Recorder:
         """Takes rows of further tables."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
-                self._later(partial(self.append, name, phases.columns(self.problem.system, name, table)))
+                self._later(
+                    partial(self.append, name, phases.columns(self.problem.system, name, table))
+                )
 
     def append(self, name: str, columns: dict[str, Column]) -> None:
         """Append rows to a table."""
         self.growing[name].append({key: column.values for key, column in columns.items()})
 
     def derivatives(self) -> None:
-        """Makes the tables of derivatives, where the run has come to its end, from its rows and its log there."""
+        """Makes the tables of derivatives, where the run has come to its end, from its rows and its
+        log there.
+        """
         problem = self.problem
         if not problem.sensitivities:
             return
@@ -101,14 +118,17 @@ class Recorder:
             self._later(partial(self.append, name, columns))
 
     def _later(self, work: Callable[[], None]) -> None:
-        """Queues work for the writing thread, not more than a few slices ahead; raises what went wrong there."""
+        """Queues work for the writing thread, not more than a few slices ahead; raises what went
+        wrong there.
+        """
         while len(self.behind) > 8 or (self.behind and self.behind[0].done()):
             self.behind.popleft().result()
         self.behind.append(self.thread.submit(work))
 
     def _now(self, work: Callable[[], None]) -> None:
-        """Does work in the writing thread once all that was queued is done; returns when it is done. Where anything
-        went wrong before, that is raised, and the work is not begun."""
+        """Does work in the writing thread once all that was queued is done; returns when it is
+        done. Where anything went wrong before, that is raised, and the work is not begun.
+        """
         while self.behind:
             self.behind.popleft().result()
 
@@ -128,7 +148,10 @@ class Recorder:
 
     def commit(self, progress: RunProgress, snapshot: dict[str, Any]) -> None:
         """Acknowledge all rows, and the state from which the run can be continued."""
-        changed = {"report": finite(reporting.report(progress)), "reason": reporting.reason(progress)}
+        changed = {
+            "report": finite(reporting.report(progress)),
+            "reason": reporting.reason(progress),
+        }
 
         def work() -> None:
             self.store.commit(self.tail(snapshot), rows=self.counts(), changed=changed)
@@ -158,11 +181,19 @@ class Recorder:
 
     def derive(self) -> None:
         """Write what readers of an unfinished store need, and nobody else."""
-        self.store.derive({file: data for table in self.growing.values() for file, data in table.derived().items()})
+        self.store.derive(
+            {
+                file: data
+                for table in self.growing.values()
+                for file, data in table.derived().items()
+            }
+        )
 
     def counts(self) -> dict[str, int]:
         """Return the rows of all tables, by the names that the ledger has."""
-        return {key: rows for table in self.growing.values() for key, rows in table.counts().items()}
+        return {
+            key: rows for table in self.growing.values() for key, rows in table.counts().items()
+        }
 
     def finish(self, attrs: dict[str, Any], ending: dict[str, Any]) -> dict[str, Any]:
         """Write waiting rows, and close the store with its last root attributes; return them."""
@@ -172,7 +203,11 @@ class Recorder:
             for table in self.growing.values():
                 table.finish()
             begun = self.store.state.header["attributes"]
-            changed = {key: value for key, value in attrs.items() if key not in begun or begun[key] != value}
+            changed = {
+                key: value
+                for key, value in attrs.items()
+                if key not in begun or begun[key] != value
+            }
             try:
                 self.store.finish(changed, rows=self.counts(), end=ending)
             except OSError:
@@ -210,9 +245,9 @@ def record(
     progress
         Called after every slice.
     stop
-        Set it, from a signal handler or another thread, and the run stops at a commit within a slice; before its first
-        step, if it is set already. An exception such as KeyboardInterrupt leaves the store as it was at the last
-        commit. Either way it can be resumed.
+        Set it, from a signal handler or another thread, and the run stops at a commit within a
+        slice; before its first step, if it is set already. An exception such as KeyboardInterrupt
+        leaves the store as it was at the last commit. Either way it can be resumed.
 
     Returns
     -------
@@ -236,13 +271,19 @@ def record(
 
 def header(integration: Integration) -> dict[str, Any]:
     """Return the header of the ledger of a run, from an integration at its start."""
-    return header_of(finite(attributes.attributes(integration.progress())), tables_of_run(integration))
+    return header_of(
+        finite(attributes.attributes(integration.progress())), tables_of_run(integration)
+    )
 
 
 def header_of(
-    attrs: dict[str, Any], tables: Iterable[tuple[str, dict[str, Column], int]], late: str = SIGNIFICANT
+    attrs: dict[str, Any],
+    tables: Iterable[tuple[str, dict[str, Column], int]],
+    late: str = SIGNIFICANT,
 ) -> dict[str, Any]:
-    """Return the header of a ledger with these tables: name, columns without rows, rows of a chunk."""
+    """Return the header of a ledger with these tables: name, columns without rows, rows
+    of a chunk.
+    """
     members: dict[str, Any] = {}
     chunked: dict[str, list[str]] = {}
     for name, columns, chunk in tables:
@@ -260,10 +301,16 @@ def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Col
     yield "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK
     for name, columns in phases.empty(integration.problem.system).items():
         yield name, columns, phases.PER_CHUNK
-    for name, columns in sensitivities.no_rows(integration.problem, integration.log.empty.kinds).items():
+    for name, columns in sensitivities.no_rows(
+        integration.problem, integration.log.empty.kinds
+    ).items():
         yield name, columns, sensitivities.PER_CHUNK
     if integration.problem.output == "keyframes":
-        yield "keyframes", keyframes.empty(integration.problem, integration.driver), keyframes.PER_CHUNK
+        yield (
+            "keyframes",
+            keyframes.empty(integration.problem, integration.driver),
+            keyframes.PER_CHUNK,
+        )
 
 
 def here() -> dict[str, Any]:

@@ -15,16 +15,22 @@ from .integration import Integration
 from .sinks import Memory
 
 
-MOST_STEPS = 1 << 18  # that each of three runs may make, together some two seconds; a small eps makes steps short
+MOST_STEPS = (
+    1 << 18
+)  # that each of three runs may make, together some two seconds; a small eps makes steps short
 AFFORDABLE = 1.0  # seconds: `check` runs a Coulomb top thrice only if that is quick
 
 
 def regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, Any]:
-    """Return what eps decides, as part of a report: the time of inversion for half, whole and twice eps."""
+    """Return what eps decides, as part of a report: the time of inversion for half, whole and twice
+    eps.
+    """
     friction = problem.friction
     if not problem.system.inverts or "eps" not in friction._fields or is_frictionless(friction):
         return {}
-    result: dict[str, Any] = {"regularisation": "eps decides when a top with Coulomb friction inverts"}
+    result: dict[str, Any] = {
+        "regularisation": "eps decides when a top with Coulomb friction inverts"
+    }
     if expected["seconds"] < AFFORDABLE:
         sensitivity = inversion_sensitivity(problem)
         times, unknown = sensitivity["inversion_time"], sensitivity["unknown"]
@@ -46,14 +52,20 @@ def regularisation(problem: Problem, expected: dict[str, float]) -> dict[str, An
 def _not_found_out(unknown: list[float]) -> str:
     """That the time of inversion is not known for these eps [m/s], and why."""
     values = ", ".join(f"{1e3 * eps:g}" for eps in unknown)
-    return f"when it does for eps = {values} mm/s was not found out: the steps are too short, the equations too stiff"
+    return (
+        f"when it does for eps = {values} mm/s was not found out: the steps are too short, "
+        "the equations too stiff"
+    )
 
 
-CONVERGED = 0.01  # relative change of the time of inversion when eps is halved: less, and eps decides nothing
+# relative change of the time of inversion when eps is halved: less, and eps decides nothing
+CONVERGED = 0.01
 
 
 def _converged(half: float | None, whole: float | None) -> str:
-    """What to add about eps, from the times of inversion for half of it and for itself; nothing if it is small."""
+    """What to add about eps, from the times of inversion for half of it and for itself; nothing if
+    it is small.
+    """
     if half is None and whole is None:
         return ""
     if half is None or whole is None:
@@ -77,10 +89,11 @@ def inversion_sensitivity(problem: Problem, factor: float = 2.0) -> dict[str, An
     Returns
     -------
     dict
-        `inversion_time`: first theta = pi/2 [s] by eps [m/s], for eps/factor, eps and eps*factor; None where it is not
-        within `until`. `lifted_at`: when a liftoff ended the run before that [s], or None. `unknown`: those eps for
-        which MOST_STEPS (to a slice) did not suffice, or whose run has no end; they have no time. `exponent`:
-        d log t / d log eps; None where a time is missing. Empty for a law without eps.
+        `inversion_time`: first theta = pi/2 [s] by eps [m/s], for eps/factor, eps and eps*factor;
+        None where it is not within `until`. `lifted_at`: when a liftoff ended the run before that
+        [s], or None. `unknown`: those eps for which MOST_STEPS (to a slice) did not suffice, or
+        whose run has no end; they have no time. `exponent`: d log t / d log eps; None where a time
+        is missing. Empty for a law without eps.
     """
     if "eps" not in problem.friction._fields:
         return {}
@@ -99,9 +112,13 @@ def inversion_sensitivity(problem: Problem, factor: float = 2.0) -> dict[str, An
 
 
 def _first_equator(problem: Problem) -> tuple[float | None, float | None]:
-    """Return the first theta = pi/2 [s], None if the run has none, NaN if that is not known; and its liftoff [s]."""
+    """Return the first theta = pi/2 [s], None if the run has none, NaN if that is not known; and
+    its liftoff [s].
+    """
     rows = ListedTimes(np.array([0.0]))
-    integration = Integration(replace(problem, times=rows, precision="double", tolerance=0.0, orientation=False))
+    integration = Integration(
+        replace(problem, times=rows, precision="double", tolerance=0.0, orientation=False)
+    )
 
     def reached() -> float | None:
         return integration.log.summary().kept().get("first_equator")

@@ -1,4 +1,6 @@
-"""A part of a stored run is integrated again, from its nearest keyframe: the bits of the rows it could have kept."""
+"""A part of a stored run is integrated again, from its nearest keyframe: the bits of the rows it
+could have kept.
+"""
 
 import math
 import os
@@ -29,7 +31,8 @@ from .sinks import Memory
 
 
 STEPS = 512  # between two looks whether all rows are there
-NEAR = 2_000_000  # steps from the start of a run to a row, that a replay without keyframes makes: about ten seconds
+# steps from the start of a run to a row, that a replay without keyframes makes: about ten seconds
+NEAR = 2_000_000
 
 
 class _Rows(Memory):
@@ -85,10 +88,14 @@ def into_store(
     overwrite: bool = False,
     accept_other_version: bool = False,
 ) -> dict[str, Any]:
-    """As `columns`, into a new store that has the events of that time too; gives what was done: `rows`, `steps`,
-    `seconds`, and the time where it `began` [s]."""
+    """As `columns`, into a new store that has the events of that time too; gives what was done:
+    `rows`, `steps`, `seconds`, and the time where it `began` [s].
+    """
     if os.path.realpath(out) == os.path.realpath(path):
-        raise StoreError(f"`{out}` must be another store than the one that is replayed, which holds its keyframes.")
+        raise StoreError(
+            f"`{out}` must be another store than the one that is replayed, which holds its "
+            "keyframes."
+        )
     integration = _integration(path, EvenTimes(step, until, start), accept_other_version)
     began, steps, clock = integration.t_end, integration.monitor.steps, time.perf_counter()
     attrs = root.attributes(path)
@@ -100,8 +107,13 @@ def into_store(
     }
     kinds = {name: (columns, recording.EVENTS_PER_CHUNK) for name, columns in empty.items()}
     kinds["trajectory"] = (empty["trajectory"], recording.ROWS_PER_CHUNK)
-    header = recording.header_of(attrs | {"replay": about}, ((name, *kind) for name, kind in kinds.items()), late="")
-    with root.new_store(out, overwrite=overwrite) as scratch, Ledger.created(scratch, header) as store:
+    header = recording.header_of(
+        attrs | {"replay": about}, ((name, *kind) for name, kind in kinds.items()), late=""
+    )
+    with (
+        root.new_store(out, overwrite=overwrite) as scratch,
+        Ledger.created(scratch, header) as store,
+    ):
         tables = {name: Table(store, name) for name in empty}
 
         def take(times: np.ndarray, states: np.ndarray) -> None:
@@ -111,7 +123,11 @@ def into_store(
         _make(integration, take)
         for name in empty.keys() - {"trajectory"}:
             for piece in chunks.pieces(path, name, list(empty[name])):
-                begin, end = (piece["start"], piece["end"]) if name == "phases" else (piece["time"], piece["time"])
+                begin, end = (
+                    (piece["start"], piece["end"])
+                    if name == "phases"
+                    else (piece["time"], piece["time"])
+                )
                 within = (end >= start) & (begin <= until)
                 tables[name].append({key: values[within] for key, values in piece.items()})
         for table in tables.values():
@@ -128,19 +144,34 @@ def into_store(
 
 def _make(integration: Integration, take: Callable[[np.ndarray, np.ndarray], None]) -> None:
     """Integrates until all rows are there."""
-    integration.part(_Rows(take), STEPS, lambda: integration.filled < len(integration.problem.times))
+    integration.part(
+        _Rows(take), STEPS, lambda: integration.filled < len(integration.problem.times)
+    )
 
 
-def _integration(path: Path, times: EvenTimes, accept_other_version: bool, known: System | None = None) -> Integration:
-    """A stored run where it has to be taken up to make its rows at these times. Raises InputError, StoreError."""
+def _integration(
+    path: Path, times: EvenTimes, accept_other_version: bool, known: System | None = None
+) -> Integration:
+    """A stored run where it has to be taken up to make its rows at these times.
+
+    Raises InputError, StoreError.
+    """
     attrs = root.attributes(path)
     if "content" in attrs:
         raise StoreError(f"`{path}` must be the store of a run to be replayed, but is another.")
     if attrs["status"] == Status.RUNNING.value:
-        raise StoreError(f"`{path}` must be finished to be replayed, but is not: tippetop resume {path}.")
+        raise StoreError(
+            f"`{path}` must be finished to be replayed, but is not: tippetop resume {path}."
+        )
     resuming.same_here(path, attrs, accept_other_version, "replayed")
     problem = build.stored(attrs, known=known)
-    _refuse(times, max(attrs["report"]["t_end"], problem.until if attrs["status"] == Status.FINISHED.value else 0.0))
+    _refuse(
+        times,
+        max(
+            attrs["report"]["t_end"],
+            problem.until if attrs["status"] == Status.FINISHED.value else 0.0,
+        ),
+    )
     integration = Integration(replace(problem, output="times", times=times))
     if root.has_keyframes(attrs):
         _take_up(path, integration, times.start)
@@ -153,25 +184,37 @@ def _refuse(times: EvenTimes, end: float) -> None:
     """Raises InputError for times that are not within a run up to `end`, or that are too many."""
     start, until, step = times.start, times.until, times.step
     if start > until:
-        raise InputError([f"the rows must end after they begin, but are from {start:g} to {until:g} s."])
+        raise InputError(
+            [f"the rows must end after they begin, but are from {start:g} to {until:g} s."]
+        )
     if not 0 <= start <= until <= end:
-        raise InputError([f"the rows must be within 0 and {end:.15g} s, but are from {start:g} to {until:g} s."])
+        raise InputError(
+            [f"the rows must be within 0 and {end:.15g} s, but are from {start:g} to {until:g} s."]
+        )
     if not 0 < step < math.inf:
         raise InputError([f"`step` must be greater than 0 and finite, but is {step:g}."])
     if not step >= 8 * math.ulp(until):
         least = f"{8 * math.ulp(until):.3g} s, eight times the distance of doubles at {until:g} s"
         raise InputError([f"`step` must be at least {least}, but is {step:g}."])
     if not (until - start) / step <= MOST_ROWS:
-        raise InputError([f"`step` must give at most {MOST_ROWS:.0e} rows, but gives {(until - start) / step:.3g}."])
+        raise InputError(
+            [
+                f"`step` must give at most {MOST_ROWS:.0e} rows, but gives "
+                f"{(until - start) / step:.3g}."
+            ]
+        )
 
 
 def _refuse_far(path: Path, report: dict[str, Any], times: EvenTimes) -> None:
-    """Raises StoreError where the start of a run, from which it must be taken up, is too far away."""
+    """Raises StoreError where the start of a run, from which it must be taken up, is
+    too far away.
+    """
     end, steps = report["t_end"], report["steps"]
     far = steps * times.until / end if end > 0 else 0.0
     if far > NEAR:
         raise StoreError(
-            f'`{path}` must have keyframes (run.output = "keyframes") to be replayed at t = {times.until:g} s, '
+            f'`{path}` must have keyframes (run.output = "keyframes") to be replayed at t = '
+            f"{times.until:g} s, "
             f"but has none, and its start is {far:.2g} steps away."
         )
 
@@ -180,14 +223,21 @@ def _take_up(path: Path, integration: Integration, start: float) -> None:
     """Takes a run up at its last keyframe before `start` [s], or leaves it at its start."""
     arrays = chunks.read_member(path, "keyframes")
     if arrays.keys() != keyframes.empty(integration.problem, integration.driver).keys():
-        raise StoreError(f"`{path}` must have the columns of keyframes, but has {', '.join(sorted(arrays))}.")
+        raise StoreError(
+            f"`{path}` must have the columns of keyframes, but has {', '.join(sorted(arrays))}."
+        )
     clock = chunks.rows(arrays["clock"], 0, arrays["clock"].shape[0])
     at = int(np.searchsorted(clock[:, 0, 0], start / integration.second, side="left")) - 1
     if at < 0:
         return
     if arrays["state"].attrs.get("equations") != fingerprint(integration.driver):
-        raise StoreError(f"`{path}` must be of the equations that are installed to be replayed, but is of others.")
+        raise StoreError(
+            f"`{path}` must be of the equations that are installed to be replayed, but is of "
+            "others."
+        )
     try:
-        integration.take_up({name: chunks.rows(array, at, at + 1)[0] for name, array in arrays.items()})
+        integration.take_up(
+            {name: chunks.rows(array, at, at + 1)[0] for name, array in arrays.items()}
+        )
     except (ValueError, IndexError, TypeError) as error:
         raise StoreError(f"`{path}` must have whole keyframes, but: {error}.") from None

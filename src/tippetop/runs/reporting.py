@@ -1,4 +1,6 @@
-"""How far a run has come, as an immutable record, and what is reported of it: measurements, outcome, reason."""
+"""How far a run has come, as an immutable record, and what is reported of it: measurements,
+outcome, reason.
+"""
 
 import math
 from collections.abc import Callable
@@ -131,7 +133,9 @@ def outcome(progress: RunProgress) -> dict[str, str]:
     second = float(progress.problem.scales.of(SECOND))
     kinds = classes_of(system, theta, omega3 / second, settled, progress.problem.body())
     name = CLASSES[with_phases(kinds, theta, values)[0]]
-    speeds = [values[one] for one in ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y") if one in values]
+    speeds = [
+        values[one] for one in ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y") if one in values
+    ]
     at_rest = np.nanmax(np.abs(np.array(speeds, float))) < STILL
     return {} if at_rest and has_parts(progress.problem.friction) else {"outcome": name}
 
@@ -152,11 +156,15 @@ def _finished(progress: RunProgress) -> str:
 
 def _settled(progress: RunProgress) -> str:
     t, since = progress.t_end, progress.settled_since
-    return f"settled: sliding died at t = {since:.6g} s, stopped at t = {t:.6g} s{_beyond(progress)}"
+    return (
+        f"settled: sliding died at t = {since:.6g} s, stopped at t = {t:.6g} s{_beyond(progress)}"
+    )
 
 
 def _beyond(progress: RunProgress) -> str:
-    """Return that the run continued after a liftoff, where the model ends (a fixed tip holds on)."""
+    """Return that the run continued after a liftoff, where the model ends (a fixed tip
+    holds on).
+    """
     events, lifted = progress.problem.system.events, progress.lifted_at
     if lifted is None or not any(event.ends == Status.LIFTOFF.value for event in events):
         return ""
@@ -188,7 +196,10 @@ def _endings(progress: RunProgress) -> list[Event]:
 
 
 def _own_ending(progress: RunProgress) -> str:
-    """Return a sentence on the user-defined event that ended the run: the nearest to its zero. Empty if none did."""
+    """Return a sentence on the user-defined event that ended the run: the nearest to its zero.
+
+    Empty if none did.
+    """
     events = _endings(progress)
     if not any(_is_given(event) for event in events):
         return ""
@@ -197,7 +208,9 @@ def _own_ending(progress: RunProgress) -> str:
     if not _is_given(last):
         return ""
     status = Status.of_event(last.ends or "").value
-    return f"`{last.name}` ended the run as {status} at t = {progress.t_end:.9g} s: {last.long_name}"
+    return (
+        f"`{last.name}` ended the run as {status} at t = {progress.t_end:.9g} s: {last.long_name}"
+    )
 
 
 def _is_given(event: Event) -> bool:
@@ -209,7 +222,9 @@ def _lost(progress: RunProgress) -> str:
     """Return why the state, or the step, could not be continued."""
     t, is_infinite = progress.t_end, progress.status is Status.NON_FINITE
     domains = progress.view.domains(progress.last)
-    meaning, least = min(domains.items(), key=lambda item: item[1]) if domains else ("no known cause", math.inf)
+    meaning, least = (
+        min(domains.items(), key=lambda item: item[1]) if domains else ("no known cause", math.inf)
+    )
     law = "the friction law is singular or too stiff (large mu, small eps)"
     if not progress.problem.system.frictional:
         law = "the equations of the system are singular or too stiff"
@@ -219,7 +234,9 @@ def _lost(progress: RunProgress) -> str:
     if t == 0 and is_infinite:
         stiff += ", or a number of the start, the body or the law is too large"
     what = "the state is not finite after" if is_infinite else "the step size vanishes at"
-    return f"{what} t = {t:.9g} s: {meaning if least < 1e-3 else stiff}. The last good state is kept."
+    return (
+        f"{what} t = {t:.9g} s: {meaning if least < 1e-3 else stiff}. The last good state is kept."
+    )
 
 
 REASONS: dict[Status, Callable[[RunProgress], str]] = {

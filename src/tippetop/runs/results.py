@@ -11,10 +11,15 @@ from . import attributes, forecast
 
 
 class Record(Mapping[str, Any]):
-    """A read-only record whose names are attributes and keys alike; tables in it are records too."""
+    """A read-only record whose names are attributes and keys alike; tables in it are
+    records too.
+    """
 
     def __init__(self, values: Mapping[str, Any], name: str = ""):
-        own = {key: Record(value, key) if isinstance(value, Mapping) else value for key, value in values.items()}
+        own = {
+            key: Record(value, key) if isinstance(value, Mapping) else value
+            for key, value in values.items()
+        }
         self.__dict__.update(_values=own, _name=name or type(self).__name__)
 
     def __getattr__(self, name: str) -> Any:
@@ -41,20 +46,27 @@ class Record(Mapping[str, Any]):
         return [*super().__dir__(), *(name for name in self._values if name.isidentifier())]
 
     def __repr__(self) -> str:
-        return f"{self._name}({', '.join(f'{name}={value!r}' for name, value in self._values.items())})"
+        values = ", ".join(f"{name}={value!r}" for name, value in self._values.items())
+        return f"{self._name}({values})"
 
     def to_dict(self) -> dict[str, Any]:
         """The record as plain dicts, ready for JSON."""
-        return {key: value.to_dict() if isinstance(value, Record) else value for key, value in self._values.items()}
+        return {
+            key: value.to_dict() if isinstance(value, Record) else value
+            for key, value in self._values.items()
+        }
 
 
 class Summary(Record):
-    """The summary of a run. Every name is an attribute and a key; `to_dict()` is what `info --json` prints.
+    """The summary of a run.
+
+    Every name is an attribute and a key; `to_dict()` is what `info --json` prints.
 
     Attributes
     ----------
     status : str
-        How the run ended: finished, liftoff, fallen, settled, stalled, non-finite; running if it has not ended.
+        How the run ended: finished, liftoff, fallen, settled, stalled, non-finite; running if it
+        has not ended.
     reason : str
         The same in a sentence.
     t_end : float
@@ -64,18 +76,22 @@ class Summary(Record):
     drift : Record
         Of each invariant, the largest relative deviation from its start.
     normal_force : Record
-        `min`, `max` [N], when (`t_min`, `t_max` [s]), and the `weight` m g [N]; only where there is such a force.
+        `min`, `max` [N], when (`t_min`, `t_max` [s]), and the `weight` m g [N]; only where there is
+        such a force.
     event_counts : Record
-        How many events of each kind were logged, and of the turnings how many are more than rounding.
+        How many events of each kind were logged, and of the turnings how many are more than
+        rounding.
     inversion : Record
-        `first_equator`, `last_equator`, `inverted_at` [s]: passages of theta = pi/2 and pi - 0.1, None for none.
+        `first_equator`, `last_equator`, `inverted_at` [s]: passages of theta = pi/2 and pi - 0.1,
+        None for none.
     nutational_band : Record
         `theta_min`, `theta_max` [rad] of all significant turnings.
     theta_end : float
         Inclination at the end [rad].
     outcome : str
-        Of a top that can turn over: upright, inverted (near a pole whose spin is stable), tumbling, lifted-off or
-        under-way; where its contact changes its phase also rolling, on-stem or bouncing.
+        Of a top that can turn over: upright, inverted (near a pole whose spin is stable), tumbling,
+        lifted-off or under-way; where its contact changes its phase also rolling, on-stem or
+        bouncing.
     system, form, parameters, friction, initial, run
         The scenario as it was understood, in SI units; `friction` only where there is a law.
     auto_form : Record
@@ -93,8 +109,13 @@ class Summary(Record):
     """
 
     def __repr__(self) -> str:
-        numbers = (f"{name}={value!r}" for name, value in self.items() if isinstance(value, int | float))
-        return f"<Summary: {self.reason}; {', '.join(numbers)}; {', '.join(n for n in self if n != 'reason')}>"
+        numbers = (
+            f"{name}={value!r}" for name, value in self.items() if isinstance(value, int | float)
+        )
+        return (
+            f"<Summary: {self.reason}; {', '.join(numbers)}; "
+            f"{', '.join(n for n in self if n != 'reason')}>"
+        )
 
     status: str
     reason: str
@@ -126,7 +147,9 @@ class Summary(Record):
 
 
 def summary_of(attrs: Mapping[str, Any], problem: Problem | None = None) -> Summary:
-    """The summary of a run, from the root attributes of its store and, where it is at hand, its problem."""
+    """The summary of a run, from the root attributes of its store and, where it is at hand, its
+    problem.
+    """
     try:
         comments = forecast.comments(problem or build.stored(dict(attrs)))
     except InputError:  # of a system, law or event that this process does not know

@@ -1,4 +1,6 @@
-"""A problem integrated in memory: the solution as it comes from the integrator, and the call that makes it."""
+"""A problem integrated in memory: the solution as it comes from the integrator, and the call that
+makes it.
+"""
 
 import os
 from collections.abc import Callable
@@ -22,7 +24,8 @@ from .sinks import Memory
 
 @dataclass
 class Solution:
-    """A problem integrated to its end, in memory: rows and events, and what was measured on the way.
+    """A problem integrated to its end, in memory: rows and events, and what was measured on the
+    way.
 
     `library.run.Run` shows it to the user, with labels and in SI units.
     """
@@ -33,7 +36,9 @@ class Solution:
     events: EventTable
     seconds: dict[str, float]  # where the time went: compile, integrate
     last_slice: dict[str, Any] | None = None  # where it began: what a longer run continues from
-    others: dict[str, list[dict[str, np.ndarray]]] = field(default_factory=dict)  # parts of further tables
+    others: dict[str, list[dict[str, np.ndarray]]] = field(
+        default_factory=dict
+    )  # parts of further tables
 
     @property
     def problem(self) -> Problem:
@@ -71,11 +76,15 @@ class Solution:
         return Observables(self.problem).columns(self.times, self.rows)
 
 
-LARGE_ROW = 1 << 14  # bytes that no row has: where so many fit, none need be made to see how large one is
+LARGE_ROW = (
+    1 << 14
+)  # bytes that no row has: where so many fit, none need be made to see how large one is
 
 
 def refuse_more_than_memory(problem: Problem) -> None:
-    """Raises InputError for rows that this machine cannot hold: the states, and the columns that are made of them."""
+    """Raises InputError for rows that this machine cannot hold: the states, and the columns that
+    are made of them.
+    """
     there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     if problem.output != "times" or len(problem.times) * LARGE_ROW < there:
         return
@@ -85,21 +94,30 @@ def refuse_more_than_memory(problem: Problem) -> None:
     if needed > there:
         raise InputError(
             [
-                f"{len(problem.times):.3g} rows of {per_row} bytes must fit in {there / 1e9:.3g} GB of memory, but "
-                f"take {needed / 1e9:.3g} GB: give a store (--out, out=), which takes any number, or a longer "
+                f"{len(problem.times):.3g} rows of {per_row} bytes must fit in "
+                f"{there / 1e9:.3g} GB of memory, but "
+                f"take {needed / 1e9:.3g} GB: give a store (--out, out=), which takes any "
+                "number, or a longer "
                 "`run.output_step`."
             ]
         )
 
 
 def run_to_end(problem: Problem) -> tuple[Status, np.ndarray, dict[str, Any], dict[str, Any], bool]:
-    """Integrates a problem and keeps its end alone: status, final internal state, report, what events keep of their
-    passages, and whether it has settled."""
+    """Integrates a problem and keeps its end alone: status, final internal state, report, what
+    events keep of their passages, and whether it has settled.
+    """
     integration = Integration(problem)
     integration.run(Memory(keeps_rows=False))
     end = integration.progress()
     assert end.status is not None
-    return end.status, end.last[0], reporting.report(end), end.events.kept(), end.settled_since is not None
+    return (
+        end.status,
+        end.last[0],
+        reporting.report(end),
+        end.events.kept(),
+        end.settled_since is not None,
+    )
 
 
 def _joined(pieces: list[np.ndarray], empty: np.ndarray) -> np.ndarray:
@@ -107,7 +125,9 @@ def _joined(pieces: list[np.ndarray], empty: np.ndarray) -> np.ndarray:
     return pieces[0] if len(pieces) == 1 else np.concatenate([empty, *pieces])
 
 
-def solve(problem: Problem, progress: Callable[[RunProgress], None] | None = None, *, keep: bool = True) -> Solution:
+def solve(
+    problem: Problem, progress: Callable[[RunProgress], None] | None = None, *, keep: bool = True
+) -> Solution:
     """Integrates a problem to its end, gathering rows and events in memory.
 
     Parameters
@@ -117,8 +137,9 @@ def solve(problem: Problem, progress: Callable[[RunProgress], None] | None = Non
     progress
         Called after every slice.
     keep
-        Whether rows and events are kept. If not, nobody can read the orientation of the body, and its integrals are
-        left out: they have no effect on the motion, but cost 1.0 to 1.24 times its equations.
+        Whether rows and events are kept. If not, nobody can read the orientation of the body, and
+        its integrals are left out: they have no effect on the motion, but cost 1.0 to 1.24 times
+        its equations.
 
     Returns
     -------

@@ -1,4 +1,6 @@
-"""A solution in memory becomes a store: the same files as if the run had been recorded as it went."""
+"""A solution in memory becomes a store: the same files as if the run had been recorded
+as it went.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -15,8 +17,13 @@ from .run import Solution
 ROWS_AT_ONCE = 1 << 16  # of which columns are made at a time
 
 
-def save(solution: Solution, attributes: dict[str, Any], target: str | Path, *, overwrite: bool = False) -> None:
-    """Writes a store whole or not at all; `attributes` are its root attributes. Raises StoreError."""
+def save(
+    solution: Solution, attributes: dict[str, Any], target: str | Path, *, overwrite: bool = False
+) -> None:
+    """Writes a store whole or not at all; `attributes` are its root attributes.
+
+    Raises StoreError.
+    """
     view, integration = Observables(solution.problem), Integration(solution.problem)
     header = recording.header(integration)
     others = phases.joined(solution.problem.system, solution.others) if solution.others else {}

@@ -1,4 +1,6 @@
-"""The derivatives that a run keeps beside its rows and events, where its scenario asks for them: made at its end."""
+"""The derivatives that a run keeps beside its rows and events, where its scenario asks for them:
+made at its end.
+"""
 
 from typing import TYPE_CHECKING
 
@@ -27,13 +29,15 @@ def tables(problem: Problem, times: np.ndarray, events: EventTable) -> dict[str,
     times
         Of its rows [s], (n,).
     events
-        Its log. Of a longer one than the derivatives may be (`MOST_DERIVATIVES`) those of the first events are
-        computed, and the rest are NaN.
+        Its log. Of a longer one than the derivatives may be (`MOST_DERIVATIVES`) those of the first
+        events are computed, and the rest are NaN.
     """
     wrt = problem.sensitivities
     if not wrt:
         return {}
-    from ..engine.derivatives.along_run import differentiate  # a fiftieth of a start, which other runs do without
+    from ..engine.derivatives.along_run import (
+        differentiate,
+    )  # a fiftieth of a start, which other runs do without
 
     most = MOST_DERIVATIVES // len(wrt)
     first = EventTable(events.kinds, *(values[:most] for values in events.columns().values()))
@@ -41,7 +45,9 @@ def tables(problem: Problem, times: np.ndarray, events: EventTable) -> dict[str,
     if len(events.time) > most:
         gap = np.full((len(events.time) - most, len(wrt)), np.nan)
         derived[NAMES[1]] = {
-            name: c._replace(values=events.kind if name == "kind" else np.concatenate([c.values, gap]))
+            name: c._replace(
+                values=events.kind if name == "kind" else np.concatenate([c.values, gap])
+            )
             for name, c in derived[NAMES[1]].items()
         }
     return derived
@@ -60,6 +66,9 @@ def _named(problem: Problem, derived: "Derivatives") -> dict[str, dict[str, Colu
     """The tables of a store: every column of derivatives says by which numbers, in order."""
     by = {"parameters": " ".join(problem.sensitivities)}
     return {
-        name: {key: c._replace(attrs=c.attrs | by) if len(c.dims) > 1 else c for key, c in columns.items()}
+        name: {
+            key: c._replace(attrs=c.attrs | by) if len(c.dims) > 1 else c
+            for key, c in columns.items()
+        }
         for name, columns in zip(NAMES, (derived.trajectory, derived.events), strict=True)
     }

@@ -1,4 +1,6 @@
-"""What a body looks like: its balls, its stem, or the uniform ellipsoid that has its moments of inertia."""
+"""What a body looks like: its balls, its stem, or the uniform ellipsoid that has its moments of
+inertia.
+"""
 
 from typing import Any
 
@@ -11,15 +13,21 @@ from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
 
 
-BIGGEST = 0.78  # of the distance from the tip: the longest half axis of the ellipsoid of a heavy top
+BIGGEST = (
+    0.78  # of the distance from the tip: the longest half axis of the ellipsoid of a heavy top
+)
 
 
 def body_of(attrs: dict[str, Any]) -> Touch:
-    """The body of a store, SI; without a friction law where its contact changes its phase. Raises InputError for what
-    cannot be drawn."""
+    """The body of a store, SI; without a friction law where its contact changes its phase.
+
+    Raises InputError for what cannot be drawn.
+    """
     system = find(attrs["system"])
     if system is None:
-        raise InputError([f"the system `{attrs['system']}` must be known here to be drawn: register it first."])
+        raise InputError(
+            [f"the system `{attrs['system']}` must be known here to be drawn: register it first."]
+        )
     friction = attrs.get("friction", {}) if "contact" not in attrs else {}
     law = system.laws.get(friction.get("law"), Frictionless)
     body = system.body_of(attrs["parameters"], law._make(friction[name] for name in law._fields))
@@ -49,8 +57,9 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
     Returns
     -------
     dict
-        kind (ball, heavy, cylinder), unit (the length that is 1 in the picture), balls (offset along 3hat from the
-        centre of mass, and radius), ellipsoid (half axes across and along), weight [N], fixed.
+        kind (ball, heavy, cylinder), unit (the length that is 1 in the picture), balls (offset
+        along 3hat from the centre of mass, and radius), ellipsoid (half axes across and along),
+        weight [N], fixed.
     """
     b = body_of(attrs)
     kind = "cylinder" if is_planar(attrs) else "ball" if b.R > 0 else "heavy"
@@ -69,18 +78,22 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
 
 
 def sizes(b: Touch, *, heavy: bool) -> tuple[Any, ...]:
-    """Of a body that touches the plane with one ball: the ball's offset along 3hat and radius, the weight, and the half
-    axes, across and along, of the ellipsoid with its moments of inertia; of a heavy top's it shrinks until it ends
-    before the tip. Numbers, or symbols of a page."""
+    """Of a body that touches the plane with one ball: the ball's offset along 3hat and radius, the
+    weight, and the half axes, across and along, of the ellipsoid with its moments of inertia; of a
+    heavy top's it shrinks until it ends before the tip. Numbers, or symbols of a page.
+    """
     across2 = 2.5 * b.I3 / b.m
     across, along = np.sqrt(across2), np.sqrt(np.maximum(5 * b.I1 / b.m - across2, 0.02 * across2))
     size = np.minimum(1.0, -b.c * BIGGEST / np.maximum(across, along)) if heavy else 1.0
     return b.c, b.R, b.m * b.g, size * across, size * along
 
 
-def with_shape(trajectory: Any, events: Any, attrs: dict[str, Any]) -> tuple[Any, dict[str, Any], dict[str, Any]]:
-    """What the film strip of a run is made of: its rows, its attributes, its body, and the function that gives the axes
-    of the body, as columns, of a quaternion."""
+def with_shape(
+    trajectory: Any, events: Any, attrs: dict[str, Any]
+) -> tuple[Any, dict[str, Any], dict[str, Any]]:
+    """What the film strip of a run is made of: its rows, its attributes, its body, and the function
+    that gives the axes of the body, as columns, of a quaternion.
+    """
     return trajectory, attrs, shape(attrs) | {"axes": axes_of}
 
 

@@ -17,7 +17,9 @@ class Sink(Protocol):
     keeps_rows: bool  # whether rows are to be made at all
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Takes rows: times [s], and what gives their internal states; it may be called later, in another thread."""
+        """Takes rows: times [s], and what gives their internal states; it may be called later, in
+        another thread.
+        """
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes new rows of the event log, and indices of rows that are significant after all."""
@@ -29,7 +31,10 @@ class Sink(Protocol):
         """Take new rows of the tables of a contact that changes its phase, SI."""
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
-        """Finish a slice. The moment to commit a snapshot, and to raise Interrupted if the run has to stop."""
+        """Finish a slice.
+
+        The moment to commit a snapshot, and to raise Interrupted if the run has to stop.
+        """
 
 
 @dataclass

@@ -20,10 +20,17 @@ from ..store import ledger, root
 
 
 SAME = ("system", "form", "parameters")  # tables that a run shares with the one where it starts
-TAKEN = (*SAME, "friction", "contact", "stem")  # tables that are those of the other run where none are given
+TAKEN = (
+    *SAME,
+    "friction",
+    "contact",
+    "stem",
+)  # tables that are those of the other run where none are given
 
 
-def load(source: str | Path, assignments: list[str] | None = None, until: float | str | None = None) -> Problem:
+def load(
+    source: str | Path, assignments: list[str] | None = None, until: float | str | None = None
+) -> Problem:
     """The checked Problem of a TOML file or a preset.
 
     Parameters
@@ -58,7 +65,9 @@ def load_any(source: str | Path, assignments: list[str] | None = None) -> Proble
         return load(source, assignments)
     attrs = root.attributes(source)
     if "content" in attrs:
-        raise InputError(f"the reference must be a scenario or a run, but `{source}` is a {attrs['content']}.")
+        raise InputError(
+            f"the reference must be a scenario or a run, but `{source}` is a {attrs['content']}."
+        )
     if not assignments:
         return build.stored(attrs)
     return build.problem(reading.override(build.tables_of(attrs), assignments))
@@ -97,16 +106,25 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
         tables["form"] = attrs["form"]
     before = build.stored(_without_own(attrs))
     end = ledger.read(path).end
-    parts = [[float.fromhex(part) for part in text.split()] for text in end["end"]["state"]]  # doubles to be added
+    parts = [
+        [float.fromhex(part) for part in text.split()] for text in end["end"]["state"]
+    ]  # doubles to be added
     state = np.array([[sum(map(before.number, each)) for each in parts]], dtype=before.number)
     run = build.problem(tables | {"initial": _rounded(before, state)}, known)
     if (run.contact is None) != (before.contact is None):
-        raise InputError([f"the contact must stay closed as in `{path}`, whose end is the start, but may open."])
+        raise InputError(
+            [f"the contact must stay closed as in `{path}`, whose end is the start, but may open."]
+        )
     for name in SAME:
         if build.resolved(run)[name] != attrs[name]:
             raise InputError([_another(name, path)])
     if not set(run.variables.names) <= set(before.variables.names):
-        raise InputError([f"`run.orientation` must be false as in `{path}`, whose end is the start, but is true."])
+        raise InputError(
+            [
+                f"`run.orientation` must be false as in `{path}`, whose end is the start, but "
+                "is true."
+            ]
+        )
     return build.problem(
         tables | {"initial": dict(run.initial)},
         known,
@@ -121,9 +139,13 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
 
 
 def _without_own(attrs: dict[str, Any]) -> dict[str, Any]:
-    """The root attributes of a run without its events, and its columns that another run need not know."""
+    """The root attributes of a run without its events, and its columns that another run need not
+    know.
+    """
     run = {key: value for key, value in attrs["run"].items() if key != "columns"}
-    return {key: value for key, value in attrs.items() if key != OWN} | {"run": run | {"events": []}}
+    return {key: value for key, value in attrs.items() if key != OWN} | {
+        "run": run | {"events": []}
+    }
 
 
 def _another(name: str, path: Path) -> str:
@@ -131,12 +153,16 @@ def _another(name: str, path: Path) -> str:
 
 
 def _ended(path: Path) -> dict[str, Any]:
-    """The root attributes of the store of a run that has ended in a state from which another can start."""
+    """The root attributes of the store of a run that has ended in a state from which another can
+    start.
+    """
     attrs = root.attributes(path)
     if "content" in attrs or "replay" in attrs:
         raise StoreError(f"`{path}` must be the store of a run to start from, but is another.")
     if attrs["status"] not in [status.value for status in Status if status.ordinary]:
-        raise StoreError(f"`{path}` must have come to its end to start from, but: {attrs['reason']}.")
+        raise StoreError(
+            f"`{path}` must have come to its end to start from, but: {attrs['reason']}."
+        )
     return attrs
 
 
@@ -144,9 +170,14 @@ def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:
     """The initial data of a state, (1, variables), as far as it has any."""
     if before.contact is not None:  # they are of the sphere, whichever ball is in contact
         ball = {"radius": before.internal_body.R, "offset": before.internal_body.c}
-        state = np.array([[ball.get(n, x) for n, x in zip(before.variables.names, state[0], strict=True)]], state.dtype)
+        state = np.array(
+            [[ball.get(n, x) for n, x in zip(before.variables.names, state[0], strict=True)]],
+            state.dtype,
+        )
     columns = Observables(before).columns(np.zeros(1), state)
-    values = {name: float(columns[name].values[0]) for name in before.system.initial if name in columns}
+    values = {
+        name: float(columns[name].values[0]) for name in before.system.initial if name in columns
+    }
     if "gap" in values:
         values["gap"] = max(values["gap"], 0.0)  # what touches is under the plane by rounding
     return {name: value for name, value in values.items() if np.isfinite(value)}

@@ -20,18 +20,25 @@ WORDS = {
 """What has become of a body, by the name of its class."""
 
 
-def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> list[tuple[str, str]]:
+def lines(
+    info: Mapping[str, Any], seconds: dict[str, float] | None = None
+) -> list[tuple[str, str]]:
     """Name and text of each line of a summary."""
     status = f"{info['reason'].rstrip('.')}; {info['steps']} steps"
     if seconds is not None:
-        status += f", integrated in {1e3 * seconds['integrate']:.1f} ms, compiled in {seconds['compile']:.2f} s"
+        status += (
+            f", integrated in {1e3 * seconds['integrate']:.1f} ms, compiled in "
+            f"{seconds['compile']:.2f} s"
+        )
     result = [("status", status)]
     system = find(info["system"])
     events = {event.name: event for event in system.events} if system is not None else {}
     can_invert = system is None or system.inverts or "inverted" in events
     if info.get("parameters", {}).get("alpha", 0) < 0:
         result.append(("theta", _of_peg(info["inversion"], info["theta_end"])))
-    elif can_invert and (any(info["inversion"].values()) or (system is not None and system.inverts)):
+    elif can_invert and (
+        any(info["inversion"].values()) or (system is not None and system.inverts)
+    ):
         result.append(("inversion", _inversion(info)))
     elif info["theta_end"] is not None:
         result.append(("theta", f"ends at {info['theta_end']:.6g} rad"))
@@ -44,17 +51,29 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
     if others:
         result.append(
-            ("other events", ", ".join(f"{_counted(kind, events)}: {_passages(n)}" for kind, n in others.items()))
+            (
+                "other events",
+                ", ".join(
+                    f"{_counted(kind, events)}: {_passages(n)}" for kind, n in others.items()
+                ),
+            )
         )
     if info.get("kept"):
-        result.append(("kept", ", ".join(f"{name} = {_kept(value)}" for name, value in info["kept"].items())))
+        result.append(
+            ("kept", ", ".join(f"{name} = {_kept(value)}" for name, value in info["kept"].items()))
+        )
     if "normal_force" in info:
         force, weight = info["normal_force"], info["normal_force"]["weight"]
         low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
         result.append(
-            ("normal force", f"{low:.5g} to {high:.5g} N, that is {low / weight:.4f} to {high / weight:.4f} m g")
+            (
+                "normal force",
+                f"{low:.5g} to {high:.5g} N, that is {low / weight:.4f} to {high / weight:.4f} m g",
+            )
         )
-    if drift := ", ".join(f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items()):
+    if drift := ", ".join(
+        f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items()
+    ):
         result.append(("drift", f"{drift} (relative, worst of the run)"))
     if by := info.get("run", {}).get("sensitivities"):
         result.append(("sensitivities", f"derivatives of columns and events by {', '.join(by)}"))
@@ -67,8 +86,15 @@ def lines(info: Mapping[str, Any], seconds: dict[str, float] | None = None) -> l
     if start := info.get("start"):
         result.append(("start", f"where {start['from']} ended, at its t = {start['t_end']:.15g} s"))
     if replay := info.get("replay"):
-        part = f"t = {replay['from']:.15g} to {replay['until']:.15g} s, every {replay['step']:.15g} s"
-        result.append(("replay", f"rows and events are of {part}, of {replay['of']}; all else is of the whole run"))
+        part = (
+            f"t = {replay['from']:.15g} to {replay['until']:.15g} s, every {replay['step']:.15g} s"
+        )
+        result.append(
+            (
+                "replay",
+                f"rows and events are of {part}, of {replay['of']}; all else is of the whole run",
+            )
+        )
     if "certificate" in info:
         result.append(("certificate", _certificate(info["certificate"])))
     return result
@@ -92,8 +118,9 @@ TIMES = {1: "once", 2: "twice"}
 
 
 def contact(phases: Mapping[str, Any]) -> str:
-    """The story of a contact that changes its phase: all phases if they are few, else how many, the first and the
-    last."""
+    """The story of a contact that changes its phase: all phases if they are few, else how many, the
+    first and the last.
+    """
     counts, first, last = phases["counts"], phases["first"], phases["last"]
     if sum(counts.values()) == 1:
         text = f"{_does(last)} throughout"
@@ -101,7 +128,8 @@ def contact(phases: Mapping[str, Any]) -> str:
         text = ", then ".join([*map(_until, first[:-1]), _does(last)])
     else:
         often = ", ".join(
-            f"{_verb({**last, 'phase': phase})} {TIMES.get(n, f'{n} times')}" for phase, n in counts.items()
+            f"{_verb({**last, 'phase': phase})} {TIMES.get(n, f'{n} times')}"
+            for phase, n in counts.items()
         )
         begins = ", then ".join(map(_until, first[:2]))
         text = f"{often}; first {begins}; at last {_does(last)} from {last['start']:.6g} s"
@@ -145,20 +173,28 @@ def _counted(kind: str, events: Mapping[str, Any]) -> str:
     event = events.get(kind)
     if kind == "liftoff" and event is not None and event.ends is None:
         return "vertical reaction falls to zero"
-    if kind == "equator" and "inverted" not in events:  # a cylinder or a pendulum turns beyond theta = pi
+    if (
+        kind == "equator" and "inverted" not in events
+    ):  # a cylinder or a pendulum turns beyond theta = pi
         return "equator (cos theta = 0)"
     return COUNTED.get(kind, kind)
 
 
 def regularisation(info: Mapping[str, Any]) -> str:
-    """What the regularisation speed eps of a Coulomb law decides: the time of inversion for three values of it."""
+    """What the regularisation speed eps of a Coulomb law decides: the time of inversion for three
+    values of it.
+    """
     if "inversion_by_eps" not in info:
         return info["regularisation"]
     by_eps = {name: entry["value"] for name, entry in info["inversion_by_eps"].items()}
-    lifted = by_eps.get("lifted_at") or [None] * len(by_eps["eps"])  # stores of earlier versions do not say
+    lifted = by_eps.get("lifted_at") or [None] * len(
+        by_eps["eps"]
+    )  # stores of earlier versions do not say
     times = ", ".join(
         f"{_equator(t, end)} ({'eps = ' if i == 0 else ''}{1e3 * eps:g} mm/s)"
-        for i, (eps, t, end) in enumerate(zip(by_eps["eps"], by_eps["first_equator"], lifted, strict=True))
+        for i, (eps, t, end) in enumerate(
+            zip(by_eps["eps"], by_eps["first_equator"], lifted, strict=True)
+        )
     )
     power = "" if by_eps["exponent"] is None else f", about as eps^{by_eps['exponent']:.3g}"
     return f"{info['regularisation']}; theta = pi/2 at: {times}{power}"
@@ -197,8 +233,12 @@ def _certificate(result: Mapping[str, Any]) -> str:
 
 
 def _of_peg(inversion: Mapping[str, Any], end: float) -> str:
-    """Return where the axis of a peg has been: near theta = pi it is not inverted, but at its lowest."""
-    passages = [inversion[name] for name in ("first_equator", "last_equator") if inversion[name] is not None]
+    """Return where the axis of a peg has been: near theta = pi it is not inverted, but at its
+    lowest.
+    """
+    passages = [
+        inversion[name] for name in ("first_equator", "last_equator") if inversion[name] is not None
+    ]
     passed = " and ".join(f"{time:.6f} s" for time in dict.fromkeys(passages))
     return (f"pi/2 at {passed}, " if passed else "") + f"ends at {end:.6g} rad"
 
@@ -206,12 +246,19 @@ def _of_peg(inversion: Mapping[str, Any], end: float) -> str:
 def _inversion(info: Mapping[str, Any]) -> str:
     inversion, end = info["inversion"], info["theta_end"]
     if inversion["inverted_at"] is not None:
-        equator = f"theta = pi/2 at {inversion['first_equator']:.6f} s" if inversion["first_equator"] else "inverted"
+        equator = (
+            f"theta = pi/2 at {inversion['first_equator']:.6f} s"
+            if inversion["first_equator"]
+            else "inverted"
+        )
         last = inversion["last_equator"]
         again = f" (last at {last:.6f} s)" if last != inversion["first_equator"] else ""
         return f"{equator}{again}, pi - 0.1 at {inversion['inverted_at']:.6f} s"
     if inversion["first_equator"] is not None:
-        return f"theta = pi/2 at {inversion['first_equator']:.6f} s, not beyond pi - 0.1; theta ends at {end:.6g}"
+        return (
+            f"theta = pi/2 at {inversion['first_equator']:.6f} s, not beyond pi - 0.1; theta "
+            f"ends at {end:.6g}"
+        )
     return f"none; theta ends at {end:.6g} rad"
 
 
@@ -219,10 +266,14 @@ def _turnings(info: Mapping[str, Any]) -> str:
     counts, band = info["event_counts"], info["nutational_band"]
     if not counts.get("turning"):
         return "none logged"
-    significant = counts.get("turning_significant", counts["turning"])  # of an event without a sense all are
+    significant = counts.get(
+        "turning_significant", counts["turning"]
+    )  # of an event without a sense all are
     noise = counts["turning"] - significant
     text = f"{significant} logged"
     if band["theta_min"] is not None:
         low, high = (f"{band[name]:.6g}" for name in ("theta_min", "theta_max"))
-        text += f", at theta = {low} rad" if low == high else f", at theta between {low} and {high} rad"
+        text += (
+            f", at theta = {low} rad" if low == high else f", at theta between {low} and {high} rad"
+        )
     return text + (f"; {noise} more below the rounding floor" if noise else "")

@@ -1,4 +1,6 @@
-"""A scenario's tables become a checked Problem, or sentences that say all that is wrong with them."""
+"""A scenario's tables become a checked Problem, or sentences that say all that is wrong
+with them.
+"""
 
 import math
 from pathlib import Path
@@ -34,18 +36,25 @@ from .schema import scenario_model
 from .sentences import scenario_sentence
 
 
-NEAREST_POLE = 1e-3  # [rad] where z = cos(theta) is integrated: its rounding changes theta by 2.2e-15/theta in 4 s,
-# measured against the vector form from 1.9e-5 to 0.3 rad. As sqrt(t), that is the promise, 1e-10 rad, after 1e4 s
+# [rad] where z = cos(theta) is integrated: its rounding changes theta by 2.2e-15/theta in 4 s,
+NEAREST_POLE = 1e-3
+# measured against the vector form from 1.9e-5 to 0.3 rad. As sqrt(t), that is the promise, 1e-10
+# rad, after 1e4 s
 
 
-# --- checking -------------------------------------------------------------------------------------------------------
+# --- checking -----------------------------------------------------------------------------------
 
 
-def problem(tables: dict[str, Any], known: System | None = None, origin: dict[str, Any] | None = None) -> Problem:
-    """The checked Problem of a scenario's tables. Raises InputError with every fault that was found.
+def problem(
+    tables: dict[str, Any], known: System | None = None, origin: dict[str, Any] | None = None
+) -> Problem:
+    """The checked Problem of a scenario's tables.
 
-    `known` is the record of the system, where it is not the registered one of that name; `origin` the exact state in
-    which the run starts, where that is the end of another."""
+    Raises InputError with every fault that was found.
+
+    `known` is the record of the system, where it is not the registered one of that name; `origin`
+    the exact state in which the run starts, where that is the end of another.
+    """
     system = system_with_contact(known or system_of(tables), tables)
     name = law_name(tables)
     if name is not None and name not in system.laws:
@@ -59,7 +68,9 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
         sentences = first_sentences(errors, lambda e: scenario_sentence(e, system, tables, shape))
         raise InputError(sentences) from None
     parameters = scenario.parameters.model_dump()
-    initial = {k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False}
+    initial = {
+        k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False
+    }
     asked: dict[str, Any] = {
         key: tuple(v) if isinstance(v, list) else v for key, v in scenario.run.model_dump().items()
     }
@@ -107,8 +118,9 @@ def problem(tables: dict[str, Any], known: System | None = None, origin: dict[st
 
 
 def checked(given: Problem) -> Problem:
-    """A problem that was checked as it is; any other, such as dataclasses.replace makes, as its scenario would give it.
-    Raises InputError."""
+    """A problem that was checked as it is; any other, such as dataclasses.replace makes, as its
+    scenario would give it. Raises InputError.
+    """
     if given.checked:
         return given
     if faults := shape_faults(given):
@@ -120,8 +132,9 @@ def checked(given: Problem) -> Problem:
 def _columns(
     asked: tuple[str, ...] | None, all_columns: tuple[str, ...], known: System | None
 ) -> tuple[str, ...] | None:
-    """The columns that rows have, None for all; by name where the system is not the registered one, so that its store
-    says which columns it has."""
+    """The columns that rows have, None for all; by name where the system is not the registered one,
+    so that its store says which columns it has.
+    """
     if asked is None and (known is None or known is find(known.name)):
         return None
     return tuple(name for name in all_columns if asked is None or name in asked)
@@ -152,15 +165,20 @@ def system_of(tables: dict[str, Any]) -> System:
     return system
 
 
-def load(source: str | Path, assignments: list[str] | None = None, until: float | None = None) -> Problem:
-    """The checked Problem of a TOML file or a preset, with `--set` assignments and another end: as `tippetop.load`, but
-    of a run that does not start from another. Raises InputError."""
+def load(
+    source: str | Path, assignments: list[str] | None = None, until: float | None = None
+) -> Problem:
+    """The checked Problem of a TOML file or a preset, with `--set` assignments and another end: as
+    `tippetop.load`, but of a run that does not start from another. Raises InputError.
+    """
     tables = override(read(str(path_of("source", source))), assignments or [])
     return problem(tables if until is None else ending(tables, until))
 
 
 def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:
-    """The tables with another `run.until`, which may be a text with a unit; output times beyond it go."""
+    """The tables with another `run.until`, which may be a text with a unit; output times beyond it
+    go.
+    """
     until = measured("until", until, SECOND)
     tables = override(tables, [f"run.until={until!r}"])
     times = tables["run"].get("output_times")
@@ -175,14 +193,20 @@ def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
     return {name: attrs[name] for name in names if name in attrs}
 
 
-def stored(attrs: dict[str, Any], until: float | None = None, known: System | None = None) -> Problem:
-    """The Problem of a store's root attributes, or one with another end. Raises InputError; so it does where an event
-    or a column is not the one that the run was made with.
+def stored(
+    attrs: dict[str, Any], until: float | None = None, known: System | None = None
+) -> Problem:
+    """The Problem of a store's root attributes, or one with another end.
+
+    Raises InputError; so it does where an event or a column is not the one that the run was made
+    with.
 
     `known` is the record of its system where that has events and columns of the user's own."""
     tables = tables_of(attrs)
     try:
-        result = problem(tables if until is None else ending(tables, until), known, origin=attrs.get("start"))
+        result = problem(
+            tables if until is None else ending(tables, until), known, origin=attrs.get("start")
+        )
     except InputError:
         if own := own_names(attrs, known):
             raise InputError(_give(own, attrs["system"])) from None
@@ -193,32 +217,47 @@ def stored(attrs: dict[str, Any], until: float | None = None, known: System | No
 
 
 def own_names(attrs: dict[str, Any], known: System | None = None) -> list[str]:
-    """The events and columns of a stored run that its system does not have: whoever made it gave them."""
+    """The events and columns of a stored run that its system does not have: whoever made it gave
+    them.
+    """
     system = known or system_of(tables_of(attrs))
     if "contact" in attrs:  # takes none
         return []
     events = {event.name for event in system.events}
     form = system.forms.get(attrs["form"], next(iter(system.forms.values())))
-    columns = {"time", *TURN, *column_names(system, form, orientation=True, precision=attrs["precision"])}
+    columns = {
+        "time",
+        *TURN,
+        *column_names(system, form, orientation=True, precision=attrs["precision"]),
+    }
     run = attrs["run"]
-    return [n for n in run["events"] if n not in events] + [n for n in run.get("columns", ()) if n not in columns]
+    return [n for n in run["events"] if n not in events] + [
+        n for n in run.get("columns", ()) if n not in columns
+    ]
 
 
 def _give(own: list[str], system: str) -> str:
     names = ", ".join(f"`{name}`" for name in own)
     return (
-        f"the run has {names}, which {system} has not: give the records that it was made with, as in Python "
+        f"the run has {names}, which {system} has not: give the records that it was made with, "
+        "as in Python "
         "tippetop.resume(path, events=[...], columns=[...]); tippetop.open takes them too."
     )
 
 
 def resolved(problem: Problem) -> dict[str, Any]:
-    """The scenario as it was understood, defaults filled in: plain data, also what the store keeps."""
+    """The scenario as it was understood, defaults filled in: plain data, also what the
+    store keeps.
+    """
     return {
         "system": problem.system.name,
         "form": problem.form.name,
         "parameters": dict(problem.parameters),
-        **({"friction": {"law": problem.law_name, **problem.friction._asdict()}} if problem.system.frictional else {}),
+        **(
+            {"friction": {"law": problem.law_name, **problem.friction._asdict()}}
+            if problem.system.frictional
+            else {}
+        ),
         **contact_tables(problem),
         "initial": dict(problem.initial),
         "run": problem.table(),
@@ -229,11 +268,18 @@ def _pole_faults(problem: Problem) -> list[str]:
     if AWAY_FROM_POLE not in problem.form.domains:
         return []
     name, theta = problem.form.name, problem.initial.get("theta", 0.0)
-    if "z_dot" in problem.variables.names and 0 < (near := min(theta, math.pi - theta)) < (1 - 1e-9) * NEAREST_POLE:
+    if (
+        "z_dot" in problem.variables.names
+        and 0 < (near := min(theta, math.pi - theta)) < (1 - 1e-9) * NEAREST_POLE
+    ):
         return [
-            f"`initial.theta` must be at least {NEAREST_POLE:g} rad from the poles 0 and pi where form = "
+            f"`initial.theta` must be at least {NEAREST_POLE:g} rad from the poles 0 and pi "
+            "where form = "
             f'"{name}" is singular, but is {near:.3g} from one: form = "vector" can.'
         ]
     if theta not in (0.0, math.pi):
         return []
-    return [f'`initial.theta` must not be 0 or pi where form = "{name}" is singular; form = "vector" can.']
+    return [
+        f'`initial.theta` must not be 0 or pi where form = "{name}" is singular; form = '
+        '"vector" can.'
+    ]

@@ -1,4 +1,6 @@
-"""Warnings about a scenario that is allowed but hardly meant: numbers left out, other units, a body below the plane."""
+"""Warnings about a scenario that is allowed but hardly meant: numbers left out, other units, a body
+below the plane.
+"""
 
 import math
 
@@ -14,12 +16,20 @@ LARGEST = {
 """By unit: above it, a parameter of a top that stands on a table looks like another unit."""
 
 PLAUSIBLE = {"R": (0.01, 4.0), "l": (0.0, 100.0)}
-"""Moments of inertia over mass times this size squared: of a sphere with a stem; of a disc on a long or short leg."""
+"""Moments of inertia over mass times this size squared: of a sphere with a stem; of a disc on a
+long or short leg.
+"""
 
 
 def doubts(problem: Problem) -> list[str]:
     """Return one sentence for each doubt; empty for most scenarios."""
-    return [*_left_out(problem), *_fallen(problem), *_other_units(problem), *_odd_inertia(problem), *_rests(problem)]
+    return [
+        *_left_out(problem),
+        *_fallen(problem),
+        *_other_units(problem),
+        *_odd_inertia(problem),
+        *_rests(problem),
+    ]
 
 
 def _rests(problem: Problem) -> list[str]:
@@ -28,7 +38,8 @@ def _rests(problem: Problem) -> list[str]:
     if not problem.law.torque or not given:
         return []
     return [
-        f"{' and '.join(given)} can bring this body to rest, for which there is no phase: a run then takes some "
+        f"{' and '.join(given)} can bring this body to rest, for which there is no phase: a run "
+        "then takes some "
         "1e4 to 1e7 steps a second. End it before."
     ]
 
@@ -36,9 +47,14 @@ def _rests(problem: Problem) -> list[str]:
 def _fallen(problem: Problem) -> list[str]:
     """A body that falls to the plane at theta = pi/2, and begins beyond."""
     theta = float(problem.initial.get("theta", 0.0))
-    if abs(theta) < math.pi / 2 or not any(event.ends == "fallen" for event in problem.system.events):
+    if abs(theta) < math.pi / 2 or not any(
+        event.ends == "fallen" for event in problem.system.events
+    ):
         return []
-    return [f"`initial.theta` is {theta:g} rad, beyond pi/2: this body has fallen, and lies below its plane."]
+    return [
+        f"`initial.theta` is {theta:g} rad, beyond pi/2: this body has fallen, and lies below "
+        "its plane."
+    ]
 
 
 def _left_out(problem: Problem) -> list[str]:
@@ -48,7 +64,9 @@ def _left_out(problem: Problem) -> list[str]:
     if "omega3" in known and not {"omega3", "psi_dot"} & set(initial):
         sentences.append("`initial.omega3` is not given: this top does not spin.")
     if "omega3" in known and not {"theta", "theta_dot"} & set(initial):
-        sentences.append("`initial.theta` is not given: this top starts exactly upright, and stays there.")
+        sentences.append(
+            "`initial.theta` is not given: this top starts exactly upright, and stays there."
+        )
     return sentences
 
 
@@ -60,7 +78,8 @@ def _other_units(problem: Problem) -> list[str]:
         value = float(problem.parameters[name])
         if value > most:
             sentences.append(
-                f"`parameters.{name}` is {value:g} {rule.unit.symbol}, which looks like {other}: units are SI."
+                f"`parameters.{name}` is {value:g} {rule.unit.symbol}, which looks like "
+                f"{other}: units are SI."
             )
     return sentences
 
@@ -74,7 +93,8 @@ def _odd_inertia(problem: Problem) -> list[str]:
     least, most = PLAUSIBLE[size]
     whole = given["m"] * given[size] ** 2
     return [
-        f"`parameters.{name}` is {given[name]:g} kg m2, {given[name] / whole:.3g} times m {size}^2 = "
+        f"`parameters.{name}` is {given[name]:g} kg m2, {given[name] / whole:.3g} times m "
+        f"{size}^2 = "
         f"{whole:.3g} kg m2: hardly a body of this mass and size; units are SI."
         for name, rule in rules.items()
         if rule.unit == INERTIA and not least * whole <= given[name] <= most * whole

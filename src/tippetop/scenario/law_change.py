@@ -17,7 +17,8 @@ def change_law(before: Mapping[str, Any], after: dict[str, Any], given: Collecti
     Parameters
     ----------
     before, after
-        The tables of a scenario before and after its law may have changed; `after` is changed in place.
+        The tables of a scenario before and after its law may have changed; `after` is changed in
+        place.
     given
         Names of the numbers of the law that are given with the change.
 
@@ -41,7 +42,8 @@ def change_law(before: Mapping[str, Any], after: dict[str, Any], given: Collecti
         unit = old.parameters[name].unit
         if rule.unit != unit:
             faults.append(
-                f"`friction.{name}` must be given anew: `{names[1]}` takes it {_in(rule.unit)}, but "
+                f"`friction.{name}` must be given anew: `{names[1]}` takes it {_in(rule.unit)}, "
+                "but "
                 f"{numbers[name]} is that of `{names[0]}`, {_in(unit)} (--set friction.{name}=...)."
             )
     if faults:
@@ -57,7 +59,10 @@ def law_name(tables: Mapping[str, Any]) -> str | None:
 
 def _law(tables: Mapping[str, Any], name: str | None) -> "type[FrictionLaw] | None":
     """Return a law of the system of a scenario; None if the system or the law is not known."""
-    from ..mechanics.systems import find, laws_of  # half a second, which scenarios that keep their law do without
+    from ..mechanics.systems import (
+        find,
+        laws_of,
+    )  # half a second, which scenarios that keep their law do without
 
     system = find(tables["system"]) if isinstance(tables.get("system"), str) else None
     return laws_of(system).get(name or "") if system is not None else None

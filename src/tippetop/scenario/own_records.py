@@ -1,4 +1,6 @@
-"""Events and columns of one's own, as a store remembers them: a digest of what each says, to know it again by."""
+"""Events and columns of one's own, as a store remembers them: a digest of what each says, to know
+it again by.
+"""
 
 import contextlib
 import hashlib
@@ -23,7 +25,9 @@ STATES = 3  # at which a formula that cannot be written down is compared
 
 
 def own_of(problem: Problem) -> dict[str, dict[str, str]]:
-    """Digests of the events and columns whose formulas are not of this package, by name; empty where there is none."""
+    """Digests of the events and columns whose formulas are not of this package, by name; empty
+    where there is none.
+    """
     return _own(problem.system, problem.form.name, problem.friction.__class__)
 
 
@@ -43,7 +47,8 @@ def other_records(attrs: dict[str, Any], problem: Problem, known: System | None)
     for kind, now in own_of(problem).items():
         before = attrs.get(OWN, {}).get(kind, {})
         faults += [
-            f"the {kind} `{name}` must be the record that the run was made with, but is another: its formula, its "
+            f"the {kind} `{name}` must be the record that the run was made with, but is "
+            "another: its formula, its "
             "words or what it keeps differ."
             for name, digest in now.items()
             if before.get(name, digest) != digest
@@ -56,7 +61,8 @@ def _more(attrs: dict[str, Any], known: System | None) -> list[str]:
     given: Any = own_records(known) if known is not None else ((), ())
     has = attrs["run"]["events"], attrs["run"].get("columns", ())
     return [
-        f"the {kind} `{name}` must be one that the run was made with, but the run has none of this name."
+        f"the {kind} `{name}` must be one that the run was made with, but the run has none of "
+        "this name."
         for kind, records, names in zip(("event", "column"), given, has, strict=True)
         for name in sorted(record.name for record in records)
         if name not in names
@@ -70,14 +76,20 @@ def _own(system: System, form_name: str, friction: Any) -> dict[str, dict[str, s
     ours = {record.name for record in known}
     of: dict[str, Sequence[Any]] = {"event": system.events, "column": system.quantities}
     digests = {
-        kind: {r.name: _digest(r, system, form, friction) for r in records if r.name not in ours or is_users(r.formula)}
+        kind: {
+            r.name: _digest(r, system, form, friction)
+            for r in records
+            if r.name not in ours or is_users(r.formula)
+        }
         for kind, records in of.items()
     }
     return {kind: names for kind, names in digests.items() if names}
 
 
 def registered_as(system: System) -> System | None:
-    """Return the registered system of the same name, opened where this one is; None if there is none."""
+    """Return the registered system of the same name, opened where this one is; None if there is
+    none.
+    """
     registered = find(system.name)
     return registered and opened(registered, *system.contact) if system.contact else registered
 
@@ -94,11 +106,17 @@ def own_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...]
 
 
 @lru_cache(maxsize=64)
-def with_records(system: System, events: tuple[Event, ...], quantities: tuple[Quantity, ...]) -> System:
-    """Return a system with more events and columns; the same one for the same records, so that it is compiled once."""
+def with_records(
+    system: System, events: tuple[Event, ...], quantities: tuple[Quantity, ...]
+) -> System:
+    """Return a system with more events and columns; the same one for the same records, so that it
+    is compiled once.
+    """
     if not (events or quantities):
         return system
-    return system.replace(events=(*system.events, *events), quantities=(*system.quantities, *quantities))
+    return system.replace(
+        events=(*system.events, *events), quantities=(*system.quantities, *quantities)
+    )
 
 
 def is_users(formula: Callable | None) -> bool:
@@ -116,15 +134,22 @@ def _digest(record: Event | Quantity, system: System, form: Form, friction: Any)
 
 
 def _written(formula: Callable, system: System, form: Form, friction: Any) -> list[str]:
-    """A formula of the scalars and the body as lines; its values in some states where it cannot be written down."""
+    """A formula of the scalars and the body as lines; its values in some states where it cannot be
+    written down.
+    """
     random = np.random.default_rng(1)
 
     def numbers(record: Any) -> Any:
         return refill(record, iter(random.uniform(0.5, 1.0, len(leaves(record)))))
 
-    body = system.body_of(dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields))
+    body = system.body_of(
+        dict.fromkeys(system.parameters, 1.0), friction._make(1.0 for _ in friction._fields)
+    )
     with np.errstate(all="ignore"):
-        states = [(form.scalars(numbers(form.units), b), b) for b in (numbers(body) for _ in range(STATES))]
+        states = [
+            (form.scalars(numbers(form.units), b), b)
+            for b in (numbers(body) for _ in range(STATES))
+        ]
         scalars, body = states[0]
 
         def of_symbols(symbols: list[Any]) -> list[Any]:
@@ -133,7 +158,10 @@ def _written(formula: Callable, system: System, form: Form, friction: Any) -> li
             return [formula(_moment(known, given), of_body)]
 
         fewest = len(leaves(scalars)) + len(leaves(body))
-        for size in (fewest, fewest + len(PLACE)):  # most formulas read no place, and keep their digest
+        for size in (
+            fewest,
+            fewest + len(PLACE),
+        ):  # most formulas read no place, and keep their digest
             with contextlib.suppress(Exception):  # the formula of a user may do what no program can
                 lines, results = function(JAVASCRIPT, [f"x{i}" for i in range(size)], of_symbols)
                 return [*lines, *results]

@@ -16,11 +16,14 @@ from .law_change import change_law
 
 
 OUTPUT = ("output", "output_step", "output_times")  # one of them says when rows are wanted
-QUANTITY = r"[-+0-9.eE/*^()]+ *[^\W\d_°%][^\"'\[\]{}=,#]*|[-+0-9.]+ *[°%]|[-+\w.(]+( *[-+*/^()]+ *[-+\w.()]+)+\)*"
+QUANTITY = (
+    r"[-+0-9.eE/*^()]+ *[^\W\d_°%][^\"'\[\]{}=,#]*|[-+0-9.]+ *[°%]|[-+\w.(]+( "
+    r"*[-+*/^()]+ *[-+\w.()]+)+\)*"
+)
 """What may stand without quotes after `--set key=`, and is no TOML: 20 g, 3/10, 2/5*m*R^2."""
 
 
-# --- reading --------------------------------------------------------------------------------------------------------
+# --- reading ------------------------------------------------------------------------------------
 
 
 def presets() -> dict[str, str]:
@@ -83,16 +86,24 @@ def _parsed(text: str) -> dict[str, Any]:
 
 
 def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
-    """The tables with `table.key=value` assignments applied; values are TOML, a bare word is a string.
+    """The tables with `table.key=value` assignments applied; values are TOML, a bare word is a
+    string.
 
-    Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`. A key that says when rows are
-    wanted takes the place of another such key, and `initial.from` that of the start. Raises InputError.
+    Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`. A key that
+    says when rows are wanted takes the place of another such key, and `initial.from` that of the
+    start. Raises InputError.
     """
-    words = [(key.strip(), text.strip()) for key, _, text in (a.partition("=") for a in assignments)]
-    given = {key.removeprefix("run."): text.strip("\"'") for key, text in words if key.startswith("run.")}
+    words = [
+        (key.strip(), text.strip()) for key, _, text in (a.partition("=") for a in assignments)
+    ]
+    given = {
+        key.removeprefix("run."): text.strip("\"'") for key, text in words if key.startswith("run.")
+    }
     if isinstance(tables.get("run"), dict):
         tables = tables | {"run": without_output(tables["run"], given)}
-    if any(key == "initial.from" and text.strip() for key, text in words) and isinstance(tables.get("initial"), dict):
+    if any(key == "initial.from" and text.strip() for key, text in words) and isinstance(
+        tables.get("initial"), dict
+    ):
         tables = tables | {"initial": {}}
     changed = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
     for assignment in assignments:
@@ -103,11 +114,18 @@ def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
         if not text.strip():
             _remove(changed, key.strip(), parts)
             continue
-        word = re.fullmatch(r"[A-Za-z][\w-]*", text.strip()) and text.strip() not in ("true", "false", "nan", "inf")
+        word = re.fullmatch(r"[A-Za-z][\w-]*", text.strip()) and text.strip() not in (
+            "true",
+            "false",
+            "nan",
+            "inf",
+        )
         try:
             value = text.strip() if word else _parsed(f"value = {text}")["value"]
         except ValueError:
-            if key.strip() != "initial.from" and not re.fullmatch(QUANTITY, text.strip()):  # a path needs no quotes
+            if key.strip() != "initial.from" and not re.fullmatch(
+                QUANTITY, text.strip()
+            ):  # a path needs no quotes
                 raise InputError(
                     f'--set {key} must be given a TOML value (5, 0.3, true, "word", [1.0, 2.0]), '
                     f"but is `{_short(text)}`."
@@ -115,7 +133,9 @@ def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
             value = text.strip()
         table = changed.setdefault(parts[0], {}) if len(parts) == 2 else changed
         if not isinstance(table, dict):
-            raise InputError(f"--set {key} must name a key of a table, but `{parts[0]}` is not a table.")
+            raise InputError(
+                f"--set {key} must name a key of a table, but `{parts[0]}` is not a table."
+            )
         table[parts[-1]] = value
     change_law(tables, changed, [key.removeprefix("friction.") for key, _ in words])
     return changed
@@ -125,11 +145,18 @@ def without_output(run: dict[str, Any], given: Mapping[str, Any]) -> dict[str, A
     """A table `run` without what says when rows are wanted, where what is `given` anew says so."""
     if not any(name in OUTPUT and (name, given[name]) != ("output", "times") for name in given):
         return run
-    return {key: value for key, value in run.items() if key in given or key not in (*OUTPUT, "keyframe_steps")}
+    return {
+        key: value
+        for key, value in run.items()
+        if key in given or key not in (*OUTPUT, "keyframe_steps")
+    }
 
 
 def times_until(times: list[Any], until: Any) -> list[Any]:
-    """Output times up to another end. What is no ascending list of numbers stays, for the check to say so."""
+    """Output times up to another end.
+
+    What is no ascending list of numbers stays, for the check to say so.
+    """
     numbers = all(isinstance(t, int | float) and math.isfinite(t) for t in times)
     if not numbers or any(b <= a for a, b in pairwise(times)):
         return times
@@ -146,5 +173,7 @@ def _remove(tables: dict[str, Any], key: str, parts: list[str]) -> None:
     table = tables.get(parts[0]) if len(parts) == 2 else tables
     if not isinstance(table, dict) or parts[-1] not in table:
         present = ", ".join(table) if isinstance(table, dict) and table else "none"
-        raise InputError(f"--set {key}= removes a key that is given, but `{key}` is not: the keys are {present}.")
+        raise InputError(
+            f"--set {key}= removes a key that is given, but `{key}` is not: the keys are {present}."
+        )
     del table[parts[-1]]

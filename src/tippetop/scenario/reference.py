@@ -1,4 +1,6 @@
-"""What a scenario may hold and what a run says, as tables made from the records: for `tippetop help` and the manual."""
+"""What a scenario may hold and what a run says, as tables made from the records: for `tippetop
+help` and the manual.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -28,12 +30,21 @@ class Section(NamedTuple):
 
 
 KEYS = ("key", "unit", "what it must be", "what it is")
-KINDS = {"number": "a number", "integer": "a whole number", "string": "text", "boolean": "true or false"}
-BOUNDS = {"exclusiveMinimum": "greater than", "minimum": "at least", "exclusiveMaximum": "less than"}
+KINDS = {
+    "number": "a number",
+    "integer": "a whole number",
+    "string": "text",
+    "boolean": "true or false",
+}
+BOUNDS = {
+    "exclusiveMinimum": "greater than",
+    "minimum": "at least",
+    "exclusiveMaximum": "less than",
+}
 FLAGS = "true, or left out"
 
 
-# --- numbers, and keys of other types ---------------------------------------------------------------------------------
+# --- numbers, and keys of other types -----------------------------------------------------------
 
 
 def _number(name: str, rule: Number, *, optional: bool) -> tuple[str, ...]:
@@ -50,14 +61,18 @@ def _numbers(rules: Mapping[str, Number], *, optional: bool = False) -> list[tup
 
 
 def allowed(schema: Mapping[str, Any]) -> str:
-    """Return in words what a value must be, such as "a number greater than 0", of its JSON schema."""
+    """Return in words what a value must be, such as "a number greater than 0", of its
+    JSON schema.
+    """
     if "anyOf" in schema:
         return " or ".join(allowed(part) for part in schema["anyOf"] if part.get("type") != "null")
     if "enum" in schema:
         return f"one of {', '.join(schema['enum'])}"
     if schema.get("type") == "array":
         return f"a list, each {allowed(schema['items'])}"
-    bounds = ", ".join(f"{words} {schema[bound]:g}" for bound, words in BOUNDS.items() if bound in schema)
+    bounds = ", ".join(
+        f"{words} {schema[bound]:g}" for bound, words in BOUNDS.items() if bound in schema
+    )
     return f"{KINDS.get(schema.get('type', ''), 'a table')} {bounds}".strip()
 
 
@@ -101,7 +116,7 @@ def _plain(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-# --- topics -----------------------------------------------------------------------------------------------------------
+# --- topics -------------------------------------------------------------------------------------
 
 
 def scenario() -> list[Section]:
@@ -110,11 +125,16 @@ def scenario() -> list[Section]:
     return [
         Section(
             "A scenario",
-            'A TOML file. Numbers are SI, or texts with a unit or arithmetic: "20 g", "5.7 deg", "2/5*m*R^2".',
+            'A TOML file. Numbers are SI, or texts with a unit or arithmetic: "20 g", "5.7 '
+            'deg", "2/5*m*R^2".',
             ("key or table", "what it is"),
             [
                 ("system", f"one of {', '.join(SYSTEMS)}"),
-                ("form", "how the state is written; auto where it is left out: the cheapest that is regular there"),
+                (
+                    "form",
+                    "how the state is written; auto where it is left out: the cheapest that is "
+                    "regular there",
+                ),
                 ("[parameters]", "the body; its keys are those of its system"),
                 ("[friction]", f"law, and its numbers; of {', '.join(s.name for s in gliding)}"),
                 ("[initial]", 'the start; `from = "RUN.zarr"` instead: the end of another run'),
@@ -157,7 +177,9 @@ def _first_of_each(kind: Any) -> list[System]:
 
 
 def _alternatives(system: System) -> str:
-    return " ".join(f"`{a.name}` stands alone: without {', '.join(a.others)}." for a in system.alternatives)
+    return " ".join(
+        f"`{a.name}` stands alone: without {', '.join(a.others)}." for a in system.alternatives
+    )
 
 
 def _flags(system: System) -> list[tuple[str, ...]]:
@@ -173,7 +195,9 @@ def friction() -> list[Section]:
         if law.without is not None:
             optional = ", ".join(key for key, rule in law.parameters.items() if rule.optional)
             laws[f"{name} (without {optional})"] = (law.without, list(that_open()))
-    rolling = {name for name, system in that_open().items() if system.opening and system.opening.sphere}
+    rolling = {
+        name for name, system in that_open().items() if system.opening and system.opening.sphere
+    }
     return [
         Section(
             name,
@@ -192,7 +216,10 @@ def _meaning(law: type[FrictionLaw]) -> str:
 
 def systems() -> list[Section]:
     """The systems: forms, integrals, source."""
-    rows = [(s.name, s.title, ", ".join(s.forms), ", ".join(s.integrals) or "none", s.source) for s in SYSTEMS.values()]
+    rows = [
+        (s.name, s.title, ", ".join(s.forms), ", ".join(s.integrals) or "none", s.source)
+        for s in SYSTEMS.values()
+    ]
     return [Section("Systems", "", ("system", "what", "forms", "integrals", "source"), rows)]
 
 
@@ -213,10 +240,17 @@ def events() -> list[Section]:
     return [
         Section(
             "Events",
-            "Zeros of a function of the state, found to rounding; `[run] events` names those that are logged.",
+            "Zeros of a function of the state, found to rounding; `[run] events` names those "
+            "that are logged.",
             ("event", "what it is", "ends a run as", "kept of every run", "systems"),
             [
-                (name, event.long_name, event.ends or "", _kept(event), ", ".join(dict.fromkeys(where)))
+                (
+                    name,
+                    event.long_name,
+                    event.ends or "",
+                    _kept(event),
+                    ", ".join(dict.fromkeys(where)),
+                )
                 for name, (event, where) in rows.items()
             ],
         )
@@ -239,7 +273,10 @@ def columns() -> list[Section]:
     return [
         *sections,
         Section(
-            "Columns of a contact that may open", text, ("column", "unit", "what it is"), list(dict.fromkeys(rows))
+            "Columns of a contact that may open",
+            text,
+            ("column", "unit", "what it is"),
+            list(dict.fromkeys(rows)),
         ),
     ]
 
@@ -248,7 +285,11 @@ def _columns(system: System) -> list[tuple[str, ...]]:
     names = system.long_names
     angles = [(n, unit.symbol, names.get(n, "")) for n, unit in system.angles._asdict().items()]
     vectors = [
-        (n, getattr(system.forms["vector"].units, variables[0]).symbol, f"{names.get(n, '')}, (time, xyz)")
+        (
+            n,
+            getattr(system.forms["vector"].units, variables[0]).symbol,
+            f"{names.get(n, '')}, (time, xyz)",
+        )
         for n, variables in system.vectors.items()
     ]
     turn = [("orientation", "1", f"{ORIENTATION}, (time, wxyz)")]
@@ -259,9 +300,18 @@ def _columns(system: System) -> list[tuple[str, ...]]:
         for q in system.quantities
         if q.is_column
     ]
-    asked = [(q.name, q.unit.symbol, f"{q.long_name}; only where `run.columns` names it") for q in system.on_request]
+    asked = [
+        (q.name, q.unit.symbol, f"{q.long_name}; only where `run.columns` names it")
+        for q in system.on_request
+    ]
     return [*angles, *vectors, *turn, *quantities, *asked]
 
 
-TOPICS = {"scenario": scenario, "friction": friction, "systems": systems, "events": events, "columns": columns}
+TOPICS = {
+    "scenario": scenario,
+    "friction": friction,
+    "systems": systems,
+    "events": events,
+    "columns": columns,
+}
 """What can be asked for, by name."""

@@ -15,7 +15,7 @@ from ..problem import AUTO
 from ..problem.options import HINTS, OPTIONS
 
 
-# --- the shape of a scenario ----------------------------------------------------------------------------------------
+# --- the shape of a scenario --------------------------------------------------------------------
 
 
 class Table(BaseModel):
@@ -40,7 +40,9 @@ def _run_table() -> type[BaseModel]:
     fields: dict[str, Any] = {}
     for name, option in OPTIONS.items():
         about = option.metadata
-        limits: dict[str, Any] = {BOUNDS[bound]: limit for bound, limit in about["interval"].items()}
+        limits: dict[str, Any] = {
+            BOUNDS[bound]: limit for bound, limit in about["interval"].items()
+        }
         kind = _number(about["rule"]) if about["rule"] else _kind(HINTS[name], limits)
         default = ... if option.default is MISSING else option.default
         fields[name] = Annotated[kind, Field(description=about["words"])], default
@@ -52,7 +54,9 @@ BOUNDS = {"above": "gt", "least": "ge", "below": "lt"}
 
 
 def _kind(hint: Any, limits: dict[str, Any]) -> Any:
-    """Return the type that TOML gives for the type of an option: lists for tuples, numbers within limits."""
+    """Return the type that TOML gives for the type of an option: lists for tuples, numbers within
+    limits.
+    """
     if get_origin(hint) in (types.UnionType, Union):
         return Union[tuple(_kind(part, limits) for part in get_args(hint))]  # noqa: UP007
     if get_origin(hint) is tuple:
@@ -64,13 +68,19 @@ RunTable: Any = _run_table()
 
 
 class ContactTable(Table):
-    restitution: Annotated[Literal[RESTITUTIONS], Field(description="the law of impact")] = "energetic"  # type: ignore[valid-type]
+    restitution: Annotated[
+        Literal[RESTITUTIONS],  # type: ignore[valid-type]
+        Field(description="the law of impact"),
+    ] = "energetic"
     e_n: _number(CONTACT["e_n"]) = 0.0  # type: ignore[valid-type]
 
 
-def table_model(name: str, parameters: dict[str, Number], *, required: bool, **extra: Any) -> type[BaseModel]:
+def table_model(
+    name: str, parameters: dict[str, Number], *, required: bool, **extra: Any
+) -> type[BaseModel]:
     fields: dict[str, Any] = {
-        n: (_number(p), (... if p.default is None else p.default) if required else None) for n, p in parameters.items()
+        n: (_number(p), (... if p.default is None else p.default) if required else None)
+        for n, p in parameters.items()
     }
     return create_model(name, __base__=Table, **extra, **fields)
 
@@ -99,7 +109,9 @@ def _model(system: System, laws: tuple[str, ...]) -> type[BaseModel]:
     if system.frictional:
         union: Any = None
         for name in laws:
-            table = table_model(name, system.laws[name].parameters, required=True, law=(Literal[name], ...))
+            table = table_model(
+                name, system.laws[name].parameters, required=True, law=(Literal[name], ...)
+            )
             union = table if union is None else union | table
         fields["friction"] = (Annotated[union, Field(discriminator="law")], ...)
     return create_model("Scenario", __base__=Table, **fields)

@@ -12,7 +12,9 @@ from ..mechanics.systems import laws_of
 from .law_change import law_name
 
 
-def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape: type[BaseModel]) -> str:
+def scenario_sentence(
+    error: Any, system: System, tables: dict[str, Any], shape: type[BaseModel]
+) -> str:
     """One pydantic error of a scenario as `key` must ..., but is ...."""
     laws = system.laws
     place = [p for p in error["loc"] if not (p in laws and error["loc"][0] == "friction")]
@@ -26,15 +28,24 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any], shape:
         return error_sentence(error, key, [])
     if key == "friction":
         return (
-            f"`friction` must not be given, because `{system.name}` takes no friction law: remove the table "
+            f"`friction` must not be given, because `{system.name}` takes no friction law: "
+            "remove the table "
             "(--set friction=)."
         )
-    others = [name for name, law in {**LAWS, **laws}.items() if place[0] == "friction" and place[-1] in law.parameters]
+    others = [
+        name
+        for name, law in {**LAWS, **laws}.items()
+        if place[0] == "friction" and place[-1] in law.parameters
+    ]
     belongs = f"it belongs to law = {' or '.join(map(repr, others))}" if others else ""
-    return unknown_key(key, _known(system, tables, shape, place), _all_keys(system, tables, shape), belongs)
+    return unknown_key(
+        key, _known(system, tables, shape, place), _all_keys(system, tables, shape), belongs
+    )
 
 
-def _known(system: System, tables: dict[str, Any], shape: type[BaseModel], place: list) -> list[str]:
+def _known(
+    system: System, tables: dict[str, Any], shape: type[BaseModel], place: list
+) -> list[str]:
     """The keys that a table of the scenario may have."""
     if place[0] == "friction" and len(place) > 1:
         return ["law", *system.laws[tables["friction"]["law"]].parameters]
@@ -59,9 +70,13 @@ def _all_keys(system: System, tables: dict[str, Any], shape: type[BaseModel]) ->
 
 
 def _model(shape: type[BaseModel], name: str) -> Any:
-    """The pydantic model of a table of the scenario, None where the key holds a plain value (or a choice of laws)."""
+    """The pydantic model of a table of the scenario, None where the key holds a plain value (or a
+    choice of laws).
+    """
     annotation: Any = shape.model_fields[name].annotation
-    return next((a for a in (annotation, *get_args(annotation)) if hasattr(a, "model_fields")), None)
+    return next(
+        (a for a in (annotation, *get_args(annotation)) if hasattr(a, "model_fields")), None
+    )
 
 
 def error_sentence(error: Any, key: str, known: list[str]) -> str:

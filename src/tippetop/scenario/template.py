@@ -1,4 +1,6 @@
-"""A scenario with every key that it may have: what stands in a preset, and in comments what else there is."""
+"""A scenario with every key that it may have: what stands in a preset, and in comments what else
+there is.
+"""
 
 import json
 from collections.abc import Mapping
@@ -38,10 +40,15 @@ def template(name: str) -> str:
     if name not in texts:
         known = {**dict.fromkeys(SYSTEMS), **dict.fromkeys(texts)}
         if name not in SYSTEMS:
-            raise InputError(f"a system or a preset must be named, but `{name}` is none.{suggestion(name, known)}")
+            raise InputError(
+                f"a system or a preset must be named, but `{name}` is "
+                f"none.{suggestion(name, known)}"
+            )
         of_system = [preset for preset in texts if reading.read(preset)["system"] == name]
         if not of_system:
-            raise InputError(f"{name} has no preset to begin with: tippetop help scenario lists its keys.")
+            raise InputError(
+                f"{name} has no preset to begin with: tippetop help scenario lists its keys."
+            )
         name = "inverting" if "inverting" in of_system else of_system[0]
     tables = reading.read(name)
     return "\n".join(_lines(name, tables, system_with_contact(system_of(tables), tables)))
@@ -49,7 +56,8 @@ def template(name: str) -> str:
 
 def _lines(preset: str, tables: dict[str, Any], system: System) -> list[str]:
     lines = [
-        f"# From the preset {preset}, with every key; `tippetop help scenario` and `tippetop help friction` say more.",
+        f"# From the preset {preset}, with every key; `tippetop help scenario` and `tippetop "
+        "help friction` say more.",
         '# Numbers are SI, or texts: "20 g", "5.7 deg", "1480 rpm", "2/5*m*R^2".',
         _line("system", tables["system"], f"{system.title}"),
         _line(
@@ -62,19 +70,37 @@ def _lines(preset: str, tables: dict[str, Any], system: System) -> list[str]:
     if system.frictional:
         given = tables["friction"]
         law = system.laws[given["law"]].given(given)
-        lines += ["", "[friction]", _line("law", given["law"], f"one of {', '.join(laws_of(system))}")]
+        lines += [
+            "",
+            "[friction]",
+            _line("law", given["law"], f"one of {', '.join(laws_of(system))}"),
+        ]
         lines += _keys(given, _rules(law.parameters), {})
-    flags = {a.name: "true: the centre of mass does not move sideways" for a in system.alternatives if a.flag}
+    flags = {
+        a.name: "true: the centre of mass does not move sideways"
+        for a in system.alternatives
+        if a.flag
+    }
     start = {**dict.fromkeys(system.initial, 0.0), **dict.fromkeys(flags, True)}
-    lines += _table("initial", tables.get("initial", {}), {**_rules(system.initial), **flags}, start)
+    lines += _table(
+        "initial", tables.get("initial", {}), {**_rules(system.initial), **flags}, start
+    )
     contact = {**dict(ContactTable()), **tables.get("contact", {})} if system.contact else {}
     for name, given, known in (
-        ("contact", contact, {key: f"{text}; {must}" for key, _, must, text in keys_of(ContactTable, CONTACT)}),
+        (
+            "contact",
+            contact,
+            {key: f"{text}; {must}" for key, _, must, text in keys_of(ContactTable, CONTACT)},
+        ),
         ("stem", tables.get("stem"), _rules(STEM)),
     ):
         lines += _table(name, given, known, {}) if given else []
     if system.opening and not system.contact:
-        lines += ["", "# [contact] lets it lift off, fly and land, [stem] land on its stem: tippetop help scenario."]
+        lines += [
+            "",
+            "# [contact] lets it lift off, fly and land, [stem] land on its stem: tippetop help "
+            "scenario.",
+        ]
     examples: dict[str, Any] = {"events": [event.name for event in system.events]}
     for name, option in OPTIONS.items():
         example = option.metadata["example"]
@@ -88,15 +114,20 @@ def _lines(preset: str, tables: dict[str, Any], system: System) -> list[str]:
 
 def _rules(parameters: Mapping[str, Number]) -> dict[str, str]:
     return {
-        name: f"{p.long_name} [{p.unit.symbol}]; {p.must().removeprefix('must be ')}" for name, p in parameters.items()
+        name: f"{p.long_name} [{p.unit.symbol}]; {p.must().removeprefix('must be ')}"
+        for name, p in parameters.items()
     }
 
 
-def _table(name: str, given: Mapping[str, Any], known: Mapping[str, str], examples: Mapping[str, Any]) -> list[str]:
+def _table(
+    name: str, given: Mapping[str, Any], known: Mapping[str, str], examples: Mapping[str, Any]
+) -> list[str]:
     return ["", f"[{name}]", *_keys(given, known, examples)]
 
 
-def _keys(given: Mapping[str, Any], known: Mapping[str, str], examples: Mapping[str, Any]) -> list[str]:
+def _keys(
+    given: Mapping[str, Any], known: Mapping[str, str], examples: Mapping[str, Any]
+) -> list[str]:
     """What is given, and in comments, by examples, what is not."""
     return [
         _line(key, given[key], text) if key in given else _line(f"# {key}", examples[key], text)

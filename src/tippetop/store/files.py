@@ -1,7 +1,8 @@
 """Files and folders that appear whole or not at all.
 
-No link is followed where something is written: scratch names cannot be guessed and are made exclusively, and what takes
-its place does so by a rename, which replaces a link rather than what it points to.
+No link is followed where something is written: scratch names cannot be guessed and are made
+exclusively, and what takes its place does so by a rename, which replaces a link rather than what it
+points to.
 """
 
 import contextlib
@@ -23,7 +24,9 @@ from .ledger import Ledger, is_ledger
 
 @contextlib.contextmanager
 def writing(path: str | Path, remedy: str = "") -> Iterator[None]:
-    """A block in which what goes wrong with the disk becomes a StoreError about `path`, followed by the remedy."""
+    """A block in which what goes wrong with the disk becomes a StoreError about `path`, followed by
+    the remedy.
+    """
     try:
         yield
     except StoreError:
@@ -35,8 +38,8 @@ def writing(path: str | Path, remedy: str = "") -> Iterator[None]:
 
 @contextlib.contextmanager
 def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
-    """Gives an empty scratch file near `path`, which becomes `path` when the block ends well, on the disk itself, and
-    vanishes when not.
+    """Gives an empty scratch file near `path`, which becomes `path` when the block ends well, on
+    the disk itself, and vanishes when not.
 
     Raises
     ------
@@ -55,7 +58,9 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
         if not overwrite:
             raise _exists(path)
         if not path.is_symlink() and not path.is_file():
-            raise StoreError(f"`{path}` must be a file to be overwritten, but is a device, a pipe or a socket.")
+            raise StoreError(
+                f"`{path}` must be a file to be overwritten, but is a device, a pipe or a socket."
+            )
     with _scratch_folder(path) as folder:
         scratch = folder / path.name
         os.close(os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
@@ -69,20 +74,25 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
 
 
 def refuse_inside(path: Path) -> None:
-    """Raises StoreError if a path that a user names lies in a store: what is added there, or replaced, damages it."""
+    """Raises StoreError if a path that a user names lies in a store: what is added there, or
+    replaced, damages it.
+    """
     for place in (Path(os.path.abspath(path)), Path(os.path.realpath(path))):
         for folder in place.parents:
             if os.path.lexists(folder / "zarr.json"):
                 raise StoreError(
-                    f"`{path}` must lie outside of every store, but `{folder}` is one: it would be damaged."
+                    f"`{path}` must lie outside of every store, but `{folder}` is one: it would "
+                    "be damaged."
                 )
 
 
 @contextlib.contextmanager
 def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Gives an empty scratch folder beside `path`, which becomes `path` when the block ends well and vanishes when not.
+    """Gives an empty scratch folder beside `path`, which becomes `path` when the block ends well
+    and vanishes when not.
 
-    What is there already is a store whose lock is taken first: it is moved aside whole, and goes at last.
+    What is there already is a store whose lock is taken first: it is moved aside whole, and goes at
+    last.
 
     Raises
     ------
@@ -123,12 +133,16 @@ def lock_of(path: Path) -> contextlib.AbstractContextManager[Ledger | None]:
 
 @contextlib.contextmanager
 def _scratch_folder(path: Path) -> Iterator[Path]:
-    """An empty folder beside `path`, held until the block ends, when it goes with all that is in it. Raises OSError."""
+    """An empty folder beside `path`, held until the block ends, when it goes with all that is in
+    it. Raises OSError.
+    """
     while True:
         scratch = scratch_name(path)
         scratch.mkdir()
         try:
-            descriptor = _held(scratch)  # until it is gone or this process is: a killed writer leaves it free
+            descriptor = _held(
+                scratch
+            )  # until it is gone or this process is: a killed writer leaves it free
             break
         except (FileNotFoundError, BlockingIOError):  # in between another process took it for stale
             continue
@@ -140,7 +154,10 @@ def _scratch_folder(path: Path) -> Iterator[Path]:
 
 
 def _held(folder: Path) -> int:
-    """A descriptor that locks a folder itself until it is closed or the process ends. Raises OSError: it is held."""
+    """A descriptor that locks a folder itself until it is closed or the process ends.
+
+    Raises OSError: it is held.
+    """
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -151,23 +168,30 @@ def _held(folder: Path) -> int:
 
 
 def put_back(path: Path) -> None:
-    """Put back a store that a killed writer moved aside, and warn; remove it if its successor took its place."""
+    """Put back a store that a killed writer moved aside, and warn; remove it if its successor took
+    its place.
+    """
     old = _name_aside(path)
     if not old.exists():
         return
     if path.exists():
         _removed(old)
         return
-    with contextlib.suppress(OSError, StoreError), lock_of(old):  # the lock is held while a writer is at work
+    with (
+        contextlib.suppress(OSError, StoreError),
+        lock_of(old),
+    ):  # the lock is held while a writer is at work
         old.rename(path)
         synced(path.parent)
         warnings.warn(f"`{path}` is put back: a killed run had not replaced it yet.", stacklevel=2)
 
 
 def remove_stale(path: Path) -> None:
-    """Removes the scratch folders that killed writers of `path` left beside it, and warns, naming them.
+    """Removes the scratch folders that killed writers of `path` left beside it, and warns, naming
+    them.
 
-    Only what is ours beyond doubt: a folder of this user whose name `scratch_name` made, and which no process holds.
+    Only what is ours beyond doubt: a folder of this user whose name `scratch_name` made, and which
+    no process holds.
     """
     pattern = re.compile(re.escape(f".{path.name}.part-") + "[0-9a-f]{32}")
     with contextlib.suppress(OSError):
@@ -193,7 +217,10 @@ def _removed(old: Path) -> bool:
 
 
 def rename_new(scratch: Path, path: Path) -> None:
-    """Renames a folder to a name that nothing but an empty folder may have. Raises StoreError, OSError."""
+    """Renames a folder to a name that nothing but an empty folder may have.
+
+    Raises StoreError, OSError.
+    """
     try:
         scratch.rename(path)
     except OSError as error:
@@ -236,7 +263,9 @@ def scratch_name(path: Path) -> Path:
 
 def synced(path: Path) -> None:
     """Waits until the disk itself has a file, or what a folder says of its files."""
-    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)  # not to wait where a pipe came to be
+    descriptor = os.open(
+        path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC
+    )  # not to wait where a pipe came to be
     try:
         os.fsync(descriptor)
     except OSError as error:
@@ -254,12 +283,17 @@ def own_folder(path: str | Path) -> Path:
 
 
 def refuse_links(folder: Path) -> None:
-    """Raises StoreError if anything inside a folder is neither a folder nor a plain file: zarr, which writes there,
-    would follow a link out of it. For who opens a store to write in it, whoever made the store."""
+    """Raises StoreError if anything inside a folder is neither a folder nor a plain file: zarr,
+    which writes there, would follow a link out of it. For who opens a store to write in it, whoever
+    made the store.
+    """
     with os.scandir(folder) as entries:
         for entry in entries:
             if entry.is_dir(follow_symlinks=False):
                 refuse_links(Path(entry.path))
             elif not entry.is_file(follow_symlinks=False):
                 kind = "a link" if entry.is_symlink() else "no plain file"
-                raise StoreError(f"`{entry.path}` is {kind}: in a store, such a thing is neither followed nor written.")
+                raise StoreError(
+                    f"`{entry.path}` is {kind}: in a store, such a thing is neither followed "
+                    "nor written."
+                )

@@ -1,7 +1,8 @@
 """A folder on disk as a store writes it: every path is relative to one descriptor of the folder.
 
-So nothing is ever written into another folder that took its place. Files that no acknowledged record depends on yet are
-written without waiting for the disk; `sync` then waits for all of them together.
+So nothing is ever written into another folder that took its place. Files that no acknowledged
+record depends on yet are written without waiting for the disk; `sync` then waits for all of them
+together.
 """
 
 import contextlib
@@ -15,14 +16,17 @@ from pathlib import Path
 
 
 NEW = ".new"  # ends the name of a file that is being written
-READ = os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK  # not to wait for the writer of a pipe
+READ = (
+    os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC | os.O_NONBLOCK
+)  # not to wait for the writer of a pipe
 WRITE = os.O_WRONLY | os.O_NOFOLLOW | os.O_CLOEXEC
 
 
 class Folder:
     """An open folder. Every operation raises OSError."""
 
-    threads = 16  # files that are synced together share a commit of the journal: 84 take 12 ms instead of 187
+    # files that are synced together share a commit of the journal: 84 take 12 ms instead of 187
+    threads = 16
 
     def __init__(self, path: str | Path):
         self.descriptor = os.open(path, READ | os.O_DIRECTORY)
@@ -36,7 +40,10 @@ class Folder:
         self.unsynced.add(name.rpartition("/")[0])  # who made it before may not have synced it
 
     def write(self, name: str, data: bytes, *, derived: bool = False) -> None:
-        """Write a file, whole or not at all. What is `derived` can be made again, and is not synced."""
+        """Write a file, whole or not at all.
+
+        What is `derived` can be made again, and is not synced.
+        """
         self.put(name + NEW, data)
         self.rename(name + NEW, name)
         self.unsynced |= set() if derived else {name, name.rpartition("/")[0]}
@@ -92,7 +99,10 @@ class Folder:
             os.close(descriptor)
 
     def lock(self, name: str) -> int:
-        """Lock a file until the descriptor that is returned is closed, or the process ends. Raises BlockingIOError."""
+        """Lock a file until the descriptor that is returned is closed, or the process ends.
+
+        Raises BlockingIOError.
+        """
         descriptor = os.open(name, READ | os.O_RDWR, dir_fd=self.descriptor)
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

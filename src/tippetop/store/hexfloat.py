@@ -1,4 +1,6 @@
-"""Numbers as JSON keeps them without losing a bit: hexadecimal floats, wider ones as a sum of several."""
+"""Numbers as JSON keeps them without losing a bit: hexadecimal floats, wider ones as a sum of
+several.
+"""
 
 from typing import Any
 

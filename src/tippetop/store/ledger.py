@@ -1,4 +1,5 @@
-"""What is acknowledged in a store: an append-only file of records, each with a digest of itself and of the one before.
+"""What is acknowledged in a store: an append-only file of records, each with a digest of itself and
+of the one before.
 
 The first record is the header: the attributes of the store, the documents of its groups and
 arrays, and which arrays make a table. Every further record acknowledges chunks, and a tail: the
@@ -33,7 +34,9 @@ from .zarr3 import CHECKSUM, DOCUMENT
 LEDGER = "ledger.jsonl"
 TAIL = "tail-"
 DIGITS = 16  # hexadecimal, of a digest
-PATH = re.compile(r"[^./\0][^/\0]*(/[^./\0][^/\0]*)?")  # of a group or an array: of nothing outside the store
+PATH = re.compile(
+    r"[^./\0][^/\0]*(/[^./\0][^/\0]*)?"
+)  # of a group or an array: of nothing outside the store
 CHUNK = re.compile(r"\d+(\.\d+)*")
 WHOLE = "tippetop resume, or the command that wrote it, completes it"
 
@@ -49,11 +52,15 @@ class Acknowledged:
     header: dict[str, Any]
     attributes: dict[str, Any]  # of the root group
     chunks: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> mark
-    failed: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> why it could not be computed
+    failed: dict[str, str] = field(
+        default_factory=dict
+    )  # TABLE/INDEX -> why it could not be computed
     rows: dict[str, int] = field(default_factory=dict)  # of the tables that grow
     tail: list[str] = field(default_factory=list)  # name and mark
     end: Any = None  # where a finished run can be continued
-    changed: dict[str, Any] = field(default_factory=dict)  # attributes that the header has otherwise
+    changed: dict[str, Any] = field(
+        default_factory=dict
+    )  # attributes that the header has otherwise
     writer: str = "another process"
     closing: bool = False  # whether all is acknowledged
     seal: bool = False  # and the ledger has its last form
@@ -70,7 +77,9 @@ class Acknowledged:
         """Add one record."""
         self.chunks |= record.get("chunks", {})
         self.failed |= record.get("failed", {})
-        self.failed = {key: sentence for key, sentence in self.failed.items() if key not in self.chunks}
+        self.failed = {
+            key: sentence for key, sentence in self.failed.items() if key not in self.chunks
+        }
         self.changed = ({} if "closing" in record else self.changed) | record.get("changed", {})
         self.attributes = self.header["attributes"] | self.changed
         for name in ("rows", "tail", "end", "writer", "closing"):
@@ -82,7 +91,9 @@ class Acknowledged:
         return {name: value for name in names if (value := getattr(self, name))}
 
     def documents(self) -> dict[str, dict[str, Any]]:
-        """Return the document of every array and group by its path; that of the root last, its path empty."""
+        """Return the document of every array and group by its path; that of the root last, its path
+        empty.
+        """
         members = {path: dict(document) for path, document in self.header["members"].items()}
         for table, rows in self.rows.items():
             for path in self.header["tables"][table]:
@@ -90,21 +101,30 @@ class Acknowledged:
         return {**members, "": zarr3.group(self.attributes, members)}
 
     def unsealed(self, rows_of: dict[str, int]) -> Iterator[str]:
-        """Yield the chunks of so many rows that only the tail acknowledges; what is in their files is derived."""
+        """Yield the chunks of so many rows that only the tail acknowledges; what is in their files
+        is derived.
+        """
         for table, rows in rows_of.items():
             grid = self.header["members"][self.header["tables"][table][0]]["chunk_grid"]
-            keys = (f"{table}/{k}" for k in range(-(-rows // grid["configuration"]["chunk_shape"][0])))
+            keys = (
+                f"{table}/{k}" for k in range(-(-rows // grid["configuration"]["chunk_shape"][0]))
+            )
             yield from (key for key in keys if key not in self.chunks)
 
     def files(self, key: str) -> list[str]:
         """Return the names of the files of a chunk."""
         table, _, index = key.partition("/")
         members, place = self.header["members"], list(map(int, index.split(".")))
-        return [f"{path}/{zarr3.chunk_name(members[path], *place)}" for path in self.header["tables"][table]]
+        return [
+            f"{path}/{zarr3.chunk_name(members[path], *place)}"
+            for path in self.header["tables"][table]
+        ]
 
 
 def mark(tips: Mapping[str, tuple[int, bytes]]) -> str:
-    """Return the mark of a chunk: a digest of name, size and last bytes of its files, which are their checksums."""
+    """Return the mark of a chunk: a digest of name, size and last bytes of its files, which are
+    their checksums.
+    """
     whole = hashlib.sha256()
     for name, (size, tip) in sorted(tips.items()):
         whole.update(f"{name} {size} {tip.hex()}\n".encode())
@@ -137,7 +157,10 @@ def _lines(records: list[dict[str, Any]]) -> tuple[str, bytes]:
 
 
 def records_of(raw: bytes) -> list[dict[str, Any]]:
-    """Return the records of a ledger. A last line that is not whole was never acknowledged. Raises Damaged."""
+    """Return the records of a ledger.
+
+    A last line that is not whole was never acknowledged. Raises Damaged.
+    """
     records: list[dict[str, Any]] = []
     before, lines = "", raw.split(b"\n")
     for number, line in enumerate(lines[:-1], 1):
@@ -155,14 +178,18 @@ def records_of(raw: bytes) -> list[dict[str, Any]]:
         raise Damaged(f"its format is {header.get('format')}: use the release that wrote it")
     keys = (key for record in records for key in record.get("chunks", {}))
     if not all(map(PATH.fullmatch, header["members"])) or any(
-        key.partition("/")[0] not in header["tables"] or not CHUNK.fullmatch(key.partition("/")[2]) for key in keys
+        key.partition("/")[0] not in header["tables"] or not CHUNK.fullmatch(key.partition("/")[2])
+        for key in keys
     ):
         raise Damaged(f"`{LEDGER}` names what cannot be in a store")
     return records
 
 
 def acknowledged(raw: bytes) -> Acknowledged:
-    """Return what the bytes of a ledger acknowledge. Raises Damaged, and what records of another form raise."""
+    """Return what the bytes of a ledger acknowledge.
+
+    Raises Damaged, and what records of another form raise.
+    """
     state = Acknowledged.of(records_of(raw))
     state.documents()
     for key in [*state.chunks, *itertools.islice(state.unsealed(state.rows), 1)]:
@@ -170,7 +197,9 @@ def acknowledged(raw: bytes) -> Acknowledged:
     return state
 
 
-def header(attributes: dict[str, Any], members: dict[str, Any], tables: dict[str, list[str]]) -> dict[str, Any]:
+def header(
+    attributes: dict[str, Any], members: dict[str, Any], tables: dict[str, list[str]]
+) -> dict[str, Any]:
     """Return the header of a new store.
 
     Parameters
@@ -182,30 +211,39 @@ def header(attributes: dict[str, Any], members: dict[str, Any], tables: dict[str
     tables
         Table -> the paths of the arrays whose chunks are written together.
     """
-    return {"format": FORMAT_VERSION, "attributes": attributes, "members": members, "tables": tables}
+    return {
+        "format": FORMAT_VERSION,
+        "attributes": attributes,
+        "members": members,
+        "tables": tables,
+    }
 
 
 class Ledger:
     """The ledger of a store that is being written, locked. A context that releases the lock.
 
-    Where an operation of the disk failed, nothing more is written: a page that could not be synced may look written and
-    be lost.
+    Where an operation of the disk failed, nothing more is written: a page that could not be synced
+    may look written and be lost.
     """
 
     def __init__(self, folder: Folder, path: Path):
         self.folder, self.path = folder, path
         self.state: Acknowledged
-        self.pending: dict[str, dict[str, tuple[int, bytes]]] = {}  # chunks that the next commit acknowledges
+        self.pending: dict[
+            str, dict[str, tuple[int, bytes]]
+        ] = {}  # chunks that the next commit acknowledges
         self.broken: OSError | None = None
         self.laid_out = False  # whether all folders were made
         self.held: int | None = None
 
     @classmethod
-    def created(cls, path: Path, head: dict[str, Any], folder: Folder | None = None, *, bare: bool = False) -> "Ledger":
+    def created(
+        cls, path: Path, head: dict[str, Any], folder: Folder | None = None, *, bare: bool = False
+    ) -> "Ledger":
         """Make the store of a header in an empty folder. Raises OSError.
 
-        One that is `bare` has its root document only, which contains all others, until rows are acknowledged: a short
-        run takes less time so.
+        One that is `bare` has its root document only, which contains all others, until rows are
+        acknowledged: a short run takes less time so.
         """
         self = cls(folder or Folder(path), path)
         self.state = Acknowledged.of([json.loads(json.dumps(head))])
@@ -226,7 +264,8 @@ class Ledger:
 
     @classmethod
     def opened(cls, path: Path, folder: Folder | None = None) -> "Ledger":
-        """Open a store to write it, as its ledger acknowledges it; one that was being finished is finished.
+        """Open a store to write it, as its ledger acknowledges it; one that was being finished is
+        finished.
 
         Raises
         ------
@@ -242,7 +281,9 @@ class Ledger:
                 self.state = acknowledged(raw := self.folder.read(LEDGER))
             records = records_of(raw)
             self.before, whole = _lines(records)
-            if whole != raw:  # after the last record: the beginning of one that was never acknowledged
+            if (
+                whole != raw
+            ):  # after the last record: the beginning of one that was never acknowledged
                 self._replace(records)
             self._lay_out()
             if not self.state.seal:
@@ -266,7 +307,9 @@ class Ledger:
             except BlockingIOError:
                 with sound(self.path):
                     writer = acknowledged(self.folder.read(LEDGER)).writer
-                raise StoreError(f"`{self.path}` must have one writer, but {writer} is writing it.") from None
+                raise StoreError(
+                    f"`{self.path}` must have one writer, but {writer} is writing it."
+                ) from None
 
     def in_place(self) -> bool:
         """Return whether the folder that is locked is still in its place."""
@@ -276,7 +319,8 @@ class Ledger:
         """Raise StoreError if the folder is no longer in its place."""
         if not self.in_place():
             raise StoreError(
-                f"`{self.path}` must stay in its place while it is written, but was moved, removed or replaced: "
+                f"`{self.path}` must stay in its place while it is written, but was moved, "
+                "removed or replaced: "
                 "what was there is gone from here, and nothing more is written."
             )
 
@@ -304,7 +348,9 @@ class Ledger:
             raise
 
     def _lay_out(self) -> None:
-        """Make folders and documents; a power failure may undo them until something in them is acknowledged."""
+        """Make folders and documents; a power failure may undo them until something in them is
+        acknowledged.
+        """
         self._make_folders()
         self._describe(self.state, derived=True)
 
@@ -322,7 +368,9 @@ class Ledger:
                 self.folder.unsynced |= {name, path}
 
     def _replace(self, records: list[dict[str, Any]]) -> None:
-        """Give the ledger these records, in one step; the new file is locked before it has its name."""
+        """Give the ledger these records, in one step; the new file is locked before it has its
+        name.
+        """
         self.before, whole = _lines(records)
         self.folder.put(LEDGER + NEW, whole)
         self.folder.sync_one(LEDGER + NEW)
@@ -337,7 +385,9 @@ class Ledger:
         self.folder.sync_one("")
 
     def _compact(self) -> None:
-        """Replace the ledger by what it acknowledges: what another process appended may not be on the disk yet."""
+        """Replace the ledger by what it acknowledges: what another process appended may not be on
+        the disk yet.
+        """
         state = self.state
         state.failed, state.writer = {}, f"process {os.getpid()} on {os.uname().nodename}"
         self._replace([state.header, state.record("chunks", "rows", "tail", "changed", "writer")])
@@ -350,7 +400,9 @@ class Ledger:
             for name in self.folder.names(place):
                 path = f"{place}/{name}".lstrip("/")
                 tail = place == "" and name.startswith(TAIL) and name not in kept
-                chunk = name.startswith("c.") and "shape" in self.state.header["members"].get(place, {})
+                chunk = name.startswith("c.") and "shape" in self.state.header["members"].get(
+                    place, {}
+                )
                 if tail or name.endswith(NEW) or (chunk and path not in chunks):
                     self.folder.remove(path)
                     removed = removed or not place
@@ -364,7 +416,9 @@ class Ledger:
         self._seal()
 
     def put(self, key: str, values: Mapping[str, np.ndarray]) -> None:
-        """Write a chunk, from the values of its columns by name; the next commit acknowledges it."""
+        """Write a chunk, from the values of its columns by name; the next commit
+        acknowledges it.
+        """
         members, files = self.state.header["members"], {}
         for name in self.state.files(key):
             path = name.rpartition("/")[0]
@@ -376,7 +430,9 @@ class Ledger:
             self.pending[key] = {name: tip(data) for name, data in files.items()}
 
     def commit(self, tail: bytes | None = None, **record: Any) -> None:
-        """Acknowledge the chunks that were put, with a tail if there is one: data first, then the record."""
+        """Acknowledge the chunks that were put, with a tail if there is one: data first, then the
+        record.
+        """
         with self._whole():
             old = self.state.tail[:1]
             if tail is not None:
@@ -398,7 +454,9 @@ class Ledger:
                     self.folder.remove(name)
 
     def derive(self, files: Mapping[str, bytes]) -> None:
-        """Write copies of rows that a tail acknowledges, and the documents that describe them, for other readers."""
+        """Write copies of rows that a tail acknowledges, and the documents that describe them, for
+        other readers.
+        """
         with self._whole():
             self._make_folders()
             for name, data in files.items():
@@ -406,7 +464,10 @@ class Ledger:
             self._describe(self.state, derived=True)
 
     def finish(self, changed: dict[str, Any], **record: Any) -> None:
-        """Acknowledge that all is there; `changed` are the last attributes. From then on the store is finished."""
+        """Acknowledge that all is there; `changed` are the last attributes.
+
+        From then on the store is finished.
+        """
         record |= {"changed": changed, "closing": True}
         with self._whole():
             closed = dataclasses.replace(self.state)
@@ -420,15 +481,25 @@ class Ledger:
     def _seal(self) -> None:
         """Give the ledger of a store that is whole its last form."""
         state = self.state
-        state.tail, state.seal, state.chunks = [], True, dict(sorted(state.chunks.items(), key=_by_number))
-        self._replace([state.header, state.record("chunks", "rows", "end", "changed", "closing", "seal")])
+        state.tail, state.seal, state.chunks = (
+            [],
+            True,
+            dict(sorted(state.chunks.items(), key=_by_number)),
+        )
+        self._replace(
+            [state.header, state.record("chunks", "rows", "end", "changed", "closing", "seal")]
+        )
         self._tidy()
 
     def forget(self, keys: list[str]) -> None:
-        """Continue without some chunks, and without the end of a finished store: they are to be written again."""
+        """Continue without some chunks, and without the end of a finished store: they are to be
+        written again.
+        """
         self.restart(self.state.header, self.state.chunks.keys() - set(keys))
 
-    def restart(self, head: dict[str, Any], keys: Iterable[str], tail: bytes | None = None, **record: Any) -> None:
+    def restart(
+        self, head: dict[str, Any], keys: Iterable[str], tail: bytes | None = None, **record: Any
+    ) -> None:
         """Continue from some of the chunks, with another header and tail, in one step."""
         with self._whole():
             if tail is not None:
@@ -436,14 +507,18 @@ class Ledger:
                 self.folder.write(record["tail"][0], tail)
                 self.folder.sync()
             chunks = {key: self.state.chunks[key] for key in keys}
-            self.state = Acknowledged.of([json.loads(json.dumps(head)), {"chunks": chunks, **record}])
+            self.state = Acknowledged.of(
+                [json.loads(json.dumps(head)), {"chunks": chunks, **record}]
+            )
             self._compact()
             self.laid_out = False
             self._lay_out()
             self._tidy()
 
     def unsound(self) -> list[str]:
-        """Return the acknowledged chunks whose files are missing, damaged or others; every byte is read."""
+        """Return the acknowledged chunks whose files are missing, damaged or others; every byte is
+        read.
+        """
         return [key for key, marked in self.state.chunks.items() if not self._sound(key, marked)]
 
     def _sound(self, key: str, marked: str) -> bool:
@@ -477,8 +552,8 @@ def _by_number(item: tuple[str, str]) -> tuple[str, list[int]]:
 def read(path: Path, *, chunks: bool = True) -> Acknowledged:
     """Return what the ledger of a store acknowledges, once the store is found to be that.
 
-    Size and last bytes of every chunk are compared, and the content of every document; a changed byte within a chunk is
-    found when its numbers are read.
+    Size and last bytes of every chunk are compared, and the content of every document; a changed
+    byte within a chunk is found when its numbers are read.
 
     Parameters
     ----------
@@ -499,7 +574,9 @@ def read(path: Path, *, chunks: bool = True) -> Acknowledged:
             if chunks:
                 _compare(folder, state)
         except OSError as error:
-            raise StoreError(f"`{path}` must be readable, but: {error.strerror or error}.") from None
+            raise StoreError(
+                f"`{path}` must be readable, but: {error.strerror or error}."
+            ) from None
     return state
 
 
@@ -523,7 +600,9 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
         if data != zarr3.dump(document):
             stored = {} if state.seal else _of_before(data, document)
             if not stored:
-                raise Damaged(f"`{name}` is not what its ledger says" + ("" if state.seal else f": {WHOLE}"))
+                raise Damaged(
+                    f"`{name}` is not what its ledger says" + ("" if state.seal else f": {WHOLE}")
+                )
             document = stored
         rows[member] = document.get("shape", [0])[0]
     for group in {path.partition("/")[0] for path in state.header["members"]}:
@@ -532,7 +611,9 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
             known = path in state.header["members"] or name.isdigit() or name[0] == "."  # runs
             if not known and _found(folder.tip, f"{path}/{DOCUMENT}"):
                 raise Damaged(f"`{path}` is not in its ledger")
-    for key in state.unsealed({table: rows[state.header["tables"][table][0]] for table in state.rows}):
+    for key in state.unsealed(
+        {table: rows[state.header["tables"][table][0]] for table in state.rows}
+    ):
         if missing := [name for name in state.files(key) if not _found(folder.tip, name)]:
             raise Damaged(f"`{missing[0]}` is missing: {WHOLE}")
     for key, marked in state.chunks.items():
@@ -544,7 +625,9 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
 
 
 def _of_before(data: bytes | None, document: dict[str, Any]) -> dict[str, Any]:
-    """Return a document of an unfinished store as it was at an earlier commit; empty if it cannot be that."""
+    """Return a document of an unfinished store as it was at an earlier commit; empty if it cannot
+    be that.
+    """
     try:
         stored = json.loads(data or b"{}")
         wanted = json.loads(zarr3.dump(document))

@@ -46,7 +46,8 @@ def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
         return ledger.read(place, chunks=whole).attributes
     if _is_preview(place):
         raise StoreError(
-            f"`{path}` was written by a preview of tippetop (format 1): make it again, or read its numbers "
+            f"`{path}` was written by a preview of tippetop (format 1): make it again, or read "
+            "its numbers "
             "with xarray.open_zarr."
         )
     raise StoreError(f"`{path}` {_no_store(place)}.")
@@ -66,7 +67,10 @@ def refuse_foreign(path: Path) -> None:
 def _is_preview(place: Path) -> bool:
     """Whether a folder is a store from before there was a ledger."""
     try:
-        return json.loads((place / DOCUMENT).read_text(encoding="utf-8"))["attributes"]["format"] == FORMAT
+        return (
+            json.loads((place / DOCUMENT).read_text(encoding="utf-8"))["attributes"]["format"]
+            == FORMAT
+        )
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return False
 
@@ -86,8 +90,14 @@ def _no_store(place: Path) -> str:
 
 
 def has_keyframes(attrs: Mapping[str, Any]) -> bool:
-    """Whether a store with these root attributes is that of a run with keyframes; the rows of a replay are none."""
-    return "content" not in attrs and attrs["run"].get("output") == "keyframes" and "replay" not in attrs
+    """Whether a store with these root attributes is that of a run with keyframes; the rows of a
+    replay are none.
+    """
+    return (
+        "content" not in attrs
+        and attrs["run"].get("output") == "keyframes"
+        and "replay" not in attrs
+    )
 
 
 def groups_of(path: str | Path) -> list[str]:
@@ -104,7 +114,8 @@ def annotate(path: str | Path, more: dict[str, Any]) -> None:
 
 
 def open_group(path: str | Path, group: str) -> "xr.Dataset":
-    """A group of a store as a labelled Dataset, read when needed; `tippetop.open` opens stores whole.
+    """A group of a store as a labelled Dataset, read when needed; `tippetop.open` opens stores
+    whole.
 
     Parameters
     ----------
@@ -143,10 +154,11 @@ def loaded(dataset: Any, path: str | Path) -> Any:
 
 @contextlib.contextmanager
 def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Gives a scratch folder beside `target`, which becomes `target` when the block ends well and vanishes when not.
+    """Gives a scratch folder beside `target`, which becomes `target` when the block ends well and
+    vanishes when not.
 
-    Raises StoreError at once if `target` exists (and is not ours to overwrite, or is being written) or cannot be
-    written; at the end if something else has come to stand there.
+    Raises StoreError at once if `target` exists (and is not ours to overwrite, or is being written)
+    or cannot be written; at the end if something else has come to stand there.
     """
     flag("overwrite", overwrite)
     target = Path(target)
@@ -154,7 +166,9 @@ def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
         files.refuse_inside(target)
     if target.exists() and not target.is_symlink():
         if not overwrite:
-            raise StoreError(f"`{target}` must not exist yet, but does: remove it, or say --overwrite.")
+            raise StoreError(
+                f"`{target}` must not exist yet, but does: remove it, or say --overwrite."
+            )
         refuse_foreign(target)  # a damaged one may be overwritten
     with files.writing(target), files.replacing_folder(target, overwrite=overwrite) as scratch:
         yield scratch

@@ -1,4 +1,6 @@
-"""A table that grows row by row: its full chunks go to the ledger, and the rows that wait go to the tail."""
+"""A table that grows row by row: its full chunks go to the ledger, and the rows that wait go to the
+tail.
+"""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -15,15 +17,20 @@ LATE = "-late"  # ends the name of the table of those columns that may change un
 class Table:
     """The rows of a table that no chunk holds yet.
 
-    Late columns are kept whole, as they may change in any row until the end; their chunks are then written.
+    Late columns are kept whole, as they may change in any row until the end; their chunks are then
+    written.
     """
 
     def __init__(self, ledger: Ledger, name: str):
         members, tables = ledger.state.header["members"], ledger.state.header["tables"]
         self.ledger, self.name = ledger, name
-        self.documents = {path: members[path] for path in [*tables[name], *tables.get(name + LATE, [])]}
+        self.documents = {
+            path: members[path] for path in [*tables[name], *tables.get(name + LATE, [])]
+        }
         self.late = set(tables.get(name + LATE, []))
-        self.chunk = self.documents[tables[name][0]]["chunk_grid"]["configuration"]["chunk_shape"][0]
+        self.chunk = self.documents[tables[name][0]]["chunk_grid"]["configuration"]["chunk_shape"][
+            0
+        ]
         self.written, self.rows = 0, 0  # rows in chunks, and of all
         self.waiting: dict[str, list[np.ndarray]] = {
             path: [np.empty((0, *document["shape"][1:]), document["data_type"])]
@@ -34,7 +41,9 @@ class Table:
         """Take rows, by the names of their columns; write every chunk that they fill."""
         for path in self.documents:
             column = values[path.rpartition("/")[2]]
-            self.waiting[path].append(np.array(column, order="C"))  # a copy: whoever made it uses its memory again
+            self.waiting[path].append(
+                np.array(column, order="C")
+            )  # a copy: whoever made it uses its memory again
         self.rows += len(column)
         while self.rows - self.written >= self.chunk:
             self._put(self.chunk)
@@ -65,7 +74,11 @@ class Table:
     def values(self, column: str) -> np.ndarray:
         """Return all rows of a column."""
         path = f"{self.name}/{column}"
-        chunks = [] if path in self.late else [self._stored(path, k) for k in range(self.written // self.chunk)]
+        chunks = (
+            []
+            if path in self.late
+            else [self._stored(path, k) for k in range(self.written // self.chunk)]
+        )
         return np.concatenate([*chunks, self._joined(path)])
 
     def _stored(self, path: str, k: int) -> np.ndarray:
@@ -73,19 +86,25 @@ class Table:
         return zarr3.decode(self.ledger.folder.read(self._file(path, k * self.chunk)), document)
 
     def cut(self, rows: int) -> None:
-        """Take the first rows of the table of a finished store: full chunks stay, the rest waits again."""
+        """Take the first rows of the table of a finished store: full chunks stay, the rest waits
+        again.
+        """
         self.rows, self.written = rows, rows // self.chunk * self.chunk
         for path in self.documents:
             first = 0 if path in self.late else self.written // self.chunk
             parts = [self._stored(path, k) for k in range(first, -(-rows // self.chunk))]
-            self.waiting[path] = [np.concatenate([*self.waiting[path], *parts])[: rows - first * self.chunk]]
+            self.waiting[path] = [
+                np.concatenate([*self.waiting[path], *parts])[: rows - first * self.chunk]
+            ]
 
     def chunks(self) -> list[str]:
         """Return the keys of the full chunks in the ledger."""
         return [f"{self.name}/{k}" for k in range(self.written // self.chunk)]
 
     def derived(self) -> dict[str, bytes]:
-        """Return the files of chunks that are not acknowledged, for readers of an unfinished store."""
+        """Return the files of chunks that are not acknowledged, for readers of an
+        unfinished store.
+        """
         return {
             self._file(path, first): zarr3.encode(part, self.documents[path])
             for path in self.documents

@@ -1,6 +1,8 @@
-"""Zarr v3 written directly: documents as zarr makes them, and chunks byte for byte as zarr encodes them.
+"""Zarr v3 written directly: documents as zarr makes them, and chunks byte for byte as zarr encodes
+them.
 
-Zarr itself takes 4 to 5 ms for each array, more than it takes to integrate a short run; so zarr is used to read only.
+Zarr itself takes 4 to 5 ms for each array, more than it takes to integrate a short run; so zarr is
+used to read only.
 """
 
 import json
@@ -27,7 +29,10 @@ def _codecs() -> tuple[Any, Any]:
 
 
 def group(attributes: dict[str, Any], members: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """Return the document of a group. A root group also contains the documents of all `members`, by path."""
+    """Return the document of a group.
+
+    A root group also contains the documents of all `members`, by path.
+    """
     inline = {"kind": "inline", "must_understand": False, "metadata": members}
     more = {"consolidated_metadata": inline} if members else {}
     return {"zarr_format": 3, "node_type": "group", "attributes": attributes, **more}
@@ -46,7 +51,8 @@ def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None
     column
         Gives dimensions, type and attributes.
     sizes
-        Dimension -> (length, length of a chunk). Any other dimension is as long as the column's values, in one chunk.
+        Dimension -> (length, length of a chunk). Any other dimension is as long as the column's
+        values, in one chunk.
     fill
         Value of elements that were not written; by default that of `fill_of`.
     """
@@ -54,16 +60,29 @@ def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None
     whole = [(n, max(n, 1)) for n in column.values.shape]
     each = [sizes.get(dim, size) for dim, size in zip(column.dims, whole, strict=True)]
     endian = {"configuration": {"endian": "little"}} if dtype.itemsize > 1 else {}
-    blosc = {"typesize": dtype.itemsize, "cname": "lz4", "clevel": 1, "shuffle": "shuffle", "blocksize": 0}
+    blosc = {
+        "typesize": dtype.itemsize,
+        "cname": "lz4",
+        "clevel": 1,
+        "shuffle": "shuffle",
+        "blocksize": 0,
+    }
     return {
         "zarr_format": 3,
         "node_type": "array",
         "shape": [length for length, _ in each],
         "data_type": dtype.name,
-        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [chunk for _, chunk in each]}},
+        "chunk_grid": {
+            "name": "regular",
+            "configuration": {"chunk_shape": [chunk for _, chunk in each]},
+        },
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
         "fill_value": fill_of(dtype) if fill is None else dtype.type(fill).item(),
-        "codecs": [{"name": "bytes", **endian}, {"name": "blosc", "configuration": blosc}, {"name": "crc32c"}],
+        "codecs": [
+            {"name": "bytes", **endian},
+            {"name": "blosc", "configuration": blosc},
+            {"name": "crc32c"},
+        ],
         "attributes": column.attrs,
         "dimension_names": list(column.dims),
         "storage_transformers": [],

@@ -1,4 +1,6 @@
-"""What a sweep varies: axes with numbers of their own form a grid, axes with a range are drawn together."""
+"""What a sweep varies: axes with numbers of their own form a grid, axes with a range are drawn
+together.
+"""
 
 from dataclasses import dataclass
 
@@ -9,7 +11,9 @@ from ..mechanics.caching import cached_property
 
 @dataclass(frozen=True)
 class Axis:
-    """A key and its numbers: `values` of an axis of the grid, or `between` (low, high) of one that is drawn."""
+    """A key and its numbers: `values` of an axis of the grid, or `between` (low, high) of one that
+    is drawn.
+    """
 
     key: str
     values: tuple[float, ...] = ()
@@ -43,7 +47,9 @@ class Sample:
 
 @dataclass(frozen=True)
 class Design:
-    """Every top of a sweep: the product of the grid's axes, the first slowest, and of the sample, which is fastest."""
+    """Every top of a sweep: the product of the grid's axes, the first slowest, and of the sample,
+    which is fastest.
+    """
 
     axes: tuple[Axis, ...]
     sample: Sample | None = None
@@ -55,7 +61,9 @@ class Design:
 
     @cached_property
     def sizes(self) -> dict[str, int]:
-        """Dimensions and their lengths, the slowest first; drawn axes share the dimension `sample`."""
+        """Dimensions and their lengths, the slowest first; drawn axes share the
+        dimension `sample`.
+        """
         sizes = {axis.key: len(axis.values) for axis in self.grid}
         return {**sizes, **({"sample": self.sample.n} if self.sample else {})}
 
@@ -72,7 +80,9 @@ class Design:
 
     def numbers(self, tops: np.ndarray) -> dict[str, np.ndarray]:
         """The numbers of some tops on every axis, by key; tops are counted from 0."""
-        places = dict(zip(self.sizes, np.unravel_index(tops, tuple(self.sizes.values())), strict=True))
+        places = dict(
+            zip(self.sizes, np.unravel_index(tops, tuple(self.sizes.values())), strict=True)
+        )
         return {
             axis.key: self._drawn[axis.key][places["sample"]]
             if axis.sampled

@@ -21,7 +21,9 @@ WRITING = 0.03  # [s] a chunk
 
 
 class _Cost(NamedTuple):
-    """Seconds a chunk, whatever is in it, a top, and of compiling; how many tops they are inferred from."""
+    """Seconds a chunk, whatever is in it, a top, and of compiling; how many tops they are inferred
+    from.
+    """
 
     chunk: float
     top: float
@@ -42,9 +44,9 @@ def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict
     Returns
     -------
     dict
-        `core_seconds` of the whole sweep on one core; `compiling`, the seconds that compiling took now, beside them:
-        what was compiled is kept on disk; `tops_measured`, from how many tops this is
-        inferred: none if all were invalid.
+        `core_seconds` of the whole sweep on one core; `compiling`, the seconds that compiling took
+        now, beside them: what was compiled is kept on disk; `tops_measured`, from how many tops
+        this is inferred: none if all were invalid.
     """
     chosen = np.unique(np.linspace(0, plan.n - 1, SOME).round().astype(int))
     of_top = (_alone if plan.base.system.is_hybrid else _in_lanes)(plan, chosen, clock)
@@ -76,14 +78,20 @@ def _in_lanes(plan: Plan, chosen: np.ndarray, clock: Callable[[], float]) -> _Co
     steps, ran = outcomes.columns["steps"], outcomes.status != Status.INVALID.code
     underway = outcomes.status == Status.FINISHED.code
     whole = np.where(underway, steps / share, steps)[ran].sum() / max(steps[ran].sum(), 1)
-    return _Cost(fixed, max(seconds - fixed, 0.0) * whole / len(chosen), first - fixed, int(ran.sum()))
+    return _Cost(
+        fixed, max(seconds - fixed, 0.0) * whole / len(chosen), first - fixed, int(ran.sum())
+    )
 
 
 def _alone(plan: Plan, chosen: np.ndarray, clock: Callable[[], float]) -> _Cost:
-    """From tops whose contact may change its phase: lanes cannot follow them, so they are run one after the other."""
+    """From tops whose contact may change its phase: lanes cannot follow them, so they are run one
+    after the other.
+    """
     seconds: list[float] = []
     compiling, begun, began = 0.0, 0, clock()
-    for top in sorted(chosen.tolist(), key=lambda top: f"{top:032b}"[::-1]):  # from all of the plan, wherever it stops
+    for top in sorted(
+        chosen.tolist(), key=lambda top: f"{top:032b}"[::-1]
+    ):  # from all of the plan, wherever it stops
         if clock() - began - compiling > BUDGET:
             break
         begun += 1

@@ -1,4 +1,6 @@
-"""The plan of a sweep: a TOML file becomes the checked numbers of many tops, or sentences that say what is wrong."""
+"""The plan of a sweep: a TOML file becomes the checked numbers of many tops, or sentences that say
+what is wrong.
+"""
 
 import math
 import operator
@@ -33,9 +35,14 @@ CHUNK_SECONDS = 1.0, 5.0  # of one core: writing a chunk takes 0.03 s, whatever 
 LEAST_CHUNKS = 64  # of a sweep that is worth cutting, so that the last chunks leave few cores idle
 MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
 FEWEST_STEPS = 30.0  # that loading a lane and checking a top are worth
-CHUNKS = 128, 65_536  # tops: four to a lane, so that few idle at the end; and what a failure may cost
+CHUNKS = (
+    128,
+    65_536,
+)  # tops: four to a lane, so that few idle at the end; and what a failure may cost
 WAYS = ("values", "linspace", "geomspace", "between")  # in which an axis gives its numbers
-SECONDS_ALONE = 0.1  # of a top whose contact may change its phase: a hop takes as long as a thousand steps
+SECONDS_ALONE = (
+    0.1  # of a top whose contact may change its phase: a hop takes as long as a thousand steps
+)
 
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must hold them
 
@@ -64,54 +71,73 @@ class _Axis(Table):
     of: Annotated[
         str,
         _described(
-            "a dotted key of parameters, friction or initial, or run.until, or a derived number: sigma, gamma, lambda"
+            "a dotted key of parameters, friction or initial, or run.until, or a derived "
+            "number: sigma, gamma, lambda"
         ),
     ]
     values: Annotated[
         Annotated[list[AnyNumber], Field(min_length=1)] | None,
         _described("the numbers of an axis of a grid; grids form a product"),
     ] = None
-    linspace: Annotated[Pair | None, _described("first and last of n numbers at equal distances, instead")] = None
-    geomspace: Annotated[Pair | None, _described("first and last of n numbers at equal ratios, instead")] = None
-    between: Annotated[Pair | None, _described("bounds of a number that is drawn, as [sample] says, instead")] = None
+    linspace: Annotated[
+        Pair | None, _described("first and last of n numbers at equal distances, instead")
+    ] = None
+    geomspace: Annotated[
+        Pair | None, _described("first and last of n numbers at equal ratios, instead")
+    ] = None
+    between: Annotated[
+        Pair | None, _described("bounds of a number that is drawn, as [sample] says, instead")
+    ] = None
     n: Annotated[Count | None, _described("how many, with linspace or geomspace")] = None
     log: Annotated[bool | None, _described("draw the logarithm evenly, with between")] = None
 
 
 class _Sample(Table):
     method: Annotated[
-        Literal["random", "sobol", "latin-hypercube"], _described("how the axes with between are drawn together")
+        Literal["random", "sobol", "latin-hypercube"],
+        _described("how the axes with between are drawn together"),
     ]
     n: Annotated[Count, _described("how many tops are drawn")]
-    seed: Annotated[int, Field(ge=0), _described("what the draw begins with: the same seed, the same tops")]
+    seed: Annotated[
+        int, Field(ge=0), _described("what the draw begins with: the same seed, the same tops")
+    ]
 
 
 class _Plan(Table):
     scenario: Annotated[
-        str | dict[str, Any], _described("the top that varies: a preset, a TOML file beside the plan, or tables")
+        str | dict[str, Any],
+        _described("the top that varies: a preset, a TOML file beside the plan, or tables"),
     ]
-    set: Annotated[dict[str, Any], _described("what is different in it: tables as in a scenario")] = Field(
-        default_factory=dict
-    )
-    axis: Annotated[list[_Axis], Field(min_length=1), _described("a number that differs from top to top")]
+    set: Annotated[
+        dict[str, Any], _described("what is different in it: tables as in a scenario")
+    ] = Field(default_factory=dict)
+    axis: Annotated[
+        list[_Axis], Field(min_length=1), _described("a number that differs from top to top")
+    ]
     sample: Annotated[_Sample | None, _described("how axes with between are drawn")] = None
     keep: Annotated[
         list[str] | None,
         _described(
-            "columns to keep; all but orientation and lyapunov. final_state, drift, orientation stand for all of theirs"
+            "columns to keep; all but orientation and lyapunov. final_state, drift, orientation "
+            "stand for all of theirs"
         ),
     ] = None
     runs: Annotated[
-        list[Annotated[int, Field(ge=0)]], _described("numbers of tops to run alone as well, with rows, into runs/N")
+        list[Annotated[int, Field(ge=0)]],
+        _described("numbers of tops to run alone as well, with rows, into runs/N"),
     ] = Field(default_factory=list)
     chunk: Annotated[
-        Count | None, _described("tops that are computed and stored together; some seconds of one core")
+        Count | None,
+        _described("tops that are computed and stored together; some seconds of one core"),
     ] = None
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A checked sweep. `document` says all of it in plain data: `from_tables(document)` is the same plan."""
+    """A checked sweep.
+
+    `document` says all of it in plain data: `from_tables(document)` is the same plan.
+    """
 
     base: Problem
     design: Design
@@ -127,11 +153,18 @@ class Plan:
     def from_tables(cls, document: dict[str, Any], folder: Path = Path()) -> "Plan":
         """The plan of plain data; files are named relative to `folder`. Raises InputError."""
         if "system" in document and not is_plan(document):
-            raise InputError(["this is a scenario, not a plan: a plan names its scenario and has tables [[axis]]."])
+            raise InputError(
+                [
+                    "this is a scenario, not a plan: a plan names its scenario and has tables "
+                    "[[axis]]."
+                ]
+            )
         try:
             shape = _Plan.model_validate(document)
         except ValidationError as error:
-            raise InputError(first_sentences(error.errors(include_url=False), scenario_sentence)) from None
+            raise InputError(
+                first_sentences(error.errors(include_url=False), scenario_sentence)
+            ) from None
         base, sentences = None, []
         try:
             base = build.problem(_base(shape, folder))
@@ -141,7 +174,9 @@ class Plan:
             shape = shape.model_copy(update={"axis": _in_si(shape.axis, base)})
         except InputError as error:
             raise InputError([*sentences, *error.sentences]) from None
-        of_axes = [s for i, axis in enumerate(shape.axis, 1) for s in _axis_faults(f"axis.{i}", axis)]
+        of_axes = [
+            s for i, axis in enumerate(shape.axis, 1) for s in _axis_faults(f"axis.{i}", axis)
+        ]
         sentences = [*of_axes, *_design_faults(shape), *sentences]
         if base is not None:
             sentences += _key_faults(base, [axis.of for axis in shape.axis])
@@ -150,7 +185,9 @@ class Plan:
             raise InputError(sentences)
         sample = Sample(**shape.sample.model_dump()) if shape.sample else None
         design = Design(tuple(_axis(axis) for axis in shape.axis), sample)
-        plain = shape.model_dump(exclude_none=True, exclude={"set"}) | {"scenario": build.resolved(base)}
+        plain = shape.model_dump(exclude_none=True, exclude={"set"}) | {
+            "scenario": build.resolved(base)
+        }
         for axis in plain["axis"]:
             if "values" in axis:
                 axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
@@ -213,8 +250,9 @@ class Plan:
 
     @cached_property
     def seconds_per_top(self) -> float:
-        """What a top takes one core, an order of magnitude from some of them: the same on every computer, as chunks are
-        made of it."""
+        """What a top takes one core, an order of magnitude from some of them: the same on every
+        computer, as chunks are made of it.
+        """
         from ..runs import cost
 
         steps = []
@@ -243,7 +281,10 @@ def _base(shape: _Plan, folder: Path) -> dict[str, Any]:
     for name, value in shape.set.items():
         old = tables.get(name)
         if isinstance(old, dict) and isinstance(value, dict):
-            tables[name] = {**(reading.without_output(old, value) if name == "run" else old), **value}
+            tables[name] = {
+                **(reading.without_output(old, value) if name == "run" else old),
+                **value,
+            }
         else:
             tables[name] = value
     numbers = [axis.of.removeprefix("friction.") for axis in shape.axis]
@@ -251,7 +292,9 @@ def _base(shape: _Plan, folder: Path) -> dict[str, Any]:
     change_law(before, tables, [*numbers, *(law if isinstance(law, dict) else ())])
     initial = tables.get("initial")
     if isinstance(initial, dict) and "from" in initial:
-        raise InputError(["`initial.from` must be the start of a single run, but many are asked for."])
+        raise InputError(
+            ["`initial.from` must be the start of a single run, but many are asked for."]
+        )
     until = shape.set["run"].get("until") if isinstance(shape.set.get("run"), dict) else None
     return build.ending(tables, until) if isinstance(until, int | float) else tables
 
@@ -266,10 +309,14 @@ def _in_si(axes: list[_Axis], base: Problem | None) -> list[_Axis]:
             for j, value in enumerate(values):
                 if isinstance(value, str):
                     try:
-                        values[j] = number_of(value, f"axis.{i}.{way}.{j}", rule.unit if rule else ONE)
+                        values[j] = number_of(
+                            value, f"axis.{i}.{way}.{j}", rule.unit if rule else ONE
+                        )
                     except InputError as error:
                         faults += error.sentences
-        read.append(axis.model_copy(update={way: values or None for way, values in numbers.items()}))
+        read.append(
+            axis.model_copy(update={way: values or None for way, values in numbers.items()})
+        )
     if faults:
         raise InputError(faults)
     return read
@@ -280,15 +327,21 @@ def _axis(axis: _Axis) -> Axis:
         return Axis(axis.of, (), (axis.between[0], axis.between[1]), bool(axis.log))
     if axis.values is not None:
         return Axis(axis.of, tuple(axis.values))
-    spread, (first, last) = (np.linspace, axis.linspace) if axis.linspace else (np.geomspace, axis.geomspace or (1, 1))
-    return Axis(axis.of, tuple(spread(first, last, axis.n or 1).tolist()), log=axis.geomspace is not None)
+    spread, (first, last) = (
+        (np.linspace, axis.linspace) if axis.linspace else (np.geomspace, axis.geomspace or (1, 1))
+    )
+    return Axis(
+        axis.of, tuple(spread(first, last, axis.n or 1).tolist()), log=axis.geomspace is not None
+    )
 
 
 def _axis_faults(name: str, axis: _Axis) -> list[str]:
     given = [way for way in WAYS if getattr(axis, way) is not None]
     sentences = []
     if len(given) != 1:
-        sentences.append(f"`{name}` must have one of {', '.join(WAYS)}, but has {' and '.join(given) or 'none'}.")
+        sentences.append(
+            f"`{name}` must have one of {', '.join(WAYS)}, but has {' and '.join(given) or 'none'}."
+        )
     spaced = {"linspace", "geomspace"} & set(given)
     if spaced and axis.n is None:
         sentences.append(f"`{name}.n` must be given beside `{name}.{min(spaced)}`, but is missing.")
@@ -297,8 +350,12 @@ def _axis_faults(name: str, axis: _Axis) -> list[str]:
     if axis.log is not None and "between" not in given:
         sentences.append(f"`{name}.log` must stand beside between, but there is none.")
     if axis.geomspace and not axis.geomspace[0] * axis.geomspace[1] > 0:
-        sentences.append(f"`{name}.geomspace` must have two ends of one sign, but has {axis.geomspace}.")
-    if axis.between and not (axis.between[0] < axis.between[1] and (not axis.log or axis.between[0] > 0)):
+        sentences.append(
+            f"`{name}.geomspace` must have two ends of one sign, but has {axis.geomspace}."
+        )
+    if axis.between and not (
+        axis.between[0] < axis.between[1] and (not axis.log or axis.between[0] > 0)
+    ):
         must = "ascend from above 0" if axis.log else "ascend"
         sentences.append(f"`{name}.between` must {must}, but is {axis.between}.")
     return sentences
@@ -311,17 +368,24 @@ def _sign_faults(base: Problem, axis: _Axis) -> list[str]:
     low, high = min(numbers), max(numbers)
     if rule is None or not (rule.nonzero and low < 0 < high):
         return []
-    return [f"`{axis.of}` must keep its sign along an axis, but goes from {low:g} to {high:g}: make a sweep of each."]
+    return [
+        f"`{axis.of}` must keep its sign along an axis, but goes from {low:g} to {high:g}: make "
+        "a sweep of each."
+    ]
 
 
 def _design_faults(shape: _Plan) -> list[str]:
     keys = [axis.of for axis in shape.axis]
     sentences = [
-        f"`{key}` must be one axis only, but is several." for key in dict.fromkeys(keys) if keys.count(key) > 1
+        f"`{key}` must be one axis only, but is several."
+        for key in dict.fromkeys(keys)
+        if keys.count(key) > 1
     ]
     sampled = any(axis.between is not None for axis in shape.axis)
     if sampled and shape.sample is None:
-        sentences.append("`sample` must say method, n and seed where an axis has `between`, but is missing.")
+        sentences.append(
+            "`sample` must say method, n and seed where an axis has `between`, but is missing."
+        )
     if shape.sample and not sampled:
         sentences.append("`sample` must have an axis with `between` to draw, but there is none.")
     if shape.sample and shape.sample.method == "sobol" and shape.sample.n & (shape.sample.n - 1):
@@ -331,7 +395,9 @@ def _design_faults(shape: _Plan) -> list[str]:
 
 def _size_faults(shape: _Plan) -> list[str]:
     """That there are more numbers or tops than can be; asked before any is made."""
-    counts = [min(axis.n or len(axis.values or [0]), 10**99) for axis in shape.axis]  # larger ones have no %g
+    counts = [
+        min(axis.n or len(axis.values or [0]), 10**99) for axis in shape.axis
+    ]  # larger ones have no %g
     sentences = [
         f"`axis` {i} must have at most {MOST_VALUES:.0e} numbers, but has {count:.3g}."
         for i, count in enumerate(counts, 1)
@@ -346,7 +412,11 @@ def _size_faults(shape: _Plan) -> list[str]:
 def _key_faults(base: Problem, keys: list[str]) -> list[str]:
     """What is wrong with varying these keys of the base."""
     plain = [key for key in keys if key not in derived.DERIVED]
-    return [*derived.faults(base, keys), *ensemble.base_faults(base), *key_faults(base, plain, derived.DERIVED)]
+    return [
+        *derived.faults(base, keys),
+        *ensemble.base_faults(base),
+        *key_faults(base, plain, derived.DERIVED),
+    ]
 
 
 def _whole_faults(plan: Plan) -> list[str]:
@@ -359,16 +429,22 @@ def _whole_faults(plan: Plan) -> list[str]:
         try:
             plan.problem(top)
         except InputError as error:
-            sentences += [f"`runs` must name tops that can be, but top {top}: {s}" for s in error.sentences]
+            sentences += [
+                f"`runs` must name tops that can be, but top {top}: {s}" for s in error.sentences
+            ]
     if plan.keep is not None:
         from .chunk import column_names
 
         known = column_names(plan.base)
         if LYAPUNOV in plan.keep and LYAPUNOV not in known:
-            sentences += [f"`keep` must not have lyapunov here: {s}" for s in derivative_faults(plan.base)]
+            sentences += [
+                f"`keep` must not have lyapunov here: {s}" for s in derivative_faults(plan.base)
+            ]
             known.append(LYAPUNOV)
         sentences += [
-            f"`keep` must be of {', '.join(known)}, but has {name!r}." for name in plan.keep if name not in known
+            f"`keep` must be of {', '.join(known)}, but has {name!r}."
+            for name in plan.keep
+            if name not in known
         ]
     return sentences
 
@@ -376,7 +452,8 @@ def _whole_faults(plan: Plan) -> list[str]:
 def scenario_sentence(error: Any) -> str:
     """One pydantic error of a plan as `key` must ..., but is ...; axes are counted from 1."""
     place = [
-        p + 1 if isinstance(p, int) and error["loc"][0] == "axis" and i == 1 else p for i, p in enumerate(error["loc"])
+        p + 1 if isinstance(p, int) and error["loc"][0] == "axis" and i == 1 else p
+        for i, p in enumerate(error["loc"])
     ]
     models: dict[Any, type[Table]] = {"axis": _Axis, "sample": _Sample}
     inner = models.get(place[0]) if len(place) > 1 else None

@@ -1,4 +1,5 @@
-"""A sweep on disk: columns with a row per top, written chunk by chunk; the ledger lists what is done.
+"""A sweep on disk: columns with a row per top, written chunk by chunk; the ledger lists what is
+done.
 
 Nothing in a finished store depends on who computed what or when: equal sweeps make equal files.
 """
@@ -31,7 +32,8 @@ FINISHED = {"status": "finished", "reason": "every top was run"}
 class SweepStore:
     """A sweep's store, open and locked. A context; when it ends nothing is being written any more.
 
-    All writing is done in one thread of its own, which no KeyboardInterrupt enters: a chunk is written whole.
+    All writing is done in one thread of its own, which no KeyboardInterrupt enters: a chunk is
+    written whole.
     """
 
     def __init__(self, plan: Plan, ledger: Ledger):
@@ -66,13 +68,19 @@ class SweepStore:
 
     def todo(self) -> list[int]:
         """Chunks that are not done."""
-        return [k for k in range(self.plan.chunks) if f"{GROUP}/{k}" not in self.ledger.state.chunks]
+        return [
+            k for k in range(self.plan.chunks) if f"{GROUP}/{k}" not in self.ledger.state.chunks
+        ]
 
     def write(self, chunk: int, rows: Rows) -> None:
         """Writes the columns of a chunk; it is done from then on."""
         tops = self.plan.tops(chunk)
         values = {**self.plan.design.numbers(tops), **self.plan.columns(tops), **rows.columns}
-        more = {"steps_by": rows.steps_by} if rows.steps_by and "steps_by" not in self.ledger.state.attributes else {}
+        more = (
+            {"steps_by": rows.steps_by}
+            if rows.steps_by and "steps_by" not in self.ledger.state.attributes
+            else {}
+        )
 
         def work() -> None:
             self.ledger.put(f"{GROUP}/{chunk}", values)
@@ -103,8 +111,11 @@ def chunk_counts(path: Path, attrs: dict[str, Any]) -> tuple[dict[str, int], dic
 
 @contextlib.contextmanager
 def opened(path: str | Path, plan: Plan) -> Iterator[SweepStore]:
-    """The store of a sweep, new or continued, for one writer. Raises StoreError: another plan, other versions, a second
-    writer, what cannot be read or written."""
+    """The store of a sweep, new or continued, for one writer.
+
+    Raises StoreError: another plan, other versions, a second writer, what cannot be read or
+    written.
+    """
     folder = files.own_folder(path)
     with contextlib.ExitStack() as held:
         with storing(folder):
@@ -124,7 +135,11 @@ def opened(path: str | Path, plan: Plan) -> Iterator[SweepStore]:
 @contextlib.contextmanager
 def storing(folder: Path) -> Iterator[None]:
     """A block in which what goes wrong with the disk becomes a StoreError."""
-    kept = "What is stored is kept: the same command continues it." if (folder / GROUP).exists() else ""
+    kept = (
+        "What is stored is kept: the same command continues it."
+        if (folder / GROUP).exists()
+        else ""
+    )
     with files.writing(folder, kept):
         yield
 
@@ -134,7 +149,9 @@ def _header(plan: Plan) -> dict[str, Any]:
     columns = {**_coordinates(plan), **chunk.column_schema(plan.base, plan.keep)}
     arrays = {f"{GROUP}/{name}": zarr3.array(column, sizes) for name, column in columns.items()}
     runs = {RUNS: zarr3.group({})} if plan.runs else {}
-    return ledger.header(_attributes(plan), {GROUP: zarr3.group({}), **arrays, **runs}, {GROUP: list(arrays)})
+    return ledger.header(
+        _attributes(plan), {GROUP: zarr3.group({}), **arrays, **runs}, {GROUP: list(arrays)}
+    )
 
 
 def _attributes(plan: Plan) -> dict[str, Any]:
@@ -163,13 +180,15 @@ def _refuse_another(folder: Path, plan: Plan) -> None:
     if stored["plan"] != wanted["plan"]:
         differ = [key for key in wanted["plan"] if stored["plan"].get(key) != wanted["plan"][key]]
         raise StoreError(
-            f"`{folder}` must be of the same plan to be continued, but differs in {', '.join(differ)}: "
+            f"`{folder}` must be of the same plan to be continued, but differs in "
+            f"{', '.join(differ)}: "
             "name another store."
         )
     for key in ("versions", "cpu", "chunk"):
         if stored[key] != wanted[key]:
             raise StoreError(
-                f"`{folder}` must be continued by the same {key}, but was begun with {stored[key]}, "
+                f"`{folder}` must be continued by the same {key}, but was begun with "
+                f"{stored[key]}, "
                 f"and here is {wanted[key]}."
             )
 

@@ -1,4 +1,6 @@
-"""What is in a sweep's store, finished or not: counts, worst drift, and what is wrong with tops and chunks."""
+"""What is in a sweep's store, finished or not: counts, worst drift, and what is wrong with tops and
+chunks.
+"""
 
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,10 @@ LABELS = {"status": "ends"}  # of counts: `status` is that of the sweep
 
 
 def open_sweep(path: str | Path) -> Any:
-    """The table of a sweep, dimension `top`, read when needed; what varies is its coordinates. Raises StoreError."""
+    """The table of a sweep, dimension `top`, read when needed; what varies is its coordinates.
+
+    Raises StoreError.
+    """
     table = root.open_group(path, GROUP)
     table.attrs["chunks"] = chunk_counts(Path(path), table.attrs)[0]
     return table.set_coords(table.attrs["coordinates"])[table.attrs["columns"]]
@@ -40,7 +45,12 @@ def gridded(table: Any) -> Any:
     import xarray as xr
 
     if not isinstance(table, xr.Dataset) or "plan" not in table.attrs:
-        raise InputError([f"`table` must be the table of a sweep, as `open` gives it, but is {type(table).__name__}."])
+        raise InputError(
+            [
+                "`table` must be the table of a sweep, as `open` gives it, but is "
+                f"{type(table).__name__}."
+            ]
+        )
     names, shape = table.attrs["dimensions"], table.attrs["shape"]
     axes = Plan.from_tables(table.attrs["plan"]).design.grid
     grid = xr.Dataset(attrs=table.attrs)
@@ -48,7 +58,9 @@ def gridded(table: Any) -> Any:
         if name not in names:
             grid[name] = (names, np.asarray(values).reshape(shape), values.attrs)
     for axis in axes:
-        grid = grid.assign_coords({axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs)})
+        grid = grid.assign_coords(
+            {axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs)}
+        )
     return grid.set_coords([name for name in table.coords if name not in names])
 
 
@@ -66,7 +78,9 @@ def report(path: str | Path) -> dict[str, Any]:
         "tops_done": int(done.sum()),
         "chunks": chunks,
         "counts": {
-            name: _counts(column(path, table, name), table[name].attrs) for name in ("status", "class") if name in table
+            name: _counts(column(path, table, name), table[name].attrs)
+            for name in ("status", "class")
+            if name in table
         },
         "drift": {
             str(name).removeprefix("drift_"): _worst(column(path, table, str(name)))
@@ -86,17 +100,35 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
     chunks, sizes = facts["chunks"], dict(zip(facts["dimensions"], facts["shape"], strict=True))
     sampled = ", ".join(axis["of"] for axis in facts["plan"]["axis"] if "between" in axis)
     result = [
-        ("status", f"{facts['status']}: {facts['tops_done']} of {facts['tops']} tops; {_text(chunks)} chunks"),
-        ("axes", " x ".join(f"{sampled if name == 'sample' else name} ({n})" for name, n in sizes.items())),
+        (
+            "status",
+            f"{facts['status']}: {facts['tops_done']} of {facts['tops']} tops; {_text(chunks)} "
+            "chunks",
+        ),
+        (
+            "axes",
+            " x ".join(
+                f"{sampled if name == 'sample' else name} ({n})" for name, n in sizes.items()
+            ),
+        ),
     ]
     result += [(LABELS.get(name, name), _text(counts)) for name, counts in facts["counts"].items()]
     if any(facts["drift"].values()):  # of a top that has ended
-        worst = (f"{k.replace('_', ' ')} {v['worst']:.1e} (top {v['top']})" for k, v in facts["drift"].items() if v)
+        worst = (
+            f"{k.replace('_', ' ')} {v['worst']:.1e} (top {v['top']})"
+            for k, v in facts["drift"].items()
+            if v
+        )
         result.append(("drift", f"{', '.join(worst)}: relative, worst of all tops"))
     if facts["runs"]:
         result.append(("runs", ", ".join(f"{RUNS}/{top}" for top in facts["runs"])))
     if "steps_by" in facts:
-        result.append(("steps by", f"{facts['steps_by']}, where the machine code of a step could not be called"))
+        result.append(
+            (
+                "steps by",
+                f"{facts['steps_by']}, where the machine code of a step could not be called",
+            )
+        )
     result += [("fault", fault) for fault in facts["faults"]]
     result += [("failed", f"chunk {k}: {sentence}") for k, sentence in facts["failed"].items()]
     base = facts["plan"]["scenario"]
@@ -119,7 +151,9 @@ def column(path: str | Path, table: Any, name: str) -> np.ndarray:
 
 def _counts(values: np.ndarray, attrs: dict[str, Any]) -> dict[str, int]:
     counts = np.bincount(values, minlength=len(attrs["flag_values"]))
-    return {name: int(n) for name, n in zip(attrs["flag_meanings"].split(), counts, strict=True) if n}
+    return {
+        name: int(n) for name, n in zip(attrs["flag_meanings"].split(), counts, strict=True) if n
+    }
 
 
 def _worst(values: np.ndarray) -> dict[str, Any] | None:

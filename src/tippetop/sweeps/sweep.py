@@ -1,4 +1,6 @@
-"""A plan becomes a store of many tops: chunk by chunk, on any number of workers, resumable, always the same bits."""
+"""A plan becomes a store of many tops: chunk by chunk, on any number of workers, resumable, always
+the same bits.
+"""
 
 import contextlib
 import os
@@ -27,7 +29,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-SMALL = 20.0  # core seconds: a process needs 6 s to compile, so less is done sooner by threads of this one
+# core seconds: a process needs 6 s to compile, so less is done sooner by threads of this one
+SMALL = 20.0
 
 
 def sweep(
@@ -39,7 +42,9 @@ def sweep(
     progress: Callable[[int, int], None] | bool = False,
     stop: threading.Event | None = None,
 ) -> "xr.Dataset":
-    """Runs every top of a plan into the store `out`, or continues it, and opens it: a row per top. In any thread.
+    """Runs every top of a plan into the store `out`, or continues it, and opens it: a row per top.
+
+    In any thread.
 
     Parameters
     ----------
@@ -48,16 +53,16 @@ def sweep(
     out
         The store to make or to continue.
     workers
-        Processes on this machine that compute. One: this process itself; by default as many as usable cores, or threads
-        of this process where little is to be done.
+        Processes on this machine that compute. One: this process itself; by default as many as
+        usable cores, or threads of this process where little is to be done.
     scheduler
         Address of a dask scheduler whose workers compute instead.
     progress
         Called as progress(done, of), which count tops; True draws a bar.
     stop
-        Set it, from a signal handler or another thread, and the sweep stops after a chunk, or before the first. An
-        exception such as KeyboardInterrupt ends it at once and costs the chunks that are being computed. Either way the
-        same call continues it.
+        Set it, from a signal handler or another thread, and the sweep stops after a chunk, or
+        before the first. An exception such as KeyboardInterrupt ends it at once and costs the
+        chunks that are being computed. Either way the same call continues it.
 
     Returns
     -------
@@ -79,10 +84,14 @@ def sweep(
     checked = plan if isinstance(plan, Plan) else Plan.from_toml(plan)
     workers = None if workers is None else whole("workers", workers)
     if scheduler is not None and not find_spec("distributed"):
-        raise InputError(["`scheduler` must find dask, but it is not installed: install tippetop[cluster]."])
+        raise InputError(
+            ["`scheduler` must find dask, but it is not installed: install tippetop[cluster]."]
+        )
     here = _known_here(checked.base)
     if here and (scheduler is not None or (workers or 1) > 1):
-        raise InputError([f"{here} must come from an installed package for workers to know it: take workers=1."])
+        raise InputError(
+            [f"{here} must come from an installed package for workers to know it: take workers=1."]
+        )
     with (
         reporting(progress, "tops") as report,
         contextlib.nullcontext() if scheduler is None else connect(scheduler) as client,
@@ -121,14 +130,18 @@ def _fill(
         raise Interrupted
     sentences = []
     tables, versions = build.resolved(plan.base), provenance.versions()
-    tasks = (Task(chunk, tables, plan.columns(plan.tops(chunk)), plan.keep, versions) for chunk in todo)
+    tasks = (
+        Task(chunk, tables, plan.columns(plan.tops(chunk)), plan.keep, versions) for chunk in todo
+    )
     here = workers is None and bool(_known_here(plan.base))
     small = here or (workers is None and len(todo) * plan.chunk * plan.seconds_per_top < SMALL)
     try:
         for task, result in _computed(tasks, workers, client, small) if todo else ():
             tops = plan.tops(task.chunk)
             if isinstance(result, str):
-                sentences.append(f"chunk {task.chunk} (tops {tops[0]} to {tops[-1]}) failed: {result}.")
+                sentences.append(
+                    f"chunk {task.chunk} (tops {tops[0]} to {tops[-1]}) failed: {result}."
+                )
                 store.fail(task.chunk, result)
             else:
                 store.write(task.chunk, result)
@@ -141,8 +154,12 @@ def _fill(
     return sentences
 
 
-def _computed(tasks: Iterator[Task], workers: int | None, client: Any, small: bool) -> Iterator[Outcome]:
-    """The chunks as they are computed: by the workers of a client, by this process, or by processes of our own."""
+def _computed(
+    tasks: Iterator[Task], workers: int | None, client: Any, small: bool
+) -> Iterator[Outcome]:
+    """The chunks as they are computed: by the workers of a client, by this process, or by processes
+    of our own.
+    """
     threads = workers or len(os.sched_getaffinity(0))
     if client is not None:
         yield from on_client(client, tasks)
@@ -159,7 +176,8 @@ def whole_run(place: Path, problem: Problem) -> None:
         resuming.opened(place).release()
     except StoreError as error:
         raise StoreError(
-            f"`{place}` is not as it was made: {error} Remove it: the same command runs that top again."
+            f"`{place}` is not as it was made: {error} Remove it: the same command runs that "
+            "top again."
         ) from None
 
 
@@ -182,4 +200,6 @@ def _refuse_another(place: Path, problem: Problem) -> None:
     scenario, attrs = root.finite(build.resolved(problem)), root.root_of(place)
     for name, value in scenario.items():
         if attrs.get(name) != value:
-            raise StoreError(f"`{place}` must be the run that the plan makes, but has another `{name}`.")
+            raise StoreError(
+                f"`{place}` must be the run that the plan makes, but has another `{name}`."
+            )

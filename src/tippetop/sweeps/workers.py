@@ -53,7 +53,10 @@ def connect(scheduler: str) -> Iterator[Any]:
         client = Client(scheduler, timeout=CONNECT_FOR, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:  # TimeoutError is an OSError
         raise InputError(
-            [f"`scheduler` must be the address of a running dask scheduler, but `{scheduler}`: {error}."]
+            [
+                "`scheduler` must be the address of a running dask scheduler, but "
+                f"`{scheduler}`: {error}."
+            ]
         ) from None
     with client:
         yield client
@@ -62,8 +65,8 @@ def connect(scheduler: str) -> Iterator[Any]:
 def in_processes(tasks: Iterator[Task], count: int) -> Iterator[Outcome]:
     """Compute in processes of this machine, one thread each.
 
-    A process that dies breaks the pool: the chunks in flight are computed in a new pool, each alone, once
-    all others are computed. So a chunk that kills its process takes no other with it.
+    A process that dies breaks the pool: the chunks in flight are computed in a new pool, each
+    alone, once all others are computed. So a chunk that kills its process takes no other with it.
 
     Raises InputError if a process cannot start.
     """
@@ -148,8 +151,9 @@ def _begin(alive: Connection) -> None:
 def on_client(client: Any, tasks: Iterator[Task]) -> Iterator[Outcome]:
     """Computes on the workers of a dask client. Raises SchedulerLost.
 
-    dask gives the chunk of a dead worker to another, but blames all chunks that the worker held: those that it gives up
-    are tried once more, each alone, so that a chunk that kills its workers takes no other with it.
+    dask gives the chunk of a dead worker to another, but blames all chunks that the worker held:
+    those that it gives up are tried once more, each alone, so that a chunk that kills its workers
+    takes no other with it.
     """
     from distributed import CancelledError
 
@@ -186,7 +190,10 @@ def _flow(client: Any, tasks: Iterator[Task]) -> Iterator[tuple[Task, Any, bool]
 
     send()
     for future in completed:
-        if future.status in ("pending", "lost"):  # its worker died with the result, and another computes it again
+        if future.status in (
+            "pending",
+            "lost",
+        ):  # its worker died with the result, and another computes it again
             completed.add(future)
             continue
         if future.status == "cancelled":

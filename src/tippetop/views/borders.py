@@ -1,4 +1,6 @@
-"""Thresholds as lines over the map of a page: where they run, for each choice of the further axes."""
+"""Thresholds as lines over the map of a page: where they run, for each choice of the
+further axes.
+"""
 
 import itertools
 from typing import Any
@@ -31,14 +33,19 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
     Returns
     -------
     dict
-        `labels` of the thresholds, and for each choice of the further axes, the last fastest, `lines`: numbers x, y, x,
-        y ... for each label, NaN between two lines; y is -inf and inf where there is one axis.
+        `labels` of the thresholds, and for each choice of the further axes, the last fastest,
+        `lines`: numbers x, y, x, y ... for each label, NaN between two lines; y is -inf and inf
+        where there is one axis.
     """
     plane = [axis for axis in axes[:2] if axis.sampled or len(set(axis.values)) > 1]
     rest = [axis for axis in axes if axis not in plane]
     choices = [np.unique([v for v in axis.values if np.isfinite(v)]) for axis in axes[2:]]
     nothing: dict[str, Any] = {"labels": [], "lines": []}
-    if not plane or any(axis.sampled for axis in rest) or np.prod([len(c) for c in choices], dtype=float) > MOST:
+    if (
+        not plane
+        or any(axis.sampled for axis in rest)
+        or np.prod([len(c) for c in choices], dtype=float) > MOST
+    ):
         return nothing
     spread = tuple(maps.map_axis(plan, axis, table[axis.key].attrs) for axis in plane)
     fixed = {axis.key: axis.values[0] for axis in rest}
@@ -50,14 +57,17 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
     labels = list(dict.fromkeys(label for each in ratios for label in each))
     places = [axis.span[::EVERY] for axis in spread]
     lines = [
-        [encoded(_lines(places, each[label]), "<f4") if label in each else "" for label in labels] for each in ratios
+        [encoded(_lines(places, each[label]), "<f4") if label in each else "" for label in labels]
+        for each in ratios
     ]
     return {"labels": labels, "lines": lines}
 
 
 def _lines(places: list[np.ndarray], logarithms: np.ndarray) -> np.ndarray:
     """Where the logarithms of ratios over one or two axes are zero, (n, 2)."""
-    values = np.ma.masked_invalid(np.expm1(logarithms))  # |lambda|/threshold - 1 is linear in a spin
+    values = np.ma.masked_invalid(
+        np.expm1(logarithms)
+    )  # |lambda|/threshold - 1 is linear in a spin
     reach = (1.0, 1.0)
     if len(places) == 1:
         places, values = [*places, np.array([-1.0, 1.0])], np.ma.stack([values, values], axis=1)

@@ -27,19 +27,23 @@ NOTHING = f"export const facts = {{}};\nexport const formulas = {{}};\n{NO_POTEN
 
 
 def potential(system: System, b: Touch) -> str:
-    """The module `formulas.js` of the page of a run: V of the system at the momenta that it takes, for this body."""
+    """The module `formulas.js` of the page of a run: V of the system at the momenta that it takes,
+    for this body.
+    """
     if system.potential is None:
         return NO_POTENTIAL
     numbers = refill(b, map(float, leaves(b)))
     names = ("z", "first", "second")
     return (
-        f"export const potential = {_function(names, names, lambda symbols: _potential(system, symbols, numbers))};\n"
+        "export const potential = "
+        f"{_function(names, names, lambda symbols: _potential(system, symbols, numbers))};\n"
     )
 
 
 def motions(system: System, form: Form, laws: dict[str, type[FrictionLaw]]) -> str:
-    """The module `formulas.js` of a page that integrates: all that it needs of a system in a form, for each friction
-    law by name; as `formulas.d.ts` says."""
+    """The module `formulas.js` of a page that integrates: all that it needs of a system in a form,
+    for each friction law by name; as `formulas.d.ts` says.
+    """
     variables = Variables(form)
     facts = {
         "variables": list(variables.names),
@@ -50,8 +54,13 @@ def motions(system: System, form: Form, laws: dict[str, type[FrictionLaw]]) -> s
         "planar": not system.vectors,
         "near": math.acos(COS_INVERTED),
     }
-    by_law = ",\n".join(f"{json.dumps(name)}: {_of_law(system, variables, law)}" for name, law in laws.items())
-    return f"export const facts = {json.dumps(facts)};\nexport const formulas = {{{by_law}}};\n{NO_POTENTIAL}"
+    by_law = ",\n".join(
+        f"{json.dumps(name)}: {_of_law(system, variables, law)}" for name, law in laws.items()
+    )
+    return (
+        f"export const facts = {json.dumps(facts)};\nexport const formulas = "
+        f"{{{by_law}}};\n{NO_POTENTIAL}"
+    )
 
 
 def initial_names(system: System) -> list[str]:
@@ -63,7 +72,9 @@ def initial_names(system: System) -> list[str]:
 def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str:
     """The functions of one friction law, as an object."""
     form, names = variables.form, [*system.parameters, *law.parameters]
-    template = system.body_of(dict.fromkeys(system.parameters, 1.0), law._make(1.0 for _ in law.parameters))
+    template = system.body_of(
+        dict.fromkeys(system.parameters, 1.0), law._make(1.0 for _ in law.parameters)
+    )
     given, n = initial_names(system), len(variables.names)
     heavy = "R" not in system.parameters
     numbers = [f"b[{i}]" for i in range(len(leaves(template)))]
@@ -83,7 +94,10 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
 
     def rates(symbols: Sequence[Any]) -> list:
         q, carried, b = of(symbols)
-        return [*form.rates(q, b), *(integral.rate(q, carried, b) for integral in variables.integrals)]
+        return [
+            *form.rates(q, b),
+            *(integral.rate(q, carried, b) for integral in variables.integrals),
+        ]
 
     def start(symbols: Sequence[Any]) -> list:
         s, z, *rest = symbols
@@ -102,11 +116,15 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
         "rates": _function(("y", "b", "out"), state, rates, fills=True),
         "start": _function(("sine", "z", "d", "b"), ["sine", "z", *data, *numbers], start),
         "weights": _function(("b",), numbers, weights),
-        "seen": _function(("y", "b", "out"), state, lambda symbols: seen(system, form, *of(symbols)), fills=True),
+        "seen": _function(
+            ("y", "b", "out"), state, lambda symbols: seen(system, form, *of(symbols)), fills=True
+        ),
         "sizes": _function(("b",), numbers, lambda symbols: sizes(fill(symbols), heavy=heavy)),
         "thresholds": _thresholds(system, template, numbers),
         "potential": _function(
-            (*well, "b"), [*well, *numbers], lambda symbols: _potential(system, symbols, fill(symbols[3:]))
+            (*well, "b"),
+            [*well, *numbers],
+            lambda symbols: _potential(system, symbols, fill(symbols[3:])),
         )
         if system.potential
         else "null",
@@ -120,7 +138,10 @@ def _potential(system: System, symbols: Sequence[Any], b: Touch) -> list:
 
 
 def seen(system: System, form: Form, q: Any, carried: Any, b: Touch) -> list:
-    """What the page draws of a state: axes 1 and 3, then the channels of a sample from omega on. [see motion.js]"""
+    """What the page draws of a state: axes 1 and 3, then the channels of a sample from omega on.
+
+    [see motion.js]
+    """
     values = observed(system, form, q, carried, b)
     assert form.orientation is not None
     first, third = form.orientation.axes(q, carried, b)
@@ -151,8 +172,12 @@ def _slip(q: Any, b: Touch) -> Vector:
     return Vector(getattr(q, "nu_x", 0), 0, 0)
 
 
-def _force(system: System, q: Any, b: Touch, s: Any, slip: Vector, values: dict[str, Any]) -> Vector:
-    """The force of the plane: by the friction law where the contact slides, else the reaction of a contact at rest."""
+def _force(
+    system: System, q: Any, b: Touch, s: Any, slip: Vector, values: dict[str, Any]
+) -> Vector:
+    """The force of the plane: by the friction law where the contact slides, else the reaction of a
+    contact at rest.
+    """
     normal = values.get("normal_force", 0)
     if system.frictional:
         k = slip_coefficient(s.v2, s.z, b.friction)
@@ -161,7 +186,11 @@ def _force(system: System, q: Any, b: Touch, s: Any, slip: Vector, values: dict[
         return Vector(0, 0, normal)
     rigid = "x" not in system.initial
     u = axis(q)
-    L = momentum_about_centre(q, b) if rigid else Vector(*(values[component(v)] for v in system.vectors["L"]))
+    L = (
+        momentum_about_centre(q, b)
+        if rigid
+        else Vector(*(values[component(v)] for v in system.vectors["L"]))
+    )
     u_dot = tip_axis_rate(q, b) if rigid else times(1 / b.I1, cross(L, u))
     return reaction(u, L, u_dot, kinematics(u, L, u_dot, b), b)
 
@@ -193,9 +222,15 @@ def _thresholds(system: System, template: Touch, numbers: list[str]) -> str:
 
 
 def _function(
-    names: Sequence[str], inputs: Sequence[str], formula: Callable[[list], Sequence[Any]], *, fills: bool = False
+    names: Sequence[str],
+    inputs: Sequence[str],
+    formula: Callable[[list], Sequence[Any]],
+    *,
+    fills: bool = False,
 ) -> str:
-    """A function that returns its one result or a list of them, or puts them into its last argument."""
+    """A function that returns its one result or a list of them, or puts them into its last
+    argument.
+    """
     lines, results = function(JAVASCRIPT, inputs, formula)
     if fills:
         lines += [f"{names[-1]}[{i}] = {result};" for i, result in enumerate(results)]

@@ -1,4 +1,7 @@
-"""An HTML file: its style, its modules as one script, its data. Nothing is fetched when it is opened."""
+"""An HTML file: its style, its modules as one script, its data.
+
+Nothing is fetched when it is opened.
+"""
 
 import html
 import json
@@ -16,7 +19,9 @@ from . import rotations
 
 
 IMPORT = re.compile(r'^import\s+\{([^}]*)\}\s+from\s+"\./([\w.]+)";\n', re.MULTILINE)
-EXPORT = re.compile(r"^export\s+(?=(?:async\s+)?(?:const|let|function|class)\s+(\w+))", re.MULTILINE)
+EXPORT = re.compile(
+    r"^export\s+(?=(?:async\s+)?(?:const|let|function|class)\s+(\w+))", re.MULTILINE
+)
 
 
 @cache
@@ -38,7 +43,8 @@ def script(entry: str, written: Mapping[str, str]) -> str:
     Returns
     -------
     str
-        Every module is a function that gives what it exports; each stands after those that it imports.
+        Every module is a function that gives what it exports; each stands after those that it
+        imports.
     """
     parts: dict[str, str] = {}
     written = {"rotation.js": rotations.module(), **written}
@@ -53,7 +59,8 @@ def script(entry: str, written: Mapping[str, str]) -> str:
         exported = ", ".join(EXPORT.findall(text))
         body = EXPORT.sub("", IMPORT.sub("", text))
         parts[name] = (
-            f"const {_module(name)} = (() => {{\n{chr(10).join(lines)}\n{body}\nreturn {{{exported}}};\n}})();\n"
+            f"const {_module(name)} = (() => {{\n{chr(10).join(lines)}\n{body}\n"
+            f"return {{{exported}}};\n}})();\n"
         )
 
     take(entry)
@@ -71,7 +78,15 @@ def _renamed(names: str) -> str:
     return re.sub(r"(\w+)\s+as\s+(\w+)", r"\1: \2", " ".join(names.split()))
 
 
-def page(title: str, entry: str, data: Any, written: Mapping[str, str], *, aside: str = "", about: str = "") -> str:
+def page(
+    title: str,
+    entry: str,
+    data: Any,
+    written: Mapping[str, str],
+    *,
+    aside: str = "",
+    about: str = "",
+) -> str:
     """A page.
 
     Parameters
@@ -168,6 +183,9 @@ class Page:
 
 
 def write(text: str, path: Path, *, overwrite: bool) -> None:
-    """Writes a page whole or not at all. Raises StoreError: it exists and may not be overwritten; the disk."""
+    """Writes a page whole or not at all.
+
+    Raises StoreError: it exists and may not be overwritten; the disk.
+    """
     check(path, overwrite=overwrite)
     write_text(path, text, overwrite=overwrite)

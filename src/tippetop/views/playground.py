@@ -1,4 +1,6 @@
-"""The playground: a page that integrates the tippe top of whoever opens it, by the formulas of this package."""
+"""The playground: a page that integrates the tippe top of whoever opens it, by the formulas of this
+package.
+"""
 
 from typing import Any
 
@@ -19,19 +21,37 @@ def playground() -> str:
     system = SYSTEMS["tippe-top"]
     laws = {name: law for name, law in system.laws.items() if law.coefficient is not None}
     scripts = {"formulas.js": formulas.motions(system, system.forms["vector"], laws)}
-    data = {"presets": sorted(filter(None, map(_preset, presets())), key=lambda p: (p["name"] != FIRST, p["name"]))}
-    return pages.page(TITLE, "page_playground.js", data, scripts, aside=pages.source("playground.html"), about=ABOUT)
+    data = {
+        "presets": sorted(
+            filter(None, map(_preset, presets())), key=lambda p: (p["name"] != FIRST, p["name"])
+        )
+    }
+    return pages.page(
+        TITLE,
+        "page_playground.js",
+        data,
+        scripts,
+        aside=pages.source("playground.html"),
+        about=ABOUT,
+    )
 
 
 ABOUT = "Move a slider: this page integrates the motion with the equations of tippetop."
 
 
 def _preset(name: str) -> dict[str, Any] | None:
-    """A preset as the page takes it; None where it is of another system, or its contact changes its phase."""
+    """A preset as the page takes it; None where it is of another system, or its contact changes its
+    phase.
+    """
     try:
         problem = build.load(name)
     except InputError:
         return None
     if problem.system is not SYSTEMS["tippe-top"]:
         return None
-    return {"name": name, "words": problem.system.title, **given(problem), "until": min(problem.until, 30.0)}
+    return {
+        "name": name,
+        "words": problem.system.title,
+        **given(problem),
+        "until": min(problem.until, 30.0),
+    }

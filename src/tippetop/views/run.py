@@ -26,7 +26,9 @@ TOO_FAR = 0.2 * DEGREE  # between rows: a page that shows less says so
 Rows = Iterator[Mapping[str, np.ndarray]]
 
 
-def page_of_store(path: Path, attrs: dict[str, Any], start: float | None = None, until: float | None = None) -> str:
+def page_of_store(
+    path: Path, attrs: dict[str, Any], start: float | None = None, until: float | None = None
+) -> str:
     """The page of a stored run, or of a part of it. Raises InputError, StoreError."""
     refuse(attrs, str(path))
     names = needed(attrs)
@@ -37,16 +39,31 @@ def page_of_store(path: Path, attrs: dict[str, Any], start: float | None = None,
 def refuse(attrs: dict[str, Any], what: str) -> None:
     """Raises where a run cannot be shown: InputError, StoreError."""
     if attrs["status"] == "running":
-        raise StoreError(f"`{what}` must be finished to be viewed, but is not: tippetop resume {what}.")
+        raise StoreError(
+            f"`{what}` must be finished to be viewed, but is not: tippetop resume {what}."
+        )
     body_of(attrs)
     if "columns" in attrs["run"] and "orientation" not in attrs["run"]["columns"]:
-        raise InputError(["a page needs the column `orientation`, which is not among the run.columns of this run."])
+        raise InputError(
+            [
+                "a page needs the column `orientation`, which is not among the run.columns of "
+                "this run."
+            ]
+        )
     if not attrs["run"].get("orientation", False):
         raise InputError(
-            ["a page needs the column `orientation`, which this run has not kept: say run.orientation = true."]
+            [
+                "a page needs the column `orientation`, which this run has not kept: say "
+                "run.orientation = true."
+            ]
         )
     if missing := ", ".join(f"`{name}`" for name in without(attrs)):
-        raise InputError([f"a page must have the columns {missing}, which this run has not kept: see its run.columns."])
+        raise InputError(
+            [
+                f"a page must have the columns {missing}, which this run has not kept: see its "
+                "run.columns."
+            ]
+        )
     if attrs["run"].get("output") == "keyframes" and "replay" not in attrs:
         raise InputError(["a page is made of rows, and this run keeps none: replay a part of it."])
 
@@ -79,7 +96,8 @@ def page(
     times, kept, rough, notes = gathered(pieces, attrs, start, until)
     if rough > TOO_FAR:
         notes.append(
-            f"The rows are far apart: between two of them the drawn attitude may be off by {rough / DEGREE:.2g}°. "
+            "The rows are far apart: between two of them the drawn attitude may be off by "
+            f"{rough / DEGREE:.2g}°. "
             "A run with a smaller run.output_step, or a replay with a smaller step, shows more."
         )
     log, phases = _events(groups, times[0], times[-1]), _phases(groups, times[0], times[-1])
@@ -102,11 +120,17 @@ def page(
 def gathered(
     pieces: Rows, attrs: dict[str, Any], start: float | None, until: float | None
 ) -> tuple[np.ndarray, np.ndarray, float, list[str]]:
-    """Times and samples that a page keeps, by how much the attitude may be missed between rows [rad], and sentences on
-    what is left out. Raises InputError where no row is within."""
+    """Times and samples that a page keeps, by how much the attitude may be missed between rows
+    [rad], and sentences on what is left out. Raises InputError where no row is within.
+    """
     begin, end, notes = start or 0.0, np.inf if until is None else until, []
     if not begin < end:
-        raise InputError([f"the part that is shown must begin before it ends, but goes from {begin:g} to {end:g} s."])
+        raise InputError(
+            [
+                f"the part that is shown must begin before it ends, but goes from {begin:g} to "
+                f"{end:g} s."
+            ]
+        )
     times, kept, rough, total, last = [], [], 0.0, 0, None
     for piece in pieces:
         within = (piece["time"] >= begin) & (piece["time"] <= end)
@@ -123,13 +147,16 @@ def gathered(
         total, last = total + len(few), t[-1]
         if total > MOST:
             notes.append(
-                f"This is the run up to {last:.6g} s, as much as a page holds: --from and --until choose another part."
+                f"This is the run up to {last:.6g} s, as much as a page holds: --from and "
+                "--until choose another part."
             )
             break
     if last is None and start is None and until is None:
         raise InputError(["a page must have rows, but this run has kept none."])
     if last is None:
-        raise InputError([f"a page must have rows between {begin:g} and {end:g} s, but this run has none there."])
+        raise InputError(
+            [f"a page must have rows between {begin:g} and {end:g} s, but this run has none there."]
+        )
     return np.concatenate(times), np.concatenate(kept), rough, notes
 
 
@@ -146,9 +173,16 @@ def _events(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
     keep &= ~flagged(events["kind"], "turning") | events["significant"].values.astype(bool)
     rows = np.flatnonzero(keep)
     rows = rows[:: max(1, -(-len(rows) // MOST_EVENTS))]
-    columns = (events[name].values[rows].tolist() for name in ("time", "kind", "theta", "theta_dot_sign"))
+    columns = (
+        events[name].values[rows].tolist() for name in ("time", "kind", "theta", "theta_dot_sign")
+    )
     return [
-        {"time": t, "kind": names[kind], "theta": theta if math.isfinite(theta) else None, "least": sign > 0}
+        {
+            "time": t,
+            "kind": names[kind],
+            "theta": theta if math.isfinite(theta) else None,
+            "least": sign > 0,
+        }
         for t, kind, theta, sign in zip(*columns, strict=True)
     ]
 
@@ -164,5 +198,8 @@ def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
         flag_names(table["phase"]),
         flag_names(table["ball"]),
     ]
-    rows = (dict(zip(("start", "end", "phase", "ball"), row, strict=True)) for row in zip(*columns, strict=True))
+    rows = (
+        dict(zip(("start", "end", "phase", "ball"), row, strict=True))
+        for row in zip(*columns, strict=True)
+    )
     return [row for row in rows if row["end"] >= begin and row["start"] <= end]

@@ -1,4 +1,6 @@
-"""Rows of a run become samples of its motion: attitude, angular velocity, place, force, sliding, momentum, well."""
+"""Rows of a run become samples of its motion: attitude, angular velocity, place, force, sliding,
+momentum, well.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -34,7 +36,12 @@ def without(attrs: dict[str, Any]) -> list[str]:
     if kept is None:
         return []
     system = plain(attrs)
-    own = {*system.angles._fields, *system.vectors, *(quantity.name for quantity in system.quantities), "orientation"}
+    own = {
+        *system.angles._fields,
+        *system.vectors,
+        *(quantity.name for quantity in system.quantities),
+        "orientation",
+    }
     own |= {"phase", "ball"} if "contact" in attrs else set()
     own -= {"normal_force", *well_columns(attrs)[-1:], *kept}
     own -= {"theta_dot"} if system.vectors else set()
@@ -43,7 +50,9 @@ def without(attrs: dict[str, Any]) -> list[str]:
 
 
 def well_columns(attrs: dict[str, Any]) -> list[str]:
-    """The columns that the potential takes, in its order, and the energy that is its level; none if there is none."""
+    """The columns that the potential takes, in its order, and the energy that is its level; none if
+    there is none.
+    """
     return well_quantities(plain(attrs))
 
 
@@ -55,7 +64,9 @@ def well_quantities(system: System) -> list[str]:
 
 
 def plain(attrs: dict[str, Any]) -> Any:
-    """The system of a store, without the phases of its contact; `shape.body_of` has refused an unknown one."""
+    """The system of a store, without the phases of its contact; `shape.body_of` has refused an
+    unknown one.
+    """
     return find(attrs["system"])
 
 
@@ -77,7 +88,9 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     else:
         momentum = Vector(*columns["L"].T)
         inert = b._replace(I1=tip_inertia(b)) if is_fixed(attrs) else b  # L is about the tip then
-        omega = angular_velocity_of(Vector(*columns["axis"].T), momentum, b.I3 * columns["omega3"], inert)
+        omega = angular_velocity_of(
+            Vector(*columns["axis"].T), momentum, b.I3 * columns["omega3"], inert
+        )
     offset, radius = _ball(columns, attrs, b)
     arm = Vector(offset * third.x, offset * third.y, offset * third.z - radius)
     slip = _slip(columns, n)
@@ -107,8 +120,9 @@ def _ball(columns: Columns, attrs: dict[str, Any], b: Touch) -> tuple[Any, Any]:
 
 
 def _slip(columns: Columns, n: int) -> np.ndarray:
-    """Horizontal velocity of the contact point, (2, n); zero where nothing slides, and at a pole, where it has no
-    components, that of the row beside."""
+    """Horizontal velocity of the contact point, (2, n); zero where nothing slides, and at a pole,
+    where it has no components, that of the row beside.
+    """
     if "nu_x" not in columns:
         return np.zeros((2, n))
     along = columns["nu_x"]
@@ -129,9 +143,12 @@ def _place(columns: Columns, third: Vector, offset: Any, radius: Any, fixed: boo
     return np.stack([columns["x"], columns.get("y", np.zeros(len(third.z))), height], axis=1)
 
 
-def _force(columns: Columns, velocity: np.ndarray, slip: np.ndarray, z: np.ndarray, b: Touch) -> np.ndarray:
-    """The force of the plane, (n, 3): friction by its law where the contact slides by a law of one phase, and else as
-    the horizontal part of m r'', from row to row."""
+def _force(
+    columns: Columns, velocity: np.ndarray, slip: np.ndarray, z: np.ndarray, b: Touch
+) -> np.ndarray:
+    """The force of the plane, (n, 3): friction by its law where the contact slides by a law of one
+    phase, and else as the horizontal part of m r'', from row to row.
+    """
     n = velocity.shape[1]
     normal = columns.get("normal_force", np.full(n, np.nan))
     if "nu_x" in columns and "phase" not in columns and type(b.friction) in SLIP:

@@ -21,8 +21,24 @@ from .given import encoded, given
 
 MOST = 100_000  # tops of a page
 LINE = (
-    *("class", "theta_end", "t_end", "inverted_at", "first_equator", "lifted_at", "settled_at", "turnings"),
-    *("theta_min", "theta_max", "normal_force_min", "normal_force_max", "drift_jellett", "drift_energy_balance"),
+    *(
+        "class",
+        "theta_end",
+        "t_end",
+        "inverted_at",
+        "first_equator",
+        "lifted_at",
+        "settled_at",
+        "turnings",
+    ),
+    *(
+        "theta_min",
+        "theta_max",
+        "normal_force_min",
+        "normal_force_max",
+        "drift_jellett",
+        "drift_energy_balance",
+    ),
 )
 """Columns that a page has, if the sweep kept them; the class first."""
 
@@ -33,16 +49,25 @@ def page_of_sweep(path: Path) -> str:
     plan = Plan.from_tables(table.attrs["plan"])
     if plan.n > MOST:
         raise InputError(
-            [f"a page must have at most {MOST} tops, but this sweep has {plan.n}: tippetop plot draws it."]
+            [
+                f"a page must have at most {MOST} tops, but this sweep has {plan.n}: tippetop "
+                "plot draws it."
+            ]
         )
     tops = np.arange(plan.n)
     numbers = plan.design.numbers(tops)
     names = [name for name in LINE if name in table]
     if not names:
-        raise InputError([f"a page must have one of {', '.join(LINE)}, but the plan kept none of them."])
+        raise InputError(
+            [f"a page must have one of {', '.join(LINE)}, but the plan kept none of them."]
+        )
     axes = sorted(plan.design.axes, key=lambda axis: not _varies(axis))
     movable = is_movable(plan.base)
-    notes = [] if movable else ["The contact of these tops is not integrated in the page: it shows their map alone."]
+    notes = (
+        []
+        if movable
+        else ["The contact of these tops is not integrated in the page: it shows their map alone."]
+    )
     if table.attrs["status"] != "finished":
         notes.append("This sweep is not finished.")
     title = table.attrs["title"].partition(": ")[2]
@@ -55,10 +80,14 @@ def page_of_sweep(path: Path) -> str:
         "changes": {key: encoded(values, "<f8") for key, values in changes(plan, tops).items()},
         "notes": notes,
     }
-    about = f"{plan.n} tops; point at one for its line" + (", click it for its motion" if movable else "")
+    about = f"{plan.n} tops; point at one for its line" + (
+        ", click it for its motion" if movable else ""
+    )
     scripts = {"formulas.js": _formulas(plan.base) if movable else formulas.NOTHING}
     heading = f"A sweep: {title}"
-    return pages.page(heading, "page_sweep.js", data, scripts, aside=pages.source("sweep.html"), about=about)
+    return pages.page(
+        heading, "page_sweep.js", data, scripts, aside=pages.source("sweep.html"), about=about
+    )
 
 
 def _varies(axis: Axis) -> bool:
@@ -66,14 +95,18 @@ def _varies(axis: Axis) -> bool:
 
 
 def is_movable(base: Problem) -> bool:
-    """Whether a page can integrate a problem: its contact stays as it is, and its friction is a multiple of v_A."""
+    """Whether a page can integrate a problem: its contact stays as it is, and its friction is a
+    multiple of v_A.
+    """
     return base.contact is None and (not base.system.frictional or base.law.coefficient is not None)
 
 
 def _formulas(base: Problem) -> str:
     """The module of the system of a sweep, in vector form where it has one."""
     forms = base.system.forms
-    return formulas.motions(base.system, forms.get("vector", next(iter(forms.values()))), {base.law_name: base.law})
+    return formulas.motions(
+        base.system, forms.get("vector", next(iter(forms.values()))), {base.law_name: base.law}
+    )
 
 
 def _base(base: Problem) -> dict[str, Any]:
@@ -85,12 +118,16 @@ def _base(base: Problem) -> dict[str, Any]:
 
 def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
     """The numbers in which tops differ, by dotted key; psi' as the omega_3 that it stands for."""
-    columns = {key: np.broadcast_to(values, tops.shape) for key, values in plan.columns(tops).items()}
+    columns = {
+        key: np.broadcast_to(values, tops.shape) for key, values in plan.columns(tops).items()
+    }
 
     def number(name: str) -> Any:
         return columns.get(f"initial.{name}", plan.base.initial.get(name, 0.0))
 
-    if "initial.psi_dot" in columns or ("psi_dot" in plan.base.initial and "initial.omega3" not in columns):
+    if "initial.psi_dot" in columns or (
+        "psi_dot" in plan.base.initial and "initial.omega3" not in columns
+    ):
         spin = number("psi_dot") + number("phi_dot") * np.cos(number("theta"))
         columns["initial.omega3"] = np.broadcast_to(spin, tops.shape)
         columns.pop("initial.psi_dot", None)

@@ -1,4 +1,6 @@
-"""Which samples a page keeps: those between which the interpolated attitude stays close to that of all others."""
+"""Which samples a page keeps: those between which the interpolated attitude stays close to that of
+all others.
+"""
 
 import numpy as np
 
@@ -8,13 +10,18 @@ from ..mechanics.rotation import Quaternion
 from .samples import OMEGA, ORIENTATION
 
 
-WITHIN = np.radians(0.1)  # of attitude that leaving out a row may cost; rows themselves add what lies between them
+WITHIN = np.radians(
+    0.1
+)  # of attitude that leaving out a row may cost; rows themselves add what lies between them
 FEW = 20_000  # samples that are kept whatever they are
 
 
-def attitude(p: np.ndarray, wp: np.ndarray, q: np.ndarray, wq: np.ndarray, h: np.ndarray, s: np.ndarray) -> np.ndarray:
-    """Attitudes (n, 4) at the fraction s of intervals of length h, between p and q (n, 4) with the angular velocities
-    wp and wq (n, 3)."""
+def attitude(
+    p: np.ndarray, wp: np.ndarray, q: np.ndarray, wq: np.ndarray, h: np.ndarray, s: np.ndarray
+) -> np.ndarray:
+    """Attitudes (n, 4) at the fraction s of intervals of length h, between p and q (n, 4) with the
+    angular velocities wp and wq (n, 3).
+    """
     first, last = ((Quaternion(*a.T), Vector(*w.T)) for a, w in ((p, wp), (q, wq)))
     return np.stack(rotation.between(*first, *last, h, s), axis=1)
 
@@ -26,8 +33,9 @@ def apart(p: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def kept(times: np.ndarray, samples: np.ndarray, enough: int = FEW) -> np.ndarray:
-    """Indices of the samples to keep, ascending, the first and the last among them: all, where they are few; else every
-    so manieth, and more where the attitude of the others asks for it."""
+    """Indices of the samples to keep, ascending, the first and the last among them: all, where they
+    are few; else every so manieth, and more where the attitude of the others asks for it.
+    """
     n = len(times)
     if n <= enough:
         return np.arange(n)
@@ -41,7 +49,9 @@ def kept(times: np.ndarray, samples: np.ndarray, enough: int = FEW) -> np.ndarra
 
 
 def missed(times: np.ndarray, samples: np.ndarray, keep: np.ndarray) -> np.ndarray:
-    """The largest angle, in each interval between samples that are kept, by which the attitude of another is missed."""
+    """The largest angle, in each interval between samples that are kept, by which the attitude of
+    another is missed.
+    """
     left_out = np.setdiff1d(np.arange(len(times)), keep, assume_unique=True)
     interval = np.searchsorted(keep, left_out) - 1
     a, b = keep[interval], keep[interval + 1]
@@ -54,8 +64,10 @@ def missed(times: np.ndarray, samples: np.ndarray, keep: np.ndarray) -> np.ndarr
 
 
 def between(times: np.ndarray, samples: np.ndarray) -> float:
-    """By how much the attitude between the rows themselves may be missed [rad]: an eighth of what is missed of every
-    second row, if the others are kept; the cubics' error falls with the third power of the step or faster."""
+    """By how much the attitude between the rows themselves may be missed [rad]: an eighth of what
+    is missed of every second row, if the others are kept; the cubics' error falls with the third
+    power of the step or faster.
+    """
     if len(times) < 5:
         return 0.0
     keep = np.unique(np.append(np.arange(0, len(times), 2), len(times) - 1))

@@ -16,7 +16,9 @@ MU = 2.0  # s/m
 
 
 def in_euler_angles(start, t):
-    """phi', omega_3, velocity of the centre of mass along e and 2hat at times t, and when a ball leaves."""
+    """phi', omega_3, velocity of the centre of mass along e and 2hat at times t, and when a ball
+    leaves.
+    """
     m, R, I1, I3, g = (LEINE_GLOCKER[name] for name in ("m", "R", "I1", "I3", "g"))
     c, s = Z, np.sqrt(1 - Z**2)
     offsets, radii = np.array([0.2 * R, 0.2 * R + STEM["h"]]), np.array([R, STEM["r"]])
@@ -52,8 +54,15 @@ def in_euler_angles(start, t):
 
 @pytest.mark.parametrize(("phi_dot", "omega3"), [(-20.0, 60.0), (16.0, -30.0), (-40.0, 60.0)])
 def test_standing_on_both_is_that_of_the_euler_angles(phi_dot, omega3):
-    start = {"theta": float(np.arccos(Z)), "phi_dot": phi_dot, "omega3": omega3, "centre_at_rest": True}
-    done = run(LEINE_GLOCKER, friction={"law": "viscous", "mu": MU}, initial=start, stem=STEM, until=0.4)
+    start = {
+        "theta": float(np.arccos(Z)),
+        "phi_dot": phi_dot,
+        "omega3": omega3,
+        "centre_at_rest": True,
+    }
+    done = run(
+        LEINE_GLOCKER, friction={"law": "viscous", "mu": MU}, initial=start, stem=STEM, until=0.4
+    )
     columns, phases = done.columns(), table_of(done, "phases")
     assert phases["phase"][0] == 3
     t = columns["time"].values
@@ -62,7 +71,11 @@ def test_standing_on_both_is_that_of_the_euler_angles(phi_dot, omega3):
     count = min(ours.sum(), theirs.shape[1])
     for name, value in zip(("phi_dot", "omega3"), theirs, strict=False):
         assert columns[name].values[:count] == pytest.approx(value[:count], abs=1e-9), name
-    assert (phases["end"][0] == pytest.approx(leaves, abs=1e-10)) if np.isfinite(leaves) else len(phases["end"]) == 1
+    assert (
+        (phases["end"][0] == pytest.approx(leaves, abs=1e-10))
+        if np.isfinite(leaves)
+        else len(phases["end"]) == 1
+    )
     assert np.ptp(columns["theta"].values[ours]) < 1e-12
     sphere = columns["z"].values - LEINE_GLOCKER["R"] * (1 - 0.2 * np.cos(columns["theta"].values))
     assert min(sphere.min(), columns["gap_stem"].values.min()) > -1e-12
@@ -70,23 +83,39 @@ def test_standing_on_both_is_that_of_the_euler_angles(phi_dot, omega3):
 
 
 def test_a_ball_that_leaves_is_followed_by_the_other():
-    """The gap of the ball whose force vanishes opens as t^3: it does not touch again by rounding."""
+    """The gap of the ball whose force vanishes opens as t^3: it does not touch again by
+    rounding.
+    """
     ended = set()
     for seed in range(12):
         rng = np.random.default_rng(seed)
-        start = {"theta": float(np.arccos(Z)), "phi_dot": rng.uniform(-40, -10), "omega3": rng.uniform(40, 80)}
-        done = run(LEINE_GLOCKER, friction={"law": "viscous", "mu": MU}, initial=start, stem=STEM, until=0.3)
+        start = {
+            "theta": float(np.arccos(Z)),
+            "phi_dot": rng.uniform(-40, -10),
+            "omega3": rng.uniform(40, 80),
+        }
+        done = run(
+            LEINE_GLOCKER,
+            friction={"law": "viscous", "mu": MU},
+            initial=start,
+            stem=STEM,
+            until=0.3,
+        )
         assert done.status is Status.FINISHED, (seed, done.reason)
         assert max(done.report["drift"].values()) < 1e-12, seed
         columns = done.columns()
-        sphere = columns["z"].values - LEINE_GLOCKER["R"] * (1 - 0.2 * np.cos(columns["theta"].values))
+        sphere = columns["z"].values - LEINE_GLOCKER["R"] * (
+            1 - 0.2 * np.cos(columns["theta"].values)
+        )
         assert min(sphere.min(), columns["gap_stem"].values.min()) > -1e-12, seed
         ended |= set(table_of(done, "phases")["reason"].tolist())
     assert 7 in ended  # a ball left
 
 
 def test_friction_that_drills_stands_on_both_too():
-    """Leine and Glocker's top while both touch: energy and Jellett's integral, with what is taken of them."""
+    """Leine and Glocker's top while both touch: energy and Jellett's integral, with what is taken
+    of them.
+    """
     friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
     start = {"theta": float(np.arccos(Z)), "phi_dot": -20.0, "omega3": 60.0, "centre_at_rest": True}
     done = run(LEINE_GLOCKER, friction=friction, initial=start, stem=STEM, until=0.1)
@@ -102,14 +131,28 @@ def test_coulombs_law_itself_ends_there():
 
 
 def test_when_rocking_is_called_standing_does_not_show(monkeypatch):
-    """What is left of the endless hops is taken by impulses of both balls: the limit may be far or near."""
+    """What is left of the endless hops is taken by impulses of both balls: the limit may be far or
+    near.
+    """
     start = {"theta": float(np.arccos(Z)) - 1e-3, "phi_dot": -20.0, "omega3": 60.0}
     ends = []
     for limit in (1e-4, 1e-6):
         monkeypatch.setattr(exits, "BOTH_AT", limit)
-        done = run(LEINE_GLOCKER, friction={"law": "viscous", "mu": MU}, initial=start, stem=STEM, until=0.05)
+        done = run(
+            LEINE_GLOCKER,
+            friction={"law": "viscous", "mu": MU},
+            initial=start,
+            stem=STEM,
+            until=0.05,
+        )
         phases = table_of(done, "phases")
         assert phases["phase"][-1] == 3
-        ends.append((phases["start"][-1], done.columns()["omega3"].values[-1], done.columns()["phi_dot"].values[-1]))
+        ends.append(
+            (
+                phases["start"][-1],
+                done.columns()["omega3"].values[-1],
+                done.columns()["phi_dot"].values[-1],
+            )
+        )
     assert ends[0][0] < ends[1][0]
     assert ends[0][1:] == pytest.approx(ends[1][1:], rel=1e-6)

@@ -1,5 +1,6 @@
-"""Random runs through all phases: balances, and on dense output the normal force, the friction cone and the direction
-of friction."""
+"""Random runs through all phases: balances, and on dense output the normal force, the friction cone
+and the direction of friction.
+"""
 
 import numpy as np
 import pytest
@@ -20,14 +21,17 @@ BODY = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
 
 
 def random_run(seed: int) -> Solution:
-    """Every second run has torques of the contact, every third begins in the air, and half of those that may have a
-    stem."""
+    """Every second run has torques of the contact, every third begins in the air, and half of those
+    that may have a stem.
+    """
     rng = np.random.default_rng(seed)
     law, size = LAWS[seed % 4], 10 ** rng.uniform(-1.3, 0)
     if seed // 4 % 2:
         law = law | {"mu_r": 10 ** rng.uniform(-5, -3.7), "mu_d": 10 ** rng.uniform(-5, -3.7)}
     speeds = {"omega3": 60.0, "theta_dot": 20.0, "phi_dot": 5.0, "nu_x": 0.3, "nu_y": 0.3}
-    start = {name: size * most * rng.normal() for name, most in speeds.items()} | {"theta": rng.uniform(0.05, 3.0)}
+    start = {name: size * most * rng.normal() for name, most in speeds.items()} | {
+        "theta": rng.uniform(0.05, 3.0)
+    }
     tables = {"contact": {"e_n": rng.uniform(0.0, 0.6)}}
     if seed % 3 == 0:
         start |= {"gap": 10 ** rng.uniform(-6, -2)}
@@ -39,7 +43,9 @@ def random_run(seed: int) -> Solution:
 
 
 def violations(done: Solution) -> dict[str, float]:
-    """The largest violation of each law of the contact in the rows of a run, of weights and of order one."""
+    """The largest violation of each law of the contact in the rows of a run, of weights and of
+    order one.
+    """
     b = done.problem.internal_body
     q = Row(*done.rows[:, : len(Row._fields)].T)
     s = row_scalars(q, b)

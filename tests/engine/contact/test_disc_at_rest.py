@@ -31,7 +31,9 @@ def rocking(**run):
 def scenario(until=1.0, friction=LAW, parameters=BODY, run=None, **tables):
     """Leine and Glocker's top on a soft plane: its disc is large, so that it soon rests."""
     run = {"until": until} | (run or {})
-    return problem({"system": "tippe-top", "parameters": parameters, "friction": friction, "run": run} | tables)
+    return problem(
+        {"system": "tippe-top", "parameters": parameters, "friction": friction, "run": run} | tables
+    )
 
 
 def columns_of(done):
@@ -43,8 +45,14 @@ def columns_of(done):
 
 @pytest.mark.parametrize("mu_r", [0.0, 1e-5])
 def test_a_disc_at_rest_rolls_without_turning(mu_r):
-    """Only rolling resistance takes energy; the balances count the impulse that brings it to rest."""
-    done = solve(scenario(friction=LAW | {"mu_r": mu_r}, initial={"theta": 1.0, "omega3": 5.0, "phi_dot": 1.0}))
+    """Only rolling resistance takes energy; the balances count the impulse that brings
+    it to rest.
+    """
+    done = solve(
+        scenario(
+            friction=LAW | {"mu_r": mu_r}, initial={"theta": 1.0, "omega3": 5.0, "phi_dot": 1.0}
+        )
+    )
     assert done.status is Status.FINISHED
     assert max(done.report["drift"].values()) < 1e-13
     assert done.report["contact_phases"]["counts"] == {"slip": 1, "rest": 1}
@@ -58,8 +66,13 @@ def test_a_disc_at_rest_rolls_without_turning(mu_r):
 
 
 def test_where_a_disc_comes_to_rest_its_velocities_are_continuous():
-    """To 1e-6, that is 2.6e-5 rad/s. The force on it and its torque are not, as where a point sticks."""
-    done = solve(scenario(initial={"theta": 1.0, "omega3": 5.0, "phi_dot": 1.0}, run={"output": "steps"}))
+    """To 1e-6, that is 2.6e-5 rad/s.
+
+    The force on it and its torque are not, as where a point sticks.
+    """
+    done = solve(
+        scenario(initial={"theta": 1.0, "omega3": 5.0, "phi_dot": 1.0}, run={"output": "steps"})
+    )
     c = columns_of(done)
     k = np.flatnonzero(c.phase == REST)[0]
     dt = c.time[k] - c.time[k - 1]
@@ -69,7 +82,9 @@ def test_where_a_disc_comes_to_rest_its_velocities_are_continuous():
 
 
 def test_the_reaction_jumps_where_a_disc_stops_and_is_continuous_where_it_gives_way():
-    """The mobility is invertible: the force that keeps v_A = 0 is that of sliding only where v_A' = 0 before."""
+    """The mobility is invertible: the force that keeps v_A = 0 is that of sliding only where v_A' =
+    0 before.
+    """
     done = solve(rocking(output="steps"))
     b, phases = done.problem.internal_body, opened(done.problem.system, done.problem.law, 1).phases
     rows = [Row(*row[: len(Row._fields)]) for row in done.rows]
@@ -80,7 +95,9 @@ def test_the_reaction_jumps_where_a_disc_stops_and_is_continuous_where_it_gives_
         x = moving(rows[k if rests[k + 1] else k + 1], ())  # the end of a slide, or its beginning
         slip, rest = phases["slip-" + regions_of(x, done.problem.law.regions, b)[0]], phases["rest"]
         q = slip.enter(x, b)
-        sliding, held = (np.array(phase.reaction(phase.enter(x, b), b).force) for phase in (slip, rest))
+        sliding, held = (
+            np.array(phase.reaction(phase.enter(x, b), b).force) for phase in (slip, rest)
+        )
         jump = np.linalg.norm(held - sliding)
         slows = np.hypot(*slip.form.rates(q, b)[6:8])
         if rests[k + 1]:
@@ -90,10 +107,14 @@ def test_the_reaction_jumps_where_a_disc_stops_and_is_continuous_where_it_gives_
 
 
 def held(done, c):
-    """How much more friction could give in each row of rest: complementarity asks for no less than 0."""
+    """How much more friction could give in each row of rest: complementarity asks for no less than
+    0.
+    """
     b, second = done.problem.internal_body, float(done.problem.scales.of(SECOND))
     phase, found = opened(done.problem.system, done.problem.law, 1).phases["rest"], []
-    for theta, theta_dot, phi_dot, omega3 in np.array([c.theta, c.theta_dot, c.phi_dot, c.omega3]).T[c.phase == REST]:
+    for theta, theta_dot, phi_dot, omega3 in np.array(
+        [c.theta, c.theta_dot, c.phi_dot, c.omega3]
+    ).T[c.phase == REST]:
         s, z = np.sin(theta), np.cos(theta)
         turn = np.array([theta_dot * b.I1, phi_dot * s * b.I1, omega3 * b.I3]) * second
         L = Vector(-turn[1] * z + turn[2] * s, turn[0], turn[1] * s + turn[2] * z)
@@ -117,10 +138,17 @@ def test_a_disc_gives_way_where_friction_can_no_longer_hold_it():
 
 
 def test_rest_is_the_motion_of_newton_and_euler():
-    """Eleven linear equations for v_A' = 0, Omega_z' = 0 with rolling resistance, integrated by DOP853."""
+    """Eleven linear equations for v_A' = 0, Omega_z' = 0 with rolling resistance, integrated by
+    DOP853.
+    """
     mu_r = 2e-4
     s, z0 = np.sin(0.5), np.cos(0.5)
-    start = {"theta": 0.5, "theta_dot": 8.0, "omega3": 4.0, "phi_dot": -4.0 * z0 / s**2}  # Omega_z = 0
+    start = {
+        "theta": 0.5,
+        "theta_dot": 8.0,
+        "omega3": 4.0,
+        "phi_dot": -4.0 * z0 / s**2,
+    }  # Omega_z = 0
     done = solve(scenario(until=0.3, friction=LAW | {"mu_r": mu_r}, initial=start))
     c = columns_of(done)
     assert (c.phase == REST).all()
@@ -135,10 +163,14 @@ def test_rest_is_the_motion_of_newton_and_euler():
         rolling = k * np.array([omega[0], omega[1], 0.0])
 
         def motion(x):
-            torque = np.cross(a, x[:3]) + x[3] * z + x[2] * rolling - np.cross(omega, inertia @ omega)
+            torque = (
+                np.cross(a, x[:3]) + x[3] * z + x[2] * rolling - np.cross(omega, inertia @ omega)
+            )
             turn = np.linalg.solve(inertia, torque)
             arm_rate = BODY["alpha"] * R * np.cross(omega, u)
-            return np.append(x[:3] / m - g * z + np.cross(turn, a) + np.cross(omega, arm_rate), turn[2]), turn
+            return np.append(
+                x[:3] / m - g * z + np.cross(turn, a) + np.cross(omega, arm_rate), turn[2]
+            ), turn
 
         free = motion(np.zeros(4))[0]
         matrix = np.array([motion(x)[0] - free for x in np.eye(4)]).T
@@ -146,16 +178,27 @@ def test_rest_is_the_motion_of_newton_and_euler():
 
     phi_dot = start["phi_dot"]
     omega = [s * (4.0 - phi_dot * z0), 8.0, 4.0 * z0 + phi_dot * s**2]
-    path = solve_ivp(rates, (0.0, 0.3), [s, 0.0, z0, *omega], method="DOP853", rtol=1e-12, atol=1e-12, t_eval=c.time)
+    path = solve_ivp(
+        rates,
+        (0.0, 0.3),
+        [s, 0.0, z0, *omega],
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-12,
+        t_eval=c.time,
+    )
     np.testing.assert_allclose(np.cos(c.theta), path.y[2], rtol=0, atol=1e-11)
 
 
 def test_a_disc_whose_turning_is_reversed_passes_its_rest():
-    """theta' and the spin about 3hat turn it the other way, more than friction can hold: w and U vanish at once, and
-    grow again."""
+    """theta' and the spin about 3hat turn it the other way, more than friction can hold: w and U
+    vanish at once, and grow again.
+    """
     start = {"theta": 1.2, "theta_dot": 20.0, "phi_dot": -9.0, "omega3": 21.0}
     disc = LAW | {"patch": 1e-3}
-    done = solve(scenario(until=0.02, friction=disc, parameters=BODY | {"I3": 12e-7}, initial=start))
+    done = solve(
+        scenario(until=0.02, friction=disc, parameters=BODY | {"I3": 12e-7}, initial=start)
+    )
     assert done.report["contact_phases"]["counts"] == {"slip": 1}
     assert max(done.report["drift"].values()) < 1e-13
     c = columns_of(done)
@@ -177,9 +220,16 @@ def test_a_disc_that_turns_back_after_its_rest_rests():
 @pytest.mark.parametrize("seed", range(8))
 def test_random_runs_keep_their_balances(seed):
     rng = np.random.default_rng(seed)
-    law = LAW | {"mu": 10 ** rng.uniform(-1.5, -0.4), "patch": 0.015 * 10 ** rng.uniform(-1.8, -0.8)}
+    law = LAW | {
+        "mu": 10 ** rng.uniform(-1.5, -0.4),
+        "patch": 0.015 * 10 ** rng.uniform(-1.8, -0.8),
+    }
     law |= {"mu_r": (0.0, 1e-5, 3e-4)[seed % 3]}
-    start = {"theta": rng.uniform(0.05, 3.1), "omega3": 3 * rng.normal(), "theta_dot": 8 * rng.normal()}
+    start = {
+        "theta": rng.uniform(0.05, 3.1),
+        "omega3": 3 * rng.normal(),
+        "theta_dot": 8 * rng.normal(),
+    }
     done = solve(scenario(until=0.5, friction=law, initial=start))
     assert done.status is Status.FINISHED
     assert max(done.report["drift"].values()) < 1e-13

@@ -1,4 +1,6 @@
-"""Landings, the events of a flight: against its closed form, and the reference; none is missed, however short."""
+"""Landings, the events of a flight: against its closed form, and the reference; none is missed,
+however short.
+"""
 
 import json
 from pathlib import Path
@@ -27,7 +29,11 @@ from tippetop.mechanics.operand import Vector, leaves
 from tippetop.mechanics.systems import SYSTEMS
 
 
-CASE = json.loads((Path(__file__).parents[2] / "reference" / "caseC3_liftoff_flight_plastic_landing.json").read_text())
+CASE = json.loads(
+    (
+        Path(__file__).parents[2] / "reference" / "caseC3_liftoff_flight_plastic_landing.json"
+    ).read_text()
+)
 SYSTEM = opened(SYSTEMS["tippe-top"], LAWS["none"], 1)
 FLIGHT = SYSTEM.phases["flight"]
 FORMULAS = formulas_of_phase(SYSTEM, FLIGHT, Touch, Frictionless)
@@ -44,10 +50,14 @@ class Flights:
         code = compiled_from(FORMULAS, precision, 0.0, 0, wide, True)
         code.rows.events["ends"] *= np.isin(NAMES, LANDINGS)
         start, pars = np.zeros(14, self.number), [self.number(1)] * len(code.integrator.pars)
-        self.driver = (WideDriver if wide else Driver)(code, code.rows, pars, start, np.ones(len(NAMES)), 1e9)
+        self.driver = (WideDriver if wide else Driver)(
+            code, code.rows, pars, start, np.ones(len(NAMES)), 1e9
+        )
 
     def landing(self, x: Moving, b: Touch, zeros: int) -> tuple[Any, str]:
-        """Return the time of the landing and its event; `zeros` of the gap and its derivatives vanish now."""
+        """Return the time of the landing and its event; `zeros` of the gap and its derivatives
+        vanish now.
+        """
         driver, tally = self.driver, self.driver.tally
         q = FLIGHT.enter(x, b)
         driver.state[:] = 0
@@ -71,7 +81,15 @@ def flights() -> Flights:
 
 
 def body(c: float, **other: float) -> Touch:
-    numbers = {"m": 1.0, "R": 1.0, "I1": 0.37, "I3": 0.35, "g": 1.0, "clearance": 1.0, "lever": 0.0} | other
+    numbers = {
+        "m": 1.0,
+        "R": 1.0,
+        "I1": 0.37,
+        "I3": 0.35,
+        "g": 1.0,
+        "clearance": 1.0,
+        "lever": 0.0,
+    } | other
     return Touch(c=c, friction=Frictionless(), **numbers)
 
 
@@ -82,19 +100,28 @@ def state(b: Touch, theta: float, L: Any, rise: float, gap: float = 0.0) -> Movi
 
 
 def gap_at(x: Moving, b: Touch, gap: float, t: Any) -> Any:
-    """The gap at times t, in the numbers of t: L stays, the axis turns about it, the centre falls. [contact 3.1]"""
+    """The gap at times t, in the numbers of t: L stays, the axis turns about it, the centre falls.
+
+    [contact 3.1]
+    """
     sine, cosine = (mp.sin, mp.cos) if isinstance(t, mp.mpf) else (np.sin, np.cos)
     number = type(t) if isinstance(t, mp.mpf) else np.longdouble
     u, L = ([number(value) for value in vector] for vector in (x.u, x.L))
     size = (L[0] ** 2 + L[1] ** 2 + L[2] ** 2) ** 0.5
     along = sum(a * b for a, b in zip(L, u, strict=True)) / size**2
     angle = size / b.I1 * t
-    turned = (u[2] - along * L[2]) * (cosine(angle) - 1) + (L[0] * u[1] - L[1] * u[0]) / size * sine(angle)
+    turned = (u[2] - along * L[2]) * (cosine(angle) - 1) + (
+        L[0] * u[1] - L[1] * u[0]
+    ) / size * sine(angle)
     return gap + x.velocity.z * t - b.g * t * t / 2 + b.c * turned
 
 
-def random_flights(rng: np.random.Generator, zeros: int, count: int) -> list[tuple[Moving, Touch, float]]:
-    """Of tops that turn slowly or so fast that they come down tens of times before they would land."""
+def random_flights(
+    rng: np.random.Generator, zeros: int, count: int
+) -> list[tuple[Moving, Touch, float]]:
+    """Of tops that turn slowly or so fast that they come down tens of times before they
+    would land.
+    """
     found: list[tuple[Moving, Touch, float]] = []
     while len(found) < count:
         b, L = body(rng.uniform(-0.6, 0.6)), rng.normal(size=3) * 10 ** rng.uniform(-1, 1.2)
@@ -113,13 +140,19 @@ def random_flights(rng: np.random.Generator, zeros: int, count: int) -> list[tup
 
 def test_a_body_that_does_not_turn_lands_as_a_point_does(flights: Flights) -> None:
     b = body(0.3)
-    assert flights.landing(state(b, 0.6, (0, 0, 0), 1.0), b, 1)[0] == pytest.approx(2 / b.g, rel=1e-15)
+    assert flights.landing(state(b, 0.6, (0, 0, 0), 1.0), b, 1)[0] == pytest.approx(
+        2 / b.g, rel=1e-15
+    )
 
 
 @pytest.mark.parametrize("zeros", [0, 1, 2, 3])
 @pytest.mark.parametrize("count", [150, at_night(2500)])
-def test_no_landing_is_missed(zeros: int, count: int, flights: Flights, rng: np.random.Generator) -> None:
-    """The gap vanishes at the landing, falling, and nowhere before it; to the rounding error of the height."""
+def test_no_landing_is_missed(
+    zeros: int, count: int, flights: Flights, rng: np.random.Generator
+) -> None:
+    """The gap vanishes at the landing, falling, and nowhere before it; to the rounding error of the
+    height.
+    """
     for x, b, gap in random_flights(rng, zeros, count):
         t = np.longdouble(flights.landing(x, b, zeros)[0])
         near = np.array([t - 1e-9, t + 1e-9])
@@ -134,16 +167,26 @@ def test_the_derivatives_of_the_gap_are_those_of_the_flight(rng: np.random.Gener
         with mp.workdps(40):
             exact = mp.taylor(lambda t, x=x, b=b, gap=gap: gap_at(x, b, gap, mp.mpf(t)), 0, 3)[1:]
         expected = [float(c * mp.factorial(k)) for k, c in enumerate(exact, 1)]
-        assert [gap_rate(x, b, k) for k in (1, 2, 3)] == pytest.approx(expected, rel=1e-12, abs=1e-13)
+        assert [gap_rate(x, b, k) for k in (1, 2, 3)] == pytest.approx(
+            expected, rel=1e-12, abs=1e-13
+        )
 
 
 @pytest.mark.parametrize(("precision", "digits"), [("double", 3e-16), ("longdouble", 6e-19)])
 def test_the_reference_lands_where_it_does(precision: str, digits: float) -> None:
-    """A liftoff: a triple root at the start, which the rounding of the state must not move. SI units."""
+    """A liftoff: a triple root at the start, which the rounding of the state must not move.
+
+    SI units.
+    """
     liftoff, touch = CASE["events"][:2]
     flights = Flights(precision)
     n = flights.number
-    e = Angles(*(n(liftoff.get(name, "0")) for name in ("theta", "thetadot", "phidot", "omega3")), 0, 0, *[0] * 5)
+    e = Angles(
+        *(n(liftoff.get(name, "0")) for name in ("theta", "thetadot", "phidot", "omega3")),
+        0,
+        0,
+        *[0] * 5,
+    )
     e, I1, I3 = e._replace(phi=n(liftoff["phi"])), n(131) / 43750000, n(1) / 312500
     u, L = axis_and_momentum(e, np.sin(e.theta), np.cos(e.theta), I1, I3)
     b = Touch(n(1) / 50, n(1) / 50, n(6) / 1000, I1, I3, n(982) / 100, Frictionless(), n(1), n(0))
@@ -157,7 +200,9 @@ def test_the_reference_lands_where_it_does(precision: str, digits: float) -> Non
 def test_grazing_liftoffs_land_at_once(share: float, flights: Flights) -> None:
     """Their hop lasts 4 gap'''/|gap''''|, to first order."""
     b, z, Omega = body(-0.5), 0.3, 3.0
-    b = b._replace(g=0.5 * Omega**2 * z)  # no second derivative where L is horizontal and along the axis' rate
+    b = b._replace(
+        g=0.5 * Omega**2 * z
+    )  # no second derivative where L is horizontal and along the axis' rate
     s = np.sqrt(1 - z * z)
     L = b.I1 * Omega * np.array([0.0, np.cos(share * z / s), 0.0])
     L[0] = b.I1 * Omega * np.sin(share * z / s)
@@ -166,20 +211,26 @@ def test_grazing_liftoffs_land_at_once(share: float, flights: Flights) -> None:
     fourth = b.c * Omega**4 * z
     x = x._replace(velocity=Vector(0.0, 0.0, -b.c * axis_rate(x.u, x.L, b).z))
     assert third > 0 > fourth
-    assert flights.landing(x, b, 3)[0] == pytest.approx(-4 * third / fourth, rel=max(3 * share, 1e-9))
+    assert flights.landing(x, b, 3)[0] == pytest.approx(
+        -4 * third / fourth, rel=max(3 * share, 1e-9)
+    )
 
 
 @pytest.mark.parametrize("depth", [1e-4, 1e-8, 1e-12, -1e-12, -1e-8, -1e-4])
 def test_a_gap_that_all_but_closes_is_followed(depth: float, flights: Flights) -> None:
     """Weight hardly acts: the gap is that of the turning, whose second minimum lies at -depth."""
     b, Omega = body(0.5, g=1e-9), 1.0
-    x = state(b, np.pi / 2, (0.0, -b.I1 * Omega, 0.0), 0.0, 0.5 - depth)  # gap = 0.5 (1 + sin) - depth, less a fall
+    x = state(
+        b, np.pi / 2, (0.0, -b.I1 * Omega, 0.0), 0.0, 0.5 - depth
+    )  # gap = 0.5 (1 + sin) - depth, less a fall
     x = x._replace(velocity=Vector(0.0, 0.0, 0.0))
     fallen = 3 * np.pi / 2
     sag = b.g * fallen**2 / 2
     t, _ = flights.landing(x, b, 0)
     if depth + sag > 0:
-        assert t == pytest.approx(fallen - np.sqrt(2 * (depth + sag) / 0.5), abs=0.03 * np.sqrt(depth + sag) + 1e-7)
+        assert t == pytest.approx(
+            fallen - np.sqrt(2 * (depth + sag) / 0.5), abs=0.03 * np.sqrt(depth + sag) + 1e-7
+        )
     else:
         assert t > fallen * 1.5
 

@@ -1,5 +1,6 @@
-"""Impacts under laws that are smooth in the sliding velocity, or have regions: against laws that share no code with
-them, integrations of the whole body, and impacts of a point."""
+"""Impacts under laws that are smooth in the sliding velocity, or have regions: against laws that
+share no code with them, integrations of the whole body, and impacts of a point.
+"""
 
 from types import SimpleNamespace
 from typing import Any
@@ -33,13 +34,21 @@ _motions: dict[tuple, ImpactMotions] = {}
 
 
 def hit(
-    v: tuple, theta: float, b: Touch, e_n: Any, restitution: str = "energetic", Omega_z: Any = 0.0, precision="double"
+    v: tuple,
+    theta: float,
+    b: Touch,
+    e_n: Any,
+    restitution: str = "energetic",
+    Omega_z: Any = 0.0,
+    precision="double",
 ) -> Impact:
     """The impact of a body that arrives with v = (v_e, v_2, v_n)."""
     return hit_at(v, np.sin(theta), np.cos(theta), b, e_n, restitution, Omega_z, precision)
 
 
-def hit_at(v: tuple, s: Any, z: Any, b: Touch, e_n: Any, restitution: str, Omega_z: Any, precision: str) -> Impact:
+def hit_at(
+    v: tuple, s: Any, z: Any, b: Touch, e_n: Any, restitution: str, Omega_z: Any, precision: str
+) -> Impact:
     law = type(b.friction)
     key = law, restitution, precision
     if key not in _motions:
@@ -68,12 +77,14 @@ def balance(v: tuple, made: Impact, Omega_z: Any = 0) -> Any:
     return sum((a * (b + c) for a, b, c in zip(p, v, after, strict=True)), turned) / 2
 
 
-# --- laws with a coefficient ------------------------------------------------------------------------------------------
+# --- laws with a coefficient --------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("k", [0.0, 0.1, 2.0])
 def test_viscous_friction_follows_its_linear_equation(k: float) -> None:
-    """v' = A v + b by the normal impulse: the exponential of a matrix, to where v_n is -e_n of what it was."""
+    """v' = A v + b by the normal impulse: the exponential of a matrix, to where v_n is -e_n of what
+    it was.
+    """
     body = TOP._replace(friction=Viscous(k))
     for theta, (v_e, v_2, v_n) in contacts():
         K = mobility(np.sin(theta), np.cos(theta), body)
@@ -94,18 +105,33 @@ def test_viscous_friction_follows_its_linear_equation(k: float) -> None:
             assert (got.v_e, got.v_2, got.v_n) == pytest.approx(tuple(exact[:3]), abs=1e-12)
 
 
-LAWS_OF = (Viscous(0.3), Coulomb(0.3, 0.1), Coulomb(0.3, 1e-3), Stribeck(0.2, 0.4, 0.3, 0.05), Latitude(0.2, 0.7))
+LAWS_OF = (
+    Viscous(0.3),
+    Coulomb(0.3, 0.1),
+    Coulomb(0.3, 1e-3),
+    Stribeck(0.2, 0.4, 0.3, 0.05),
+    Latitude(0.2, 0.7),
+)
 
 
 @every_law
 @pytest.mark.parametrize("law", LAWS_OF)
 @pytest.mark.parametrize("size", [1.0, 1e-6, at_night(1e3)])
 def test_the_works_are_those_of_the_impulse(law: Any, restitution: str, size: float) -> None:
-    """The sum of the works is p.(v- + v+)/2, whatever the law and the speed; energetic: of the normal ones e_n^2 comes
-    back; Poisson: of the normal impulse e_n; Newton: of the velocity."""
+    """The sum of the works is p.(v- + v+)/2, whatever the law and the speed; energetic: of the
+    normal ones e_n^2 comes back; Poisson: of the normal impulse e_n; Newton: of the velocity.
+    """
     fields = {"mu": size} if isinstance(law, Viscous) else {"mu": size, "mu_stem": size}
-    fields = fields if hasattr(law, "mu_stem") or isinstance(law, Viscous) else {"eps": 1 / size, "v_s": 1 / size}
-    body = TOP._replace(friction=law._replace(**{n: getattr(law, n) / f for n, f in fields.items() if hasattr(law, n)}))
+    fields = (
+        fields
+        if hasattr(law, "mu_stem") or isinstance(law, Viscous)
+        else {"eps": 1 / size, "v_s": 1 / size}
+    )
+    body = TOP._replace(
+        friction=law._replace(
+            **{n: getattr(law, n) / f for n, f in fields.items() if hasattr(law, n)}
+        )
+    )
     for theta, v in contacts():
         v = tuple(size * x for x in v)
         got, scale = hit(v, theta, body, 0.5, restitution), size**2
@@ -168,9 +194,16 @@ def test_a_body_moves_as_its_impulse_says(e_n: float) -> None:
     """The axis vertical, too: then e is the direction of the slip, or any where nothing slips."""
     b = Touch(0.02, 0.02, 0.006, 3e-6, 3.2e-6, 9.82, Viscous(0.3))
     rules = SimpleNamespace(restitution="energetic")
-    world = Impacts(SimpleNamespace(contact=rules, system=SimpleNamespace(laws=LAWS), precision="double"), b.friction)
+    world = Impacts(
+        SimpleNamespace(contact=rules, system=SimpleNamespace(laws=LAWS), precision="double"),
+        b.friction,
+    )
     tilted, upright = Vector(0.48, 0.36, 0.8), Vector(0.0, 0.0, 1.0)
-    starts = [(tilted, Vector(1e-4, 2e-4, 9e-4)), (upright, Vector(0.0, 1e-5, 9e-4)), (upright, Vector(0.0, 0.0, 9e-4))]
+    starts = [
+        (tilted, Vector(1e-4, 2e-4, 9e-4)),
+        (upright, Vector(0.0, 1e-5, 9e-4)),
+        (upright, Vector(0.0, 0.0, 9e-4)),
+    ]
     for u, L in starts:
         velocity = Vector(0.02, -0.01, -0.3) if L.y else Vector(0.0, 0.0, -0.3)
         v, impact, after = world.struck(Moving(u, L, velocity, 0.0), b, e_n)
@@ -178,28 +211,48 @@ def test_a_body_moves_as_its_impulse_says(e_n: float) -> None:
         assert after.gained == pytest.approx(gained, rel=1e-13)
         assert impact.energy == pytest.approx(gained, rel=1e-13)
         assert after.v.z == pytest.approx(impact.v_n, abs=1e-15)
-        assert np.hypot(after.v.x, after.v.y) == pytest.approx(np.hypot(impact.v_e, impact.v_2), abs=1e-15)
-        assert np.hypot(after.p.x, after.p.y) == pytest.approx(np.hypot(impact.p_e, impact.p_2), rel=1e-13)
+        assert np.hypot(after.v.x, after.v.y) == pytest.approx(
+            np.hypot(impact.v_e, impact.v_2), abs=1e-15
+        )
+        assert np.hypot(after.p.x, after.p.y) == pytest.approx(
+            np.hypot(impact.p_e, impact.p_2), rel=1e-13
+        )
 
 
-@pytest.mark.parametrize(("precision", "digits"), [("longdouble", 1e-18), pytest.param("quad", 1e-32)])
+@pytest.mark.parametrize(
+    ("precision", "digits"), [("longdouble", 1e-18), pytest.param("quad", 1e-32)]
+)
 @pytest.mark.parametrize("law", [Coulomb(0.3, 0.1), DISC.friction])
 def test_an_impact_has_the_digits_of_its_numbers(precision: str, digits: float, law: Any) -> None:
     """The works and impulses are integrated; p.(v- + v+)/2 joins them."""
     number = {"longdouble": np.longdouble, "quad": hy.real128}[precision]
     v, body = tuple(number(x) for x in (0.1, -0.1, -0.3)), DISC._replace(friction=law)
     turn = number(80) if isinstance(law, Contensou) else number(0)
-    b = refill(body._replace(clearance=0.0, lever=0.0), map(number, leaves(body._replace(clearance=0.0, lever=0.0))))
-    made = hit_at(v, (1 - number(0.6) ** 2) ** number(0.5), number(0.6), b, number(0.5), "energetic", turn, precision)
+    b = refill(
+        body._replace(clearance=0.0, lever=0.0),
+        map(number, leaves(body._replace(clearance=0.0, lever=0.0))),
+    )
+    made = hit_at(
+        v,
+        (1 - number(0.6) ** 2) ** number(0.5),
+        number(0.6),
+        b,
+        number(0.5),
+        "energetic",
+        turn,
+        precision,
+    )
     assert abs(made.energy - balance(v, made, turn)) < 100 * digits * abs(made.compression)
     assert abs(made.work_n - made.compression * 3 / 4) < digits * abs(made.compression)
 
 
-# --- a contact disc that slides and turns -----------------------------------------------------------------------------
+# --- a contact disc that slides and turns -------------------------------------------------------
 
 
 def body_struck(v: tuple, omega: np.ndarray, theta: float, ball: Touch, until: float) -> tuple:
-    """Contact velocity, omega and gain of L after the normal impulse `until`: the free body, by Newton and Euler."""
+    """Contact velocity, omega and gain of L after the normal impulse `until`: the free body, by
+    Newton and Euler.
+    """
     u = np.array([np.sin(theta), 0, np.cos(theta)])
     a = ball.c * u - np.array([0, 0, ball.R])
     inverse = np.eye(3) / ball.I1 + (1 / ball.I3 - 1 / ball.I1) * np.outer(u, u)
@@ -213,7 +266,9 @@ def body_struck(v: tuple, omega: np.ndarray, theta: float, ball: Touch, until: f
         torque = np.array([0, 0, -ball.friction.mu * PATCH**2 * twist * omega[2]])
         return np.concatenate([F / ball.m, np.cross(a, F) + torque])
 
-    y = solve_ivp(rate, (0, until), np.concatenate([V, L]), "DOP853", rtol=1e-12, atol=1e-16).y[:, -1]
+    y = solve_ivp(rate, (0, until), np.concatenate([V, L]), "DOP853", rtol=1e-12, atol=1e-16).y[
+        :, -1
+    ]
     omega = inverse @ y[3:]
     return y[:3] + np.cross(omega, a), omega, y[3:] - L
 
@@ -229,10 +284,16 @@ def test_the_whole_body_moves_so(ball: Touch, restitution: str, rng: np.random.G
         assert made.Omega_z == pytest.approx(turned[2], abs=1e-8)
         a = np.array([ball.c * np.sin(theta), 0, ball.c * np.cos(theta) - ball.R])
         p = np.array([made.p_e, made.p_2, made.p_z])
-        np.testing.assert_allclose(np.cross(a, p) + np.array([0, 0, made.twist.z]), gained, rtol=0, atol=1e-14)
+        np.testing.assert_allclose(
+            np.cross(a, p) + np.array([0, 0, made.twist.z]), gained, rtol=0, atol=1e-14
+        )
         assert made.energy == pytest.approx(balance(v, made, omega[2]), rel=1e-13)
         assert made.work_t < 0
-        ends = {"energetic": made.work_n / made.compression - 0.64, "poisson": 0, "newton": made.v_n - 0.06}
+        ends = {
+            "energetic": made.work_n / made.compression - 0.64,
+            "poisson": 0,
+            "newton": made.v_n - 0.06,
+        }
         assert ends[restitution] == pytest.approx(0, abs=1e-13)
 
 
@@ -270,7 +331,9 @@ def test_a_velocity_that_is_not_a_number_is_refused() -> None:
 
 @every_law
 @pytest.mark.parametrize("Omega_z", [0.0, 0.1])
-def test_a_disc_that_hardly_turns_comes_to_rest_as_a_point_does(Omega_z: float, restitution: str) -> None:
+def test_a_disc_that_hardly_turns_comes_to_rest_as_a_point_does(
+    Omega_z: float, restitution: str
+) -> None:
     v, b, e_n = (0.02, -0.03, -0.3), under(0.3, 2e-5), 0.5
     made = hit(v, 1.0, b, e_n, restitution, Omega_z)
     point = struck(*v, mobility(np.sin(1.0), np.cos(1.0), b), b.friction.mu, e_n, restitution)
@@ -322,10 +385,15 @@ def test_a_disc_rests_below_a_slip() -> None:
 
 @every_law
 @pytest.mark.parametrize("theta", [0.5, 2.0])
-def test_what_does_not_slide_is_pushed_so_that_it_stays_at_rest(theta: float, restitution: str) -> None:
+def test_what_does_not_slide_is_pushed_so_that_it_stays_at_rest(
+    theta: float, restitution: str
+) -> None:
     """Of a slanted body the normal impulse would move the contact, too."""
     ball = under(0.6)
-    made, K = hit((0.0, 0.0, -1.0), theta, ball, 0.5, restitution), mobility(np.sin(theta), np.cos(theta), ball)
+    made, K = (
+        hit((0.0, 0.0, -1.0), theta, ball, 0.5, restitution),
+        mobility(np.sin(theta), np.cos(theta), ball),
+    )
     assert made.mode == "stick"
     assert (made.v_e, made.v_2, made.Omega_z) == (0, 0, 0)
     assert abs(K.ez * made.p_z) > 0.1
@@ -337,10 +405,22 @@ def test_what_does_not_slide_is_pushed_so_that_it_stays_at_rest(theta: float, re
 @every_law
 @pytest.mark.parametrize("theta", [0.5, 2.6])
 @pytest.mark.parametrize("v_e", [0.0, 1e-3, -1e-3])
-def test_what_friction_cannot_hold_slips_as_a_point_does(v_e: float, theta: float, restitution: str) -> None:
-    """Without drilling, from rest or back out of it: the normal impulse pushes a slanted body to one side."""
+def test_what_friction_cannot_hold_slips_as_a_point_does(
+    v_e: float, theta: float, restitution: str
+) -> None:
+    """Without drilling, from rest or back out of it: the normal impulse pushes a slanted body to
+    one side.
+    """
     ball = under(0.02)
-    point = struck(v_e, 0.0, -1.0, mobility(np.sin(theta), np.cos(theta), ball), ball.friction.mu, 0.5, restitution)
+    point = struck(
+        v_e,
+        0.0,
+        -1.0,
+        mobility(np.sin(theta), np.cos(theta), ball),
+        ball.friction.mu,
+        0.5,
+        restitution,
+    )
     made = hit((v_e, 0.0, -1.0), theta, ball, 0.5, restitution)
     assert made.mode == "slip"
     assert abs(point.v_e) > 0.01
@@ -363,7 +443,16 @@ def test_units_do_not_show(v: tuple, Omega_z: float, mu: float, restitution: str
     """Powers of two of time, which no rounding sees."""
     ball, per_time = under(mu), 2.0**7
     expected = hit_at(v, 0.6, 0.8, ball, 0.5, restitution, Omega_z, "double")
-    made = hit_at(tuple(x * per_time for x in v), 0.6, 0.8, ball, 0.5, restitution, Omega_z * per_time, "double")
+    made = hit_at(
+        tuple(x * per_time for x in v),
+        0.6,
+        0.8,
+        ball,
+        0.5,
+        restitution,
+        Omega_z * per_time,
+        "double",
+    )
     units = (*(per_time,) * 6, *(per_time**2,) * 3)
     assert made[:9] == tuple(x * unit for x, unit in zip(expected, units, strict=False))
     assert (made.mode, made.twist.z) == (expected.mode, expected.twist.z * per_time)
@@ -378,13 +467,19 @@ def test_an_impact_has_no_kinks_at_borders_of_regions() -> None:
 
 
 @pytest.mark.parametrize("region", ["inside", "outside"])
-def test_growth_is_half_the_rate_of_the_square_of_the_slip(region: str, rng: np.random.Generator) -> None:
+def test_growth_is_half_the_rate_of_the_square_of_the_slip(
+    region: str, rng: np.random.Generator
+) -> None:
     """By the normal impulse."""
     stage = stages(Contensou)[region]
     for _ in range(10):
         ball = Touch(*rng.uniform(0.3, 1.0, 6), DISC.friction)
         b = Blow(
-            *rng.normal(size=4), Mobility(*rng.normal(size=4)), *rng.normal(size=6), Vector(*rng.normal(size=3)), ball
+            *rng.normal(size=4),
+            Mobility(*rng.normal(size=4)),
+            *rng.normal(size=6),
+            Vector(*rng.normal(size=3)),
+            ball,
         )
         q = Motion(*rng.normal(size=12))
         rates = stage.form.rates(q, b)

@@ -1,5 +1,6 @@
-"""Impacts under laws with rolling resistance and a drilling torque: Newton and Euler by DOP853, in the normal impulse,
-and the balances of momentum and energy."""
+"""Impacts under laws with rolling resistance and a drilling torque: Newton and Euler by DOP853, in
+the normal impulse, and the balances of momentum and energy.
+"""
 
 from types import SimpleNamespace
 from typing import Any
@@ -69,7 +70,9 @@ def bodies(n: int, slides: float, seed: int = 7) -> list[tuple]:
     for _ in range(n):
         u = rng.normal(size=3)
         v = [*(slides * rng.normal(size=2)), -rng.uniform(0.1, 1.0)]
-        made.append(tuple(Vector(*map(float, x)) for x in (u / np.linalg.norm(u), rng.normal(size=3), v)))
+        made.append(
+            tuple(Vector(*map(float, x)) for x in (u / np.linalg.norm(u), rng.normal(size=3), v))
+        )
     return made
 
 
@@ -91,7 +94,9 @@ def newton_euler(
     method: Any = "DOP853",
     rtol: float = 1e-12,
 ) -> Any:
-    """v_A, L, impulses of force and torque, works after an impact; law None: the contact point stays at rest."""
+    """v_A, L, impulses of force and torque, works after an impact; law None: the contact point
+    stays at rest.
+    """
     u = np.array(u)
     inverse = np.linalg.inv(b.I1 * np.eye(3) + (b.I3 - b.I1) * np.outer(u, u))
     a = b.c * u - b.R * Z
@@ -102,7 +107,9 @@ def newton_euler(
     def rates(p: float, y: Any) -> list:
         v, omega = y[:3], inverse @ y[3:6]
         rolls = -parts[0] / np.sqrt(omega[:2] @ omega[:2] + STILL**2)
-        T = np.array([rolls * omega[0], rolls * omega[1], -parts[1] * omega[2] / np.hypot(omega[2], STILL)])
+        T = np.array(
+            [rolls * omega[0], rolls * omega[1], -parts[1] * omega[2] / np.hypot(omega[2], STILL)]
+        )
         if law is None:
             free = gains(Z, T)[:2]
             matrix = np.array([gains(one, 0 * Z)[:2] for one in np.eye(3)[:2]]).T
@@ -114,10 +121,16 @@ def newton_euler(
 
     def followed(y: Any, function: Any) -> Any:
         function.terminal, function.direction = True, 1
-        return solve_ivp(rates, (0, 100), y, method=method, rtol=rtol, atol=rtol / 100, events=function).y[:, -1]
+        return solve_ivp(
+            rates, (0, 100), y, method=method, rtol=rtol, atol=rtol / 100, events=function
+        ).y[:, -1]
 
     y = followed([*v, *L, *(0.0,) * 8], lambda p, y: y[2])
-    ends = {"energetic": (12, (1 - e_n**2) * y[12]), "poisson": (8, (1 + e_n) * y[8]), "newton": (2, -e_n * v[2])}
+    ends = {
+        "energetic": (12, (1 - e_n**2) * y[12]),
+        "poisson": (8, (1 + e_n) * y[8]),
+        "newton": (2, -e_n * v[2]),
+    }
     at, goal = ends[restitution]
     return followed(y, lambda p, y: y[at] - goal) if e_n else y
 
@@ -178,7 +191,9 @@ def test_impulses_are_balanced_and_take_energy(law: str, slides: float) -> None:
 def test_parts_of_zero_keep_the_bits(law: str) -> None:
     none = {"mu_r": 0.0} if law == "contensou" else {}
     for body in bodies(5, 1.0):
-        zero, without = (hit(*body, one, 0.5)[2:] for one in (law_of(law, (0.0, 0.0)), law_of(law, None, **none)))
+        zero, without = (
+            hit(*body, one, 0.5)[2:] for one in (law_of(law, (0.0, 0.0)), law_of(law, None, **none))
+        )
         assert zero == without
 
 
@@ -212,7 +227,9 @@ def test_a_disc_without_friction_is_stopped_by_torques_alone() -> None:
 
 @pytest.mark.parametrize("law", ["coulomb", "viscous", "contensou"])
 def test_small_torques_change_an_impact_in_proportion(law: str) -> None:
-    """Without torques an impact is followed by other formulas, in closed form under Coulomb's law."""
+    """Without torques an impact is followed by other formulas, in closed form under
+    Coulomb's law.
+    """
     for body in bodies(10, 1.0):
         none, some = (np.array([*hit(*body, law_of(law, (s, s)), 0.5)[3].L]) for s in (0.0, 1e-9))
         np.testing.assert_allclose(some, none, rtol=0, atol=4e-9)

@@ -1,4 +1,7 @@
-"""The regularised law of Coulomb tends to the law itself, with the orders of theory. [contact 2.8]"""
+"""The regularised law of Coulomb tends to the law itself, with the orders of theory.
+
+[contact 2.8]
+"""
 
 import numpy as np
 
@@ -14,7 +17,13 @@ def theta(mu, start, times, eps=None):
     """theta at these times, of Coulomb's law itself or regularised over the speed eps."""
     friction = {"law": "coulomb", "mu": mu} | ({} if eps is None else {"eps": eps})
     run = {"until": times[-1], "output_times": times}
-    tables = {"system": "tippe-top", "parameters": CANONICAL, "friction": friction, "initial": start, "run": run}
+    tables = {
+        "system": "tippe-top",
+        "parameters": CANONICAL,
+        "friction": friction,
+        "initial": start,
+        "run": run,
+    }
     return solve(problem(tables)).columns()["theta"].values
 
 
@@ -22,7 +31,10 @@ def orders(mu, start, times, speeds):
     """Exponents of the error in eps, from one eps to the next."""
     exact = theta(mu, start, times)
     errors = np.abs([theta(mu, start, times, eps) - exact for eps in speeds])
-    return np.log(errors[:-1] / errors[1:]) / np.log(np.array(speeds[:-1]) / np.array(speeds[1:]))[:, None]
+    return (
+        np.log(errors[:-1] / errors[1:])
+        / np.log(np.array(speeds[:-1]) / np.array(speeds[1:]))[:, None]
+    )
 
 
 def test_the_error_is_of_second_order_while_it_slides():
@@ -32,7 +44,11 @@ def test_the_error_is_of_second_order_while_it_slides():
 
 def test_the_error_is_of_first_order_in_rolling_and_less_after_it():
     """It rolls until 0.03616 s, slides until 0.04490 s: theory has 1, then 4/5 in the limit."""
-    start = {"theta": 0.9923530071805531, "phi_dot": -8.355486315805702, "omega3": 88.18683753238034}
+    start = {
+        "theta": 0.9923530071805531,
+        "phi_dot": -8.355486315805702,
+        "omega3": 88.18683753238034,
+    }
     start["theta_dot"] = -17.927807956520134
     known = orders(0.5935203956711167, start, [0.03, 0.044], [5e-5, 2.5e-5, 1.25e-5])
     assert np.abs(known[:, 0] - 1).max() < 1e-3

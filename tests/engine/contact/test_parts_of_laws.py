@@ -1,4 +1,6 @@
-"""Rolling resistance and a drilling torque beside any friction law: closed forms, and Newton and Euler by DOP853."""
+"""Rolling resistance and a drilling torque beside any friction law: closed forms, and Newton and
+Euler by DOP853.
+"""
 
 import pickle
 
@@ -29,7 +31,10 @@ def scenario(friction, until=0.2, parameters=BODY, parts=True, **tables):
     """A run under a law, with both parts unless it has others."""
     more = {"mu_r": MU_R, "mu_d": MU_D} if parts is True else parts or {}
     run = {"until": until} | tables.pop("run", {})
-    return problem({"system": "tippe-top", "parameters": parameters, "friction": friction | more, "run": run} | tables)
+    return problem(
+        {"system": "tippe-top", "parameters": parameters, "friction": friction | more, "run": run}
+        | tables
+    )
 
 
 def columns_of(done):
@@ -58,7 +63,9 @@ def test_an_upright_spin_falls_linearly(law):
 
 @pytest.mark.parametrize(("law", "mu"), [("viscous", 50.0), ("coulomb", 0.5)])
 def test_a_ball_that_rolls_in_a_straight_line_slows_down(law, mu):
-    """(m + I/R^2) v' = -mu_r m g/R, whatever friction makes it roll; viscous friction lets it slide a little."""
+    """(m + I/R^2) v' = -mu_r m g/R, whatever friction makes it roll; viscous friction lets it slide
+    a little.
+    """
     ball = BODY | {"alpha": 1e-9, "I1": 7e-7}
     start = {"theta": np.pi / 2, "omega3": 40.0}
     done = solve(scenario(LAWS[law] | {"mu": mu}, 0.1, ball, {"mu_r": MU_R}, initial=start))
@@ -76,7 +83,9 @@ def newton_euler(friction, start, until, times):
 
     def torque(omega):
         rolling = -MU_R / np.sqrt(omega[0] ** 2 + omega[1] ** 2 + still**2)
-        return np.array([rolling * omega[0], rolling * omega[1], -MU_D * omega[2] / np.hypot(omega[2], still)])
+        return np.array(
+            [rolling * omega[0], rolling * omega[1], -MU_D * omega[2] / np.hypot(omega[2], still)]
+        )
 
     def rates(t, y):
         u, omega, V = y[:3], y[3:6], y[6:]
@@ -85,7 +94,9 @@ def newton_euler(friction, start, until, times):
         v, tau = V + np.cross(omega, a), torque(omega)
 
         def motion(F, N):
-            turn = np.linalg.solve(inertia, np.cross(a, F) + N * tau - np.cross(omega, inertia @ omega))
+            turn = np.linalg.solve(
+                inertia, np.cross(a, F) + N * tau - np.cross(omega, inertia @ omega)
+            )
             centre = F / m - g * z
             return centre + np.cross(turn, a) + np.cross(omega, a_rate), turn, centre
 
@@ -107,7 +118,9 @@ def newton_euler(friction, start, until, times):
     omega = np.array([s * (omega3 - phi_dot * c), 0.0, c * omega3 + phi_dot * s**2])
     v = np.array([start.get("nu_x", 0.0), start.get("nu_y", 0.0), 0.0])
     y = [*u, *omega, *(v - np.cross(omega, offset * u - R * z))]
-    return solve_ivp(rates, (0.0, until), y, method="DOP853", rtol=1e-12, atol=1e-13, t_eval=times).y[2]
+    return solve_ivp(
+        rates, (0.0, until), y, method="DOP853", rtol=1e-12, atol=1e-13, t_eval=times
+    ).y[2]
 
 
 ROLLING = {"theta": 1.0, "omega3": 20.0, "phi_dot": 3.0}
@@ -117,7 +130,12 @@ ROLLING = {"theta": 1.0, "omega3": 20.0, "phi_dot": 3.0}
     ("law", "start", "phase", "push"),
     [
         ("viscous", SLIDING, 0, lambda v: 0.3 * v * [1, 1, 0]),
-        ("coulomb", SLIDING | {"nu_x": 1.0}, 0, lambda v: 0.3 * v * [1, 1, 0] / np.hypot(v[0], v[1])),
+        (
+            "coulomb",
+            SLIDING | {"nu_x": 1.0},
+            0,
+            lambda v: 0.3 * v * [1, 1, 0] / np.hypot(v[0], v[1]),
+        ),
         ("coulomb", ROLLING, 1, None),
     ],
 )
@@ -125,7 +143,9 @@ def test_a_phase_is_the_motion_of_newton_and_euler(law, start, phase, push):
     done = solve(scenario(LAWS[law], until=0.05, initial=start))
     c = columns_of(done)
     assert (c["phase"] == phase).all()
-    np.testing.assert_allclose(np.cos(c["theta"]), newton_euler(push, start, 0.05, c["time"]), rtol=0, atol=2e-11)
+    np.testing.assert_allclose(
+        np.cos(c["theta"]), newton_euler(push, start, 0.05, c["time"]), rtol=0, atol=2e-11
+    )
 
 
 def test_a_drilling_torque_holds_a_disc_that_friction_cannot_hold_alone():
@@ -133,7 +153,9 @@ def test_a_drilling_torque_holds_a_disc_that_friction_cannot_hold_alone():
     z, s = np.cos(0.5), np.sin(0.5)
     start = {"theta": 0.5, "omega3": 4.0, "theta_dot": 8.0, "phi_dot": -4.0 * z / s**2}
     law = LAWS["contensou"] | {"patch": 2e-4}
-    alone, held = (solve(scenario(law, 0.02, initial=start, parts={"mu_d": mu_d})) for mu_d in (0.0, 5e-3))
+    alone, held = (
+        solve(scenario(law, 0.02, initial=start, parts={"mu_d": mu_d})) for mu_d in (0.0, 5e-3)
+    )
     assert held.report["contact_phases"]["counts"] == {"rest": 1}
     assert alone.report["contact_phases"]["counts"] == {"slip": 1}
     assert max(*held.report["drift"].values(), *alone.report["drift"].values()) < 1e-13
@@ -146,7 +168,9 @@ def test_a_rolling_resistance_that_lifts_the_body_is_refused():
 
 @pytest.mark.parametrize("law", ["viscous", "coulomb"])
 def test_quadruple_precision_is_refused(law):
-    with pytest.raises(tt.InputError, match=r'must be "double" or "longdouble" with `friction.mu_r`'):
+    with pytest.raises(
+        tt.InputError, match=r'must be "double" or "longdouble" with `friction.mu_r`'
+    ):
         scenario(LAWS[law], initial=SLIDING, run={"precision": "quad"})
 
 
@@ -165,8 +189,18 @@ def test_records_take_parts_by_name():
     run = tt.run(top, law, start=SLIDING, until=0.01)
     table = tt.run(top, LAWS["viscous"] | {"mu_r": MU_R, "mu_d": MU_D}, start=SLIDING, until=0.01)
     assert run.trajectory.theta.identical(table.trajectory.theta)
-    assert run.summary.friction.to_dict() == {"law": "viscous", "mu": 0.3, "mu_r": MU_R, "mu_d": MU_D}
-    assert tt.friction.Contensou(0.3, 5e-4, 1e-5, mu_d=1e-5)._fields == ("mu", "patch", "mu_r", "mu_d")
+    assert run.summary.friction.to_dict() == {
+        "law": "viscous",
+        "mu": 0.3,
+        "mu_r": MU_R,
+        "mu_d": MU_D,
+    }
+    assert tt.friction.Contensou(0.3, 5e-4, 1e-5, mu_d=1e-5)._fields == (
+        "mu",
+        "patch",
+        "mu_r",
+        "mu_d",
+    )
     with pytest.raises(tt.InputError, match="mu_r"):
         tt.friction.Coulomb(0.3, mu_r=-1e-5)
 
@@ -178,7 +212,9 @@ def test_a_problem_with_parts_can_be_pickled():
 
 @pytest.mark.parametrize("system", ["gliding-cylinder", "gliding-heavy-top"])
 def test_parts_are_those_of_a_ball(system):
-    with pytest.raises(tt.InputError, match=r"`friction.mu_r` must be of a tippe-top, but the system is"):
+    with pytest.raises(
+        tt.InputError, match=r"`friction.mu_r` must be of a tippe-top, but the system is"
+    ):
         problem({"system": system, "friction": LAWS["viscous"] | {"mu_r": 1e-5}})
 
 
@@ -192,7 +228,9 @@ def test_no_statement_about_lasting_spins_is_made():
     top = tt.TippeTop(**BODY)
     with pytest.raises(tt.InputError, match="no spin lasts"):
         tt.theory.linear_modes(top, omega3=100.0, law=tt.friction.Viscous(0.3, mu_r=1e-5))
-    run = tt.run(top, tt.friction.Viscous(0.3, mu_r=1e-5), start={"theta": 0.3, "omega3": 100.0}, until=0.01)
+    run = tt.run(
+        top, tt.friction.Viscous(0.3, mu_r=1e-5), start={"theta": 0.3, "omega3": 100.0}, until=0.01
+    )
     for kind in ("states", "surface", "inversion"):
         with pytest.raises(tt.InputError, match=r"none does under `friction.mu_r`"):
             run.plot(kind)

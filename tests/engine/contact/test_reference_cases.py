@@ -1,4 +1,6 @@
-"""Whole runs through phases of the contact, against the reference: states within 1e-11, events within 1e-11 s."""
+"""Whole runs through phases of the contact, against the reference: states within 1e-11, events
+within 1e-11 s.
+"""
 
 import numpy as np
 import pytest
@@ -16,9 +18,14 @@ CASES = (
 )
 SCALES = {"theta_dot": 50.0, "phi_dot": 50.0, "omega3": 50.0, "nu_x": 0.1, "nu_y": 0.1, "nu_z": 0.1}
 KEYS = {
-    "theta": ("theta", "theta_unwrapped"), "theta_dot": ("thetadot",), "phi_dot": ("phidot",), "omega3": ("omega3",),
-    "nu_x": ("nu_x",), "nu_y": ("nu_y",), "nu_z": ("nu_z",),
-}  # fmt: skip
+    "theta": ("theta", "theta_unwrapped"),
+    "theta_dot": ("thetadot",),
+    "phi_dot": ("phidot",),
+    "omega3": ("omega3",),
+    "nu_x": ("nu_x",),
+    "nu_y": ("nu_y",),
+    "nu_z": ("nu_z",),
+}
 EVENTS = {"impact-body": "impact"}  # touch-body is the same moment, before it
 
 
@@ -79,9 +86,13 @@ def test_energy_and_the_work_of_friction_balance_through_all_phases(tables: dict
 def test_phases_follow_each_other_without_a_gap() -> None:
     solution = solve(build.problem(BOUNCE))
     parts = solution.others["phases"]
-    start, end, phase = (np.concatenate([part[key] for part in parts]) for key in ("start", "end", "phase"))
+    start, end, phase = (
+        np.concatenate([part[key] for part in parts]) for key in ("start", "end", "phase")
+    )
     assert start[0] == 0
     assert end[-1] == BOUNCE["run"]["until"]
     np.testing.assert_array_equal(start[1:], end[:-1])
     assert {PHASES[p] for p in phase} >= {"flight", "roll"}
-    assert solution.report["contact_phases"]["impacts"] == sum(len(part["time"]) for part in solution.others["impacts"])
+    assert solution.report["contact_phases"]["impacts"] == sum(
+        len(part["time"]) for part in solution.others["impacts"]
+    )

@@ -1,4 +1,6 @@
-"""What a row says of the forces, in each phase of the contact: against what they do to energy and momentum."""
+"""What a row says of the forces, in each phase of the contact: against what they do to energy and
+momentum.
+"""
 
 import numpy as np
 import pytest
@@ -16,9 +18,17 @@ SLIDING = {"theta": 1.0, "omega3": 100.0, "phi_dot": 5.0, "nu_x": 0.3, "nu_y": -
 
 @pytest.mark.parametrize(
     ("friction", "start", "phase"),
-    [(VISCOUS, SLIDING, 0), (COULOMB, SLIDING, 0), (DRILLING, SLIDING, 0), (VISCOUS, BOTH, 3), (DRILLING, BOTH, 3)],
+    [
+        (VISCOUS, SLIDING, 0),
+        (COULOMB, SLIDING, 0),
+        (DRILLING, SLIDING, 0),
+        (VISCOUS, BOTH, 3),
+        (DRILLING, BOTH, 3),
+    ],
 )
-def test_the_power_of_friction_is_what_energy_falls_by(friction: dict, start: dict, phase: int) -> None:
+def test_the_power_of_friction_is_what_energy_falls_by(
+    friction: dict, start: dict, phase: int
+) -> None:
     done = run(LEINE_GLOCKER, friction=friction, initial=start, stem=STEM, contact={}, until=0.01)
     columns = done.columns()
     assert (columns["phase"].values == phase).all()
@@ -31,7 +41,9 @@ def test_the_power_of_friction_is_what_energy_falls_by(friction: dict, start: di
 def test_what_rolls_keeps_its_energy() -> None:
     """Of which the vertical velocity of the centre of mass is a part."""
     start = {"theta": 1.0, "omega3": 100.0, "phi_dot": 5.0, "theta_dot": 3.0}
-    columns = run(LEINE_GLOCKER, friction={"law": "coulomb", "mu": 1.0}, initial=start, until=0.01).columns()
+    columns = run(
+        LEINE_GLOCKER, friction={"law": "coulomb", "mu": 1.0}, initial=start, until=0.01
+    ).columns()
     assert (columns["phase"].values == 1).all()
     energy, theta = columns["energy"].values, columns["theta"].values
     assert np.ptp(energy) < 1e-13 * energy[0]

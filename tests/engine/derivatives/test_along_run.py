@@ -47,17 +47,29 @@ def columns(problem: Problem) -> tuple[dict[str, np.ndarray], Any]:
     """The columns of a run, of wider numbers both halves, and its events."""
     made = solve(problem)
     parts = {name: c.values.astype(np.longdouble) for name, c in made.columns().items()}
-    whole = {name: values + parts.get(f"{name}_lo", 0) for name, values in parts.items() if not name.endswith("_lo")}
+    whole = {
+        name: values + parts.get(f"{name}_lo", 0)
+        for name, values in parts.items()
+        if not name.endswith("_lo")
+    }
     return whole, made.events
 
 
-def difference(problem: Problem, name: str, size: float) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
+def difference(
+    problem: Problem, name: str, size: float
+) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
     """Derivatives of columns, of event times and of theta there."""
     table, _, key = name.partition(".")
-    given = {"parameters": problem.parameters, "friction": problem.friction._asdict(), "initial": problem.initial}
+    given = {
+        "parameters": problem.parameters,
+        "friction": problem.friction._asdict(),
+        "initial": problem.initial,
+    }
     at, by_column, by_time, by_theta = given[table].get(key, 0.0), {}, 0.0, 0.0
     for k, factor in STENCIL.items():
-        (ahead, after), (behind, before) = (columns(changed(problem, name, at + s * k * size)) for s in (1, -1))
+        (ahead, after), (behind, before) = (
+            columns(changed(problem, name, at + s * k * size)) for s in (1, -1)
+        )
         for column, values in ahead.items():
             step = factor * (values - behind[column]) / size
             by_column[column] = by_column.get(column, 0.0) + step
@@ -78,11 +90,17 @@ NOISE = {"double": 2e-14, "longdouble": 2e-17}
 
 
 def assert_as_differences(problem: Problem, precision: str = "double") -> None:
-    """Every derivative by every number, to 1e-8 of the largest of its column and what rounding does to differences."""
+    """Every derivative by every number, to 1e-8 of the largest of its column and what rounding does
+    to differences.
+    """
     numbers = {
         **{f"parameters.{name}": value for name, value in problem.parameters.items()},
         **{f"friction.{name}": value for name, value in problem.friction._asdict().items()},
-        **{f"initial.{name}": value for name, value in problem.initial.items() if not isinstance(value, bool)},
+        **{
+            f"initial.{name}": value
+            for name, value in problem.initial.items()
+            if not isinstance(value, bool)
+        },
     }
     made = solve(problem)
     derived = differentiate(problem, list(numbers), made.times, made.events)
@@ -92,8 +110,12 @@ def assert_as_differences(problem: Problem, precision: str = "double") -> None:
         step = 2e-3 * (abs(value) or 1.0)
         expected, by_time, by_theta = difference(runs, name, step)
         expected |= {"event time": by_time, "event theta": by_theta}
-        found = {column: c.values[:, i] for column, c in derived.trajectory.items() if column != "time"}
-        found |= {f"event {column}": derived.events[column].values[:, i] for column in ("time", "theta")}
+        found = {
+            column: c.values[:, i] for column, c in derived.trajectory.items() if column != "time"
+        }
+        found |= {
+            f"event {column}": derived.events[column].values[:, i] for column in ("time", "theta")
+        }
         sizes = {
             **{column: np.abs(values).max() for column, values in plain.items()},
             "event time": 1,
@@ -101,18 +123,23 @@ def assert_as_differences(problem: Problem, precision: str = "double") -> None:
         }
         assert len(events.time) > 0
         for column, values in found.items():
-            noise = NOISE["double" if "event" in column else precision]  # events are logged in doubles
+            noise = NOISE[
+                "double" if "event" in column else precision
+            ]  # events are logged in doubles
             allowed = 1e-8 * np.abs(expected[column]).max() + noise * sizes[column] / step
             off = np.abs(values - expected[column]).max()
             assert off <= allowed, (name, column, off, allowed, np.abs(expected[column]).max())
 
 
-CASES = [(name, form) for name, system in SYSTEMS.items() for form in system.forms if name in PRESETS]
+CASES = [
+    (name, form) for name, system in SYSTEMS.items() for form in system.forms if name in PRESETS
+]
 QUICK = [("tippe-top", "vector")]
 
 
 @pytest.mark.parametrize(
-    ("system", "form"), [pytest.param(*c, marks=() if c in QUICK else pytest.mark.slow) for c in CASES]
+    ("system", "form"),
+    [pytest.param(*c, marks=() if c in QUICK else pytest.mark.slow) for c in CASES],
 )
 def test_every_system_and_form(system: str, form: str) -> None:
     precision = "double" if (system, form) in QUICK else "longdouble"
@@ -122,7 +149,9 @@ def test_every_system_and_form(system: str, form: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_every_smooth_law(law: str) -> None:
-    assert_as_differences(short("inverting", 0.12, friction={"law": law, **LAWS[law]}), "longdouble")
+    assert_as_differences(
+        short("inverting", 0.12, friction={"law": law, **LAWS[law]}), "longdouble"
+    )
 
 
 # --- what the library says
@@ -138,7 +167,8 @@ def test_datasets_by_parameter_and_second_derivatives_are_differences_of_first_o
     assert found.events.time.dims == ("event", "parameter")
     assert found.second.L.dims == ("time", "parameter", "parameter_2", "xyz")
     ahead, behind = (
-        tt.derivatives.sensitivities(changed(problem, "friction.mu", 0.3 + s * h), wrt).trajectory for s in (1, -1)
+        tt.derivatives.sensitivities(changed(problem, "friction.mu", 0.3 + s * h), wrt).trajectory
+        for s in (1, -1)
     )
     for name in ("theta", "L", "orientation", "normal_force"):
         expected = ((ahead[name] - behind[name]) / (2 * h)).values
@@ -147,8 +177,12 @@ def test_datasets_by_parameter_and_second_derivatives_are_differences_of_first_o
 
 
 def test_a_flag_and_a_number_that_is_not_given() -> None:
-    """centre_at_rest makes the slip depend on omega3; phi_dot, not given, is zero and still has a derivative."""
-    problem = short("inverting", 0.12, initial={"theta": 0.1, "omega3": 155.0, "centre_at_rest": True})
+    """centre_at_rest makes the slip depend on omega3; phi_dot, not given, is zero and still has a
+    derivative.
+    """
+    problem = short(
+        "inverting", 0.12, initial={"theta": 0.1, "omega3": 155.0, "centre_at_rest": True}
+    )
     wrt = ["initial.omega3", "initial.phi_dot"]
     found = tt.derivatives.sensitivities(problem, wrt).trajectory.nu_y.values
     for i, (name, size) in enumerate(zip(wrt, (0.1, 0.01), strict=True)):
@@ -167,6 +201,8 @@ def test_a_flag_and_a_number_that_is_not_given() -> None:
         ("inverting", [], "at least one"),
     ],
 )
-def test_what_has_no_derivatives_is_refused_in_a_sentence(preset: str, wrt: list[str], words: str) -> None:
+def test_what_has_no_derivatives_is_refused_in_a_sentence(
+    preset: str, wrt: list[str], words: str
+) -> None:
     with pytest.raises(InputError, match=words):
         tt.derivatives.sensitivities(preset, wrt, until=0.1)

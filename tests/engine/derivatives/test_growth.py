@@ -1,4 +1,6 @@
-"""How errors grow: exactly as the linear motion about an equilibrium does, and as runs that start beside each other."""
+"""How errors grow: exactly as the linear motion about an equilibrium does, and as runs that start
+beside each other.
+"""
 
 import json
 import math
@@ -13,7 +15,9 @@ from tippetop.engine.derivatives.growth import Growth
 
 
 def test_about_an_unstable_equilibrium_errors_grow_as_the_linear_motion_says() -> None:
-    """A cylinder with its centre of mass above: theta'' = s^2 (theta - pi), and the matrix of it is known."""
+    """A cylinder with its centre of mass above: theta'' = s^2 (theta - pi), and the matrix of it is
+    known.
+    """
     m, R, alpha, I, g = 0.1, 0.04, 0.3, 5e-5, 9.82
     c = alpha * R
     rate = math.sqrt(m * g * c / (I + m * (R + c) ** 2))
@@ -28,7 +32,9 @@ def test_about_an_unstable_equilibrium_errors_grow_as_the_linear_motion_says() -
 
 def state_at(nudge: dict[str, float], t: float) -> np.ndarray:
     """3hat, L and r' of a tippe top that begins a little off, in units of m, R and 2^-4 s."""
-    run = tt.run("inverting", start={**START, **{k: START[k] + v for k, v in nudge.items()}}, until=t)
+    run = tt.run(
+        "inverting", start={**START, **{k: START[k] + v for k, v in nudge.items()}}, until=t
+    )
     end = run.trajectory.isel(time=-1)
     u, L = end.axis.values, end.L.values
     p = run.attributes["parameters"]
@@ -41,15 +47,27 @@ def state_at(nudge: dict[str, float], t: float) -> np.ndarray:
 
 
 SECOND = 2.0**-4
-START = {"theta": 0.3, "phi": 0.1, "theta_dot": 2.0, "phi_dot": 5.0, "omega3": 100.0, "nu_x": 0.05, "nu_y": -0.1}
+START = {
+    "theta": 0.3,
+    "phi": 0.1,
+    "theta_dot": 2.0,
+    "phi_dot": 5.0,
+    "omega3": 100.0,
+    "nu_x": 0.05,
+    "nu_y": -0.1,
+}
 
 
 def test_the_factor_is_that_of_nearby_runs() -> None:
     """Differences of runs, in the norm of 3hat, L and r'."""
-    growth, t = tt.derivatives.lyapunov("inverting", start=START, until=0.25, rows=2).factor.values[-1], 0.25
+    growth, t = (
+        tt.derivatives.lyapunov("inverting", start=START, until=0.25, rows=2).factor.values[-1],
+        0.25,
+    )
     h = dict.fromkeys(START, 1e-6) | {"theta_dot": 1e-4, "phi_dot": 1e-4, "omega3": 1e-3}
     first, last = (
-        np.array([(state_at({k: d}, t) - state_at({k: -d}, t)) / (2 * d) for k, d in h.items()]).T for t in (1e-9, t)
+        np.array([(state_at({k: d}, t) - state_at({k: -d}, t)) / (2 * d) for k, d in h.items()]).T
+        for t in (1e-9, t)
     )
     assert growth == pytest.approx(np.linalg.norm(last @ np.linalg.pinv(first), 2), rel=1e-5)
 

@@ -1,4 +1,6 @@
-"""What arrives at an impact, and the body after it: against vectors, matrices and the equations of Newton and Euler."""
+"""What arrives at an impact, and the body after it: against vectors, matrices and the equations of
+Newton and Euler.
+"""
 
 import numpy as np
 import pytest
@@ -20,11 +22,15 @@ AXES = {
 
 
 class Body:
-    """A random ball: its axis, tensor of inertia, L, the velocity of its centre of mass, and the arm of its contact."""
+    """A random ball: its axis, tensor of inertia, L, the velocity of its centre of mass, and the
+    arm of its contact.
+    """
 
     def __init__(self, axis: str, rng: np.random.Generator):
         I1, I3 = rng.uniform(0.3, 0.6, 2)
-        self.ball = Touch(*rng.uniform((0.5, 0.5, -1.5), (2, 1.5, 1.5)), I1, I3, 9.8, SetValued(0.3))
+        self.ball = Touch(
+            *rng.uniform((0.5, 0.5, -1.5), (2, 1.5, 1.5)), I1, I3, 9.8, SetValued(0.3)
+        )
         u = rng.normal(size=3)
         self.u = np.array(AXES[axis]) if AXES[axis] else u / np.linalg.norm(u)
         self.inertia = I1 * np.eye(3) + (I3 - I1) * np.outer(self.u, self.u)
@@ -74,4 +80,6 @@ def test_an_impulse_and_a_twist_change_the_body_so(body: Body, rng: np.random.Ge
     assert np.array(made.L) == pytest.approx(L_end, rel=1e-12, abs=1e-14)
     assert np.array(made.velocity) == pytest.approx(V_end, rel=1e-12, abs=1e-14)
     assert np.array(made.v) == pytest.approx(body.of_contact(L_end, V_end), rel=1e-12, abs=1e-13)
-    assert made.gained == pytest.approx(body.energy(L_end, V_end) - body.energy(body.L, body.V), rel=1e-12)
+    assert made.gained == pytest.approx(
+        body.energy(L_end, V_end) - body.energy(body.L, body.V), rel=1e-12
+    )

@@ -1,4 +1,6 @@
-"""The formulas of slip, integrated as they stand, lead where the references do: sticking in time-changed variables."""
+"""The formulas of slip, integrated as they stand, lead where the references do: sticking in
+time-changed variables.
+"""
 
 import json
 from pathlib import Path
@@ -22,9 +24,16 @@ STOP = 1e-12  # [m/s]
 
 
 def test_the_canonical_top_sticks_when_the_reference_does() -> None:
-    """dt = w dtau, log w and the direction: regular where the slip ends; then t + w/|P|. [contact 2.2]"""
+    """dt = w dtau, log w and the direction: regular where the slip ends; then t + w/|P|.
+
+    [contact 2.2]
+    """
     case = json.loads((FOLDER / "caseC1_coulomb_slip_to_roll.json").read_text())
-    event = {k: float(v) for k, v in case["events"][0].items() if isinstance(v, str) and k not in ("kind", "contact")}
+    event = {
+        k: float(v)
+        for k, v in case["events"][0].items()
+        if isinstance(v, str) and k not in ("kind", "contact")
+    }
     u = Vector(np.sin(0.1), 0.0, np.cos(0.1))
     L = times(155 * BALL.I3, u)
     v = contact.contact_velocity(u, L, Vector(0.0, 0.0, 0.0), BALL)
@@ -50,7 +59,9 @@ def test_the_canonical_top_sticks_when_the_reference_does() -> None:
     assert end[8] - STOP / P == pytest.approx(event["t"], abs=1e-14)
     assert np.arctan2(np.hypot(u.x, u.y), u.z) == pytest.approx(event["theta"], abs=1e-13)
     F = coulomb.reaction_of_rolling_vector(u, bias_vector(u, L, BALL), BALL)
-    assert np.hypot(F.x, F.y) / (BALL.friction.mu * F.z) == pytest.approx(event["cone_ratio"], rel=1e-10)
+    assert np.hypot(F.x, F.y) / (BALL.friction.mu * F.z) == pytest.approx(
+        event["cone_ratio"], rel=1e-10
+    )
     assert contact.jellett_of(L.z, dot(L, u), BALL) == pytest.approx(event["lambda"], rel=1e-13)
 
 
@@ -67,7 +78,11 @@ def test_normal_forces_of_the_references_are_these() -> None:
             b, K = bias(s, z, *rates, BALL), mobility(s, z, BALL)
             nu = [float(case[k][i]) for k in ("nu_x", "nu_y")]
             n_e = nu[0] / np.hypot(*nu) if phase == "slip" else 0
-            F = slip_force(b, K, n_e, 0, BALL.friction.mu) if phase == "slip" else reaction_of_rolling(b, K)
+            F = (
+                slip_force(b, K, n_e, 0, BALL.friction.mu)
+                if phase == "slip"
+                else reaction_of_rolling(b, K)
+            )
             assert float(case["g_n"][i]) == pytest.approx(F.z, rel=1e-12)
             compared[phase] += 1
     assert min(compared.values()) >= 3

@@ -1,4 +1,6 @@
-"""What holds a contact disc at rest, against the equations of Newton and Euler solved as linear ones."""
+"""What holds a contact disc at rest, against the equations of Newton and Euler solved as linear
+ones.
+"""
 
 import numpy as np
 import pytest
@@ -17,7 +19,9 @@ def state(seed):
     """A ball, and its 3hat, L, velocity: numpy vectors, and the tensor of inertia."""
     rng = np.random.default_rng(seed)
     I1, I3 = rng.uniform(0.3, 0.6, 2)
-    ball = Touch(*rng.uniform((0.5, 0.5, -1.5), (2, 1.5, 1.5)), I1, I3, rng.uniform(0.5, 2), SetValued(0.3))
+    ball = Touch(
+        *rng.uniform((0.5, 0.5, -1.5), (2, 1.5, 1.5)), I1, I3, rng.uniform(0.5, 2), SetValued(0.3)
+    )
     u = rng.normal(size=3)
     u /= np.linalg.norm(u)
     inertia = I1 * np.eye(3) + (I3 - I1) * np.outer(u, u)
@@ -26,7 +30,9 @@ def state(seed):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_a_disc_at_rest_neither_slides_nor_turns(seed):
-    """m s'' = F - m g zhat, L' = a x F + tau zhat + N rolling, and v_A' = 0, Omega_z' = 0: eleven equations."""
+    """m s'' = F - m g zhat, L' = a x F + tau zhat + N rolling, and v_A' = 0, Omega_z' = 0: eleven
+    equations.
+    """
     ball, u, inertia, omega, _, a = state(seed)
     omega[2] = 0.0
     L, rolling = inertia @ omega, np.array([0.02, -0.03, 0.0])
@@ -56,15 +62,19 @@ def test_impulses_bring_it_to_rest_and_take_energy(seed):
     omega_end = np.linalg.solve(inertia, np.array(L_end))
     assert np.array(V_end) + np.cross(omega_end, a) == pytest.approx(np.zeros(3), abs=1e-13)
     assert omega_end[2] == pytest.approx(0.0, abs=1e-13)
-    gained = (np.dot(V_end, V_end) - V @ V) * ball.m / 2 + (omega_end @ np.array(L_end) - omega @ L) / 2
+    gained = (np.dot(V_end, V_end) - V @ V) * ball.m / 2 + (
+        omega_end @ np.array(L_end) - omega @ L
+    ) / 2
     v = contact_velocity(*start, ball)
     assert gained == pytest.approx((np.dot(held.force, v) + held.torque * omega[2]) / 2, rel=1e-12)
     assert gained < 0
 
 
 def limits(x):
-    """|F|/(mu N) and |tau|/(mu N patch) of a disc under Hertz's pressure that slides with x and turns with 1, by
-    quadrature over its points: the disc's share at a radius r, and the direction of sliding there."""
+    """|F|/(mu N) and |tau|/(mu N patch) of a disc under Hertz's pressure that slides with x and
+    turns with 1, by quadrature over its points: the disc's share at a radius r, and the direction
+    of sliding there.
+    """
 
     def at(of):
         def ring(r):
@@ -89,7 +99,11 @@ def test_friction_of_a_disc_gives_what_is_within_its_limits(x):
     push = [Vector(0.0, share * force * 0.6, N) for share in (0.999, 1.001)]
     turn = [share * torque * 0.06 for share in (0.999, 1.001)]
     assert margin(push[0], turn[0], law) > 0 > margin(push[1], turn[1], law)
-    assert margin(Vector(0.0, 0.0, N), 0.589 * 0.06, law) > 0 > margin(Vector(0.0, 0.0, N), 0.5891 * 0.06, law)
+    assert (
+        margin(Vector(0.0, 0.0, N), 0.589 * 0.06, law)
+        > 0
+        > margin(Vector(0.0, 0.0, N), 0.5891 * 0.06, law)
+    )
     assert margin(Vector(0.5999, 0.0, N), 0.0, law) > 0 > margin(Vector(0.6, 0.0, N), 1e-9, law)
 
 

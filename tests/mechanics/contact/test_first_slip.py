@@ -1,4 +1,6 @@
-"""How slip begins at the edge of the cone and outside it: against integrations, expansions and a second precision."""
+"""How slip begins at the edge of the cone and outside it: against integrations, expansions and a
+second precision.
+"""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -35,7 +37,11 @@ def slip_rates(ball: Touch) -> Callable:
         u, L, n = Vector(*state[:3]), Vector(*state[3:6]), Vector(np.cos(beta), np.sin(beta), 0)
         F, _, _, P, Q = coulomb.slip_motion(u, L, n, ball)
         V = contact.centre_velocity(u, L, Vector(w * n.x, w * n.y, 0), ball)
-        return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y]), P, Q
+        return (
+            np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y]),
+            P,
+            Q,
+        )
 
     return rates
 
@@ -59,7 +65,9 @@ def reaction(state: np.ndarray, ball: Touch) -> Vector:
 
 
 def edges(rng: np.random.Generator, count: int) -> list[Edge]:
-    """Random rolling states; mu is such that they are on the edge, and time is reversed if they would enter."""
+    """Random rolling states; mu is such that they are on the edge, and time is reversed if they
+    would enter.
+    """
     found: list[Edge] = []
     while len(found) < count:
         u = rng.normal(0, 1, 3)
@@ -73,12 +81,21 @@ def edges(rng: np.random.Generator, count: int) -> list[Edge]:
             later = coulomb.cone(*reaction(state + 1e-7 * rolling_rate(state, ball), ball), mu)
             if F.z > 0.05 and 0.05 < mu < 0.8 and later < 0:
                 omega = contact.angular_velocity(Vector(*state[:3]), Vector(*state[3:6]), ball)
-                found.append(Edge(ball, state, float(np.arctan2(-F.y, -F.x)), float(np.sqrt(np.dot(omega, omega)))))
+                found.append(
+                    Edge(
+                        ball,
+                        state,
+                        float(np.arctan2(-F.y, -F.x)),
+                        float(np.sqrt(np.dot(omega, omega))),
+                    )
+                )
                 break
     return found
 
 
-def test_the_start_goes_on_as_an_integration_of_the_same_equations(rng: np.random.Generator) -> None:
+def test_the_start_goes_on_as_an_integration_of_the_same_equations(
+    rng: np.random.Generator,
+) -> None:
     for edge in edges(rng, 3):
         rates = slip_rates(edge.ball)
         made = slipped(edge.ball, edge.state, edge.beta, 0.03 / edge.omega)
@@ -102,14 +119,17 @@ def test_the_start_goes_on_as_an_integration_of_the_same_equations(rng: np.rando
 
 
 def test_the_start_has_the_first_terms_of_its_expansion(rng: np.random.Generator) -> None:
-    """w = p t^2/2, beta = beta_0 + q t, q = -Q_t/Q_beta, p = P_t + q P_beta: derivatives by differences."""
+    """w = p t^2/2, beta = beta_0 + q t, q = -Q_t/Q_beta, p = P_t + q P_beta: derivatives by
+    differences.
+    """
     for edge in edges(rng, 3):
         rates, h = slip_rates(edge.ball), 1e-6
         drift = rolling_rate(edge.state, edge.ball) * h / edge.omega * 100
         by_time = [rates(edge.state + k * drift, 0.0, edge.beta)[1:] for k in (1, -1)]
         by_beta = [rates(edge.state, 0.0, edge.beta + k * h)[1:] for k in (1, -1)]
         (P_t, Q_t), (P_b, Q_b) = (
-            (np.subtract(*x) / (2 * step)) for x, step in ((by_time, h / edge.omega * 100), (by_beta, h))
+            (np.subtract(*x) / (2 * step))
+            for x, step in ((by_time, h / edge.omega * 100), (by_beta, h))
         )
         q = -Q_t / Q_b
         p = P_t + q * P_b
@@ -121,7 +141,9 @@ def test_the_start_has_the_first_terms_of_its_expansion(rng: np.random.Generator
 
 
 def test_the_start_is_exact_to_rounding(rng: np.random.Generator) -> None:
-    """Against 16 nodes in longdouble numbers: angles to 1e-16, momenta and slip speed far below their rounding."""
+    """Against 16 nodes in longdouble numbers: angles to 1e-16, momenta and slip speed far below
+    their rounding.
+    """
     for edge in edges(rng, 3):
         made = slipped(edge.ball, edge.state, edge.beta, 0.03 / edge.omega)
         wide = refill(edge.ball, map(np.longdouble, leaves(edge.ball)))
@@ -141,7 +163,9 @@ def test_inside_the_cone_nothing_begins_to_slip(rng: np.random.Generator) -> Non
         slipped(edge.ball, state, float(np.arctan2(-F.y, -F.x)), 0.03 / edge.omega)
 
 
-def test_outside_the_cone_there_is_one_first_direction_and_inside_none(rng: np.random.Generator) -> None:
+def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
+    rng: np.random.Generator,
+) -> None:
     counts = {True: 0, False: 0}
     for _ in range(120):
         u = rng.normal(0, 1, 3)

@@ -1,4 +1,6 @@
-"""Impacts: against an integration of 30 digits, the reference, closed forms; they never make energy."""
+"""Impacts: against an integration of 30 digits, the reference, closed forms; they never make
+energy.
+"""
 
 import itertools
 import json
@@ -18,7 +20,11 @@ from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector
 
 
-CASE = json.loads((Path(__file__).parents[2] / "reference" / "caseC3_liftoff_flight_plastic_landing.json").read_text())
+CASE = json.loads(
+    (
+        Path(__file__).parents[2] / "reference" / "caseC3_liftoff_flight_plastic_landing.json"
+    ).read_text()
+)
 BALL = Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, SetValued(0.3))
 STEM = Touch(0.006, 0.005, 0.016, 8e-7, 7e-7, 9.81, SetValued(0.3))
 BOUNDS = {ball: painleve_bound(ball.m, ball.I1, ball.c, ball.R) for ball in (BALL, STEM)}
@@ -34,11 +40,19 @@ def random_impact(rng: np.random.Generator, most: float = 1.0) -> tuple:
     """Velocities of mixed sizes, a mobility, mu below Painleve's bound."""
     ball = (BALL, STEM)[rng.integers(2)]
     v = rng.normal(0, 1, 3) * 10 ** rng.uniform(-1, 1, 3)
-    return v[0], v[1], -abs(v[2]), at(rng.uniform(0, np.pi), ball), rng.uniform(0.02, most * min(1, BOUNDS[ball]))
+    return (
+        v[0],
+        v[1],
+        -abs(v[2]),
+        at(rng.uniform(0, np.pi), ball),
+        rng.uniform(0.02, most * min(1, BOUNDS[ball])),
+    )
 
 
 def impact_rates(beta: float, log_w: float, v_n: float, K: Mobility, mu: float) -> tuple:
-    """The equations of an impact that slips, by sigma, dp = w dsigma: direction, log w, v_n, impulse and work."""
+    """The equations of an impact that slips, by sigma, dp = w dsigma: direction, log w, v_n,
+    impulse and work.
+    """
     C, S, w = np.cos(beta), np.sin(beta), np.exp(log_w)
     along, across = K.ez - mu * C * K.ee, -(mu * S * K.tt)
     return C * across - S * along, C * along + S * across, w * (K.zz - mu * C * K.ez), w, w * v_n
@@ -51,24 +65,34 @@ def balanced(v: tuple, K: Mobility, made: Impact) -> None:
     jump = (K.ee * p[0] + K.ez * p[2], K.tt * p[1], K.ez * p[0] + K.zz * p[2])
     np.testing.assert_allclose(np.subtract(after, v), jump, rtol=0, atol=4e-15 * size)
     energy = np.dot(p, np.add(v, after)) / 2
-    assert made.energy == pytest.approx(energy, rel=0, abs=1e-14 * np.dot(np.abs(p), np.abs(v) + np.abs(after)))
+    assert made.energy == pytest.approx(
+        energy, rel=0, abs=1e-14 * np.dot(np.abs(p), np.abs(v) + np.abs(after))
+    )
 
 
-# --- an oracle of its own: everything by the cosine C of the slip direction, closed or one integral -------------------
+# --- an oracle of its own: everything by the cosine C of the slip direction, closed or one integral
 
 
 class Slip:
     """v_2 of slip by C in closed form (partial fractions), the rest by quadrature in C."""
 
     def __init__(self, v: tuple, K: Mobility, mu: float) -> None:
-        self.v, self.K, self.mu = [mp.mpf(float(x)) for x in v], Mobility(*(mp.mpf(float(k)) for k in K)), mp.mpf(mu)
+        self.v, self.K, self.mu = (
+            [mp.mpf(float(x)) for x in v],
+            Mobility(*(mp.mpf(float(k)) for k in K)),
+            mp.mpf(mu),
+        )
         self.d, self.k = self.mu * (self.K.ee - self.K.tt), self.K.ez
         self.start = self.v[0] / mp.hypot(self.v[0], self.v[1])
 
     def sigma(self, C: Any) -> Any:
         k, d = self.k, self.d
         at_end = d / (d**2 - k**2)
-        return -mp.log(1 - C) / (2 * (k - d)) + mp.log(1 + C) / (2 * (k + d)) - at_end * mp.log(abs(k - d * C))
+        return (
+            -mp.log(1 - C) / (2 * (k - d))
+            + mp.log(1 + C) / (2 * (k + d))
+            - at_end * mp.log(abs(k - d * C))
+        )
 
     def w(self, C: Any) -> Any:
         fallen = mp.exp(-self.mu * self.K.tt * (self.sigma(C) - self.sigma(self.start)))
@@ -76,10 +100,14 @@ class Slip:
 
     def integral(self, f: Any, C: Any) -> Any:
         """Of f over the normal impulse."""
-        return mp.quad(lambda c: f(c) * self.w(c) / ((1 - c * c) * (self.k - self.d * c)), [self.start, C])
+        return mp.quad(
+            lambda c: f(c) * self.w(c) / ((1 - c * c) * (self.k - self.d * c)), [self.start, C]
+        )
 
     def state(self, C: Any) -> tuple:
-        """Velocity, impulse and the works of normal force and friction where the direction has come to C."""
+        """Velocity, impulse and the works of normal force and friction where the direction has come
+        to C.
+        """
         K, w = self.K, self.w(C)
         after = [C * w, mp.sign(self.v[1]) * w * mp.sqrt(1 - C * C)]
         p_z = self.integral(lambda c: 1, C)
@@ -107,7 +135,9 @@ def oracle(v: tuple, K: Mobility, mu: float, e_n: float, law: str, made: Impact)
     return slip.state(root(goals[law]))
 
 
-def compare(made: Impact, after: Any, p: Any, work_n: Any, work_t: Any, size: float, stiffest: float) -> None:
+def compare(
+    made: Impact, after: Any, p: Any, work_n: Any, work_t: Any, size: float, stiffest: float
+) -> None:
     for found, expected in zip((made.v_e, made.v_2, made.v_n), after, strict=True):
         assert abs(found - expected) < 1e-14 * size
     for found, expected in zip((made.p_e, made.p_2, made.p_z), p, strict=True):
@@ -121,7 +151,9 @@ few_or_many = pytest.mark.parametrize("count", [1, pytest.param(10, marks=pytest
 
 @few_or_many
 @every_law
-def test_impacts_that_slip_have_the_digits_of_an_oracle(law: str, count: int, rng: np.random.Generator) -> None:
+def test_impacts_that_slip_have_the_digits_of_an_oracle(
+    law: str, count: int, rng: np.random.Generator
+) -> None:
     compared = 0
     with mp.workdps(19):
         while compared < count:
@@ -129,13 +161,20 @@ def test_impacts_that_slip_have_the_digits_of_an_oracle(law: str, count: int, rn
             made = struck(*v, K, mu, 0.6, law)
             if made.mode != "slip" or np.hypot(made.v_e, made.v_2) < 0.1:
                 continue
-            compare(made, *oracle(tuple(v), K, mu, 0.6, law, made), size=np.abs(v).max(), stiffest=max(K))
+            compare(
+                made,
+                *oracle(tuple(v), K, mu, 0.6, law, made),
+                size=np.abs(v).max(),
+                stiffest=max(K),
+            )
             compared += 1
 
 
 @few_or_many
 @every_law
-def test_impacts_that_stop_have_the_digits_of_25(law: str, count: int, rng: np.random.Generator) -> None:
+def test_impacts_that_stop_have_the_digits_of_25(
+    law: str, count: int, rng: np.random.Generator
+) -> None:
     """The same function fed with 25 digits, whose slip the oracle and the reference have tested."""
     compared = 0
     with mp.workdps(25):
@@ -147,12 +186,16 @@ def test_impacts_that_stop_have_the_digits_of_25(law: str, count: int, rng: np.r
                 continue
             exact_K = Mobility(*(mp.mpf(float(k)) for k in K))
             exact = struck(*(mp.mpf(float(x)) for x in v), exact_K, mp.mpf(mu), mp.mpf(0.6), law)
-            compare(made, exact[3:6], exact[:3], exact.work_n, exact.work_t, np.abs(v).max(), max(K))
+            compare(
+                made, exact[3:6], exact[:3], exact.work_n, exact.work_t, np.abs(v).max(), max(K)
+            )
             assert exact.mode == made.mode
             compared += 1
 
 
-def test_an_impact_that_stops_is_that_of_the_rates_and_then_straight(rng: np.random.Generator) -> None:
+def test_an_impact_that_stops_is_that_of_the_rates_and_then_straight(
+    rng: np.random.Generator,
+) -> None:
     compared = 0
     while compared < 10:
         *v, K, mu = random_impact(rng)
@@ -180,7 +223,14 @@ def test_the_reference_impact() -> None:
     K = at(float(before["theta"]))
     v = tuple(float(before[k]) for k in ("nu_x", "nu_y", "nu_z"))
     made = struck(*v, K, 0.3, 0.0)
-    pairs = {"v_e": "nu_x", "v_2": "nu_y", "p_z": "pn", "work_n": "Wn", "work_t": "Wt", "energy": "dE"}
+    pairs = {
+        "v_e": "nu_x",
+        "v_2": "nu_y",
+        "p_z": "pn",
+        "work_n": "Wn",
+        "work_t": "Wt",
+        "energy": "dE",
+    }
     for name, theirs in pairs.items():
         assert getattr(made, name) == pytest.approx(float(after[theirs]), rel=3e-15), name
     assert made.v_n == 0
@@ -189,15 +239,23 @@ def test_the_reference_impact() -> None:
     s, z = np.sin(theta), np.cos(theta)
     _, dL = jumps(Vector(s, 0.0, z), Vector(made.p_e, made.p_2, made.p_z), BALL)
     dL3 = dL.x * s + dL.z * z
-    added = {"thetadot": dL.y / BALL.I1, "phidot": (dL.z - dL3 * z) / (BALL.I1 * s**2), "omega3": dL3 / BALL.I3}
+    added = {
+        "thetadot": dL.y / BALL.I1,
+        "phidot": (dL.z - dL3 * z) / (BALL.I1 * s**2),
+        "omega3": dL3 / BALL.I3,
+    }
     for name, jump in added.items():
         assert jump == pytest.approx(float(after[name]) - float(before[name]), rel=1e-12)
     with mp.workdps(25):
-        exact = Touch(*map(mp.mpf, ("0.02", "0.02", "0.006", "131", "1", "9.82")), SetValued(mp.mpf("0.3")))
+        exact = Touch(
+            *map(mp.mpf, ("0.02", "0.02", "0.006", "131", "1", "9.82")), SetValued(mp.mpf("0.3"))
+        )
         exact = exact._replace(I1=exact.I1 / 43750000, I3=exact.I3 / 312500)
         theta = mp.mpf(before["theta"])
         K = mobility(mp.sin(theta), mp.cos(theta), exact)
-        made = struck(*(mp.mpf(before[k]) for k in ("nu_x", "nu_y", "nu_z")), K, mp.mpf("0.3"), mp.mpf(0))
+        made = struck(
+            *(mp.mpf(before[k]) for k in ("nu_x", "nu_y", "nu_z")), K, mp.mpf("0.3"), mp.mpf(0)
+        )
         for name, theirs in pairs.items():
             assert abs(getattr(made, name) / mp.mpf(after[theirs]) - 1) < 1e-23
 
@@ -209,7 +267,13 @@ def test_the_rates_by_sigma_lead_to_the_same_impact() -> None:
     ends.terminal = True  # type: ignore[attr-defined]
     start = (beta, np.log(w), v[2], 0, 0)
     end = solve_ivp(
-        lambda s, y: impact_rates(*y[:3], K, 0.3), (0, 1), start, "DOP853", events=ends, rtol=1e-12, atol=1e-14
+        lambda s, y: impact_rates(*y[:3], K, 0.3),
+        (0, 1),
+        start,
+        "DOP853",
+        events=ends,
+        rtol=1e-12,
+        atol=1e-14,
     )
     beta, log_w, _, impulse, work_n = end.y[:, -1]
     made = struck(*v, K, 0.3, 0)
@@ -218,7 +282,9 @@ def test_the_rates_by_sigma_lead_to_the_same_impact() -> None:
 
 
 def planar(v_x: float, v_n: float, K: Mobility, mu: float, e_n: float, law: str) -> tuple:
-    """The impact in a plane, phase by phase with exact fractions of pi: p_x, p_z, v_x, v_n, by small steps of logic."""
+    """The impact in a plane, phase by phase with exact fractions of pi: p_x, p_z, v_x, v_n, by
+    small steps of logic.
+    """
     pieces = []  # (pi, slope of v_n, slope of v_x)
     sigma, stop = np.sign(v_x), np.inf
     stuck = (np.inf, K.zz - K.ez**2 / K.ee, 0.0)
@@ -239,12 +305,16 @@ def planar(v_x: float, v_n: float, K: Mobility, mu: float, e_n: float, law: str)
 
     def work(pi: float) -> float:
         knots = sorted({0.0, pi, *(x for x in (stop,) if x < pi)})
-        return sum((b - a) * (velocity(a)[1] + velocity(b)[1]) / 2 for a, b in itertools.pairwise(knots))
+        return sum(
+            (b - a) * (velocity(a)[1] + velocity(b)[1]) / 2 for a, b in itertools.pairwise(knots)
+        )
 
     def solved(f: Any) -> float:
         low, high = 0.0, 1e3
         for _ in range(200):
-            low, high = ((low + high) / 2, high) if f((low + high) / 2) < 0 else (low, (low + high) / 2)
+            low, high = (
+                ((low + high) / 2, high) if f((low + high) / 2) < 0 else (low, (low + high) / 2)
+            )
         return high
 
     pressed = solved(lambda pi: velocity(pi)[1])
@@ -299,7 +369,9 @@ def test_impacts_that_neither_stop_nor_turn_are_the_same_in_every_law(law: str) 
 
 
 def test_slip_that_swings_round_tends_to_a_reversal(rng: np.random.Generator) -> None:
-    """Where sticking is impossible, v_2 = 0 reverses; a small v_2 turns the direction without a stop."""
+    """Where sticking is impossible, v_2 = 0 reverses; a small v_2 turns the direction without a
+    stop.
+    """
     K, mu = at(1.9, STEM), 0.3
     assert abs(K.ez) > mu * K.ee
     v_e = -0.3 * np.sign(K.ez)
@@ -345,6 +417,14 @@ def test_a_hundred_thousand_impacts_never_make_energy(law: str, rng: np.random.G
 
 @pytest.mark.parametrize("wrong", [{"v_n": 0.1}, {"e_n": 1.2}, {"mu": 50}, {"restitution": "no"}])
 def test_what_is_no_impact_is_refused(wrong: dict) -> None:
-    right = {"v_e": 0.1, "v_2": 0.1, "v_n": -0.1, "K": at(1.0), "mu": 0.3, "e_n": 0.5, "restitution": "energetic"}
+    right = {
+        "v_e": 0.1,
+        "v_2": 0.1,
+        "v_n": -0.1,
+        "K": at(1.0),
+        "mu": 0.3,
+        "e_n": 0.5,
+        "restitution": "energetic",
+    }
     with pytest.raises(ValueError, match="no impact"):
         struck(**{**right, **wrong})

@@ -38,7 +38,10 @@ class World(SimpleNamespace):
         law = named(type(friction))
         self.system, self.left = opened(SYSTEMS[name], law, balls), np.inf
         self.body = seen_from_balls(BODY._replace(friction=friction), STEM if balls > 1 else ())
-        self.phases, self.rules = self.system.phases, SimpleNamespace(e_n=e_n, restitution="energetic")
+        self.phases, self.rules = (
+            self.system.phases,
+            SimpleNamespace(e_n=e_n, restitution="energetic"),
+        )
         problem: Any = SimpleNamespace(contact=self.rules, system=SYSTEMS[name], precision="double")
         self.struck = Impacts(problem, friction).struck
         (form,) = self.system.forms.values()
@@ -219,7 +222,10 @@ def test_a_flight_begins_where_the_force_vanishes_and_goes_on() -> None:
     world = World("tippe-top", Viscous(1.3), 1)
     x, world.phase = state(world, 1), world.phases["slip"]
     swing = exits.gap_rate(x, world.body[0], 3)
-    n, back = (exits.lift_off(x._replace(L=times(k, x.L)), world) for k in (np.sign(swing), -np.sign(swing)))
+    n, back = (
+        exits.lift_off(x._replace(L=times(k, x.L)), world)
+        for k in (np.sign(swing), -np.sign(swing))
+    )
     assert (n.phase, n.logged, n.zeros) == ("flight", ("liftoff",), {"land": 3})
     assert (back.ends, back.message) == ("stalled", exits.NO_WAY)
 
@@ -235,14 +241,20 @@ def test_a_disc_at_rest_is_held_by_strong_friction(mu: float, label: str) -> Non
 @pytest.mark.parametrize("seed", range(4))
 def test_the_force_on_a_disc_is_continuous_where_it_gives_way(seed: int) -> None:
     """Friction is as strong as it must be to hold the disc, and no stronger."""
-    x, low, high = state(World("tippe-top", Contensou(1.0, 0.03, 0.0), 1), seed, spin=0.3), 0.0, 50.0
+    x, low, high = (
+        state(World("tippe-top", Contensou(1.0, 0.03, 0.0), 1), seed, spin=0.3),
+        0.0,
+        50.0,
+    )
     for _ in range(60):
         mu = (low + high) / 2
         world = World("tippe-top", Contensou(mu, 0.03, 1e-3), 1)
         b, world.phase = world.body[0], world.phases["rest"]
         rests = exits.kicked(x, exits.stopping(x.u, x.L, x.velocity, b), b)
         s = world.phase.form.scalars(world.phase.enter(rests, b), b)
-        low, high = (low, mu) if exits.margin(s.by.force, s.by.torque.z, b.friction) > 0 else (mu, high)
+        low, high = (
+            (low, mu) if exits.margin(s.by.force, s.by.torque.z, b.friction) > 0 else (mu, high)
+        )
     n = exits.give_way(rests, world)
     slides = world.phases[n.phase]
     F = slides.reaction(slides.enter(n.x, b), b).force

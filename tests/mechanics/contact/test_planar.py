@@ -14,7 +14,9 @@ from tippetop.mechanics.contact.response import mobility
 from tippetop.mechanics.friction import SetValued
 
 
-CASE = json.loads((Path(__file__).parents[2] / "reference" / "caseC6_cylinder_coulomb.json").read_text())
+CASE = json.loads(
+    (Path(__file__).parents[2] / "reference" / "caseC6_cylinder_coulomb.json").read_text()
+)
 BALL = Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, SetValued(0.1))
 
 
@@ -29,7 +31,9 @@ def rolling(theta: float, theta_dot: float) -> Components:
 
 
 def test_slip_is_what_the_torque_and_the_constraint_ask_for(rng: np.random.Generator) -> None:
-    """In lengths and moments of a free body: m x'' = F_x, m s_z'' = N - m g, I theta'' = (a x F)_y."""
+    """In lengths and moments of a free body: m x'' = F_x, m s_z'' = N - m g, I theta''
+    = (a x F)_y.
+    """
     for sigma in (-1, 1):
         theta, theta_dot = rng.uniform(-7, 7), rng.normal(0, 20)
         s, z = np.sin(theta), np.cos(theta)
@@ -46,7 +50,9 @@ def test_slip_is_what_the_torque_and_the_constraint_ask_for(rng: np.random.Gener
 def test_the_reference_has_these_normal_forces() -> None:
     slip = [i for i, phase in enumerate(CASE["phase"]) if phase == "slip" and CASE["g_n"][i]]
     for i in slip:
-        theta, theta_dot, nu, N = (float(CASE[k][i]) for k in ("theta_unwrapped", "thetadot", "nu_x", "g_n"))
+        theta, theta_dot, nu, N = (
+            float(CASE[k][i]) for k in ("theta_unwrapped", "thetadot", "nu_x", "g_n")
+        )
         assert pytest.approx(N, rel=1e-13) == slide(theta, theta_dot, np.sign(nu)).force.z
     assert len(slip) > 10
     at = CASE["phase"].index("roll")
@@ -55,10 +61,16 @@ def test_the_reference_has_these_normal_forces() -> None:
 
 
 def test_the_reference_reverses_and_sticks_as_the_force_of_rolling_says() -> None:
-    """Outside the cone it slips on against that force; inside it rolls; it leaves the cone at its edge."""
+    """Outside the cone it slips on against that force; inside it rolls; it leaves the cone at its
+    edge.
+    """
     for event in CASE["events"]:
         theta, theta_dot = float(event["theta_unwrapped"]), float(event["thetadot"])
         force = rolling(theta, theta_dot)
         ratio = abs(force.e) / (BALL.friction.mu * force.z)
-        expected = {"reversal": ratio > 1, "stick": ratio < 1, "slip": ratio == pytest.approx(1, abs=1e-13)}
+        expected = {
+            "reversal": ratio > 1,
+            "stick": ratio < 1,
+            "slip": ratio == pytest.approx(1, abs=1e-13),
+        }
         assert expected[event["kind"]], (event["kind"], ratio)

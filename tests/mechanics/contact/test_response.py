@@ -1,4 +1,6 @@
-"""Mobility, bias and reactions at a contact, against the equations of Newton and Euler solved as linear ones."""
+"""Mobility, bias and reactions at a contact, against the equations of Newton and Euler solved as
+linear ones.
+"""
 
 import itertools
 from collections.abc import Callable
@@ -21,7 +23,9 @@ DIGITS = 40
 
 
 class State(NamedTuple):
-    """A ball in contact or in the air, everything of 40 digits: Euler angles, and the same in space axes as columns."""
+    """A ball in contact or in the air, everything of 40 digits: Euler angles, and the same in space
+    axes as columns.
+    """
 
     ball: Touch
     theta: Any
@@ -53,7 +57,9 @@ Z = column(0, 0, 1)
 
 
 def random_state(rng: np.random.Generator, theta: float | None = None) -> State:
-    """A body of any sensible shape: stems have an offset greater than the radius, others a negative one."""
+    """A body of any sensible shape: stems have an offset greater than the radius, others a negative
+    one.
+    """
     low, high = (0.5, 0.1, -2, 0.2, 0.2, 9.82), (2, 1, 2, 1, 1, 9.82)
     ball = Touch(*map(mp.mpf, rng.uniform(low, high)), SetValued(mp.mpf(0.3)))
     theta = mp.mpf(rng.uniform(0.1, 3)) if theta is None else mp.mpf(theta)
@@ -80,15 +86,29 @@ def momentum(x: State) -> Any:
 
 
 def acceleration(x: State, F: Any, torque: Any = None) -> Any:
-    """Of the contact point with the force F there and a torque, by the equations of Newton and Euler."""
+    """Of the contact point with the force F there and a torque, by the equations of Newton and
+    Euler.
+    """
     a = x.ball.c * x.u - x.ball.R * Z
-    turn = mp.lu_solve(inertia(x), cross(a, F) + (torque or column(0, 0, 0)) - cross(x.omega, momentum(x)))
-    return F / x.ball.m - x.ball.g * Z + cross(turn, a) + cross(x.omega, x.ball.c * cross(x.omega, x.u))
+    turn = mp.lu_solve(
+        inertia(x), cross(a, F) + (torque or column(0, 0, 0)) - cross(x.omega, momentum(x))
+    )
+    return (
+        F / x.ball.m
+        - x.ball.g * Z
+        + cross(turn, a)
+        + cross(x.omega, x.ball.c * cross(x.omega, x.u))
+    )
 
 
 def forced(x: State, conditions: Callable) -> Any:
-    """The force for which conditions(F, acceleration), which are linear, vanish: from their values at four forces."""
-    at = [conditions(F, acceleration(x, F)) for F in (column(0, 0, 0), *(mp.eye(3)[:, i] for i in range(3)))]
+    """The force for which conditions(F, acceleration), which are linear, vanish: from their values
+    at four forces.
+    """
+    at = [
+        conditions(F, acceleration(x, F))
+        for F in (column(0, 0, 0), *(mp.eye(3)[:, i] for i in range(3)))
+    ]
     matrix = mp.matrix(3, 3)
     for i in range(3):
         matrix[:, i] = at[i + 1] - at[0]
@@ -98,7 +118,9 @@ def forced(x: State, conditions: Callable) -> Any:
 def slipping(x: State) -> Any:
     """Rising keeps v_n = 0; friction is -mu N n."""
     mu = x.ball.friction.mu
-    return forced(x, lambda F, G: column(G[2], F[0] + mu * F[2] * x.n[0], F[1] + mu * F[2] * x.n[1]))
+    return forced(
+        x, lambda F, G: column(G[2], F[0] + mu * F[2] * x.n[0], F[1] + mu * F[2] * x.n[1])
+    )
 
 
 def rolling(x: State) -> Any:
@@ -131,7 +153,11 @@ def states(rng: np.random.Generator) -> list[State]:
 def at_poles(rng: np.random.Generator) -> list[State]:
     """theta = 0, and so near to pi that the formulas by angles would lose all digits."""
     with mp.workdps(DIGITS):
-        return [random_state(rng, theta) for theta in (0, "3.14159265358979323846264338327950288") for _ in range(10)]
+        return [
+            random_state(rng, theta)
+            for theta in (0, "3.14159265358979323846264338327950288")
+            for _ in range(10)
+        ]
 
 
 def by_angles(x: State) -> tuple:
@@ -161,8 +187,12 @@ def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
         assert_close(b, acceleration(x, column(0, 0, 0)))
         for force in (column(1, 0, 0), column(0, 1, 0), column(1, -2, 3)):
             F = vector(force)
-            assert_close(response.contact_acceleration_vector(u, b, F, x.ball), acceleration(x, force))
-            there_and_back = response.mobility_inverse_times(u, response.mobility_times(u, F, x.ball), x.ball)
+            assert_close(
+                response.contact_acceleration_vector(u, b, F, x.ball), acceleration(x, force)
+            )
+            there_and_back = response.mobility_inverse_times(
+                u, response.mobility_times(u, F, x.ball), x.ball
+            )
             assert_close(there_and_back, force)
 
 
@@ -174,7 +204,9 @@ def test_mobility_is_the_derivative_of_the_velocity_by_the_impulse(states: list[
             omega = mp.lu_solve(inertia(x), momentum(x) + k * cross(a, p))
             return k * p / x.ball.m + cross(omega, a)
 
-        assert_close(response.mobility_times(vector(x.u), vector(p), x.ball), velocity(0.5) - velocity(-0.5))
+        assert_close(
+            response.mobility_times(vector(x.u), vector(p), x.ball), velocity(0.5) - velocity(-0.5)
+        )
 
 
 def test_velocities_of_the_contact_point(states: list[State], at_poles: list[State]) -> None:
@@ -186,7 +218,9 @@ def test_velocities_of_the_contact_point(states: list[State], at_poles: list[Sta
         assert_close(contact.centre_velocity(u, L, v, x.ball), V)
 
 
-def test_the_forces_of_slip_are_those_of_newton_and_euler(states: list[State], at_poles: list[State]) -> None:
+def test_the_forces_of_slip_are_those_of_newton_and_euler(
+    states: list[State], at_poles: list[State]
+) -> None:
     for x in states + at_poles:
         F = slipping(x)
         u = vector(x.u)
@@ -194,7 +228,9 @@ def test_the_forces_of_slip_are_those_of_newton_and_euler(states: list[State], a
         assert_close(coulomb.slip_force_vector(u, b, vector(x.n), x.ball), F)
         acts = response.contact_acceleration_vector(u, b, vector(F), x.ball)
         across = dot(cross(Z, x.n), acceleration(x, F))
-        assert_close(coulomb.along_and_across(acts, vector(x.n)), (dot(x.n, acceleration(x, F)), across))
+        assert_close(
+            coulomb.along_and_across(acts, vector(x.n)), (dot(x.n, acceleration(x, F)), across)
+        )
     for x in states:
         b, K = local(x)
         n_e, n_t = dot(x.n, x.e), dot(x.n, x.t)
@@ -202,7 +238,9 @@ def test_the_forces_of_slip_are_those_of_newton_and_euler(states: list[State], a
         assert_close(F, components(x, slipping(x)))
 
 
-def test_the_normal_force_with_a_torque_keeps_the_contact_closed(states: list[State], at_poles: list[State]) -> None:
+def test_the_normal_force_with_a_torque_keeps_the_contact_closed(
+    states: list[State], at_poles: list[State]
+) -> None:
     for x in states + at_poles:
         push, tau, u = column(0.2, -0.1, 0), column(0.03, 0.02, -0.05), vector(x.u)
         b = response.bias_vector(u, vector(momentum(x)), x.ball)
@@ -210,10 +248,14 @@ def test_the_normal_force_with_a_torque_keeps_the_contact_closed(states: list[St
         G = acceleration(x, N * (Z - push), N * tau)
         assert_close([G[2]], [0])
         given = response.torque_acceleration(u, vector(tau), x.ball)
-        assert_close(given, acceleration(x, column(0, 0, 0), tau) - acceleration(x, column(0, 0, 0)))
+        assert_close(
+            given, acceleration(x, column(0, 0, 0), tau) - acceleration(x, column(0, 0, 0))
+        )
 
 
-def test_the_forces_of_rolling_are_those_of_newton_and_euler(states: list[State], at_poles: list[State]) -> None:
+def test_the_forces_of_rolling_are_those_of_newton_and_euler(
+    states: list[State], at_poles: list[State]
+) -> None:
     for x in states + at_poles:
         u = vector(x.u)
         b = response.bias_vector(u, vector(momentum(x)), x.ball)
@@ -231,7 +273,9 @@ def test_no_force_at_the_contact_changes_jelletts_integral(states: list[State]) 
     for x in states:
         a, F, L = x.ball.c * x.u - x.ball.R * Z, column(1, 2, 3), momentum(x)
         for momentum_ in (L, L + cross(a, F)):
-            assert_close([contact.jellett_of(momentum_[2], dot(momentum_, x.u), x.ball)], [-dot(L, a)])
+            assert_close(
+                [contact.jellett_of(momentum_[2], dot(momentum_, x.u), x.ball)], [-dot(L, a)]
+            )
 
 
 def test_jumps_of_velocity_and_momentum_are_those_of_the_contact_velocity() -> None:
@@ -269,12 +313,18 @@ def test_formulas_take_floats_arrays_and_expressions(states: list[State]) -> Non
         return Vector(*x[:3]), Vector(*x[3:6]), Vector(*x[6:9]), Touch(*x[9:15], SetValued(x[15]))
 
     compiled = hy.cfunc(everything(*cut(variables)), vars=variables)
-    values = np.array([[*x.u, *momentum(x), *x.n, *leaves(x.ball)] for x in states], dtype=float).T.copy()
+    values = np.array(
+        [[*x.u, *momentum(x), *x.n, *leaves(x.ball)] for x in states], dtype=float
+    ).T.copy()
     exact = np.array(
         [everything(vector(x.u), vector(momentum(x)), vector(x.n), x.ball) for x in states],
         dtype=float,
     ).T
     arrays = np.array(everything(*cut(values)))
     floats = np.array([everything(*cut(lane.tolist())) for lane in values.T]).T
-    for name, found in itertools.zip_longest(("arrays", "floats", "heyoka"), (arrays, floats, compiled(values))):
-        np.testing.assert_allclose(found, exact, rtol=1e-10, atol=1e-11 * np.abs(exact).max(), err_msg=name)
+    for name, found in itertools.zip_longest(
+        ("arrays", "floats", "heyoka"), (arrays, floats, compiled(values))
+    ):
+        np.testing.assert_allclose(
+            found, exact, rtol=1e-10, atol=1e-11 * np.abs(exact).max(), err_msg=name
+        )

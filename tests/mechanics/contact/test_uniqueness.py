@@ -29,7 +29,9 @@ def test_published_bounds() -> None:
 
 
 def test_most_of_the_coupling_is_as_published() -> None:
-    """max |K_ez|/K_ee over theta: with more friction than this a contact that stops inside an impact sticks."""
+    """max |K_ez|/K_ee over theta: with more friction than this a contact that stops inside an
+    impact sticks.
+    """
     theta = np.linspace(0, np.pi, 100_001)
     for body, expected in ((CANONICAL, 0.2203), ((*LEINE, *BODY), 0.126), ((*LEINE, *STEM), 0.652)):
         m, I1, offset, radius = body
@@ -39,7 +41,10 @@ def test_most_of_the_coupling_is_as_published() -> None:
 
 def test_the_bound_is_the_least_of_a_dense_scan(rng: np.random.Generator) -> None:
     for m, I1, offset, radius in zip(
-        *rng.uniform(0.1, 2, (2, 30)), rng.normal(0, 1, 30), [*rng.uniform(0, 1, 28), 0, 0], strict=True
+        *rng.uniform(0.1, 2, (2, 30)),
+        rng.normal(0, 1, 30),
+        [*rng.uniform(0, 1, 28), 0, 0],
+        strict=True,
     ):
         bound, least = painleve_bound(m, I1, offset, radius), scanned(m, I1, offset, radius)
         assert least * (1 - 1e-7) <= bound <= least * (1 + 1e-12)

@@ -1,4 +1,6 @@
-"""A friction law, an event, a column and a system of one's own: all that a package needs to add them to tippetop."""
+"""A friction law, an event, a column and a system of one's own: all that a package needs to add
+them to tippetop.
+"""
 
 from typing import Any
 
@@ -9,7 +11,7 @@ from tippetop.mechanics.systems.tippe_top import TIPPE_TOP
 from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
 
 
-# --- a friction law: its numbers and its coefficient ------------------------------------------------------------------
+# --- a friction law: its numbers and its coefficient --------------------------------------------
 
 
 class Quadratic(tt.extending.FrictionLaw):
@@ -18,7 +20,9 @@ class Quadratic(tt.extending.FrictionLaw):
     Viscous friction that grows with speed.
     """
 
-    mu: tt.extending.Number = tt.extending.number(SECOND_PER_METRE, "viscous friction coefficient mu", least=0)
+    mu: tt.extending.Number = tt.extending.number(
+        SECOND_PER_METRE, "viscous friction coefficient mu", least=0
+    )
     drag: tt.extending.Number = tt.extending.number(
         tt.extending.Unit(0, -3, 3, "s3 m-3"), "coefficient of the square of the speed", least=0
     )
@@ -29,7 +33,7 @@ class Quadratic(tt.extending.FrictionLaw):
         return law.mu + law.drag * v2
 
 
-# --- an event and a column: functions of the scalars of a state ------------------------------------------------------
+# --- an event and a column: functions of the scalars of a state ---------------------------------
 
 
 @formula
@@ -45,10 +49,12 @@ def spin_energy(s, b):
 
 
 EIGHTH = tt.extending.Event("eighth", "theta = pi/4", eighth)
-SPIN_ENERGY = tt.extending.Quantity("spin_energy", "E_3", JOULE, "energy of the rotation about the axis", spin_energy)
+SPIN_ENERGY = tt.extending.Quantity(
+    "spin_energy", "E_3", JOULE, "energy of the rotation about the axis", spin_energy
+)
 
 
-# --- a system: a tippe top whose moments of inertia are given in m R^2 -----------------------------------------------
+# --- a system: a tippe top whose moments of inertia are given in m R^2 --------------------------
 
 
 def body(parameters: Any, friction: Any) -> Touch:
@@ -60,7 +66,11 @@ def body(parameters: Any, friction: Any) -> Touch:
 def checks(parameters: Any) -> list[str]:
     """What the parameters break together."""
     k1, k3 = parameters["k1"], parameters["k3"]
-    return [f"`parameters.k3` must be at most 2*k1 = {2 * k1:.6g}, but is {k3:.6g}."] if k3 > 2 * k1 else []
+    return (
+        [f"`parameters.k3` must be at most 2*k1 = {2 * k1:.6g}, but is {k3:.6g}."]
+        if k3 > 2 * k1
+        else []
+    )
 
 
 SCALED_TIPPE_TOP = TIPPE_TOP.replace(

@@ -57,7 +57,11 @@ def _columns_of(problem: Problem) -> dict[str, _Read]:
             read["psi"] = _Read(("psi",), RADIAN, ())
         axes = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
         read["orientation"] = _Read(axes, ONE, ("wxyz",))
-    read |= {q.name: _Read((q.name,), q.unit, ()) for q in system.quantities if q.is_column and not q.meanings}
+    read |= {
+        q.name: _Read((q.name,), q.unit, ())
+        for q in system.quantities
+        if q.is_column and not q.meanings
+    }
     kept = problem.columns
     return read if kept is None else {name: each for name, each in read.items() if name in kept}
 
@@ -70,10 +74,14 @@ def empty(problem: Problem, wrt: Sequence[str], kinds: tuple[str, ...]) -> Deriv
         for name, read in _columns_of(problem).items()
     }
     none = np.zeros((0, n))
-    return Derivatives(_timed(np.zeros(0), rows), _event_columns(np.zeros(0, np.int8), kinds, none, none), {})
+    return Derivatives(
+        _timed(np.zeros(0), rows), _event_columns(np.zeros(0, np.int8), kinds, none, none), {}
+    )
 
 
-def differentiate(problem: Problem, wrt: Sequence[str], times: np.ndarray, events: Any, order: int = 1) -> Derivatives:
+def differentiate(
+    problem: Problem, wrt: Sequence[str], times: np.ndarray, events: Any, order: int = 1
+) -> Derivatives:
     """The derivatives of the columns and events of a run by some of its numbers.
 
     Parameters
@@ -100,17 +108,33 @@ def differentiate(problem: Problem, wrt: Sequence[str], times: np.ndarray, event
         If the run has no derivatives, or a name is wrong.
     """
     if not wrt:
-        raise InputError(["`sensitivities` must name at least one number, such as friction.mu, but names none."])
+        raise InputError(
+            ["`sensitivities` must name at least one number, such as friction.mu, but names none."]
+        )
     return _Along(problem, Numbers(problem, wrt), tuple(wrt), order, times, events).derivatives()
 
 
 class _Along:
-    """Tangents along a direction for each parameter, and for sums of two where second derivatives are wanted."""
+    """Tangents along a direction for each parameter, and for sums of two where second derivatives
+    are wanted.
+    """
 
     def __init__(
-        self, problem: Problem, numbers: Numbers, wrt: tuple[str, ...], order: int, times: np.ndarray, events: Any
+        self,
+        problem: Problem,
+        numbers: Numbers,
+        wrt: tuple[str, ...],
+        order: int,
+        times: np.ndarray,
+        events: Any,
     ):
-        self.problem, self.numbers, self.wrt, self.times, self.events = problem, numbers, wrt, times, events
+        self.problem, self.numbers, self.wrt, self.times, self.events = (
+            problem,
+            numbers,
+            wrt,
+            times,
+            events,
+        )
         self.order, self.second = order, float(problem.scales.of(SECOND))
         ways = numbers.directions(wrt)
         if order == 2:
@@ -141,7 +165,9 @@ class _Along:
             if self.order == 2:
                 second[name] = _column(name, read, self._mixed(whole[2]), (PARAMETER, OTHER))
         of_events = self._of_events(values, rates, passages)
-        return Derivatives(_timed(times, first), of_events, _timed(times, second) if self.order == 2 else {})
+        return Derivatives(
+            _timed(times, first), of_events, _timed(times, second) if self.order == 2 else {}
+        )
 
     def _per_unit(self, rows: np.ndarray) -> np.ndarray:
         """First derivatives, (rows, parameters, ...), by SI units of the parameters."""
@@ -149,19 +175,27 @@ class _Along:
         return first / self.sizes.reshape(1, -1, *(1,) * (first.ndim - 2))
 
     def _mixed(self, along: np.ndarray) -> np.ndarray:
-        """Second derivatives, (rows, parameters, parameters, ...), of those along directions and sums of two."""
+        """Second derivatives, (rows, parameters, parameters, ...), of those along directions and
+        sums of two.
+        """
         n = len(self.wrt)
         mixed = np.zeros((len(along), n, n, *along.shape[2:]))
         pairs = iter(range(n, along.shape[1]))
         for i in range(n):
             mixed[:, i, i] = along[:, i]
             for j in range(i):
-                mixed[:, i, j] = mixed[:, j, i] = (along[:, next(pairs)] - along[:, i] - along[:, j]) / 2
+                mixed[:, i, j] = mixed[:, j, i] = (
+                    along[:, next(pairs)] - along[:, i] - along[:, j]
+                ) / 2
         sizes = self.sizes[:, None] * self.sizes[None, :]
         return mixed / sizes.reshape(1, n, n, *(1,) * (mixed.ndim - 3))
 
-    def _of_events(self, values: dict[str, Any], rates: dict[str, Any], where: np.ndarray) -> dict[str, Column]:
-        """Of times and angles of events: the event function stays zero (implicit function theorem)."""
+    def _of_events(
+        self, values: dict[str, Any], rates: dict[str, Any], where: np.ndarray
+    ) -> dict[str, Column]:
+        """Of times and angles of events: the event function stays zero (implicit
+        function theorem).
+        """
         table = self.events
         by_time, by_theta = (np.full((len(where), len(self.wrt)), np.nan) for _ in range(2))
         for name in self.kinds:
@@ -171,12 +205,17 @@ class _Along:
                 shift = -values[f"event {name}"][1][rows, :n] / rates[f"event {name}"][rows, :n]
             by_time[of] = shift
             by_theta[of] = values["theta"][1][rows, :n] + rates["theta"][rows, :n] * shift
-        return _event_columns(table.kind, table.kinds, by_time / self.sizes * self.second, by_theta / self.sizes)
+        return _event_columns(
+            table.kind, table.kinds, by_time / self.sizes * self.second, by_theta / self.sizes
+        )
 
 
 def _column(name: str, read: _Read, values: np.ndarray, by: tuple[str, ...]) -> Column:
     """A column of derivatives, SI per SI."""
-    about = {"units": f"{read.unit.symbol} per unit of the parameter", "long_name": f"derivative of {name}"}
+    about = {
+        "units": f"{read.unit.symbol} per unit of the parameter",
+        "long_name": f"derivative of {name}",
+    }
     return Column(("time", *by, *read.dims), values, about)
 
 
@@ -192,25 +231,41 @@ def _event_columns(
     units = "{} per unit of the parameter"
     dims = ("event", PARAMETER)
     return {
-        "kind": Column(("event",), kind, {"units": "1", "long_name": "kind of event",
-                       "flag_values": list(range(len(kinds))), "flag_meanings": " ".join(kinds)}),
-        "time": Column(dims, by_time, {"units": units.format("s"), "long_name": about.format("the time")}),
-        "theta": Column(dims, by_theta, {"units": units.format("rad"), "long_name": about.format("theta")}),
-    }  # fmt: skip
+        "kind": Column(
+            ("event",),
+            kind,
+            {
+                "units": "1",
+                "long_name": "kind of event",
+                "flag_values": list(range(len(kinds))),
+                "flag_meanings": " ".join(kinds),
+            },
+        ),
+        "time": Column(
+            dims, by_time, {"units": units.format("s"), "long_name": about.format("the time")}
+        ),
+        "theta": Column(
+            dims, by_theta, {"units": units.format("rad"), "long_name": about.format("theta")}
+        ),
+    }
 
 
 def _quaternions(axes: np.ndarray) -> list[np.ndarray]:
-    """Unit quaternions with their derivatives along directions, four parts (derivatives, rows, lanes) each, of axes 1
-    and 3 of the body, (6, derivatives, rows, lanes).
+    """Unit quaternions with their derivatives along directions, four parts (derivatives, rows,
+    lanes) each, of axes 1 and 3 of the body, (6, derivatives, rows, lanes).
 
-    q' = (0, w) q/2 and q'' = ((0, w') q + (0, w) q')/2, where w is the rotation vector of the change.
+    q' = (0, w) q/2 and q'' = ((0, w') q + (0, w) q')/2, where w is the rotation vector of the
+    change.
     """
     orders, shape = axes.shape[1], axes.shape[2:]
     first, third = axes.reshape(2, 3, orders, -1).swapaxes(1, 2)  # (derivative, xyz, k)
     matrix, *changes = (
-        np.stack([first[order], _across(first, third, order), third[order]], axis=1) for order in range(orders)
+        np.stack([first[order], _across(first, third, order), third[order]], axis=1)
+        for order in range(orders)
     )
-    turns = [np.cross(matrix, change, axis=0).sum(axis=1) / 2 for change in changes]  # axis' = w x axis
+    turns = [
+        np.cross(matrix, change, axis=0).sum(axis=1) / 2 for change in changes
+    ]  # axis' = w x axis
     jets = [quaternion(first[0], third[0]).T]
     if orders > 1:
         jets.append(0.5 * _product(turns[0], jets[0]))

@@ -1,4 +1,6 @@
-"""How fast nearby motions part: how small errors of the start grow, and when a double says little more."""
+"""How fast nearby motions part: how small errors of the start grow, and when a double says little
+more.
+"""
 
 import dataclasses
 import math
@@ -14,7 +16,8 @@ from .numbers import Numbers
 
 ROUNDING = 1e-16  # the error of the start
 LOST = 1e-3  # what it has grown to when digits that a figure shows are lost
-INDEPENDENT = 1e-9  # of the largest: directions of the start that are shorter are none (at a pole, phi turns nothing)
+# of the largest: directions of the start that are shorter are none (at a pole, phi turns nothing)
+INDEPENDENT = 1e-9
 
 
 class Growth(NamedTuple):
@@ -25,8 +28,9 @@ class Growth(NamedTuple):
     times
         (rows,) [s], from 0.
     factor
-        The largest growth of an error, (rows,); 1 at the start. An error is measured by the Euclidean norm of the state
-        (of a tippe top 3hat, L, r') in units of m, R (of heavy tops l) and 2^k s, the nearest to sqrt(R/g).
+        The largest growth of an error, (rows,); 1 at the start. An error is measured by the
+        Euclidean norm of the state (of a tippe top 3hat, L, r') in units of m, R (of heavy tops l)
+        and 2^k s, the nearest to sqrt(R/g).
     """
 
     times: np.ndarray
@@ -53,7 +57,8 @@ class Growth(NamedTuple):
         """What it says."""
         if math.isfinite(self.horizon):
             return (
-                f"an error of 1e-16 at the start grows to 1e-3 at t = {self.horizon:.6g} s: a double says little beyond"
+                f"an error of 1e-16 at the start grows to 1e-3 at t = {self.horizon:.6g} s: "
+                "a double says little beyond"
             )
         end, rate = self.times[-1], self.exponents[-1]
         size = ROUNDING * float(self.factor.max())
@@ -82,7 +87,9 @@ def growth(problem: Problem, times: np.ndarray, *, uses: int = 1) -> Growth:
     theta = data.get("theta", 0.0)
     body = system.body_of(problem.parameters, problem.friction)
     angles = system.start(data, math.sin(theta), math.cos(theta), body)._asdict()
-    start = {name: float(value) for name, value in angles.items() if name in system.initial} | {"theta": theta}
+    start = {name: float(value) for name, value in angles.items() if name in system.initial} | {
+        "theta": theta
+    }
     given = dataclasses.replace(problem, initial=start)
     wrt = [f"initial.{name}" for name in start if name not in ("x", "y")]
     numbers = Numbers(given, wrt)
@@ -100,5 +107,8 @@ def growth(problem: Problem, times: np.ndarray, *, uses: int = 1) -> Growth:
     kept = sizes > INDEPENDENT * sizes[0]
     unit = turn[kept].T / sizes[kept]  # directions of the start that are orthogonal and of length 1
     return Growth(
-        times, np.array([np.linalg.norm(row @ unit, 2) if np.isfinite(row).all() else np.nan for row in moves])
+        times,
+        np.array(
+            [np.linalg.norm(row @ unit, 2) if np.isfinite(row).all() else np.nan for row in moves]
+        ),
     )

@@ -31,7 +31,9 @@ class Numbers:
         wrt = tuple(wrt)
         refuse(problem, wrt)
         asked = {name.partition(".")[2] for name in wrt if name.startswith("initial.")}
-        given = {name: value for name, value in problem.initial.items() if not isinstance(value, bool)}
+        given = {
+            name: value for name, value in problem.initial.items() if not isinstance(value, bool)
+        }
         self.initial = {**given, **{name: 0.0 for name in sorted(asked - given.keys())}}
         self.flags = tuple(name for name, value in problem.initial.items() if value is True)
         tables = {
@@ -39,7 +41,9 @@ class Numbers:
             "friction": problem.friction._asdict(),
             "initial": self.initial,
         }
-        self.values = {f"{table}.{name}": float(v) for table, of in tables.items() for name, v in of.items()}
+        self.values = {
+            f"{table}.{name}": float(v) for table, of in tables.items() for name, v in of.items()
+        }
         self.names = tuple(self.values)
 
     def rule(self, name: str) -> Number:
@@ -51,8 +55,13 @@ class Numbers:
         return float(self.problem.scales.of(self.rule(name).unit))
 
     def internal(self, values: dict[str, Any] | None = None) -> np.ndarray:
-        """The numbers in internal units, (numbers, ...): those of the problem, some replaced by `values`."""
-        rows = [np.asarray((values or {}).get(name, value)) / self.scale(name) for name, value in self.values.items()]
+        """The numbers in internal units, (numbers, ...): those of the problem, some replaced by
+        `values`.
+        """
+        rows = [
+            np.asarray((values or {}).get(name, value)) / self.scale(name)
+            for name, value in self.values.items()
+        ]
         return np.array(np.broadcast_arrays(*rows))
 
     def directions(self, wrt: Sequence[str]) -> np.ndarray:
@@ -64,4 +73,12 @@ class Numbers:
         problem = self.problem
         turning = problem.orientation if orientation is None else orientation
         names = tuple(self.initial)
-        return Kind(problem.system, problem.form.name, type(problem.friction), turning, names, self.flags, order)
+        return Kind(
+            problem.system,
+            problem.form.name,
+            type(problem.friction),
+            turning,
+            names,
+            self.flags,
+            order,
+        )

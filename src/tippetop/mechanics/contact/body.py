@@ -29,12 +29,17 @@ class Touch(NamedTuple):
 
 
 def seen_from_balls(b: Touch, stem: tuple = ()) -> tuple[Touch, ...]:
-    """Return a body seen from its sphere and from the ball of its stem, if it has one: radius, and distance from the
-    centre of the sphere, from which offsets would be rounded."""
+    """Return a body seen from its sphere and from the ball of its stem, if it has one: radius, and
+    distance from the centre of the sphere, from which offsets would be rounded.
+    """
     if not stem:
-        return (b._replace(clearance=0 * b.c + 1, lever=0 * b.c),)  # which no other ball ever takes up
+        return (
+            b._replace(clearance=0 * b.c + 1, lever=0 * b.c),
+        )  # which no other ball ever takes up
     r, h = stem
-    return b._replace(clearance=b.R - r, lever=h), b._replace(R=r, c=b.c + h, clearance=r - b.R, lever=-h)
+    return b._replace(clearance=b.R - r, lever=h), b._replace(
+        R=r, c=b.c + h, clearance=r - b.R, lever=-h
+    )
 
 
 def seen_from_other(b: Touch) -> Touch:
@@ -43,7 +48,9 @@ def seen_from_other(b: Touch) -> Touch:
 
 
 class Top(Record, abstract=True):
-    """A body, by the numbers that the user gives; `gliding` and `resting` name its systems, with and without a law."""
+    """A body, by the numbers that the user gives; `gliding` and `resting` name its systems, with
+    and without a law.
+    """
 
     table = "parameters"
     gliding: ClassVar[str]
@@ -54,7 +61,10 @@ class Top(Record, abstract=True):
         raise NotImplementedError
 
     def body(self, law: Any = None) -> Touch:
-        """Return the body that formulas take; `law`: the record of a friction law. Raises InputError."""
+        """Return the body that formulas take; `law`: the record of a friction law.
+
+        Raises InputError.
+        """
         if law is not None and not hasattr(law, "_fields"):
             raise InputError([f"`law` must be the record of a friction law, but is {law!r:.60}."])
         return self.seen(Frictionless() if law is None else law)
@@ -70,7 +80,7 @@ def body_units(friction: Any) -> Touch:
     return Touch(KILOGRAM, METRE, METRE, INERTIA, INERTIA, METRE_PER_SECOND2, friction)
 
 
-# --- geometry and velocities ------------------------------------------------------------------------------------------
+# --- geometry and velocities --------------------------------------------------------------------
 
 
 @formula
@@ -93,7 +103,9 @@ def arm(u, b):
 
 @formula
 def arm2(z, b):
-    """|a|^2 = R^2 + c^2 - 2 c R z, squared distance from the centre of mass to the contact [m^2]."""
+    """|a|^2 = R^2 + c^2 - 2 c R z, squared distance from the centre of mass to the
+    contact [m^2].
+    """
     return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
 
 
@@ -142,23 +154,31 @@ def centre_velocity(u, L, v, b):
 
 @formula
 def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
-    """-(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0. [section 3.2]"""
+    """-(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
+
+    [section 3.2]
+    """
     return theta_dot * height(z, b), -(s * (b.R * omega3 + phi_dot * (b.c - b.R * z)))
 
 
-# --- functions of the scalars -----------------------------------------------------------------------------------------
+# --- functions of the scalars -------------------------------------------------------------------
 
 
 def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
     """Return a sentence if I3 exceeds 2 I1: about its centre of mass, no rigid body has more."""
     I1, I3 = parameters["I1"], parameters["I3"]
     if I3 > 2 * I1:
-        return [f"`parameters.I3` must be at most 2*I1 = {2 * I1:.6g} (no rigid body has more), but is {I3:.6g}."]
+        return [
+            f"`parameters.I3` must be at most 2*I1 = {2 * I1:.6g} (no rigid body has more), but "
+            f"is {I3:.6g}."
+        ]
     return []
 
 
 class Scalars(NamedTuple):
-    """Functions of the state that do not depend on the form; all are smooth at the poles (section 3.4)."""
+    """Functions of the state that do not depend on the form; all are smooth at the poles (section
+    3.4).
+    """
 
     z: Operand  # cos(theta)
     s2: Operand  # sin(theta)^2
@@ -182,7 +202,10 @@ def torque_free(L3, phi_dot_s2, axis_speed2, z, b):
 
 @formula
 def contact_mobility(s, b):
-    """Upward acceleration of the contact point per unit of g_n/m; must be positive. [denominator of T 3.16]"""
+    """Upward acceleration of the contact point per unit of g_n/m; must be positive.
+
+    [denominator of T 3.16]
+    """
     slip = slip_coefficient(s.v2, s.z, b.friction) * s.v_u
     return 1 + b.m * b.c / b.I1 * (b.c * (1 - s.z * s.z) - height(s.z, b) * slip)
 
@@ -207,7 +230,10 @@ def friction_power(s, b):
 
 @formula
 def jellett(s, b):
-    """Jellett's integral lambda = -L.a = R L_z - c L_3 [kg m^3/s]; constant for any force at A. [T 3.18]"""
+    """Jellett's integral lambda = -L.a = R L_z - c L_3 [kg m^3/s]; constant for any force at A.
+
+    [T 3.18]
+    """
     return jellett_of(s.Lz, s.L3, b)
 
 
@@ -232,20 +258,31 @@ def height_energy(z, b):
 @formula
 def energy(s, b):
     """Energy E [J]; E' = -k g_n |v_A|^2. [T 3.7]"""
-    return b.m * (s.speed2 + (b.c * s.z_dot) ** 2) / 2 + rotation_energy(s, b) + height_energy(s.z, b)
+    return (
+        b.m * (s.speed2 + (b.c * s.z_dot) ** 2) / 2 + rotation_energy(s, b) + height_energy(s.z, b)
+    )
 
 
 @formula
 def tip_inertia(b):
-    """I1* = I1 + m l^2, transverse moment of inertia of a heavy top (R = 0, c = -l) about its tip [kg m^2]."""
+    """I1* = I1 + m l^2, transverse moment of inertia of a heavy top (R = 0, c = -l) about its tip
+    [kg m^2].
+    """
     return b.I1 + b.m * b.c**2
 
 
 @formula
 def arm_speed2(s, b):
-    """|omega x a|^2 [m^2/s^2]: the speed that the centre of mass would have if the body rolled. [section 3.3]"""
+    """|omega x a|^2 [m^2/s^2]: the speed that the centre of mass would have if the body rolled.
+
+    [section 3.3]
+    """
     w3, q = s.L3 / b.I3, b.c - b.R * s.z
-    return q**2 * s.axis_speed2 + b.R**2 * (s.z_dot**2 + s.s2 * w3**2) + 2 * b.R * w3 * q * s.phi_dot_s2
+    return (
+        q**2 * s.axis_speed2
+        + b.R**2 * (s.z_dot**2 + s.s2 * w3**2)
+        + 2 * b.R * w3 * q * s.phi_dot_s2
+    )
 
 
 @formula
@@ -256,6 +293,9 @@ def modified_energy(s, b):
 
 @formula
 def modified_energy_rate(push_u, push_n, s, b):
-    """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt). [T 4.18, 4.22]"""
+    """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt).
+
+    [T 4.18, 4.22]
+    """
     turn = (b.c - b.R * s.z) * s.phi_dot_s2 + b.R * (s.L3 / b.I3) * s.s2
     return b.m * (height(s.z, b) * (s.z_dot * push_u) + turn * push_n) / s.s2

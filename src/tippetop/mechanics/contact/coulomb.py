@@ -1,7 +1,9 @@
-"""Set-valued Coulomb friction at the contact of a ball: slip along a direction, rolling, and its cone. [contact 2]
+"""Set-valued Coulomb friction at the contact of a ball: slip along a direction, rolling, and its
+cone. [contact 2]
 
-A slip direction n is a horizontal unit vector; F = N (zhat - mu n). Everything is singular only where the contact jams
-(Painleve: K_zz - mu n_e K_ez = 0, which `uniqueness.painleve_bound` excludes).
+A slip direction n is a horizontal unit vector; F = N (zhat - mu n). Everything is singular only
+where the contact jams (Painleve: K_zz - mu n_e K_ez = 0, which `uniqueness.painleve_bound`
+excludes).
 """
 
 from typing import Any, NamedTuple
@@ -9,22 +11,31 @@ from typing import Any, NamedTuple
 from ..friction import load
 from ..operand import Operand, Vector, cross, formula, plus, times
 from .body import angular_velocity, arm, height
-from .response import bias_vector, contact_acceleration_vector, mobility_inverse_times, torque_acceleration
+from .response import (
+    bias_vector,
+    contact_acceleration_vector,
+    mobility_inverse_times,
+    torque_acceleration,
+)
 
 
-# --- slip ------------------------------------------------------------------------------------------------------------
+# --- slip ---------------------------------------------------------------------------------------
 
 
 @formula
 def response(u, push, b):
-    """zhat.K(zhat - push) [1/kg]: upward acceleration of the contact point for N = 1 and the horizontal force -push."""
+    """zhat.K(zhat - push) [1/kg]: upward acceleration of the contact point for N = 1 and the
+    horizontal force -push.
+    """
     lever = b.c * (u.x * u.x + u.y * u.y) - height(u.z, b) * (u.x * push.x + u.y * push.y)
     return 1 / b.m + b.c * lever / b.I1
 
 
 @formula
 def loaded_normal_force(u, b, push, tau, body):
-    """N [N] where the friction -N push, horizontal, and beside it the torque N tau act: of a patch that drills."""
+    """N [N] where the friction -N push, horizontal, and beside it the torque N tau act: of a patch
+    that drills.
+    """
     return -b.z / (response(u, push, body) + torque_acceleration(u, tau, body).z)
 
 
@@ -43,7 +54,9 @@ def slip_force_vector(u, b, n, body):
 
 @formula
 def along_and_across(G, n):
-    """P = n.G, the rate of the slip speed w, and Q = (zhat x n).G, w times the turn of n in space; Vectors [m/s^2]."""
+    """P = n.G, the rate of the slip speed w, and Q = (zhat x n).G, w times the turn of n in space;
+    Vectors [m/s^2].
+    """
     return n.x * G.x + n.y * G.y, n.x * G.y - n.y * G.x
 
 
@@ -73,7 +86,7 @@ def slip_motion(u, L, n, body):
     return Slide(F, torque, turn, *along_and_across(G, n))
 
 
-# --- rolling ---------------------------------------------------------------------------------------------------------
+# --- rolling ------------------------------------------------------------------------------------
 
 
 @formula
@@ -85,7 +98,9 @@ def reaction_of_rolling_vector(u, b, body):
 
 @formula
 def sticking(u, L, body):
-    """Force and torque (3,) on a body whose contact point stays at rest; the torque is None if the law has no parts."""
+    """Force and torque (3,) on a body whose contact point stays at rest; the torque is None if the
+    law has no parts.
+    """
     b, per_force = bias_vector(u, L, body), load(angular_velocity(u, L, body), body.friction)
     if per_force is None:
         return reaction_of_rolling_vector(u, b, body), None
@@ -94,7 +109,9 @@ def sticking(u, L, body):
 
 @formula
 def held_point(u, b, per_force, body):
-    """Force and torque (3,) that cancel the acceleration b of the contact point, with this torque per normal force."""
+    """Force and torque (3,) that cancel the acceleration b of the contact point, with this torque
+    per normal force.
+    """
     of_bias = mobility_inverse_times(u, b, body)
     of_torque = mobility_inverse_times(u, torque_acceleration(u, per_force, body), body)
     N = -of_bias.z / (1 + of_torque.z)
@@ -103,5 +120,7 @@ def held_point(u, b, per_force, body):
 
 @formula
 def cone(F_1, F_2, N, mu):
-    """mu^2 N^2 - |F_h|^2 [N^2] of two horizontal components: falls through zero where rolling ends."""
+    """mu^2 N^2 - |F_h|^2 [N^2] of two horizontal components: falls through zero where
+    rolling ends.
+    """
     return mu**2 * N**2 - F_1**2 - F_2**2

@@ -1,8 +1,10 @@
-"""A contact disc at rest: what brings it there, what keeps it there, and whether friction that drills can.
+"""A contact disc at rest: what brings it there, what keeps it there, and whether friction that
+drills can.
 
-At rest neither v_A nor Omega_z changes: a force F and a torque tau zhat see to that. With k = I^-1 zhat, t = k x a and
-k_zz = k.zhat, tau is eliminated, and F is that of rolling with K - t t/k_zz instead of K. Friction gives every
-(|F_h|/(mu N), |tau|/(mu N patch)) within the curve (f(x), m(x)), and no other.
+At rest neither v_A nor Omega_z changes: a force F and a torque tau zhat see to that. With k = I^-1
+zhat, t = k x a and k_zz = k.zhat, tau is eliminated, and F is that of rolling with K - t t/k_zz
+instead of K. Friction gives every (|F_h|/(mu N), |tau|/(mu N patch)) within the curve (f(x), m(x)),
+and no other.
 """
 
 import math
@@ -43,7 +45,9 @@ def turning(u, b):
 
 @formula
 def impulses(u, v, Omega_z, b):
-    """The impulses that add v to the velocity of the contact point, and Omega_z to the turning of the disc."""
+    """The impulses that add v to the velocity of the contact point, and Omega_z to the turning of
+    the disc.
+    """
     by = turning(u, b)
     p = other_mobility_inverse_times(u, plus(times(-(Omega_z / by.own), by.along), v), by.excess, b)
     return Held(p, (Omega_z - dot(p, by.along)) / by.own)
@@ -51,7 +55,9 @@ def impulses(u, v, Omega_z, b):
 
 @formula
 def stopping(u, L, V, b):
-    """The impulses that bring the contact point and the turning of the disc to rest, at one instant."""
+    """The impulses that bring the contact point and the turning of the disc to rest, at one
+    instant.
+    """
     return impulses(u, times(-1, contact_velocity(u, L, V, b)), -angular_velocity(u, L, b).z, b)
 
 
@@ -64,8 +70,9 @@ def jumped(u, L, V, by, b):
 
 @formula
 def holding(u, L, rolling, body):
-    """What keeps a disc at rest, of a body whose v_A and Omega_z are zero; `rolling`, (3,) [m], is the torque of
-    rolling resistance per normal force."""
+    """What keeps a disc at rest, of a body whose v_A and Omega_z are zero; `rolling`, (3,) [m], is
+    the torque of rolling resistance per normal force.
+    """
     excess = (1 / body.I3 - 1 / body.I1) * dot(L, u)
     free = excess * axis_rate(u, L, body).z  # Omega_z' without them
     return held_disc(u, bias_vector(u, L, body), free, rolling, body)
@@ -104,7 +111,8 @@ INSIDE = drag(1.0, 1.0).k  # |F_h|/(mu N) at x = 1
 
 
 def margin(force: Any, torque: Any, law: Any) -> float:
-    """Return by how much friction of a disc at rest can give more, per mu N patch, than a torque about the vertical.
+    """Return by how much friction of a disc at rest can give more, per mu N patch, than a torque
+    about the vertical.
 
     Negative where it cannot give the force and the torque together.
 
@@ -121,7 +129,9 @@ def margin(force: Any, torque: Any, law: Any) -> float:
     if not limit > 0:
         return -1.0
     push, torque = math.hypot(force.x, force.y) / limit, abs(float(torque))
-    turn = max(torque - float(getattr(law, "mu_d", 0.0) * force.z), 0.0) / (limit * float(law.patch))
+    turn = max(torque - float(getattr(law, "mu_d", 0.0) * force.z), 0.0) / (
+        limit * float(law.patch)
+    )
     if not push < 1:
         return 1 - push - turn
     return float(drag(sliding_at(push) ** 2, 1.0).twist) - turn
@@ -131,8 +141,9 @@ MOST = 1 - 2.0**-40  # |F_h|/(mu N) of a disc that hardly turns
 
 
 def direction(force: Any, torque: Any, law: Any) -> tuple[Vector, float]:
-    """Return v_A and the velocity of the edge, of length 1 together, of the slide in which friction is that of `margin`
-    where its bound is reached."""
+    """Return v_A and the velocity of the edge, of length 1 together, of the slide in which friction
+    is that of `margin` where its bound is reached.
+    """
     push = math.hypot(force.x, force.y)
     x = sliding_at(min(push / float(law.mu * force.z), MOST))
     length = math.hypot(x, 1.0)

@@ -56,8 +56,13 @@ of the time in which gravity swings the body."""
 MOST_HALVINGS = 10
 
 NO_WAY = "the contact opens and closes at once: the model has no solution"
-MAKES_ENERGY = 'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
-BOTH = "the body stands on its sphere and its stem at once, which is not followed under Coulomb's law itself"
+MAKES_ENERGY = (
+    'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
+)
+BOTH = (
+    "the body stands on its sphere and its stem at once, which is not followed under "
+    "Coulomb's law itself"
+)
 
 
 class Impact(NamedTuple):
@@ -74,7 +79,7 @@ class Impact(NamedTuple):
     mode: Any  # how friction ended
 
 
-# --- the balls ------------------------------------------------------------------------------------
+# --- the balls ----------------------------------------------------------------------------------
 
 
 def phase_name(label: str, ball: int = 0, *regions: str) -> str:
@@ -126,7 +131,7 @@ def first_touch(n: Next, world: Any) -> Next:
     return n
 
 
-# --- what begins ----------------------------------------------------------------------------------
+# --- what begins --------------------------------------------------------------------------------
 
 
 def begin(x: Moving, world: Any) -> Next:
@@ -245,7 +250,7 @@ def left_alone(n: Next, world: Any, zeros: int) -> Next:
     return n
 
 
-# --- impacts --------------------------------------------------------------------------------------
+# --- impacts ------------------------------------------------------------------------------------
 
 
 def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
@@ -291,7 +296,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool
     return x._replace(L=after.L, velocity=velocity), hit, e_n != 0, impact.makes_energy
 
 
-# --- slides that begin and end --------------------------------------------------------------------
+# --- slides that begin and end ------------------------------------------------------------------
 
 
 def along(beta: Any) -> Vector:
@@ -355,9 +360,13 @@ def rounded(record: Any) -> Any:
 
 def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     """Return how long the first moments last of a slide that begins at the edge of the friction
-    cone, and its series: of times (n,), states and integrals. Wider numbers are rounded to 80 bits."""
+    cone, and its series: of times (n,), states and integrals. Wider numbers are rounded to 80 bits.
+    """
     x = Moving(*(rounded(v) if isinstance(v, tuple) else eighty_bits(v) for v in x))
-    b, sliding = rounded(world.body[phase.ball]), signed_slide if world.system.opening.planar else directed
+    b, sliding = (
+        rounded(world.body[phase.ball]),
+        signed_slide if world.system.opening.planar else directed,
+    )
 
     def read(state: np.ndarray, w: Any, beta: Any) -> tuple[Vector, Vector, Any, Any]:
         u, L = Vector(*state[:3]), Vector(*state[3:6])
@@ -392,7 +401,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     return first.time[-1], series
 
 
-# --- exits of the phases --------------------------------------------------------------------------
+# --- exits of the phases ------------------------------------------------------------------------
 
 
 def lift_off(x: Moving, world: Any) -> Next:
@@ -475,7 +484,9 @@ def on_disc(n: Next, world: Any) -> Next:
         return n
     b = world.body[phase.ball]
     s = phase.form.scalars(phase.enter(n.x, b), b)
-    staying = [way.event for way in phase.exits if getattr(way.jump, "keywords", {}).get("to") == n.phase]
+    staying = [
+        way.event for way in phase.exits if getattr(way.jump, "keywords", {}).get("to") == n.phase
+    ]
     for event in phase.events:
         if event.name in (*staying, RESTS.name) and event.direction * event.formula(s, b) > 0:
             n.sides = {event.name: event.direction, **n.sides}

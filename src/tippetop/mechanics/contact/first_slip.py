@@ -1,8 +1,9 @@
 """How slip begins where nothing slips: at the edge of the cone, and outside it. [contact 2.4, 2.5]
 
-At the edge w = 0 and the direction is that against the force of rolling, but its equation w beta' = Q is singular, and
-so stiff nearby that no explicit step begins there. Chebyshev and Picard's sweeps solve it on a whole interval at once:
-the direction from Q = w beta', everything else by integration. Numbers are doubles or longdoubles.
+At the edge w = 0 and the direction is that against the force of rolling, but its equation w beta' =
+Q is singular, and so stiff nearby that no explicit step begins there. Chebyshev and Picard's sweeps
+solve it on a whole interval at once: the direction from Q = w beta', everything else by
+integration. Numbers are doubles or longdoubles.
 """
 
 from collections.abc import Callable
@@ -35,8 +36,8 @@ def first_slip(
     Parameters
     ----------
     rates
-        rates(state, w, beta) -> (the state's rate, P, Q) of slip in the direction beta, an angle from a fixed axis;
-        of arrays (k, n), (n,), (n,).
+        rates(state, w, beta) -> (the state's rate, P, Q) of slip in the direction beta, an angle
+        from a fixed axis; of arrays (k, n), (n,), (n,).
     turning
         turning(state, beta) -> Q alone.
     state
@@ -69,11 +70,19 @@ def first_slip(
 def _swept(
     rates: Callable, turning: Callable, start: np.ndarray, beta0: Any, duration: Any, nodes: int
 ) -> tuple[FirstSlip, float]:
-    """Sweeps until they change nothing more than rounding; and the last change of w and beta, relative."""
+    """Sweeps until they change nothing more than rounding; and the last change of w and beta,
+    relative.
+    """
     angle = np.pi * np.arange(nodes, dtype=start.dtype) / (nodes - 1)
     time = duration * (1 - np.cos(angle)) / 2
-    integral, slope = (m * duration / 2 if i == 0 else m * 2 / duration for i, m in enumerate(_matrices(time)))
-    state, beta, w = np.repeat(start[:, None], nodes, 1), np.full_like(time, beta0), np.zeros_like(time)
+    integral, slope = (
+        m * duration / 2 if i == 0 else m * 2 / duration for i, m in enumerate(_matrices(time))
+    )
+    state, beta, w = (
+        np.repeat(start[:, None], nodes, 1),
+        np.full_like(time, beta0),
+        np.zeros_like(time),
+    )
     change = np.inf
     with np.errstate(all="ignore"):
         for sweep in range(40):
@@ -111,7 +120,13 @@ def _matrices(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     sums, slopes = [], []
     for k in range(n + 1):
-        s = T(1) if k == 0 else T(2) / 4 if k == 1 else (T(k + 1) / (k + 1) - T(k - 1) / (k - 1)) / 2
+        s = (
+            T(1)
+            if k == 0
+            else T(2) / 4
+            if k == 1
+            else (T(k + 1) / (k + 1) - T(k - 1) / (k - 1)) / 2
+        )
         sums.append(s - s[0])
         inner = k * np.sin(k * angle[1:-1]) / np.sin(angle[1:-1])
         slopes.append(np.concatenate([[(-1) ** (k + 1) * k**2], inner, [k**2]]))
@@ -120,7 +135,8 @@ def _matrices(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def first_directions(law: Callable, count: int = 360) -> np.ndarray:
-    """Every direction in which slip can begin from rest: Q = 0, P > 0, N > 0; exactly one outside the cone.
+    """Every direction in which slip can begin from rest: Q = 0, P > 0, N > 0; exactly one outside
+    the cone.
 
     Parameters
     ----------

@@ -1,7 +1,10 @@
-"""An impact at one ball: friction followed through it in impulse space (Routh, Stronge). [contact 3.2, 3.3]
+"""An impact at one ball: friction followed through it in impulse space (Routh, Stronge).
 
-The configuration is frozen; the normal impulse pi is the time, dv = K (zhat - mu n) dpi. With dpi = w dsigma and the
-horizontal slip w (cos beta e + sin beta 2hat) nothing is singular where the slip stops: w falls like an exponential.
+[contact 3.2, 3.3]
+
+The configuration is frozen; the normal impulse pi is the time, dv = K (zhat - mu n) dpi. With dpi =
+w dsigma and the horizontal slip w (cos beta e + sin beta 2hat) nothing is singular where the slip
+stops: w falls like an exponential.
 """
 
 from typing import NamedTuple
@@ -12,7 +15,7 @@ from .body import angular_velocity, contact_velocity
 from .response import Mobility, jumps, mobility
 
 
-# --- what arrives -----------------------------------------------------------------------------------------------------
+# --- what arrives -------------------------------------------------------------------------------
 
 
 class Arrival(NamedTuple):
@@ -49,8 +52,9 @@ def arrival(u, L, velocity, b):
 
 
 class Struck(NamedTuple):
-    """A body after an impact: impulses of force and torque, L, velocities of the centre of mass and of the contact
-    point, energy gained."""
+    """A body after an impact: impulses of force and torque, L, velocities of the centre of mass and
+    of the contact point, energy gained.
+    """
 
     p: Vector
     twist: Vector
@@ -75,7 +79,9 @@ def to_frame(e, x):
 @inlined
 @formula
 def after_impact(u, L, velocity, a, p, twist, b):
-    """The body after an impulse at its contact and one of a torque, by components along e, 2hat, zhat."""
+    """The body after an impulse at its contact and one of a torque, by components along e, 2hat,
+    zhat.
+    """
     p, twist = from_frame(a.e, p), from_frame(a.e, twist)
     pushed, turned = jumps(u, p, b)
     velocity, newer = plus(velocity, pushed), plus(plus(L, turned), twist)

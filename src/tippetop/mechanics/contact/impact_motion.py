@@ -36,13 +36,18 @@ RESTS_AT = 450
 """Slip at which a contact neither slides nor turns, in rounding errors."""
 
 BEGINS_AT, DISC_BEGINS_AT = 1e-10, 2e-8
-"""Slip with which sliding of a point and of a disc begins within an impact with torques: the error of
-the motion after it. A smaller one takes more steps where torques turn the force that holds the contact."""
+"""Slip with which sliding of a point and of a disc begins within an impact with torques: the error
+of the motion after it. A smaller one takes more steps where torques turn the force that holds the
+contact.
+"""
 
 Blow: Any = namedtuple("Blow", "by_v_n by_work_n by_p_n goal K s z speed ratio rest begins L touch")
-"""The parameters of an impact. A stage ends where by_v_n v_n + by_work_n work_n + by_p_n p_n = goal.
-Then mobility; sin(theta), cos(theta); the unit of slip; the unit of v_n by it; the slip of a contact at
-rest, and that with which it begins to slide; L before the impact; the body."""
+"""The parameters of an impact.
+
+A stage ends where by_v_n v_n + by_work_n work_n + by_p_n p_n = goal. Then mobility; sin(theta),
+cos(theta); the unit of slip; the unit of v_n by it; the slip of a contact at rest, and that with
+which it begins to slide; L before the impact; the body.
+"""
 
 Motion: Any = namedtuple("Motion", "v_e v_2 turn v_n p_e p_2 p_n t_e t_2 t_n work_n work_t")
 """Slip along e and 2hat, and of the edge of a disc; v_n; impulses of the force and of the torque;
@@ -113,11 +118,14 @@ def stages(law: Any) -> dict[str, Stage]:
 
 
 def new_stages(law: Any) -> dict[str, Stage]:
-    """Return the motions of impacts under a law, by its regions and REST; "" is that without regions, or of a disc
-    without friction."""
+    """Return the motions of impacts under a law, by its regions and REST; "" is that without
+    regions, or of a disc without friction.
+    """
     torque = law.torque
 
-    def stage(friction: Callable | None, events: tuple = (), follows: Any = None, by_slip: bool = False) -> Stage:
+    def stage(
+        friction: Callable | None, events: tuple = (), follows: Any = None, by_slip: bool = False
+    ) -> Stage:
         def acts(q, b):
             none, u = 0 * q.v_n, axis(b)
             v = Vector(b.speed * q.v_e, b.speed * q.v_2, none)
@@ -147,7 +155,14 @@ def new_stages(law: Any) -> dict[str, Stage]:
             if friction is not None:
                 slips = across.x, across.y, spun(by, b) if law.regions else 0 * q.turn
             power = by.force.x * q.v_e + by.force.y * q.v_2 + dot(by.torque, by.omega) / b.speed
-            every = (*(b.ratio * rate for rate in slips), across.z, *by.force, *by.torque, q.v_n, power)
+            every = (
+                *(b.ratio * rate for rate in slips),
+                across.z,
+                *by.force,
+                *by.torque,
+                q.v_n,
+                power,
+            )
             return Motion._make(per * rate for rate in every)
 
         @inlined
@@ -156,7 +171,9 @@ def new_stages(law: Any) -> dict[str, Stage]:
             return gains(by, b).z, growth(q, by, b)
 
         slowest = (
-            () if by_slip or friction is None else (Event("slowest", "slip begins to grow", growth, 1, "slowest"),)
+            ()
+            if by_slip or friction is None
+            else (Event("slowest", "slip begins to grow", growth, 1, "slowest"),)
         )
         form = Form("impact", Motion._make((ONE,) * len(Motion._fields)), rates, lambda q, b: q)
         return Stage(form, acts, slope, (REACHED, *slowest, *events), follows or {})
@@ -164,7 +181,9 @@ def new_stages(law: Any) -> dict[str, Stage]:
     stops = Event("stops", "the contact neither slides nor turns", beyond_rest, -1, "stops")
     known = {REST: stage(None)}
     if not law.regions:
-        return known | {"": stage(smooth_friction, (stops,) if law.set_valued else (), by_slip=law.set_valued)}
+        return known | {
+            "": stage(smooth_friction, (stops,) if law.set_valued else (), by_slip=law.set_valued)
+        }
     for name, region in law.regions.items():
         borders = [way for way in region.borders if way.event != "slow"]
         events = (Event(way.event, "", border(way), way.direction, way.event) for way in borders)
@@ -193,7 +212,7 @@ def region_at(law: Any, q: Any, b: Any) -> str:
     return region_of(speeds(q), law.regions, b.touch) if can_rest(law, b) else ""
 
 
-# --- stops, and what follows them -----------------------------------------------------------------
+# --- stops, and what follows them ---------------------------------------------------------------
 
 
 def can_rest(law: Any, b: Any) -> bool:
@@ -208,7 +227,9 @@ def stopped(law: Any, q: Any, b: Any) -> Any:
 
 
 def left(law: Any, by: Acts, b: Any) -> Any:
-    """Return by how much friction can give more, of a contact at rest; negative where it cannot hold it."""
+    """Return by how much friction can give more, of a contact at rest; negative where it cannot
+    hold it.
+    """
     friction = b.touch.friction
     if law.regions:
         return margin(by.force, by.torque.z, friction)

@@ -1,4 +1,6 @@
-"""What is integrated beside the motion of a body on the plane: place, angles, work and impulse of the contact."""
+"""What is integrated beside the motion of a body on the plane: place, angles, work and impulse of
+the contact.
+"""
 
 from collections.abc import Callable
 
@@ -20,4 +22,6 @@ NAMED = {
 def integral(name: str, rate: Callable) -> Integral:
     """The integral of this name with rate(q, carried, b)."""
     unit, long_name = NAMED[name]
-    return Integral(name, unit, long_name, formula(rate), of="normal_force" if name == "impulse" else "")
+    return Integral(
+        name, unit, long_name, formula(rate), of="normal_force" if name == "impulse" else ""
+    )

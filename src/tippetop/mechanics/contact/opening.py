@@ -22,7 +22,18 @@ from .double_contact import double_contact
 from .exits import JUMPS, Impact, begin, come_to_rest, go_on, land, phase_name
 from .gliding import catalogue as gliding
 from .planar import IN_PLANE, SIGNED_SLIP
-from .single_contact import CONE, DIRECTED_SLIP, FLIGHT, REST, RESTS, ROLL, SLIP, STICK, WITH_PARTS, disc_slip
+from .single_contact import (
+    CONE,
+    DIRECTED_SLIP,
+    FLIGHT,
+    REST,
+    RESTS,
+    ROLL,
+    SLIP,
+    STICK,
+    WITH_PARTS,
+    disc_slip,
+)
 from .state import (
     ANGLES,
     BALLS,
@@ -42,7 +53,9 @@ from .state import (
 
 ABOVE = {
     "gap": Number(METRE, "height of the lowest point of the sphere above the plane", least=0),
-    "nu_z": Number(METRE_PER_SECOND, "vertical velocity of the lowest point of the sphere", symbol=r"\nu_z"),
+    "nu_z": Number(
+        METRE_PER_SECOND, "vertical velocity of the lowest point of the sphere", symbol=r"\nu_z"
+    ),
 }
 LONG_NAMES = {
     "gap": "height of the lowest point of the ball that touches the plane, or did last",
@@ -72,7 +85,8 @@ OCCURRENCES = (
 
 SETTLED = Event(
     "settled",
-    "friction takes no energy any more, and the body presses on the plane with more than half of its weight",
+    "friction takes no energy any more, and the body presses on the plane with more than half "
+    "of its weight",
     formula(lambda s, b: s.power - 1e-12 * (2 * s.force - b.m * b.g)),
     direction=-1,
     lasting=True,
@@ -110,7 +124,7 @@ def kind_of(law: Any) -> tuple:
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 
-# --- phases and exits -----------------------------------------------------------------------------
+# --- phases and exits ---------------------------------------------------------------------------
 
 
 def phases_of(planar: bool, law: Any, balls: int) -> dict[str, Phase]:
@@ -173,14 +187,17 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
         following = tuple(other for other, label in near.items() if label in labels)
         return Exit(event, following or tuple(bare), jump)
 
-    names = (*(event.name for event in phase.events), *((CLOCK,) if phase.label == "flight" else ()))
+    names = (
+        *(event.name for event in phase.events),
+        *((CLOCK,) if phase.label == "flight" else ()),
+    )
     exits = tuple(map(way_out, names))
     forms = {key: replace(form, not_normalised=("R", "c")) for key, form in phase.forms.items()}
     fast = {name: inlined(getattr(phase, name)) for name in ("enter", "leave", "reaction")}
     return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball, **fast)
 
 
-# --- systems --------------------------------------------------------------------------------------
+# --- systems ------------------------------------------------------------------------------------
 
 
 _opened: dict[tuple, System] = {}
@@ -227,14 +244,18 @@ def open_contact(system: System, law: Any, balls: int) -> System:
         return type(angles)(*(getattr(e, n, data.get(n, 0)) for n in angles._fields))
 
     def assembled(b: Touch, rules: Any, internal: Callable) -> tuple[Any, Mapping[str, Phase]]:
-        """Return the body seen from each of its balls and the phases; internal(value, unit) of SI values."""
+        """Return the body seen from each of its balls and the phases; internal(value, unit) of SI
+        values.
+        """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
 
         def bodies(b: Touch) -> tuple[Touch, ...]:
             seen = seen_from_balls(b, stem)
             if not isinstance(0 * b.I1, float):
                 return seen
-            return tuple(refill(one, map(float, leaves(one))) for one in seen)  # faster than numbers of NumPy
+            return tuple(
+                refill(one, map(float, leaves(one))) for one in seen
+            )  # faster than numbers of NumPy
 
         of_disc = bool(law.regions) and not is_frictionless(b.friction)
         if not (law.set_valued or law.regions) or b.friction.mu != 0 or of_disc:

@@ -1,11 +1,14 @@
-"""Which way the whole body is turned: its axes 1 and 3 in the space frame, and so the Euler angle psi. [section 1]
+"""Which way the whole body is turned: its axes 1 and 3 in the space frame, and so the Euler angle
+psi. [section 1]
 
-Angles are phi, theta, psi about z, y, z: the body's axes are R_z(phi) R_y(theta) R_z(psi) of those of space, so that
-axis 3 is 3hat with azimuth phi, and axis 1 is 1hat cos(psi) + 2hat sin(psi) with 1hat = cos(theta) e - sin(theta) zhat.
-(The angles of the source are about z, x, z: its phi is ours + pi/2, its psi ours - pi/2.)
+Angles are phi, theta, psi about z, y, z: the body's axes are R_z(phi) R_y(theta) R_z(psi) of those
+of space, so that axis 3 is 3hat with azimuth phi, and axis 1 is 1hat cos(psi) + 2hat sin(psi) with
+1hat = cos(theta) e - sin(theta) zhat. (The angles of the source are about z, x, z: its phi is ours
++ pi/2, its psi ours - pi/2.)
 
-Forms that pass the poles carry a transverse unit vector f that follows the axis without spin about it, and the angle
-`turn` from f to axis 1, turn' = omega_3: both are regular everywhere, and f is as slow as the axis.
+Forms that pass the poles carry a transverse unit vector f that follows the axis without spin about
+it, and the angle `turn` from f to axis 1, turn' = omega_3: both are regular everywhere, and f is as
+slow as the axis.
 """
 
 from collections.abc import Callable
@@ -18,13 +21,17 @@ from ..units import ONE, RADIAN
 
 @formula
 def transport(f, u, u_dot):
-    """f' = -(f.3hat') 3hat [1/s]: f stays transverse, and its angular velocity has no part along the axis."""
+    """f' = -(f.3hat') 3hat [1/s]: f stays transverse, and its angular velocity has no part along
+    the axis.
+    """
     return times(-dot(f, u_dot), u)
 
 
 @formula
 def turned(f, turn, u):
-    """The unit vector at the angle `turn` from f about the axis u, (3,); f is made transverse first, u has length 1."""
+    """The unit vector at the angle `turn` from f about the axis u, (3,); f is made transverse
+    first, u has length 1.
+    """
     across = plus(f, times(-dot(f, u), u))
     v = plus(times(cos(turn), across), times(sin(turn), cross(u, across)))
     return times(1 / sqrt(dot(v, v)), v)
@@ -79,8 +86,12 @@ def carried_along(axis: Callable, axis_rate: Callable, spin: Callable) -> Orient
         return turned(f(carried), carried.turn, axis(q)), axis(q)
 
     text = "transverse unit vector that follows the axis without spin, {} component"
-    transverse = (Integral(f"f{c}", ONE, text.format(c), rate(i), _start(i)) for i, c in enumerate("xyz"))
-    turn = Integral("turn", RADIAN, "angle from f to body axis 1", lambda q, carried, b: spin(q, b), _psi)
+    transverse = (
+        Integral(f"f{c}", ONE, text.format(c), rate(i), _start(i)) for i, c in enumerate("xyz")
+    )
+    turn = Integral(
+        "turn", RADIAN, "angle from f to body axis 1", lambda q, carried, b: spin(q, b), _psi
+    )
     return Orientation(axes, (*transverse, turn), psi_of_axes)
 
 
@@ -99,12 +110,16 @@ def by_angles(theta: Callable, rate: Callable) -> Orientation:
         s, z = theta(q)
         return axes_of_angles(s, z, carried.phi, carried.psi)
 
-    integral = Integral("psi", RADIAN, "turn psi of the body about its axis, not wrapped", rate, _psi)
+    integral = Integral(
+        "psi", RADIAN, "turn psi of the body about its axis, not wrapped", rate, _psi
+    )
     return Orientation(axes, (integral,), psi_of_axes)
 
 
 def planar(theta: Callable) -> Orientation:
-    """The orientation of a cylinder: it turns by theta about the horizontal y, which is phi = psi = 0 of a top."""
+    """The orientation of a cylinder: it turns by theta about the horizontal y, which is phi = psi =
+    0 of a top.
+    """
 
     def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
         s, z = theta(q)

@@ -23,7 +23,7 @@ from .single_contact import FLIGHT, LIFTOFF, ROLL, SLIP, STICK
 from .state import PLANAR_ROW, Moving, Reaction, filled, planar_theta_dot
 
 
-# --- phases ---------------------------------------------------------------------------------------
+# --- phases -------------------------------------------------------------------------------------
 
 
 @lru_cache

@@ -1,6 +1,7 @@
 """The response of a body to forces, torques and impulses at its contact.
 
-Components along e, 2hat, zhat (names without `vector`) are singular at the poles, vectors of space are not.
+Components along e, 2hat, zhat (names without `vector`) are singular at the poles, vectors of space
+are not.
 """
 
 from typing import NamedTuple
@@ -11,7 +12,9 @@ from .body import angular_velocity, arm, arm2, axis_rate, height
 
 
 class Mobility(NamedTuple):
-    """K: acceleration of the contact point per force there, velocity per impulse [1/kg]; K_e2 = K_2z = 0."""
+    """K: acceleration of the contact point per force there, velocity per impulse [1/kg]; K_e2 =
+    K_2z = 0.
+    """
 
     ee: Operand
     zz: Operand
@@ -41,14 +44,18 @@ class Spin(NamedTuple):
 
 @formula
 def spin_mobility(s, z, b):
-    """By sin(theta), cos(theta); an impulse along 2hat gives Omega_z as much as the torque gives v_2."""
+    """By sin(theta), cos(theta); an impulse along 2hat gives Omega_z as much as the torque gives
+    v_2.
+    """
     excess = 1 / b.I3 - 1 / b.I1
     return Spin(s * (b.c / b.I1 + b.R * z * excess), s**2 / b.I1 + z**2 / b.I3)
 
 
 @formula
 def torque_acceleration(u, tau, b):
-    """(I^-1 tau) x a, (3,) [m/s^2]: what a torque about the centre of mass gives the contact point."""
+    """(I^-1 tau) x a, (3,) [m/s^2]: what a torque about the centre of mass gives the
+    contact point.
+    """
     return cross(angular_velocity(u, tau, b), arm(u, b))
 
 
@@ -60,7 +67,9 @@ def mobility_times(u, x, b):
 
 @formula
 def mobility_inverse_times(u, x, b):
-    """K^-1 x, (3,): the force or impulse for x at the contact; K = kappa - a a/I1 + excess k k, k = zhat x 3hat."""
+    """K^-1 x, (3,): the force or impulse for x at the contact; K = kappa - a a/I1 + excess k k, k =
+    zhat x 3hat.
+    """
     return other_mobility_inverse_times(u, x, b.R**2 * (1 / b.I3 - 1 / b.I1), b)
 
 
@@ -82,7 +91,9 @@ def other_mobility_inverse_times(u, x, excess, b):
 @inlined
 @formula
 def bias_vector(u, L, b):
-    """b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat, 3hat'' of free rotation."""
+    """b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat, 3hat'' of free
+    rotation.
+    """
     u_dot, L3 = axis_rate(u, L, b), dot(L, u)
     turn = cross(u_dot, arm(u, b))
     precession, swing = cross(u, u_dot), dot(u_dot, u_dot)
@@ -103,5 +114,7 @@ def contact_acceleration_vector(u, b, F, body):
 @inlined
 @formula
 def jumps(u, p, b):
-    """What the impulse p, (3,), adds to the velocity of the centre of mass and to L: p/m and a x p."""
+    """What the impulse p, (3,), adds to the velocity of the centre of mass and to L:
+    p/m and a x p.
+    """
     return times(1 / b.m, p), cross(arm(u, b), p)

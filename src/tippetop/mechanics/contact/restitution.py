@@ -7,7 +7,10 @@ from ..number import Number
 from ..units import METRE, ONE
 
 
-LEAST_RADIUS, LONGEST = 1e-9, 1e6  # of a stem's ball, and of a stem, by the radius of the sphere: the rest is a slip
+LEAST_RADIUS, LONGEST = (
+    1e-9,
+    1e6,
+)  # of a stem's ball, and of a stem, by the radius of the sphere: the rest is a slip
 
 
 class ContactLaw(NamedTuple):
@@ -20,7 +23,8 @@ class ContactLaw(NamedTuple):
     e_n
         Its coefficient.
     r, h
-        Radius of the stem's ball, and how far along 3hat its centre lies from the centre of the sphere; NaN: no stem.
+        Radius of the stem's ball, and how far along 3hat its centre lies from the centre of the
+        sphere; NaN: no stem.
     """
 
     restitution: str = "energetic"
@@ -37,7 +41,11 @@ class ContactLaw(NamedTuple):
 CONTACT = {"e_n": Number(ONE, "coefficient of restitution e_n", least=0, most=1, symbol="e_n")}
 STEM = {
     "r": Number(METRE, "radius of the stem's ball", above=0),
-    "h": Number(METRE, "distance from the centre of the sphere to that of the stem's ball, along 3hat", above=0),
+    "h": Number(
+        METRE,
+        "distance from the centre of the sphere to that of the stem's ball, along 3hat",
+        above=0,
+    ),
 }
 
 
@@ -47,10 +55,17 @@ def stem_faults(R: float, r: float, h: float) -> list[str]:
         return [f"`stem.r` must be smaller than parameters.R = {R:.6g}, but is {r:.6g}."]
     if not r > LEAST_RADIUS * R:
         return [
-            f"`stem.r` must be greater than {LEAST_RADIUS:g} parameters.R = {LEAST_RADIUS * R:.6g}, but is {r:.6g}."
+            f"`stem.r` must be greater than {LEAST_RADIUS:g} parameters.R = "
+            f"{LEAST_RADIUS * R:.6g}, but is {r:.6g}."
         ]
     if not h < LONGEST * R:
-        return [f"`stem.h` must be less than {LONGEST:g} parameters.R = {LONGEST * R:.6g}, but is {h:.6g}."]
+        return [
+            f"`stem.h` must be less than {LONGEST:g} parameters.R = {LONGEST * R:.6g}, but is "
+            f"{h:.6g}."
+        ]
     if not h > R - r:
-        return [f"`stem.h` must exceed R - r = {R - r:.6g}, or the stem never touches the plane, but is {h:.6g}."]
+        return [
+            f"`stem.h` must exceed R - r = {R - r:.6g}, or the stem never touches the plane, "
+            f"but is {h:.6g}."
+        ]
     return []

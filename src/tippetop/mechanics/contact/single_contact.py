@@ -101,7 +101,7 @@ TOUCH = ending("touch", "the other ball touches the plane", other_gap)
 LIFTOFF = replace(gliding.LIFTOFF, formula=force_of)
 
 
-# --- free flight ----------------------------------------------------------------------------------
+# --- free flight --------------------------------------------------------------------------------
 
 
 FREE = state(**VELOCITY, height=METRE)
@@ -134,7 +134,7 @@ FLIGHT = phase_of(
 )
 
 
-# --- sliding under a law that is smooth in the velocity -------------------------------------------
+# --- sliding under a law that is smooth in the velocity -----------------------------------------
 
 
 def slip_leave(q, b):
@@ -162,7 +162,7 @@ SLIP = Phase(
 )
 
 
-# --- rolling --------------------------------------------------------------------------------------
+# --- rolling ------------------------------------------------------------------------------------
 
 
 def roll_leave(q, b):
@@ -195,7 +195,7 @@ ROLL = Phase(
 )
 
 
-# --- sliding under a set-valued law ---------------------------------------------------------------
+# --- sliding under a set-valued law -------------------------------------------------------------
 
 
 STOPS_AT = 2.0**-43
@@ -271,7 +271,7 @@ DIRECTED_SLIP = phase_of(
 )
 
 
-# --- sliding of a disc, under a law with regions --------------------------------------------------
+# --- sliding of a disc, under a law with regions ------------------------------------------------
 
 
 STILL = 1e-9
@@ -281,7 +281,8 @@ Coulomb's law itself by about so much."""
 
 RESTS_BELOW = 1e-6
 """Angular velocity, internal units, below which a disc comes to rest, if friction can hold it. An
-impulse takes what is left of its turning, which would last less than a thousandth of internal time."""
+impulse takes what is left of its turning, which would last less than a thousandth of internal time.
+"""
 
 LEAST_PATCH = 1e-5
 """Radius of the disc, by that of the sphere. The speeds at which a smaller one rests are less than
@@ -302,7 +303,9 @@ def patch_speed2(omega, b):
     return turn * turn + STILL**2
 
 
-def disc_friction(drag: Callable, torque: Callable, edge_speed2: Callable = patch_speed2) -> Callable:
+def disc_friction(
+    drag: Callable, torque: Callable, edge_speed2: Callable = patch_speed2
+) -> Callable:
     """Return friction(omega, v, z, b) of a disc: minus the horizontal force, and the torque, per
     normal force."""
 
@@ -402,7 +405,7 @@ def region_of(s: Any, regions: Mapping[str, Region], b: Touch) -> str:
     return ""
 
 
-# --- a disc at rest, which rolls without turning --------------------------------------------------
+# --- a disc at rest, which rolls without turning ------------------------------------------------
 
 
 Resting: Any = namedtuple("Resting", "z z_dot force by")
@@ -452,7 +455,7 @@ def disc_held(u: Vector, L: Vector, b: Touch) -> tuple[Vector, Vector]:
 REST = without_slip("rest", (LIFTOFF, TOUCH, GIVES), disc_held)
 
 
-# --- laws with rolling resistance and a drilling torque -------------------------------------------
+# --- laws with rolling resistance and a drilling torque -----------------------------------------
 
 
 def loaded_cone(s, b):

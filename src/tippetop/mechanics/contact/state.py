@@ -116,9 +116,12 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
     return Row(*x.u, *x.L, *x.velocity, x.height, *by.force, *numbers)
 
 
-def row_within(phase: Phase, q: Any, carried: Any, b: contact.Touch, two: bool) -> tuple[Any, contact.Touch]:
-    """Return the row of a state of a phase and the body seen from its first ball, of a body seen from the ball of the
-    phase; the reference of Jellett's integral is not known there."""
+def row_within(
+    phase: Phase, q: Any, carried: Any, b: contact.Touch, two: bool
+) -> tuple[Any, contact.Touch]:
+    """Return the row of a state of a phase and the body seen from its first ball, of a body seen
+    from the ball of the phase; the reference of Jellett's integral is not known there.
+    """
     other = contact.seen_from_other(b)
     bodies = (b,) if not two else (b, other) if phase.ball == 0 else (other, b)
     known = SimpleNamespace(**{REFERENCE[0]: math.nan, **carried._asdict()})
@@ -131,7 +134,7 @@ def gained(x: Moving, **integrals: Any) -> Moving:
     return x._replace(carried=x.carried._replace(**more))
 
 
-# --- scalars --------------------------------------------------------------------------------------
+# --- scalars ------------------------------------------------------------------------------------
 
 KNOWN = (
     "v_u",  # v_A.3hat of the horizontal part
@@ -169,7 +172,7 @@ def row_scalars(q, b):
     )
 
 
-# --- angles ---------------------------------------------------------------------------------------
+# --- angles -------------------------------------------------------------------------------------
 
 
 ANGLES = filled(
@@ -235,7 +238,7 @@ def planar_theta_dot(q, b):
     return q.uz * u_dot.x - q.ux * u_dot.z
 
 
-# --- the forms of rows ----------------------------------------------------------------------------
+# --- the forms of rows --------------------------------------------------------------------------
 
 
 def carried(*names: str) -> tuple[Integral, ...]:
@@ -264,7 +267,7 @@ PLANAR_ROW = replace(
 )
 
 
-# --- columns --------------------------------------------------------------------------------------
+# --- columns ------------------------------------------------------------------------------------
 
 
 def of_ball(function: Callable) -> Callable:
@@ -312,5 +315,7 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
     ]
     if stem:
         text = "height of the stem's ball"
-        quantities.append(Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap))
+        quantities.append(
+            Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap)
+        )
     return tuple(quantities)

@@ -1,4 +1,7 @@
-"""Up to which friction the contact of a body with one or two balls has exactly one answer. [contact 2.6, 4.2]"""
+"""Up to which friction the contact of a body with one or two balls has exactly one answer.
+
+[contact 2.6, 4.2]
+"""
 
 import math
 
@@ -6,14 +9,16 @@ import numpy as np
 
 
 def painleve_bound(m: float, I1: float, offset: float, radius: float) -> float:
-    """The least mu at which the normal force of slip is not defined somewhere: min K_zz/|K_ez| over theta.
+    """The least mu at which the normal force of slip is not defined somewhere: min K_zz/|K_ez| over
+    theta.
 
     Parameters
     ----------
     m, I1
         Mass and transverse moment of inertia [kg, kg m^2].
     offset, radius
-        Of the ball: from the centre of mass to its centre along the axis, of any sign, and its radius [m].
+        Of the ball: from the centre of mass to its centre along the axis, of any sign, and its
+        radius [m].
 
     Returns
     -------
@@ -22,12 +27,15 @@ def painleve_bound(m: float, I1: float, offset: float, radius: float) -> float:
 
     Notes
     -----
-    The ratio (I1/m + offset^2 s^2)/(|offset| s |H|) is stationary at the roots of a cubic in cos(theta); it is flat
-    there, so that roots to half the digits give it to all of them.
+    The ratio (I1/m + offset^2 s^2)/(|offset| s |H|) is stationary at the roots of a cubic in
+    cos(theta); it is flat there, so that roots to half the digits give it to all of them.
     """
     if offset == 0:
         return math.inf
-    A, alpha = I1 / (m * radius**2) if radius else I1 / (m * offset**2), offset / radius if radius else 1.0
+    A, alpha = (
+        I1 / (m * radius**2) if radius else I1 / (m * offset**2),
+        offset / radius if radius else 1.0,
+    )
     rho, B = (1.0 if radius else 0.0), alpha**2
     roots = np.roots([rho * B, -alpha * (2 * A + B), rho * (A - B), alpha * (A + B)])
     z = np.clip(np.real(roots), -1, 1)

@@ -1,7 +1,9 @@
-"""The registry of systems: one line per system of the package; others come by `add` or by entry points.
+"""The registry of systems: one line per system of the package; others come by `add` or by entry
+points.
 
-Entry points are looked for when a name is asked for that is not known (a scan takes 10 to 70 ms): the group
-`tippetop.systems` gives System records, `tippetop.friction` gives friction laws under the entry point's name.
+Entry points are looked for when a name is asked for that is not known (a scan takes 10 to 70 ms):
+the group `tippetop.systems` gives System records, `tippetop.friction` gives friction laws under the
+entry point's name.
 """
 
 import copyreg
@@ -30,20 +32,35 @@ from .tippe_top import TIPPE_TOP
 
 SYSTEMS: dict[str, System] = {
     system.name: system
-    for system in (TIPPE_TOP, ROLLING_TIPPE_TOP, GLIDING_HEAVY_TOP, HEAVY_TOP, GLIDING_CYLINDER, ROLLING_CYLINDER)
+    for system in (
+        TIPPE_TOP,
+        ROLLING_TIPPE_TOP,
+        GLIDING_HEAVY_TOP,
+        HEAVY_TOP,
+        GLIDING_CYLINDER,
+        ROLLING_CYLINDER,
+    )
 }
 
 
 REGISTERED_HERE: set[Any] = set()
-"""Systems, and records of laws, that were registered in this process and by no entry point: others do not know them."""
+"""Systems, and records of laws, that were registered in this process and by no entry point: others
+do not know them.
+"""
 
 
 def add(system: System, *, here: bool = False) -> None:
-    """Registers a system under its name, which must be new. `here`: in this process. Raises InputError."""
+    """Registers a system under its name, which must be new.
+
+    `here`: in this process. Raises InputError.
+    """
     name = system.name
     if not isinstance(name, str) or not re.fullmatch(friction.NAME, name):
         raise InputError(
-            [f"the name of a system must be letters, digits, - and _, and begin with no digit, but is {name!r:.60}."]
+            [
+                "the name of a system must be letters, digits, - and _, and begin with no "
+                f"digit, but is {name!r:.60}."
+            ]
         )
     before = SYSTEMS.get(name, system)
     again = here and before in REGISTERED_HERE  # as where a notebook's cell runs once more
@@ -61,8 +78,10 @@ def check(system: System) -> None:
 
 
 def add_law(law: type[FrictionLaw], *, here: bool = False) -> None:
-    """Register a friction law under its key, which no law has, of no system either. `here`: in this process. Raises
-    InputError."""
+    """Register a friction law under its key, which no law has, of no system either.
+
+    `here`: in this process. Raises InputError.
+    """
     name = law.key
     new = name not in friction.LAWS if isinstance(name, str) else False
     if here and isinstance(name, str) and not new and _defined_again(friction.LAWS[name], law):
@@ -75,14 +94,18 @@ def add_law(law: type[FrictionLaw], *, here: bool = False) -> None:
         return
     for system in SYSTEMS.values():
         if name in system.laws and name not in friction.LAWS:
-            raise InputError([f"the name of a law must be new, but `{name}` is one of {system.name}."])
+            raise InputError(
+                [f"the name of a law must be new, but `{name}` is one of {system.name}."]
+            )
     friction.add(law)
     _note(law, here=here, new=new)
 
 
 def _defined_again(before: Any, record: Any) -> bool:
-    """Whether a record is that of a law of this process whose class statement has run once more: code that is compiled
-    belongs to a class, so that the same one with another coefficient would keep the old."""
+    """Whether a record is that of a law of this process whose class statement has run once more:
+    code that is compiled belongs to a class, so that the same one with another coefficient would
+    keep the old.
+    """
     same = (before.__module__, before.__qualname__) == (
         getattr(record, "__module__", ""),
         getattr(record, "__qualname__", ""),
@@ -99,7 +122,9 @@ def _note(record: Any, *, here: bool, new: bool) -> None:
 
 
 def known_to_others(record: Any) -> bool:
-    """Whether other processes know a system, or a law by its record: of the package, or by an entry point."""
+    """Whether other processes know a system, or a law by its record: of the package, or by an entry
+    point.
+    """
     record = getattr(record, "face", record)
     if record in REGISTERED_HERE:
         load_entry_points()
@@ -107,16 +132,22 @@ def known_to_others(record: Any) -> bool:
 
 
 def find(name: str) -> System | None:
-    """The system of a name, of the package, registered, or of an entry point; None if there is none."""
+    """The system of a name, of the package, registered, or of an entry point; None if there is
+    none.
+    """
     if name not in SYSTEMS:
         load_entry_points()
     return SYSTEMS.get(name)
 
 
 def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
-    """Return the friction laws that runs of a system take, by name: one body takes those with regions."""
+    """Return the friction laws that runs of a system take, by name: one body takes those with
+    regions.
+    """
     if system.contact is not None:
-        return {name: law for name, law in laws_of(SYSTEMS[system.name]).items() if any(kind_of(law))}
+        return {
+            name: law for name, law in laws_of(SYSTEMS[system.name]).items() if any(kind_of(law))
+        }
     has_disc = system.opening is not None and system.opening.sphere
     return {name: law for name, law in system.laws.items() if not law.regions or has_disc}
 
@@ -127,16 +158,23 @@ def that_open() -> dict[str, System]:
 
 
 def opened_by_name(name: str, record: type, balls: int) -> System:
-    """Return a system whose contact opens, as a pickle has it. Raises InputError if this process does not know it."""
+    """Return a system whose contact opens, as a pickle has it.
+
+    Raises InputError if this process does not know it.
+    """
     system = by_name(name)
     if friction.named(record, system.laws) is None:
-        raise InputError([f"the law of `{record.__name__}` is not known in this process: register it first."])
+        raise InputError(
+            [f"the law of `{record.__name__}` is not known in this process: register it first."]
+        )
     return opened(system, record, balls)
 
 
 def systems_of_laws() -> dict[str, tuple[type[FrictionLaw], list[str]]]:
     """Every friction law that is known, by name, with the names of the systems that take it."""
-    known: dict[str, tuple[type[FrictionLaw], list[str]]] = {name: (law, []) for name, law in friction.LAWS.items()}
+    known: dict[str, tuple[type[FrictionLaw], list[str]]] = {
+        name: (law, []) for name, law in friction.LAWS.items()
+    }
     for system in SYSTEMS.values():
         for name, law in laws_of(system).items():
             known.setdefault(name, (law, []))[1].append(system.name)
@@ -144,7 +182,10 @@ def systems_of_laws() -> dict[str, tuple[type[FrictionLaw], list[str]]]:
 
 
 def by_name(name: str) -> System:
-    """The system of a name, as a pickle has it. Raises InputError if this process does not know it."""
+    """The system of a name, as a pickle has it.
+
+    Raises InputError if this process does not know it.
+    """
     if (system := find(name)) is None:
         raise InputError([f"the system `{name}` is not known in this process: register it first."])
     return system
@@ -157,7 +198,8 @@ def _pickled(system: System) -> tuple:
         return opened_by_name, (system.name, law, balls)
     if SYSTEMS.get(system.name) is not system:
         raise pickle.PicklingError(
-            f"a `{system.name}` that is not registered, or has events or columns of your own, cannot be pickled: its "
+            f"a `{system.name}` that is not registered, or has events or columns of your own, "
+            "cannot be pickled: its "
             "formulas are functions. Save the run, or pickle what `run` was given."
         )
     return by_name, (system.name,)
@@ -168,7 +210,9 @@ copyreg.pickle(System, _pickled)
 
 @cache
 def load_entry_points() -> None:
-    """Registers, once a process, what installed packages offer; one that fails is left out with a warning."""
+    """Registers, once a process, what installed packages offer; one that fails is left out with a
+    warning.
+    """
     from importlib.metadata import entry_points
 
     groups: dict[str, tuple[type, str, Callable[[str, Any], None]]] = {
@@ -191,7 +235,8 @@ def _add_law_under(name: str, law: type[FrictionLaw]) -> None:
     add_law(law)
     if name != law.key:
         warnings.warn(
-            f"`{name}` of tippetop.friction is known as `{law.key}`, the key of its class, and by no other.",
+            f"`{name}` of tippetop.friction is known as `{law.key}`, the key of its class, and "
+            "by no other.",
             stacklevel=3,
         )
 
@@ -201,6 +246,7 @@ def _add_under(name: str, system: System) -> None:
     add(system)
     if name != system.name:
         warnings.warn(
-            f"`{name}` of tippetop.systems is known as `{system.name}`, the name of its System, and by no other.",
+            f"`{name}` of tippetop.systems is known as `{system.name}`, the name of its System, "
+            "and by no other.",
             stacklevel=3,
         )

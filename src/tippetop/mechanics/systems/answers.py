@@ -1,4 +1,6 @@
-"""What the functions of a system answer: they are called once, with numbers that may be given, as the engine does."""
+"""What the functions of a system answer: they are called once, with numbers that may be given, as
+the engine does.
+"""
 
 import math
 from collections.abc import Callable
@@ -41,33 +43,58 @@ def wrong_answers(system: System) -> list[str]:
         return [f"{took}, but fail: {fault}."]
     body, scales = results["body"], results["scales"]
     if not hasattr(body, "_fields") or type(results["units"]) is not type(body):
-        return [f"`body` and `body_units` of `{system.name}` must give NamedTuples of one type, but do not."]
-    if not isinstance(scales, tuple) or len(scales) != 2 or not all(_positive(scale) for scale in scales):
         return [
-            f"`scales` of `{system.name}` must give a mass and a length, finite and greater than 0, but gives "
+            f"`body` and `body_units` of `{system.name}` must give NamedTuples of one type, but "
+            "do not."
+        ]
+    if (
+        not isinstance(scales, tuple)
+        or len(scales) != 2
+        or not all(_positive(scale) for scale in scales)
+    ):
+        return [
+            f"`scales` of `{system.name}` must give a mass and a length, finite and greater "
+            "than 0, but gives "
             f"{scales!r:.60}."
         ]
-    return _of_checks(system, numbers) or _of_start(system, body) or _of_phases(system, body) or _of_poles(system, body)
+    return (
+        _of_checks(system, numbers)
+        or _of_start(system, body)
+        or _of_phases(system, body)
+        or _of_poles(system, body)
+    )
 
 
 def _of_checks(system: System, numbers: dict[str, float]) -> list[str]:
     sentences: list[Any] = []
     if fault := _failure(lambda: sentences.append(system.checks(numbers))):
         return [f"`checks` of `{system.name}` must give a list of sentences, but fails: {fault}."]
-    if isinstance(sentences[0], list | tuple) and all(isinstance(sentence, str) for sentence in sentences[0]):
+    if isinstance(sentences[0], list | tuple) and all(
+        isinstance(sentence, str) for sentence in sentences[0]
+    ):
         return []
-    return [f"`checks` of `{system.name}` must give a list of sentences, but gives {sentences[0]!r:.60}."]
+    return [
+        f"`checks` of `{system.name}` must give a list of sentences, but gives "
+        f"{sentences[0]!r:.60}."
+    ]
 
 
 def _of_start(system: System, body: Any) -> list[str]:
     says_again = {alternative.name for alternative in system.alternatives}
     data = {name: allowed(rule) for name, rule in system.initial.items() if name not in says_again}
     theta, angles = data.get("theta", 0.0), []
-    if fault := _failure(lambda: angles.append(system.start(data, math.sin(theta), math.cos(theta), body))):
-        return [f"`start` of `{system.name}` must give a record as `angles` is, but fails: {fault}."]
+    if fault := _failure(
+        lambda: angles.append(system.start(data, math.sin(theta), math.cos(theta), body))
+    ):
+        return [
+            f"`start` of `{system.name}` must give a record as `angles` is, but fails: {fault}."
+        ]
     if getattr(angles[0], "_fields", None) == system.angles._fields:
         return []
-    return [f"`start` of `{system.name}` must give a record as `angles` is, but gives {angles[0]!r:.60}."]
+    return [
+        f"`start` of `{system.name}` must give a record as `angles` is, but gives "
+        f"{angles[0]!r:.60}."
+    ]
 
 
 KEEPS = 1e-9
@@ -87,16 +114,25 @@ def _of_phases(system: System, body: Any) -> list[str]:
 
         def leave_rows(phase: Phase = phase) -> None:
             units = phase.form.units
-            phase.leave(type(units)(*(np.full(2, 0.5 + k / 64) for k in range(len(units)))), phase.parameters(body))
+            phase.leave(
+                type(units)(*(np.full(2, 0.5 + k / 64) for k in range(len(units)))),
+                phase.parameters(body),
+            )
 
-        must = f"`enter` and `leave` of phase `{name}` of `{system.name}` must keep the common state, but"
+        must = (
+            f"`enter` and `leave` of phase `{name}` of `{system.name}` must keep the common "
+            "state, but"
+        )
         if fault := _failure(enter_and_leave):
             faults.append(f"{must} fail: {fault}.")
-        elif not all(math.isclose(*pair, rel_tol=KEEPS) for pair in zip(*map(leaves, states), strict=True)):
+        elif not all(
+            math.isclose(*pair, rel_tol=KEEPS) for pair in zip(*map(leaves, states), strict=True)
+        ):
             faults.append(f"{must} {states[0]!r:.60} becomes {states[1]!r:.60}.")
         elif fault := _failure(leave_rows):
             faults.append(
-                f"`leave` of phase `{name}` of `{system.name}` must take arrays, of rows, but fails: {fault}."
+                f"`leave` of phase `{name}` of `{system.name}` must take arrays, of rows, but "
+                f"fails: {fault}."
             )
     return faults
 
@@ -110,11 +146,18 @@ def _of_poles(system: System, body: Any) -> list[str]:
         def scalars(form: Form = form, results: list[Any] = results) -> None:
             results.append(form.scalars(_state(form), body))
 
-        must = f"`scalars` of the form `{form.name}` of `{system.name}` must have `s2` and `axis_speed2`, which the"
+        must = (
+            f"`scalars` of the form `{form.name}` of `{system.name}` must have `s2` and "
+            "`axis_speed2`, which the"
+        )
         if fault := _failure(scalars):
             faults.append(f"{must} angles of `undefined_at_poles` need, but fail: {fault}.")
-        elif lacking := [f"`{name}`" for name in ("s2", "axis_speed2") if not hasattr(results[0], name)]:
-            faults.append(f"{must} angles of `undefined_at_poles` need, but lack {' and '.join(lacking)}.")
+        elif lacking := [
+            f"`{name}`" for name in ("s2", "axis_speed2") if not hasattr(results[0], name)
+        ]:
+            faults.append(
+                f"{must} angles of `undefined_at_poles` need, but lack {' and '.join(lacking)}."
+            )
     return faults
 
 

@@ -1,7 +1,9 @@
-"""The eccentric cylinder: planar motion, theta unbounded; gliding, rolling, or with the modified reaction. [T ch. 6]
+"""The eccentric cylinder: planar motion, theta unbounded; gliding, rolling, or with the modified
+reaction. [T ch. 6]
 
-It is the body of `gliding` and `rolling` with phi' = omega_3 = nu_y = 0, so their quantities serve; there are no poles.
-The state has sin(theta), cos(theta), and theta is an integral: a count of turns does not cost digits.
+It is the body of `gliding` and `rolling` with phi' = omega_3 = nu_y = 0, so their quantities serve;
+there are no poles. The state has sin(theta), cos(theta), and theta is an integral: a count of turns
+does not cost digits.
 """
 
 from collections import ChainMap
@@ -37,7 +39,8 @@ from . import outlook, tippe_top
 class Cylinder(Top):
     """An eccentric cylinder that moves in a plane across its axis.
 
-    Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 6.
+    Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010),
+    chapter 6.
     """
 
     gliding = "gliding-cylinder"
@@ -46,7 +49,11 @@ class Cylinder(Top):
     m: Number = again(tippe_top.TippeTop.parameters["m"])
     R: Number = number(METRE, "radius of the cylinder", symbol="R", above=0)
     alpha: Number = number(
-        ONE, "eccentricity: the centre of mass lies alpha*R below the axis", symbol=r"\alpha", least=0, below=1
+        ONE,
+        "eccentricity: the centre of mass lies alpha*R below the axis",
+        symbol=r"\alpha",
+        least=0,
+        below=1,
     )
     I: Number = number(INERTIA, "moment of inertia about the centre of mass", symbol="I", above=0)
     g: Number = again(tippe_top.TippeTop.parameters["g"])
@@ -56,7 +63,7 @@ class Cylinder(Top):
         return Touch(self.m, self.R, self.alpha * self.R, self.I, self.I, self.g, friction)
 
 
-# --- the modified reaction, as a law of the contact -----------------------------------------------------------------
+# --- the modified reaction, as a law of the contact ---------------------------------------------
 
 
 KILOGRAM_PER_SECOND = Unit(1, 0, -1, "kg s-1")
@@ -65,14 +72,20 @@ KILOGRAM_PER_SECOND = Unit(1, 0, -1, "kg s-1")
 class Modified(FrictionLaw):
     """Modified reaction: F = g~ zhat + m g zhat - m kappa (omega x a)' - mu v_A.
 
-    F = m (1 - kappa) s_z'' zhat + m kappa s''_rolling + m g zhat - mu v_A [T 6.18], with kappa = 1/(1 + v_A^2/v_k^2),
-    which tends to 1 as v_A -> 0 (the family is ours, the source leaves kappa open).
+    F = m (1 - kappa) s_z'' zhat + m kappa s''_rolling + m g zhat - mu v_A [T 6.18], with kappa =
+    1/(1 + v_A^2/v_k^2), which tends to 1 as v_A -> 0 (the family is ours, the source leaves kappa
+    open).
     """
 
     words = "modified reaction"
-    mu: Number = number(KILOGRAM_PER_SECOND, "friction coefficient of -mu v_A", symbol=r"\mu", least=0)
+    mu: Number = number(
+        KILOGRAM_PER_SECOND, "friction coefficient of -mu v_A", symbol=r"\mu", least=0
+    )
     v_k: Number = number(
-        METRE_PER_SECOND, "speed at which kappa = 1/(1 + v_A^2/v_k^2) is one half", symbol="v_k", above=0
+        METRE_PER_SECOND,
+        "speed at which kappa = 1/(1 + v_A^2/v_k^2) is one half",
+        symbol="v_k",
+        above=0,
     )
 
 
@@ -82,7 +95,7 @@ def kappa(v2, law):
     return 1 / (1 + v2 / law.v_k**2)
 
 
-# --- gliding --------------------------------------------------------------------------------------------------------
+# --- gliding ------------------------------------------------------------------------------------
 
 
 class Scalars(NamedTuple):
@@ -162,11 +175,15 @@ def standard_force(c, b, law):
 def modified_force(c, b, law):
     """F_x and F_z of the modified reaction. [section 11.4]"""
     h, share = contact.height(c.z, b), kappa(c.v2, law)
-    turn = (law.mu * c.nu_x * h - b.m * b.c * c.axis_speed2 * c.s * (share * h + b.c * c.z) - b.m * b.g * b.c * c.s) / (
-        b.I1 + share * b.m * h**2 + b.m * b.c**2 * c.s2
-    )  # theta''
+    turn = (
+        law.mu * c.nu_x * h
+        - b.m * b.c * c.axis_speed2 * c.s * (share * h + b.c * c.z)
+        - b.m * b.g * b.c * c.s
+    ) / (b.I1 + share * b.m * h**2 + b.m * b.c**2 * c.s2)  # theta''
     rolling_x = turn * h + b.c * c.axis_speed2 * c.s  # what m s_x'' would be in rolling
-    return b.m * share * rolling_x - law.mu * c.nu_x, b.m * (b.g + b.c * (turn * c.s + c.axis_speed2 * c.z))
+    return b.m * share * rolling_x - law.mu * c.nu_x, b.m * (
+        b.g + b.c * (turn * c.s + c.axis_speed2 * c.z)
+    )
 
 
 contact_force = select({Modified: modified_force}, standard_force)
@@ -224,7 +241,11 @@ def to_angles(q, carried, b):
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
     """The angle record of the given initial values; centre_at_rest may stand for nu_x."""
     e = Angles(*(data.get(name, 0) for name in Angles._fields))
-    return e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b)) if data.get("centre_at_rest") else e
+    return (
+        e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b))
+        if data.get("centre_at_rest")
+        else e
+    )
 
 
 @formula
@@ -272,16 +293,25 @@ FORM = Form(
 )
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)
 LIFTOFF = replace(
-    gliding.LIFTOFF, long_name="normal force falls to zero: beyond it the model does not hold", formula=normal_force
+    gliding.LIFTOFF,
+    long_name="normal force falls to zero: beyond it the model does not hold",
+    formula=normal_force,
 )
-SETTLED = replace(gliding.SETTLED, long_name="|v_A|^2 falls below 1e-12 of its unit", formula=sliding)
+SETTLED = replace(
+    gliding.SETTLED, long_name="|v_A|^2 falls below 1e-12 of its unit", formula=sliding
+)
 
 
-# --- the system --------------------------------------------------------------------------------------------------
+# --- the system ---------------------------------------------------------------------------------
 
-SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 6"
+SOURCE = (
+    "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping "
+    "(2010), chapter 6"
+)
 INITIAL = {
-    "theta": Number(RADIAN, "angle theta of the axis of eccentricity, not wrapped", symbol=r"\theta"),
+    "theta": Number(
+        RADIAN, "angle theta of the axis of eccentricity, not wrapped", symbol=r"\theta"
+    ),
     "theta_dot": Number(RADIAN_PER_SECOND, "theta'", symbol=r"\theta'"),
     "x": Number(METRE, "x of the centre of mass"),
 }
@@ -308,7 +338,9 @@ GLIDING_CYLINDER = of_one_phase(
     source=SOURCE,
     initial={
         **INITIAL,
-        "nu_x": Number(METRE_PER_SECOND, "velocity of the contact point of the cylinder", symbol=r"\nu_x"),
+        "nu_x": Number(
+            METRE_PER_SECOND, "velocity of the contact point of the cylinder", symbol=r"\nu_x"
+        ),
     },
     alternatives=(Alternative("centre_at_rest", ("nu_x",), flag=True),),
     start=start,

@@ -1,6 +1,7 @@
 """The gliding heavy top: the top of `heavy_top` whose tip glides on a plane. [T ch. 5]
 
-It is the body of `gliding` with R = 0, c = -l; here is what only it has: the form about the contact point.
+It is the body of `gliding` with R = 0, c = -l; here is what only it has: the form about the contact
+point.
 """
 
 from typing import NamedTuple
@@ -24,11 +25,14 @@ from . import heavy_top, outlook
 
 @formula
 def Lz_rate(push_n, b):
-    """L_z' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] while gliding; push_n = (zhat x 3hat).(dv_A/dt). [T 5.19]"""
+    """L_z' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] while gliding; push_n = (zhat x 3hat).(dv_A/dt).
+
+    [T 5.19]
+    """
     return b.m * b.c * push_n
 
 
-# --- gliding: the vector form about the contact ---------------------------------------------------------------------
+# --- gliding: the vector form about the contact -------------------------------------------------
 
 
 class ContactState(NamedTuple):
@@ -44,7 +48,9 @@ class ContactState(NamedTuple):
     vy: Operand
 
 
-CONTACT_UNITS = ContactState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2))
+CONTACT_UNITS = ContactState._make(
+    (*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, *(METRE_PER_SECOND,) * 2)
+)
 
 
 @formula
@@ -70,7 +76,10 @@ def contact_scalars(q, b):
 
 @formula
 def contact_rates(q, b):
-    """3hat' = L_A x 3hat/I1*, L_A' = m a x (g zhat + dv_A/dt), v_A' = F/m - g zhat + c 3hat''. [T 5.4]"""
+    """3hat' = L_A x 3hat/I1*, L_A' = m a x (g zhat + dv_A/dt), v_A' = F/m - g zhat + c 3hat''.
+
+    [T 5.4]
+    """
     u, u_dot, s = axis(q), heavy_top.tip_axis_rate(q, b), contact_scalars(q, b)
     N = contact.g_n(s, b)
     slip = slip_coefficient(s.v2, s.z, b.friction) * N

@@ -1,8 +1,9 @@
-"""Heavy symmetric tops: mass m, distance l from the tip to the centre of mass, I1 and I3 about the latter; and the one
-whose tip is fixed. [T ch. 2]
+"""Heavy symmetric tops: mass m, distance l from the tip to the centre of mass, I1 and I3 about the
+latter; and the one whose tip is fixed. [T ch. 2]
 
-They are bodies with R = 0, c = -l (see contact.body.Touch); the other one glides on a plane: `gliding_heavy_top`.
-L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x 3hat'.
+They are bodies with R = 0, c = -l (see contact.body.Touch); the other one glides on a plane:
+`gliding_heavy_top`. L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x
+3hat'.
 """
 
 from dataclasses import replace
@@ -42,7 +43,8 @@ from .tippe_top import TippeTop
 class HeavyTop(Top):
     """A heavy symmetric top: with a fixed tip, or with a tip that glides on the plane.
 
-    Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapters 2 and 5.
+    Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010),
+    chapters 2 and 5.
     """
 
     gliding = "gliding-heavy-top"
@@ -60,17 +62,26 @@ class HeavyTop(Top):
         return Touch(self.m, 0 * self.l, -self.l, self.I1, self.I3, self.g, friction)
 
 
-# --- quantities -----------------------------------------------------------------------------------------------------
+# --- quantities ---------------------------------------------------------------------------------
 
 
 @formula
 def potential(z, Lz, L3, b):
-    """Effective potential V(z, L_z, L_3) [J] of both heavy tops; L_z, L_3 about the tip. [T 2.38, 5.26]"""
-    return L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * tip_inertia(b) * ((1 - z) * (1 + z))) - b.m * b.g * b.c * z
+    """Effective potential V(z, L_z, L_3) [J] of both heavy tops; L_z, L_3 about the tip.
+
+    [T 2.38, 5.26]
+    """
+    return (
+        L3**2 / (2 * b.I3)
+        + (Lz - L3 * z) ** 2 / (2 * tip_inertia(b) * ((1 - z) * (1 + z)))
+        - b.m * b.g * b.c * z
+    )
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """V of both heavy tops as the landscape takes it, seen upside down: q = cot(theta/2)^2, momenta (L3, Lz)."""
+    """V of both heavy tops as the landscape takes it, seen upside down: q = cot(theta/2)^2, momenta
+    (L3, Lz).
+    """
     zero, one, per = 0 * b.m, 1 + 0 * b.m, 2 * sqrt(2 * tip_inertia(b))
     return PotentialCoefficients(
         height_energy=b.m * b.g * b.c,
@@ -94,7 +105,13 @@ def coefficients(b) -> PotentialCoefficients:
 LANDSCAPE = Landscape(
     momenta=(
         Momentum("L3", ANGULAR_MOMENTUM, "angular momentum L_3 about the axis", PER_SECOND, "L3"),
-        Momentum("Lz", ANGULAR_MOMENTUM, "angular momentum L_z about the vertical, at the tip", PER_SECOND, "Lz"),
+        Momentum(
+            "Lz",
+            ANGULAR_MOMENTUM,
+            "angular momentum L_z about the vertical, at the tip",
+            PER_SECOND,
+            "Lz",
+        ),
     ),
     coefficients=coefficients,
 )
@@ -102,7 +119,10 @@ LANDSCAPE = Landscape(
 
 @formula
 def theta_inertia(z, b):
-    """I1*/2, the factor of theta'^2 in E~ = I1* theta'^2/2 + V(z, L_z, L_3) [kg m^2]. [T 2.38, 5.26]"""
+    """I1*/2, the factor of theta'^2 in E~ = I1* theta'^2/2 + V(z, L_z, L_3) [kg m^2].
+
+    [T 2.38, 5.26]
+    """
     return tip_inertia(b) / 2
 
 
@@ -127,10 +147,12 @@ def tip_axis_rate(q, b):
 @formula
 def momentum_about_centre(q, b):
     """L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
-    return plus(gliding_vector.momentum(q), times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b))))
+    return plus(
+        gliding_vector.momentum(q), times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b)))
+    )
 
 
-# --- fixed tip ------------------------------------------------------------------------------------------------------
+# --- fixed tip ----------------------------------------------------------------------------------
 
 
 class VectorState(NamedTuple):
@@ -149,7 +171,9 @@ VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
 
 @formula
 def fixed_scalars(q, b):
-    """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; |r'| = l |3hat'|."""
+    """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; |r'| =
+    l |3hat'|.
+    """
     u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
     s = reaction.kinematics(u, L, u_dot, b)
     F = reaction.reaction(u, L, u_dot, s, b)
@@ -166,16 +190,21 @@ def fixed_rates(q, b):
 
 @formula
 def vertical_reaction(q, carried, b):
-    """Vertical reaction at the tip, m (g - c z'') [N], with I1* z'' = (L_A' x 3hat)_z + (L_A x (L_A x 3hat))_z/I1*.
+    """Vertical reaction at the tip, m (g - c z'') [N], with I1* z'' = (L_A' x 3hat)_z + (L_A x (L_A
+    x 3hat))_z/I1*.
 
-    Not by 3hat': what shares products with the equations of motion changes how they are compiled, and so their bits."""
+    Not by 3hat': what shares products with the equations of motion changes how they are compiled,
+    and so their bits.
+    """
     turn = q.Lz * (q.Lx * q.ux + q.Ly * q.uy) - q.uz * (q.Lx * q.Lx + q.Ly * q.Ly)
     weight, inertia = b.m * b.g * b.c * ((1 - q.uz) * (1 + q.uz)), tip_inertia(b)
     return b.m * (b.g - b.c * ((weight + turn / inertia) / inertia))
 
 
 class Angles(NamedTuple):
-    """What users give and read: theta, theta', phi', omega_3, phi, and the integral of the vertical reaction."""
+    """What users give and read: theta, theta', phi', omega_3, phi, and the integral of the vertical
+    reaction.
+    """
 
     theta: Operand
     theta_dot: Operand
@@ -192,8 +221,12 @@ ANGLES = Angles._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND)
 def tip_accelerations(e, s, z, b):
     """theta'', phi'' about a fixed tip. [section 8]"""
     inertia = tip_inertia(b)
-    theta_dot2 = s / inertia * (inertia * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.m * b.g * b.c)
-    phi_dot2 = (b.I3 * e.omega3 * e.theta_dot - 2 * (inertia * e.theta_dot * e.phi_dot * z)) / (inertia * s)
+    theta_dot2 = (
+        s / inertia * (inertia * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.m * b.g * b.c)
+    )
+    phi_dot2 = (b.I3 * e.omega3 * e.theta_dot - 2 * (inertia * e.theta_dot * e.phi_dot * z)) / (
+        inertia * s
+    )
     return theta_dot2, phi_dot2
 
 
@@ -290,11 +323,13 @@ FIXED_EULER = Form(
 )
 
 
-# --- the system --------------------------------------------------------------------------------------------------
+# --- the system ---------------------------------------------------------------------------------
 
 MOMENTA = (
     Quantity("L3", "L_3", ANGULAR_MOMENTUM, "angular momentum about the axis", L3),
-    Quantity("Lz", "L_z", ANGULAR_MOMENTUM, "angular momentum about the vertical through the tip", Lz),
+    Quantity(
+        "Lz", "L_z", ANGULAR_MOMENTUM, "angular momentum about the vertical through the tip", Lz
+    ),
 )
 COMMON: dict[str, Any] = {
     "parameters": HeavyTop.parameters,
@@ -310,7 +345,10 @@ COMMON: dict[str, Any] = {
     "landscape": LANDSCAPE,
     "classes": ("tumbling", "upright", "inverted"),
 }
-SOURCE = "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter "
+SOURCE = (
+    "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping "
+    "(2010), chapter "
+)
 
 HEAVY_TOP = of_one_phase(
     "fixed",
@@ -328,7 +366,8 @@ HEAVY_TOP = of_one_phase(
         gliding.TURNING,
         replace(
             rolling.LIFTOFF,
-            long_name="vertical reaction falls to zero: beyond it a tip that merely stood would lift off",
+            long_name="vertical reaction falls to zero: beyond it a tip that merely stood would "
+            "lift off",
             ends=None,
         ),
         gliding.EQUATOR,

@@ -1,4 +1,5 @@
-"""What theory predicts of a start, system by system: thresholds, the regime in a sentence, the fate.
+"""What theory predicts of a start, system by system: thresholds, the regime in a sentence, the
+fate.
 
 Each takes the body in SI and the quantities of the start by name.
 """
@@ -35,13 +36,21 @@ UNLESS = ", unless it lifts off"
 """No bound of the normal force is proven, whatever the start."""
 STAYS = "stays at the pole until it is disturbed"
 FREE = "no friction: nothing is lost, and no state attracts"
-SOMEWHERE_FREE = "friction vanishes somewhere on the body or in fast sliding: no state is known to attract"
-PARTS_TAKE = "rolling resistance or drilling takes energy and Jellett's integral: no state is known to attract"
+SOMEWHERE_FREE = (
+    "friction vanishes somewhere on the body or in fast sliding: no state is known to attract"
+)
+PARTS_TAKE = (
+    "rolling resistance or drilling takes energy and Jellett's integral: no state is "
+    "known to attract"
+)
 GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
 def tippe_top(b: Touch, start: Start) -> Outlook:
-    """A gliding tippe top: lambda is conserved, so it decides which states are stable. [T Theorem 3.3.2, corrected]"""
+    """A gliding tippe top: lambda is conserved, so it decides which states are stable.
+
+    [T Theorem 3.3.2, corrected]
+    """
     now = regime(start["jellett"], b)
     if is_frictionless(b.friction):
         fate = STAYS if start["at_pole"] else "theta nutates for ever" + UNLESS
@@ -60,7 +69,10 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
 
 
 def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
-    """A tippe top whose contact may open or stick: what holds while it slides on a ball. [contact 4.1]"""
+    """A tippe top whose contact may open or stick: what holds while it slides on a ball.
+
+    [contact 4.1]
+    """
     if has_parts(b.friction):
         return Outlook(PARTS_TAKE)
     limits = thresholds(b)
@@ -68,27 +80,40 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
     if law.stem and on_stem.c > 0:  # else the centre of mass is not above the stem's ball
         needed = lambda_s(on_stem)
         limits |= {
-            "lambda_s_stem": Threshold(needed, JELLETT, "spin on the stem stable above, of the stem's lambda"),
+            "lambda_s_stem": Threshold(
+                needed, JELLETT, "spin on the stem stable above, of the stem's lambda"
+            ),
             "spin_stem": Threshold(
-                -spin_of(needed, on_stem, inverted=True), RADIAN_PER_SECOND, "spin on the stem stable from here on"
+                -spin_of(needed, on_stem, inverted=True),
+                RADIAN_PER_SECOND,
+                "spin on the stem stable from here on",
             ),
         }
     if is_frictionless(b.friction):
-        return Outlook(FREE, STAYS if start["at_pole"] else "theta nutates while it stands on one ball", limits)
+        return Outlook(
+            FREE, STAYS if start["at_pole"] else "theta nutates while it stands on one ball", limits
+        )
     sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
     known = named(type(b.friction))
     if known and known.set_valued:
-        sentence += "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
+        sentence += (
+            "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
+        )
     elif known and known.regions:
         sentence += "; drilling takes of Jellett's integral, which decides that"
     return Outlook(sentence, "", limits)
 
 
 def tippe_top_borders(b: Touch) -> dict[str, Any]:
-    """|lambda| at which the asymptotic states of a tippe top change [kg m^3/s]; arrays, too. NaN: no border."""
+    """|lambda| at which the asymptotic states of a tippe top change [kg m^3/s]; arrays, too.
+
+    NaN: no border.
+    """
     low, high = poles(b)
     least, tumbling = lambda_u(b), lambda_t(b)
-    distinct = np.abs(np.log(tumbling / least)) >= 1e-3  # else tumbling begins where the lowest spin ends
+    distinct = (
+        np.abs(np.log(tumbling / least)) >= 1e-3
+    )  # else tumbling begins where the lowest spin ends
     return {
         f"λ = λ_u: {low} spin stable below": least,
         f"λ = λ_s: {high} spin stable above": lambda_s(b),
@@ -109,7 +134,9 @@ def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
 
 
 def _of_surface(b: Touch) -> dict[str, Threshold]:
-    from .spinning import thresholds_of_surface  # it stands on `tippe_top`, which takes its outlook from here
+    from .spinning import (
+        thresholds_of_surface,
+    )  # it stands on `tippe_top`, which takes its outlook from here
 
     return thresholds_of_surface(b)
 
@@ -117,7 +144,9 @@ def _of_surface(b: Touch) -> dict[str, Threshold]:
 def heavy_top(b: Touch, start: Start) -> Outlook:
     """A heavy top whose tip is fixed. [T ch. 2]"""
     upright = "stable" if _sleeps(b, start) else "unstable"
-    return Outlook(f"the sleeping top of this spin is {upright}", heavy_top_motion(b, start), _sleeping(b))
+    return Outlook(
+        f"the sleeping top of this spin is {upright}", heavy_top_motion(b, start), _sleeping(b)
+    )
 
 
 def heavy_top_motion(b: Touch, start: Start) -> str:
@@ -129,7 +158,10 @@ def heavy_top_motion(b: Touch, start: Start) -> str:
 
 
 def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
-    """A heavy top whose tip glides: upright it is unstable at every speed, against [T 5.54]. [section 6]"""
+    """A heavy top whose tip glides: upright it is unstable at every speed, against [T 5.54].
+
+    [section 6]
+    """
     growth = float(linear_modes(start["L3"] / b.I3, b)[0].real)
     if is_frictionless(b.friction):
         regime = f"without friction the upright spin is {'un' if growth > GROWS else ''}stable"
@@ -153,7 +185,10 @@ def cylinder(b: Touch, start: Start) -> Outlook:
 
 
 def gliding_cylinder(b: Touch, start: Start) -> Outlook:
-    """An eccentric cylinder that glides; without friction its centre of mass moves as it began. [T ch. 6]"""
+    """An eccentric cylinder that glides; without friction its centre of mass moves as it began.
+
+    [T ch. 6]
+    """
     if not is_frictionless(b.friction):
         return Outlook(_round(b.friction)) if b.c == 0 else cylinder(b, start)
     if b.c == 0:
@@ -163,7 +198,9 @@ def gliding_cylinder(b: Touch, start: Start) -> Outlook:
 
 
 def _round(law: Any) -> str:
-    """Describe how a round cylinder glides: v_A' = -k(v_A) g (I + m R^2)/I v_A, or less where k is modified. [T 6.7]"""
+    """Describe how a round cylinder glides: v_A' = -k(v_A) g (I + m R^2)/I v_A, or less where k is
+    modified. [T 6.7]
+    """
     if named(type(law)) is not None:
         if is_linear(law):
             return "a round cylinder: gliding decays exponentially to rolling"
@@ -178,5 +215,7 @@ def _sleeps(b: Touch, start: Start) -> bool:
 
 
 def _sleeping(b: Touch) -> dict[str, Threshold]:
-    limit = Threshold(sleeping_spin(b), RADIAN_PER_SECOND, "upright spin of a fixed tip stable above")
+    limit = Threshold(
+        sleeping_spin(b), RADIAN_PER_SECOND, "upright spin of a fixed tip stable above"
+    )
     return {"spin_sleeping": limit}

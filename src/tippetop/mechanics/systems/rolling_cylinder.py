@@ -1,4 +1,7 @@
-"""The rolling cylinder: the eccentric cylinder of `cylinder`, whose contact point is at rest. [T 6.11]"""
+"""The rolling cylinder: the eccentric cylinder of `cylinder`, whose contact point is at rest.
+
+[T 6.11]
+"""
 
 from typing import Any, NamedTuple
 
@@ -27,7 +30,9 @@ ROLLING_UNITS = RollingState(ONE, ONE, RADIAN_PER_SECOND)
 
 
 class RollingAngles(NamedTuple):
-    """theta, not wrapped, theta' and the place of the centre of mass; then the integral of the normal force."""
+    """theta, not wrapped, theta' and the place of the centre of mass; then the integral of the
+    normal force.
+    """
 
     theta: Operand
     theta_dot: Operand
@@ -45,7 +50,9 @@ def rolling_acceleration(s, z, theta_dot, b):
 
 
 class RollingScalars(NamedTuple):
-    """What the quantities read: as where it glides, with v_A = 0, and the horizontal part of the reaction."""
+    """What the quantities read: as where it glides, with v_A = 0, and the horizontal part of the
+    reaction.
+    """
 
     z: Operand
     s2: Operand
@@ -90,7 +97,9 @@ def rolling_scalars(q, b):
 @formula
 def rolling_rates(q, b):
     """theta'' of pure rolling. [T 6.11]"""
-    return RollingState(q.z * q.theta_dot, -(q.s * q.theta_dot), rolling_acceleration(q.s, q.z, q.theta_dot, b))
+    return RollingState(
+        q.z * q.theta_dot, -(q.s * q.theta_dot), rolling_acceleration(q.s, q.z, q.theta_dot, b)
+    )
 
 
 @formula

@@ -1,4 +1,7 @@
-"""The rolling tippe top: the sphere of `tippe_top`, whose contact point is at rest, v_A = 0. [T ch. 4]"""
+"""The rolling tippe top: the sphere of `tippe_top`, whose contact point is at rest, v_A = 0.
+
+[T ch. 4]
+"""
 
 from ..contact import body as contact
 from ..contact.gliding import catalogue as gliding
@@ -15,7 +18,8 @@ ROLLING_TIPPE_TOP = of_one_phase(
     "roll",
     name="rolling-tippe-top",
     title="tippe top in pure rolling",
-    source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 4",
+    source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping "
+    "(2010), chapter 4",
     parameters=tippe_top.TippeTop.parameters,
     body=tippe_top.TippeTop.body_of,
     body_units=contact.body_units,
@@ -25,7 +29,12 @@ ROLLING_TIPPE_TOP = of_one_phase(
     alternatives=(gliding.BY_PSI_DOT,),
     start=rolling.start,
     angles=rolling_euler.ANGLES,
-    forms={"contact": CONTACT, "vector": rolling.VECTOR, "reduced": REDUCED, "euler": rolling.EULER},
+    forms={
+        "contact": CONTACT,
+        "vector": rolling.VECTOR,
+        "reduced": REDUCED,
+        "euler": rolling.EULER,
+    },
     quantities=(
         gliding.JELLETT_QUANTITY,
         Quantity("routh", "D", ANGULAR_MOMENTUM, "Routh's function", tippe_top.routh),

@@ -1,4 +1,5 @@
-"""The two spinning states theta = 0, pi of a tippe top, and the marked lines that they are on the minimal surface.
+"""The two spinning states theta = 0, pi of a tippe top, and the marked lines that they are on the
+minimal surface.
 
 In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.28]
 """
@@ -32,15 +33,29 @@ def energy(z, lam, b):
 def end_slope(z, lam, b):
     """dV/dz [J] at the end of the potential where it is finite, on the marked line. [section 5]"""
     lever = height(z, b)
-    X_rate = z * lam * b.I1 / b.I3 * (1 + b.m * b.R * lever / b.I3) / (lever / b.R * sqrt(tippe_top.d(z, b)))
+    X_rate = (
+        z
+        * lam
+        * b.I1
+        / b.I3
+        * (1 + b.m * b.R * lever / b.I3)
+        / (lever / b.R * sqrt(tippe_top.d(z, b)))
+    )
     return -b.m * b.g * b.c - z * b.I3 * (X_rate / b.I1 / b.R) ** 2 / 4
 
 
 def lambda_pi(b):
-    """|lambda| from which the spin with the centre of mass highest lies on the minimal surface [kg m^3/s]. [5.1]"""
+    """|lambda| from which the spin with the centre of mass highest lies on the minimal surface [kg
+    m^3/s]. [5.1]
+    """
     high = -sense(b)
     h = height(high, b)
-    return 2 * h * sqrt(b.m * b.g * abs(b.c) * b.I3 * tippe_top.d(high, b)) / (1 + b.m * b.R * h / b.I3)
+    return (
+        2
+        * h
+        * sqrt(b.m * b.g * abs(b.c) * b.I3 * tippe_top.d(high, b))
+        / (1 + b.m * b.R * h / b.I3)
+    )
 
 
 def thresholds_of_surface(b) -> dict[str, Threshold]:
@@ -52,14 +67,24 @@ def thresholds_of_surface(b) -> dict[str, Threshold]:
         The body, SI, floats.
     """
     return {
-        "lambda_pi": Threshold(float(lambda_pi(b)), JELLETT, f"{poles(b)[1]} spin stable in rolling above"),
-        "gamma_star": Threshold(two_wells_from(b), ONE, "two wells of the potential are possible above"),
+        "lambda_pi": Threshold(
+            float(lambda_pi(b)), JELLETT, f"{poles(b)[1]} spin stable in rolling above"
+        ),
+        "gamma_star": Threshold(
+            two_wells_from(b), ONE, "two wells of the potential are possible above"
+        ),
     }
 
 
 @formula
 def critical(z, D, lam, b):
-    """N(z) [section 5], of the sign of dV/dz in (-1, 1), regular on [-1, 1], where N(-1) <= 0 <= N(1)."""
+    """N(z) [section 5], of the sign of dV/dz in (-1, 1), regular on [-1, 1], where N(-1) <= 0 <=
+    N(1).
+    """
     X, w = tippe_top.X(z, D, lam, b), (1 - z) * (1 + z)
-    X_rate = lam * (-b.m * b.R * (b.c - b.R * z) / b.I3 - b.m * b.R**2 * b.I1 / b.I3**2 * z) / sqrt(tippe_top.d(z, b))
+    X_rate = (
+        lam
+        * (-b.m * b.R * (b.c - b.R * z) / b.I3 - b.m * b.R**2 * b.I1 / b.I3**2 * z)
+        / sqrt(tippe_top.d(z, b))
+    )
     return X * ((X_rate - b.R * D) * w + z * X) - b.c * b.m * b.g * b.I1**2 / b.I3 * (b.R * w) ** 2

@@ -1,4 +1,5 @@
-"""The tippe top: a sphere of radius R, centre of mass alpha*R below its centre, that rolls and glides. [T ch. 3, 4]
+"""The tippe top: a sphere of radius R, centre of mass alpha*R below its centre, that rolls and
+glides. [T ch. 3, 4]
 
 With alpha < 0 it is a peg: its centre of mass lies above the centre of the sphere where theta = 0.
 """
@@ -30,11 +31,12 @@ from . import outlook
 
 
 class TippeTop(Top):
-    """A tippe top: a sphere whose centre of mass lies alpha*R below its centre; with alpha < 0, a peg, above it.
+    """A tippe top: a sphere whose centre of mass lies alpha*R below its centre; with alpha < 0, a
+    peg, above it.
 
-    Each number may be a text: with a unit, "20 g", which must fit; or arithmetic of the others in SI units,
-    "2/5*m*R^2", whose dimension is not checked. Rutstam, N.: Study of equations for Tippe Top and related rigid bodies.
-    Linkoping (2010), chapter 3.
+    Each number may be a text: with a unit, "20 g", which must fit; or arithmetic of the others in
+    SI units, "2/5*m*R^2", whose dimension is not checked. Rutstam, N.: Study of equations for Tippe
+    Top and related rigid bodies. Linkoping (2010), chapter 3.
 
     >>> import tippetop as tt
     >>> tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
@@ -55,8 +57,12 @@ class TippeTop(Top):
         below=1,
         nonzero=True,
     )
-    I1: Number = number(INERTIA, "transverse moment of inertia about the centre of mass", symbol="I_1", above=0)
-    I3: Number = number(INERTIA, "axial moment of inertia about the centre of mass", symbol="I_3", above=0)
+    I1: Number = number(
+        INERTIA, "transverse moment of inertia about the centre of mass", symbol="I_1", above=0
+    )
+    I3: Number = number(
+        INERTIA, "axial moment of inertia about the centre of mass", symbol="I_3", above=0
+    )
     g: Number = number(METRE_PER_SECOND2, "acceleration of gravity", symbol="g", above=0)
 
     def seen(self, friction: Any) -> Touch:
@@ -66,19 +72,30 @@ class TippeTop(Top):
 
 @formula
 def d(z, b):
-    """d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit; D = L_3 sqrt(d). [T 4.7]"""
-    return (b.I1 + b.m * ((b.c - b.R * z) ** 2 + b.R**2 * (b.I1 / b.I3) * ((1 - z) * (1 + z)))) / b.I3
+    """d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit; D = L_3 sqrt(d).
+
+    [T 4.7]
+    """
+    return (
+        b.I1 + b.m * ((b.c - b.R * z) ** 2 + b.R**2 * (b.I1 / b.I3) * ((1 - z) * (1 + z)))
+    ) / b.I3
 
 
 @formula
 def routh(s, b):
-    """Routh's function D = I3 omega_3 sqrt(d(z)) [kg m^2/s]; constant in pure rolling. [T 4.7, 4.14]"""
+    """Routh's function D = I3 omega_3 sqrt(d(z)) [kg m^2/s]; constant in pure rolling.
+
+    [T 4.7, 4.14]
+    """
     return s.L3 * sqrt(d(s.z, b))
 
 
 @formula
 def routh_rate(z, push, b):
-    """D' = gamma m R/sqrt(d) (zhat x 3hat).(dv_A/dt) [kg m^2/s^2]; push = (zhat x 3hat).(dv_A/dt). [T 4.17]"""
+    """D' = gamma m R/sqrt(d) (zhat x 3hat).(dv_A/dt) [kg m^2/s^2]; push = (zhat x 3hat).(dv_A/dt).
+
+    [T 4.17]
+    """
     return b.I1 / b.I3 * b.m * b.R / sqrt(d(z, b)) * push
 
 
@@ -90,7 +107,9 @@ def theta_inertia(z, b):
 
 @formula
 def X(z, D, lam, b):
-    """X(z) = lambda sqrt(d(z)) + R(alpha - z) D, which carries phi' sin(theta)^2 = X/(R I1 sqrt(d)). [T 4.9]"""
+    """X(z) = lambda sqrt(d(z)) + R(alpha - z) D, which carries phi' sin(theta)^2 = X/(R I1
+    sqrt(d)). [T 4.9]
+    """
     return lam * sqrt(d(z, b)) + (b.c - b.R * z) * D
 
 
@@ -107,8 +126,10 @@ def potential(z, D, lam, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """V as the landscape takes it, q = tan(theta/2)^2; feed a body of decimals, and no digit is lost (the marked lines
-    cancel). Of a peg they are those of the body with its axis turned round, where D is -D. [section 5]"""
+    """V as the landscape takes it, q = tan(theta/2)^2; feed a body of decimals, and no digit is
+    lost (the marked lines cancel). Of a peg they are those of the body with its axis turned round,
+    where D is -D. [section 5]
+    """
     turned = b.c < 0
     b = b._replace(c=abs(b.c))
     gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
@@ -135,7 +156,10 @@ def coefficients(b) -> PotentialCoefficients:
 
 @formula
 def two_minima(b):
-    """Negative iff V can have a second minimum, near the highest spin: gamma > gamma*. [section 5, item 4]"""
+    """Negative iff V can have a second minimum, near the highest spin: gamma > gamma*.
+
+    [section 5, item 4]
+    """
     gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, abs(b.c) / b.R
     far = sigma * (1 + alpha)
     chi = (1 - gamma) * (1 + sigma) - sigma * alpha**2
@@ -173,7 +197,8 @@ TIPPE_TOP = of_one_phase(
     "slip",
     name="tippe-top",
     title="rolling and gliding tippe top",
-    source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), chapter 3",
+    source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping "
+    "(2010), chapter 3",
     parameters=TippeTop.parameters,
     body=TippeTop.body_of,
     body_units=contact.body_units,

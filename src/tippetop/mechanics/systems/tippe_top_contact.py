@@ -1,7 +1,9 @@
-"""The rolling tippe top by its angular momentum about the contact, M = L - m a x s': regular everywhere. No reaction
-enters M' = m g a x zhat - m a' x s', and omega follows from M by division, since lambda = -a.M and D give the rest.
+"""The rolling tippe top by its angular momentum about the contact, M = L - m a x s': regular
+everywhere. No reaction enters M' = m g a x zhat - m a' x s', and omega follows from M by division,
+since lambda = -a.M and D give the rest.
 
-The scalars take 3hat and L, not D and lambda: that D and lambda of these stay constant remains a check.
+The scalars take 3hat and L, not D and lambda: that D and lambda of these stay constant remains a
+check.
 """
 
 from typing import NamedTuple
@@ -21,7 +23,9 @@ from .tippe_top_reduced import spin_momentum
 
 
 class ContactState(NamedTuple):
-    """3hat, M about the contact without M_z, which lambda gives, Routh's function D, Jellett's integral lambda."""
+    """3hat, M about the contact without M_z, which lambda gives, Routh's function D, Jellett's
+    integral lambda.
+    """
 
     ux: Operand
     uy: Operand
@@ -49,12 +53,18 @@ def tipping_inertia(q, b):
 
 @formula
 def angular_velocity(q, b):
-    """omega, (3,), space frame [rad/s], from M = (I1 + m |a|^2) omega + (I3 - I1) omega_3 3hat - m (a.omega) a."""
+    """omega, (3,), space frame [rad/s], from M = (I1 + m |a|^2) omega + (I3 - I1) omega_3 3hat - m
+    (a.omega) a.
+    """
     w3 = spin(q, b)
     excess = (b.I3 - b.I1) * w3
     arm_turn = -(q.lam + excess * (b.c - b.R * q.uz)) / b.I1  # a.omega, since a.L = -lambda
     along, inertia = b.m * b.c * arm_turn - excess, tipping_inertia(q, b)
-    return Vector((q.Mx + along * q.ux) / inertia, (q.My + along * q.uy) / inertia, (b.c * w3 - arm_turn) / b.R)
+    return Vector(
+        (q.Mx + along * q.ux) / inertia,
+        (q.My + along * q.uy) / inertia,
+        (b.c * w3 - arm_turn) / b.R,
+    )
 
 
 @formula
@@ -78,7 +88,9 @@ def centre_velocity(q, b):
 
 @formula
 def contact_rates(q, b):
-    """3hat' = omega x 3hat; M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y); D and lambda stay."""
+    """3hat' = omega x 3hat; M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y); D and lambda
+    stay.
+    """
     w, u_dot = angular_velocity(q, b), axis_rate(q, b)
     weight, pull = b.m * b.g * b.c, b.m * b.c * b.R
     return ContactState(

@@ -1,7 +1,9 @@
-"""The rolling tippe top reduced by its integrals: z = cos(theta) moves, Routh's D and Jellett's lambda are numbers.
+"""The rolling tippe top reduced by its integrals: z = cos(theta) moves, Routh's D and Jellett's
+lambda are numbers.
 
-Singular at the poles, like Euler angles. Rounding reaches the energy through z and z' alone: over very long runs it
-drifts less than in vector form, in which every component of L is rounded at every step.
+Singular at the poles, like Euler angles. Rounding reaches the energy through z and z' alone: over
+very long runs it drifts less than in vector form, in which every component of L is rounded at every
+step.
 """
 
 import math
@@ -20,8 +22,12 @@ from . import tippe_top
 
 
 LENGTH_UNIT = math.pi / 3
-"""The unit of length, per R. With R itself the parameters are often simple fractions (alpha = 3/10, I3 = 2/5), by which
-products do not round evenly: in very long runs the energy then drifts linearly, instead of walking at random."""
+"""The unit of length, per R.
+
+With R itself the parameters are often simple fractions (alpha = 3/10, I3 = 2/5), by which products
+do not round evenly: in very long runs the energy then drifts linearly, instead of walking at
+random.
+"""
 
 
 class ReducedState(NamedTuple):
@@ -56,13 +62,24 @@ def reduced_kinematics(q, b):
 
 @formula
 def reduced_scalars(q, b):
-    """The scalars of a reduced state; the horizontal reaction by its parts along and across the lean of the axis."""
+    """The scalars of a reduced state; the horizontal reaction by its parts along and across the
+    lean of the axis.
+    """
     s = reduced_kinematics(q, b)
     along, across = reaction.push_along(s, b), b.I3 * reaction.spin_rate(s, b) / b.R
     speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
     friction_force2 = (along**2 + across**2) / s.s2
     return reaction.Scalars(
-        s.z, s.s2, s.z_dot, s.z_ddot_free, s.phi_dot_s2, s.axis_speed2, s.L3, s.Lz, speed2, friction_force2
+        s.z,
+        s.s2,
+        s.z_dot,
+        s.z_ddot_free,
+        s.phi_dot_s2,
+        s.axis_speed2,
+        s.L3,
+        s.Lz,
+        speed2,
+        friction_force2,
     )
 
 
@@ -97,7 +114,9 @@ def velocity(q, carried, b):
     """x', y' of the centre of mass [m/s]."""
     s = reduced_kinematics(q, b)
     sine, phi_dot = sqrt(s.s2), s.phi_dot_s2 / s.s2
-    along_e, along_2 = contact.rolling_velocity(-(q.z_dot / sine), phi_dot, s.L3 / b.I3, sine, q.z, b)
+    along_e, along_2 = contact.rolling_velocity(
+        -(q.z_dot / sine), phi_dot, s.L3 / b.I3, sine, q.z, b
+    )
     ex, ey = cos(carried.phi), sin(carried.phi)
     return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
 
@@ -130,7 +149,9 @@ REDUCED = Form(
         integral("phi", phi_rate),
         integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
         integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
-        integral("impulse", lambda q, carried, b: reaction.normal_force(reduced_kinematics(q, b), b)),
+        integral(
+            "impulse", lambda q, carried, b: reaction.normal_force(reduced_kinematics(q, b), b)
+        ),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),
     domains=(AWAY_FROM_POLE,),

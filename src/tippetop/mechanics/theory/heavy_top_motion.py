@@ -30,7 +30,9 @@ class ClosedForm(NamedTuple):
         return self.z1 + (self.z2 - self.z1) * sn**2
 
 
-def closed_form(energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float) -> ClosedForm:
+def closed_form(
+    energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float
+) -> ClosedForm:
     """The closed form of theta(t) by the integrals. [section 8]
 
     Parameters
@@ -56,14 +58,23 @@ def closed_form(energy: float, Lz: float, L3: float, inertia: float, I3: float, 
         simple = np.abs(slope) > 1e-5 * np.abs(f).max()
         roots = roots - np.divide(np.polyval(f, roots), slope, out=np.zeros(3), where=simple)
     z1, z2, z3 = (float(z) for z in roots)
-    return ClosedForm(z1, z2, z3, math.sqrt(weight * (z3 - z1) / (2 * inertia)), (z2 - z1) / (z3 - z1))
+    return ClosedForm(
+        z1, z2, z3, math.sqrt(weight * (z3 - z1) / (2 * inertia)), (z2 - z1) / (z3 - z1)
+    )
 
 
-NEAR = 1e-7  # of order one: turning angles, or a cusp, that are this close are one; a double root has eight digits
+# of order one: turning angles, or a cusp, that are this close are one; a double root has eight
+# digits
+NEAR = 1e-7
 
 
-def heavy_top_motion(energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float) -> str:
-    """The name of the motion of a heavy top with a fixed tip; arguments as of `closed_form`. [T ch. 2]"""
+def heavy_top_motion(
+    energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float
+) -> str:
+    """The name of the motion of a heavy top with a fixed tip; arguments as of `closed_form`.
+
+    [T ch. 2]
+    """
     form = closed_form(energy, Lz, L3, inertia, I3, weight)
     scale = math.sqrt(inertia * weight)
     if abs(L3) < NEAR * scale:
@@ -76,5 +87,7 @@ def heavy_top_motion(energy: float, Lz: float, L3: float, inertia: float, I3: fl
     if form.z1 + NEAR < turn < form.z2 - NEAR:
         return "nutation with loops"
     if abs(turn - form.z1) <= NEAR or abs(turn - form.z2) <= NEAR:
-        return "nutation through the vertical" if abs(abs(turn) - 1) < NEAR else "nutation with cusps"
+        return (
+            "nutation through the vertical" if abs(abs(turn) - 1) < NEAR else "nutation with cusps"
+        )
     return "nutation without loops"

@@ -1,7 +1,10 @@
-"""The least energy that Jellett's integral leaves a tippe top, and its critical points. [T 3.43, 3.44]
+"""The least energy that Jellett's integral leaves a tippe top, and its critical points.
 
-At given lambda and z = cos(theta) no state has less energy than the one that turns about the arm of the contact,
-omega = -lambda a/(a.I a), with its centre of mass at rest. Its critical points are the spinning and tumbling states.
+[T 3.43, 3.44]
+
+At given lambda and z = cos(theta) no state has less energy than the one that turns about the arm of
+the contact, omega = -lambda a/(a.I a), with its centre of mass at rest. Its critical points are the
+spinning and tumbling states.
 """
 
 import math
@@ -16,7 +19,10 @@ from .tumbling import tumbling, tumbling_is_stable, tumbling_states
 
 @formula
 def arm_inertia(z, b):
-    """a.I a = I1 R^2 sin(theta)^2 + I3 (c - R z)^2 [kg m^4], I1 times the G(z) of the source. [T 3.44, corrected]"""
+    """a.I a = I1 R^2 sin(theta)^2 + I3 (c - R z)^2 [kg m^4], I1 times the G(z) of the source.
+
+    [T 3.44, corrected]
+    """
     return b.I1 * b.R**2 * ((1 - z) * (1 + z)) + b.I3 * (b.c - b.R * z) ** 2
 
 
@@ -27,8 +33,10 @@ def least_energy(z, lam, b):
 
 
 class AsymptoticState(NamedTuple):
-    """A state with v_A = 0 and a vertical reaction: kind (upright, tumbling, inverted), theta [rad], phi' and omega_3
-    [rad/s], energy [J], and whether it is stable where the contact glides. phi' of a spinning state is 0."""
+    """A state with v_A = 0 and a vertical reaction: kind (upright, tumbling, inverted), theta
+    [rad], phi' and omega_3 [rad/s], energy [J], and whether it is stable where the contact glides.
+    phi' of a spinning state is 0.
+    """
 
     kind: str
     theta: float
@@ -39,7 +47,9 @@ class AsymptoticState(NamedTuple):
 
 
 def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
-    """The critical points of E_lambda, from theta = 0 to pi. [T Theorems 3.3.1 and 3.3.2, corrected]
+    """The critical points of E_lambda, from theta = 0 to pi.
+
+    [T Theorems 3.3.1 and 3.3.2, corrected]
 
     Parameters
     ----------
@@ -59,4 +69,8 @@ def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
         phi_dot, omega3 = (sense * float(rate) for rate in tumbling(z, b))
         between.append(state("tumbling", z, phi_dot, omega3, bool(tumbling_is_stable(z, b))))
     upright = state("upright", 1.0, 0.0, spin_of(lam, b), bool(now.upright))
-    return [upright, *between, state("inverted", -1.0, 0.0, spin_of(lam, b, inverted=True), bool(now.inverted))]
+    return [
+        upright,
+        *between,
+        state("inverted", -1.0, 0.0, spin_of(lam, b, inverted=True), bool(now.inverted)),
+    ]

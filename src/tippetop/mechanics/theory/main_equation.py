@@ -1,16 +1,21 @@
-"""The main equation as an equation of motion: from D(t) and E~(t) of a run back to theta(t). [T 4.40, 5.26]
+"""The main equation as an equation of motion: from D(t) and E~(t) of a run back to theta(t).
 
-The equation of first order, z'^2 = Q(z, t) with z = cos(theta), has a branch point at every turning angle. There Q and
-Q_t vanish together, which fixes time and angle of the turning, and 2 a^2 - Q_z a = Q_tt, which leaves two values of
-the curvature a = z''. Neighbours leave the solution of curvature a as |t|^p, p = Q_z/(2 a), 1 without friction:
+[T 4.40, 5.26]
 
-- p <= 1: only one curvature has the sign that a turning needs. The smooth solution is a power series; from it the
-  equation of second order, z'' = Q_z/2 + Q_t/(2 z'), is integrated outwards, forward and backward in time.
-- p > 1: both have that sign. They cross at p = 2, in the canonical inversion at 4.41 s. Which of them the motion has,
-  the piece before it says: towards such a turning errors fade.
+The equation of first order, z'^2 = Q(z, t) with z = cos(theta), has a branch point at every turning
+angle. There Q and Q_t vanish together, which fixes time and angle of the turning, and 2 a^2 - Q_z a
+= Q_tt, which leaves two values of the curvature a = z''. Neighbours leave the solution of curvature
+a as |t|^p, p = Q_z/(2 a), 1 without friction:
+
+- p <= 1: only one curvature has the sign that a turning needs. The smooth solution is a power
+  series; from it the equation of second order, z'' = Q_z/2 + Q_t/(2 z'), is integrated outwards,
+  forward and backward in time.
+- p > 1: both have that sign. They cross at p = 2, in the canonical inversion at 4.41 s. Which of
+  them the motion has, the piece before it says: towards such a turning errors fade.
 
 Where a swing slows down without turning, the integration continues, if it can.
-Where nothing depends on time, Q_t = 0 for every angle, and the equation of second order is all that is needed.
+Where nothing depends on time, Q_t = 0 for every angle, and the equation of second order is all that
+is needed.
 """
 
 from typing import Any, NamedTuple
@@ -24,17 +29,25 @@ COMPLEX_STEP = 1e-30
 WAYS = np.array([1j * COMPLEX_STEP, 0.0])  # of z, and of t
 ORDER = 10  # of the power series at a turning
 REACH = 0.06  # of the time between turnings, where the series hands over
-KNOWN = 3.0  # reaches before a turning with p > 1, from which on the piece before it says which curvature it has
-APART = 1e-6  # of z where two pieces meet: nothing beyond is to be relied on; a good one has 1e-9 and less
+# reaches before a turning with p > 1, from which on the piece before it says which curvature it has
+KNOWN = 3.0
+# of z where two pieces meet: nothing beyond is to be relied on; a good one has 1e-9 and less
+APART = 1e-6
 SLOW = 0.5, 0.1  # of the largest speed of a swing: below them a turning is looked for
 STEEP = -0.5  # p, below which errors grow too fast towards a turning for waiting until the second
-CALLS = 40_000  # of the equation in a piece, some thirty times what a swing takes: beyond, z' touches 0 without turning
-CONSTANT = 1e-11  # relative: momenta and energy that vary less than this are constants of the motion
+# of the equation in a piece, some thirty times what a swing takes: beyond, z' touches 0 without
+# turning
+CALLS = 40_000
+CONSTANT = (
+    1e-11  # relative: momenta and energy that vary less than this are constants of the motion
+)
 
 
 class Reconstruction(NamedTuple):
-    """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning), times of the turnings,
-    the worst mismatch of z where pieces meet, and whether it ends early: pieces do not meet, or no turning follows."""
+    """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning),
+    times of the turnings, the worst mismatch of z where pieces meet, and whether it ends early:
+    pieces do not meet, or no turning follows.
+    """
 
     z: np.ndarray
     turnings: np.ndarray
@@ -43,7 +56,13 @@ class Reconstruction(NamedTuple):
 
 
 def reconstruct(
-    system: System, b: Any, times: np.ndarray, momenta: list[np.ndarray], energy: np.ndarray, z: float, period: float
+    system: System,
+    b: Any,
+    times: np.ndarray,
+    momenta: list[np.ndarray],
+    energy: np.ndarray,
+    z: float,
+    period: float,
 ) -> Reconstruction:
     """theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)). [T 4.40, 5.26]
 
@@ -83,14 +102,21 @@ def reconstruct(
             forward, there = equation.swing(here, end)
             early = there is None and forward.end < end
             if there is None or there.t + reach > end:
-                if not early and here.power < 2:  # beyond, errors grow too fast where no later turning holds them
+                if (
+                    not early and here.power < 2
+                ):  # beyond, errors grow too fast where no later turning holds them
                     _fill(out, times, edge, forward.end, forward)
                 return Reconstruction(out, np.array(turnings), mismatch, early)
-            last = meet = there.t - reach  # where p > 1 all that comes from before fades into the turning
+            last = meet = (
+                there.t - reach
+            )  # where p > 1 all that comes from before fades into the turning
             comes: _Series | _Piece = there
             goes = forward
             if not there.node:
-                meet, goes = edge if here.node else (here.t + there.t) / 2, _Piece(equation, there, -1.0)
+                meet, goes = (
+                    edge if here.node else (here.t + there.t) / 2,
+                    _Piece(equation, there, -1.0),
+                )
                 comes = here if here.node else forward
                 goes.go(meet)
                 _fill(out, times, meet, last, goes)
@@ -111,26 +137,46 @@ class _Lost(Exception):
 
 
 class _Equation:
-    """Q(z, t) = z'^2 of a body whose momenta and E~ are known at some times, and the motion that follows from it."""
+    """Q(z, t) = z'^2 of a body whose momenta and E~ are known at some times, and the motion that
+    follows from it.
+    """
 
     def __init__(
-        self, system: System, b: Any, times: np.ndarray, momenta: list[np.ndarray], energy: np.ndarray, period: float
+        self,
+        system: System,
+        b: Any,
+        times: np.ndarray,
+        momenta: list[np.ndarray],
+        energy: np.ndarray,
+        period: float,
     ):
         from scipy.interpolate import make_interp_spline
 
         assert system.potential is not None
         assert system.theta_inertia is not None
-        self.potential, self.inertia, self.b, self.period = system.potential, system.theta_inertia, b, period
+        self.potential, self.inertia, self.b, self.period = (
+            system.potential,
+            system.theta_inertia,
+            b,
+            period,
+        )
         self.calls = 0  # of `motion`, in this piece
         self.values = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
         self.rates = self.values.derivative()
 
     def square(self, z: Any, t: Any, step: Any = 0.0) -> Any:
         """Q(z, t) = z'^2; `step` is a complex step of time."""
-        return self._square(z, (self.values(t) + step * self.rates(t) if step else self.values(t)).T)
+        return self._square(
+            z, (self.values(t) + step * self.rates(t) if step else self.values(t)).T
+        )
 
     def _square(self, z: Any, given: Any) -> Any:
-        return (1 - z) * (1 + z) * (given[0] - self.potential(z, *given[1:], self.b)) / self.inertia(z, self.b)
+        return (
+            (1 - z)
+            * (1 + z)
+            * (given[0] - self.potential(z, *given[1:], self.b))
+            / self.inertia(z, self.b)
+        )
 
     def along_z(self, z: Any, t: Any) -> Any:
         """Q_z."""
@@ -141,8 +187,10 @@ class _Equation:
         return self.square(z, t, 1j * COMPLEX_STEP).imag / COMPLEX_STEP
 
     def conserving(self, times: np.ndarray, z: float) -> Reconstruction:
-        """The motion where nothing depends on time: Q_t = 0 says nothing of the turnings, and z'' = Q_z/2 needs no
-        turnings, as it has no branch points. `mismatch` is that of z'^2 = Q, in the largest z'^2."""
+        """The motion where nothing depends on time: Q_t = 0 says nothing of the turnings, and z'' =
+        Q_z/2 needs no turnings, as it has no branch points. `mismatch` is that of z'^2 = Q, in the
+        largest z'^2.
+        """
         from scipy.integrate import solve_ivp
 
         def rates(t: float, y: np.ndarray) -> list[float]:
@@ -153,12 +201,23 @@ class _Equation:
 
         start = float(times[0])
         solution = solve_ivp(
-            rates, (start, float(times[-1])), [z, 0.0], "DOP853", times, events=turning, rtol=1e-12, atol=1e-14
+            rates,
+            (start, float(times[-1])),
+            [z, 0.0],
+            "DOP853",
+            times,
+            events=turning,
+            rtol=1e-12,
+            atol=1e-14,
         )
         square = solution.y[1] ** 2
-        mismatch = float(np.abs(square - self.square(solution.y[0], start)).max() / max(square.max(), 1e-300))
+        mismatch = float(
+            np.abs(square - self.square(solution.y[0], start)).max() / max(square.max(), 1e-300)
+        )
         turnings = solution.t_events[0]
-        return Reconstruction(solution.y[0], turnings[turnings > start + 1e-6 * self.period], mismatch, False)
+        return Reconstruction(
+            solution.y[0], turnings[turnings > start + 1e-6 * self.period], mismatch, False
+        )
 
     def motion(self, t: float, y: np.ndarray) -> np.ndarray:
         """The rates of z and z': z'' = Q_z/2 + Q_t/(2 z')."""
@@ -172,7 +231,9 @@ class _Equation:
         return np.array([y[1], along_z / 2 + along_t / (2 * y[1])])
 
     def swing(self, here: "_Series", end: float) -> "tuple[_Piece, _Series | None]":
-        """From one turning to the next: the motion up to the edge of the next, and its series, or None."""
+        """From one turning to the next: the motion up to the edge of the next, and its series, or
+        None.
+        """
         piece, peak, share = _Piece(self, here, 1.0), 0.0, 0.0
         way = np.sign(piece.state[1])
 
@@ -194,7 +255,8 @@ class _Equation:
                 if piece.go(end, slow) >= end:
                     return piece, None
                 goal = self.turning(piece, here.reach)
-                # near p = 0 Q and Q_t vanish at two points, and only close to them it shows which is the turning
+                # near p = 0 Q and Q_t vanish at two points, and only close to them it shows which
+                # is the turning
                 if goal is not None and (share < SLOW[0] or goal[2] < STEEP):
                     piece.go(min(end, goal[1] - here.reach))
                     return piece, _series(self, *goal[:2], here.reach, piece)
@@ -205,9 +267,13 @@ class _Equation:
             peak = way * piece.state[1]
 
     def turning(self, piece: "_Piece", reach: float) -> tuple[float, float, float] | None:
-        """Angle, time and power p where Q = Q_t = 0 soon after the end of a piece; None where there is none."""
+        """Angle, time and power p where Q = Q_t = 0 soon after the end of a piece; None where there
+        is none.
+        """
         start, (z, speed) = piece.end, piece.state
-        left = abs(speed / self.motion(start, piece.state)[1])  # what a harmonic swing would still need, about
+        left = abs(
+            speed / self.motion(start, piece.state)[1]
+        )  # what a harmonic swing would still need, about
         z, t, h, far = z + speed * left / 2, start + left, 1e-4 * reach, 4 * abs(speed) * left
         first = z
         for _ in range(20):
@@ -224,13 +290,19 @@ class _Equation:
                 return None
             step = np.linalg.solve(jacobian, [self.square(z, t), self.along_t(z, t)])
             z, t = float(z - step[0]), float(t - np.clip(step[1], -reach, reach))
-            if abs(step[0]) <= 4 * np.spacing(1.0) and abs(step[1]) <= 4 * np.spacing(abs(t) + reach):
+            if abs(step[0]) <= 4 * np.spacing(1.0) and abs(step[1]) <= 4 * np.spacing(
+                abs(t) + reach
+            ):
                 break
         converged = abs(step[0]) <= 1e-10 and abs(step[1]) <= 1e-6 * reach  # noise
         if not (converged and start < t < start + 4 * left and abs(z - first) < far):
             return None
         (along_z, _), (_, q_tt) = jacobian
-        return z, t, 2 * along_z / (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), speed))
+        return (
+            z,
+            t,
+            2 * along_z / (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), speed)),
+        )
 
 
 class _Piece:
@@ -249,7 +321,15 @@ class _Piece:
         if self.end != until:
             span = self.end, until
             solution = solve_ivp(
-                self.equation.motion, span, self.state, "DOP853", None, True, event, rtol=1e-11, atol=1e-13
+                self.equation.motion,
+                span,
+                self.state,
+                "DOP853",
+                None,
+                True,
+                event,
+                rtol=1e-11,
+                atol=1e-13,
             )
             self.end, self.state = float(solution.t[-1]), solution.y[:, -1]
             self.parts.append((self.end, solution.sol))
@@ -264,7 +344,9 @@ class _Piece:
 
 
 class _Series(NamedTuple):
-    """z as a power series in the time since a turning, in units of its reach; neighbours leave it as |t|^power."""
+    """z as a power series in the time since a turning, in units of its reach; neighbours leave it
+    as |t|^power.
+    """
 
     t: float
     reach: float
@@ -273,16 +355,24 @@ class _Series(NamedTuple):
     node: bool
 
     def __call__(self, t: Any) -> Any:
-        return np.polynomial.polynomial.polyval((np.asarray(t) - self.t) / self.reach, self.coefficients)
+        return np.polynomial.polynomial.polyval(
+            (np.asarray(t) - self.t) / self.reach, self.coefficients
+        )
 
     def speed(self, t: Any) -> Any:
         slope = np.polynomial.polynomial.polyder(self.coefficients)
-        return np.polynomial.polynomial.polyval((np.asarray(t) - self.t) / self.reach, slope) / self.reach
+        return (
+            np.polynomial.polynomial.polyval((np.asarray(t) - self.t) / self.reach, slope)
+            / self.reach
+        )
 
 
-def _series(equation: _Equation, z: float, t: float, reach: float, before: _Piece | None) -> _Series:
-    """The smooth solution through a turning, by least squares on z'^2 = Q; `before` is the piece that leads to it, None
-    at the first one, where time begins."""
+def _series(
+    equation: _Equation, z: float, t: float, reach: float, before: _Piece | None
+) -> _Series:
+    """The smooth solution through a turning, by least squares on z'^2 = Q; `before` is the piece
+    that leads to it, None at the first one, where time begins.
+    """
     along_z, h = equation.along_z(z, t), 1e-4 * reach
     x = (
         (1 - np.cos(np.linspace(0, np.pi, 4 * ORDER))) / 2
@@ -295,7 +385,11 @@ def _series(equation: _Equation, z: float, t: float, reach: float, before: _Piec
     if before is not None:
         q_tt = (equation.along_t(z, t + h) - equation.along_t(z, t - h)) / (2 * h)
         node = q_tt < 0 < -along_z * before.state[1]
-        c[2] = (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), before.state[1])) / 8 * reach**2
+        c[2] = (
+            (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), before.state[1]))
+            / 8
+            * reach**2
+        )
         if node:
             y = np.linspace(-min(KNOWN, (t - before.start) / reach), -1, 2 * ORDER)
             few = [2, 3, 4, 5]  # enough to say which of both curvatures it is
@@ -303,7 +397,9 @@ def _series(equation: _Equation, z: float, t: float, reach: float, before: _Piec
     for _ in range(12):
         speed, place = slopes @ c, powers @ c
         left = speed**2 - equation.square(place, t + reach * x)
-        change = 2 * speed[:, None] * slopes - equation.along_z(place, t + reach * x)[:, None] * powers
+        change = (
+            2 * speed[:, None] * slopes - equation.along_z(place, t + reach * x)[:, None] * powers
+        )
         c[free] -= np.linalg.lstsq(change[:, free], left, rcond=None)[0]
     return _Series(t, reach, c, float(along_z * reach**2 / (4 * c[2])), bool(node))
 

@@ -10,7 +10,9 @@ from ..friction import named, slip_coefficient, takes_nothing
 
 
 def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarray:
-    """The three rates p of u_x + i u_y ~ exp(pt) near a spinning state of a gliding body. [section 6; Friedl 1997]
+    """The three rates p of u_x + i u_y ~ exp(pt) near a spinning state of a gliding body.
+
+    [section 6; Friedl 1997]
 
     Parameters
     ----------
@@ -24,8 +26,9 @@ def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarr
     Returns
     -------
     ndarray
-        Complex rates [1/s], (3,), fastest growth first, then fastest turning: the state is unstable iff the first has
-        a positive real part; NaN where a number of the linear motion exceeds the doubles.
+        Complex rates [1/s], (3,), fastest growth first, then fastest turning: the state is unstable
+        iff the first has a positive real part; NaN where a number of the linear motion exceeds the
+        doubles.
     """
     up = -1 if inverted else 1
     with np.errstate(all="ignore"):
@@ -37,7 +40,9 @@ def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarr
 
 
 def _gliding(omega3: Any, b: Touch, up: int, slip: Any) -> np.ndarray:
-    """The matrix (..., 3, 3) of the motion near the pole z = up, of one body or of many, with slip coefficients."""
+    """The matrix (..., 3, 3) of the motion near the pole z = up, of one body or of many, with slip
+    coefficients.
+    """
     Lz, h = up * b.I3 * omega3, b.R - up * b.c
     n = _row(1j * Lz / b.I1, -1j * up / b.I1, 0)
     momentum = _row(-1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g)
@@ -48,7 +53,8 @@ def _gliding(omega3: Any, b: Touch, up: int, slip: Any) -> np.ndarray:
 
 
 def _slip(omega3: Any, up: int, law: Any) -> Any:
-    """The slip coefficient at rest [s/m]; of a disc that drills at omega3 the limit of small sliding, 3 pi mu/(8 patch
+    """The slip coefficient at rest [s/m]; of a disc that drills at omega3 the limit of small
+    sliding, 3 pi mu/(8 patch
     |omega3|), its rolling resistance left out."""
     known = named(type(law))
     if known is None or not known.regions:
@@ -58,7 +64,9 @@ def _slip(omega3: Any, up: int, law: Any) -> Any:
 
 
 def is_nowhere_linear(omega3: float, law: Any, *, inverted: bool = False) -> bool:
-    """Whether a friction law has no finite slope at rest: Coulomb's law itself, or a disc that does not drill."""
+    """Whether a friction law has no finite slope at rest: Coulomb's law itself, or a disc that does
+    not drill.
+    """
     with np.errstate(all="ignore"):
         return not np.isfinite(_slip(omega3, -1 if inverted else 1, law)).all()
 
@@ -67,10 +75,14 @@ SLIDES = 1e-3  # of sqrt(gR): what a motion that has settled may slide at most
 
 
 def shows_sliding(b: Touch, z: Any) -> Any:
-    """Return whether friction at z = cos(theta) is so strong that a slide of 1e-3 sqrt(gR) loses more than 1e-12 of the
-    unit of k |v_A|^2, below which a motion counts as settled. Of one body, or of many, (n,)."""
+    """Return whether friction at z = cos(theta) is so strong that a slide of 1e-3 sqrt(gR) loses
+    more than 1e-12 of the unit of k |v_A|^2, below which a motion counts as settled. Of one body,
+    or of many, (n,).
+    """
     known = named(type(b.friction))
-    if known is None or known.set_valued or known.regions:  # it sticks; drilling takes without sliding
+    if (
+        known is None or known.set_valued or known.regions
+    ):  # it sticks; drilling takes without sliding
         return True
     strength = slip_coefficient(0.0, z, b.friction) * np.sqrt(b.g * (b.R + np.abs(b.c)))
     return np.asarray(strength) * SLIDES**2 > 1e-12
@@ -81,13 +93,16 @@ def _row(*entries: Any) -> np.ndarray:
 
 
 ROUNDED = 1e-12  # of the fastest rate: a growth that is slower is zero to rounding
-WEAK = 1e-3  # of the fastest angle's rate: where friction turns a spin into another more slowly, its sign alone counts
+# of the fastest angle's rate: where friction turns a spin into another more slowly, its sign alone
+# counts
+WEAK = 1e-3
 LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a motion
 
 
 def will_leave(theta: float, omega3: float, b: Touch) -> bool:
-    """Whether a gliding body at theta [rad] with spin omega3 [rad/s] is about to leave the pole: it is so near that its
-    motion is linear, and a mode grows there. [section 6]"""
+    """Whether a gliding body at theta [rad] with spin omega3 [rad/s] is about to leave the pole: it
+    is so near that its motion is linear, and a mode grows there. [section 6]
+    """
     inverted = theta > math.pi / 2
     near = min(theta, math.pi - theta) < LINEAR
     return near and bool(is_unstable(omega3, b, inverted=inverted))
@@ -109,34 +124,42 @@ def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool 
 
     Notes
     -----
-    Any friction decides as strong friction does, however weak: it takes energy, whose least value at this Jellett's
-    integral does not depend on it. A growth that is lost in rounding is therefore asked of stronger friction, and so is
-    that of friction which vanishes at the pole: near by it takes energy.
+    Any friction decides as strong friction does, however weak: it takes energy, whose least value
+    at this Jellett's integral does not depend on it. A growth that is lost in rounding is therefore
+    asked of stronger friction, and so is that of friction which vanishes at the pole: near by it
+    takes energy.
     """
     up = -1 if inverted else 1
     if gliding:
         with np.errstate(all="ignore"):
             slip = _slip(omega3, up, b.friction)
             least = WEAK / b.g * np.maximum(np.abs(omega3), np.sqrt(b.g / (b.R + np.abs(b.c))))
-            dissipates = named(type(b.friction)) is not None and np.logical_not(takes_nothing(b.friction))
+            dissipates = named(type(b.friction)) is not None and np.logical_not(
+                takes_nothing(b.friction)
+            )
             acts = (slip > 0) | dissipates
             matrix = _gliding(omega3, b, up, np.where(acts, np.maximum(slip, least), slip))
         finite = np.isfinite(matrix).all(axis=(-1, -2), keepdims=True)
-        modes = np.linalg.eigvals(np.where(finite, matrix, 0))  # NaN beyond the doubles would end all
+        modes = np.linalg.eigvals(
+            np.where(finite, matrix, 0)
+        )  # NaN beyond the doubles would end all
         return modes.real.max(-1) > ROUNDED * np.abs(modes).max(-1)
     h = b.R - up * b.c  # of the roots of `rolling_modes`: a discriminant
     return (omega3 * (b.I3 + b.m * h * b.R)) ** 2 < -4 * up * b.m * b.g * b.c * (b.I1 + b.m * h**2)
 
 
 def _fastest_first(p: np.ndarray) -> np.ndarray:
-    """Rates by their growth; those that grow alike, to rounding, by how fast they turn, positive before negative."""
+    """Rates by their growth; those that grow alike, to rounding, by how fast they turn, positive
+    before negative.
+    """
     unit = ROUNDED * np.abs(p).max() or 1.0
     growth, turn = np.round(p.real / unit), np.round(np.abs(p.imag) / unit)
     return p[np.lexsort((-p.imag, -turn, -growth))]
 
 
 def rolling_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarray:
-    """The two rates p near a spinning state of a body whose contact is at rest: rolling, or a fixed tip.
+    """The two rates p near a spinning state of a body whose contact is at rest: rolling, or a fixed
+    tip.
 
     Parameters
     ----------
@@ -154,5 +177,7 @@ def rolling_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndar
     """
     up = -1 if inverted else 1
     h = b.R - up * b.c
-    p = np.roots([b.I1 + b.m * h**2, -1j * omega3 * up * (b.I3 + b.m * h * b.R), up * b.m * b.g * b.c])
+    p = np.roots(
+        [b.I1 + b.m * h**2, -1j * omega3 * up * (b.I3 + b.m * h * b.R), up * b.m * b.g * b.c]
+    )
     return _fastest_first(p)

@@ -1,4 +1,6 @@
-"""One degree of freedom: turning angles and period of E = inertia(z) theta'^2 + V(z), z = cos(theta)."""
+"""One degree of freedom: turning angles and period of E = inertia(z) theta'^2 + V(z), z =
+cos(theta).
+"""
 
 import math
 from collections.abc import Callable
@@ -20,9 +22,15 @@ class Nutation(NamedTuple):
 
 
 def nutation(
-    inertia: Callable, potential: Callable, energy: Any, theta: float, span: tuple[float, float] = (0.0, math.pi)
+    inertia: Callable,
+    potential: Callable,
+    energy: Any,
+    theta: float,
+    span: tuple[float, float] = (0.0, math.pi),
 ) -> Nutation:
-    """The nutation that passes theta, or starts there, by quadrature; about 14 digits. [T 2.38, 4.21, 5.26]
+    """The nutation that passes theta, or starts there, by quadrature; about 14 digits.
+
+    [T 2.38, 4.21, 5.26]
 
     Parameters
     ----------
@@ -40,7 +48,8 @@ def nutation(
     Returns
     -------
     Nutation
-        Steady motion gives equal angles and NaN as its period; a motion that leaves the span, infinity.
+        Steady motion gives equal angles and NaN as its period; a motion that leaves the span,
+        infinity.
     """
 
     def kinetic(angle: Any) -> Any:
@@ -62,15 +71,23 @@ def nutation(
     high = _edge(kinetic, grid[above[0]], grid[above[0] - 1])
     middle, half = (low + high) / 2, (high - low) / 2
     period, nodes, last = WIDE(0), 32, WIDE(np.inf)
-    while abs(period - last) > 1e-16 * period and nodes <= 4096:  # the midpoint rule converges geometrically
+    while (
+        abs(period - last) > 1e-16 * period and nodes <= 4096
+    ):  # the midpoint rule converges geometrically
         psi = (np.arange(nodes, dtype=WIDE) + WIDE(0.5)) * WIDE(np.pi) / nodes
         speed = np.sqrt(kinetic(middle - half * np.cos(psi)))
-        last, period, nodes = period, 2 * np.mean(half * np.sin(psi) / speed) * WIDE(np.pi), 2 * nodes
+        last, period, nodes = (
+            period,
+            2 * np.mean(half * np.sin(psi) / speed) * WIDE(np.pi),
+            2 * nodes,
+        )
     return Nutation(float(low), float(high), float(period))
 
 
 def _edge(kinetic: Callable, outside: Any, inside: Any) -> Any:
-    """The zero of kinetic between an angle outside the band and one inside, by bisection to the last bit."""
+    """The zero of kinetic between an angle outside the band and one inside, by bisection to the
+    last bit.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         while (middle := (outside + inside) / 2) not in (outside, inside):
             outside, inside = (outside, middle) if kinetic(middle) > 0 else (middle, inside)

@@ -1,4 +1,6 @@
-"""How near a top comes to the poles theta = 0 and pi: where the centrifugal wall of its potential turns it back."""
+"""How near a top comes to the poles theta = 0 and pi: where the centrifugal wall of its potential
+turns it back.
+"""
 
 from typing import Any, NamedTuple
 
@@ -7,7 +9,8 @@ import numpy as np
 from ..system import System
 
 
-NEAREST = 1e-8  # [rad] what comes nearer counts as reaching the pole: 1 - z has no digits left there in 80 bits
+# [rad] what comes nearer counts as reaching the pole: 1 - z has no digits left there in 80 bits
+NEAREST = 1e-8
 STEPS = 80  # angles, evenly spread in their logarithm, at which a wall is looked for
 HALVINGS = 32
 WIDE = np.longdouble  # V of z = cos(theta) loses digits next to the poles
@@ -21,12 +24,14 @@ class PoleDistances(NamedTuple):
 
 
 def closest_approach(system: System, scalars: Any, b: Any) -> PoleDistances:
-    """How near the motion from a start comes to each pole, from V and E~ alone: nothing is integrated. [T 4.11, 2.38]
+    """How near the motion from a start comes to each pole, from V and E~ alone: nothing is
+    integrated. [T 4.11, 2.38]
 
     Parameters
     ----------
     system
-        A system with `potential`, whose momenta and E~ are constant: a rolling tippe top, a heavy top with fixed tip.
+        A system with `potential`, whose momenta and E~ are constant: a rolling tippe top, a heavy
+        top with fixed tip.
     scalars
         The scalars of its start, numbers or arrays (n,), in any consistent units.
     b
@@ -35,16 +40,17 @@ def closest_approach(system: System, scalars: Any, b: Any) -> PoleDistances:
     Returns
     -------
     PoleDistances
-        Numbers or arrays (n,); to some 1e-9 of the distance. Where V has two wells the wall nearest to the start
-        counts.
+        Numbers or arrays (n,); to some 1e-9 of the distance. Where V has two wells the wall nearest
+        to the start counts.
 
     Notes
     -----
-    Near a pole sin(theta) at the turn is |phi' sin(theta)^2| over the speed of the axis: a top that is to miss the
-    vertical by an angle must have as much of L_z -+ L_3.
+    Near a pole sin(theta) at the turn is |phi' sin(theta)^2| over the speed of the axis: a top that
+    is to miss the vertical by an angle must have as much of L_z -+ L_3.
 
-    A form that is singular at the poles (`reduced`, `euler`) is wrong by some 1e-14/distance^2 in theta after a few
-    passages (canonical rolling top, 2 s: 6e-14 at 0.066 rad, 2e-10 at 0.007, 3e-8 at 7e-4, 2e-5 at 2e-5).
+    A form that is singular at the poles (`reduced`, `euler`) is wrong by some 1e-14/distance^2 in
+    theta after a few passages (canonical rolling top, 2 s: 6e-14 at 0.066 rad, 2e-10 at 0.007, 3e-8
+    at 7e-4, 2e-5 at 2e-5).
     """
     assert system.potential is not None
     assert system.theta_inertia is not None
@@ -54,7 +60,9 @@ def closest_approach(system: System, scalars: Any, b: Any) -> PoleDistances:
     start = np.arctan2(np.sqrt(s2), z)
     distances = []
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        energy = system.theta_inertia(z, b) * z_dot**2 / s2 + system.potential(np.cos(start), *momenta, b)
+        energy = system.theta_inertia(z, b) * z_dot**2 / s2 + system.potential(
+            np.cos(start), *momenta, b
+        )
         for pole in (1, -1):
 
             def stopped(angle: Any, pole: int = pole) -> Any:

@@ -2,9 +2,9 @@
 
 Bodies are `contact.body.Touch` records of floats, SI; thresholds also take arrays.
 
-Published theory has alpha > 0. A peg, alpha < 0, is the body with its axis turned round: alpha, theta,
-omega_3, D become -alpha, pi - theta, -omega_3, -D, while lambda, phi' and all energies stay. `shape`,
-`sense` and `poles` make that change for all of theory. [contact 4.1]
+Published theory has alpha > 0. A peg, alpha < 0, is the body with its axis turned round: alpha,
+theta, omega_3, D become -alpha, pi - theta, -omega_3, -D, while lambda, phi' and all energies stay.
+`shape`, `sense` and `poles` make that change for all of theory. [contact 4.1]
 """
 
 import math
@@ -26,7 +26,9 @@ class Threshold(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """|alpha|, gamma = I1/I3, sigma = m R^2/I3 of a tippe top, and beta = sqrt(m g R^3 |alpha| I3) [kg m^3/s]."""
+    """|alpha|, gamma = I1/I3, sigma = m R^2/I3 of a tippe top, and beta = sqrt(m g R^3 |alpha| I3)
+    [kg m^3/s].
+    """
 
     alpha: Any
     gamma: Any
@@ -37,7 +39,9 @@ class Shape(NamedTuple):
 def shape(b: Touch) -> Shape:
     """The numbers that decide about a tippe top."""
     alpha = np.abs(b.c) / b.R
-    return Shape(alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, np.sqrt(b.m * b.g * b.R**3 * alpha * b.I3))
+    return Shape(
+        alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, np.sqrt(b.m * b.g * b.R**3 * alpha * b.I3)
+    )
 
 
 SPINS = {"upright": 1, "inverted": -1}
@@ -55,17 +59,23 @@ def poles(b: Touch) -> tuple[str, str]:
     return (high, low) if np.all(b.c < 0) else (low, high)
 
 
-# --- spinning states ------------------------------------------------------------------------------------------------
+# --- spinning states ----------------------------------------------------------------------------
 
 
 def lambda_u(b: Touch) -> Any:
-    """The spin with the centre of mass lowest is stable for |lambda| below it; infinite if always. [T Theorem 3.3.2]"""
+    """The spin with the centre of mass lowest is stable for |lambda| below it; infinite if always.
+
+    [T Theorem 3.3.2]
+    """
     alpha, gamma, _, beta = shape(b)
     return _over_root(beta * (1 - alpha) ** 2, alpha + gamma - 1)
 
 
 def lambda_s(b: Touch) -> Any:
-    """The spin with the centre of mass highest is stable for |lambda| above it; infinite if never. [T 4.30]"""
+    """The spin with the centre of mass highest is stable for |lambda| above it; infinite if never.
+
+    [T 4.30]
+    """
     alpha, gamma, _, beta = shape(b)
     return _over_root(beta * (1 + alpha) ** 2, 1 + alpha - gamma)
 
@@ -77,7 +87,10 @@ def _over_root(number: Any, x: Any) -> Any:
 
 
 def lambda_de(b: Touch) -> Any:
-    """Above it the highest spin has less energy E~ than the lowest one of the same lambda. [T 4.29]"""
+    """Above it the highest spin has less energy E~ than the lowest one of the same lambda.
+
+    [T 4.29]
+    """
     alpha = b.c / b.R
     return np.sqrt(b.m * b.g * b.R**3 * b.I3) * (1 - alpha**2)
 
@@ -93,12 +106,17 @@ def gamma_plus(alpha: float) -> float:
 
 
 def gamma_de(alpha: Any) -> Any:
-    """lambda_s > lambda_de if and only if gamma is above it; below 1 - alpha for alpha > 3 - sqrt(8). [T 4.31-4.34]"""
+    """lambda_s > lambda_de if and only if gamma is above it; below 1 - alpha for alpha > 3 -
+    sqrt(8). [T 4.31-4.34]
+    """
     return (1 + alpha) * (1 - 3 * alpha) / (1 - alpha) ** 2
 
 
 def two_wells_from(b: Touch) -> float:
-    """gamma*, above which the potential can have two minima; infinite where it never can. [section 5, item 4]"""
+    """gamma*, above which the potential can have two minima; infinite where it never can.
+
+    [section 5, item 4]
+    """
     alpha, _, sigma, _ = shape(b)
     h = 1 + alpha
     below = 2 * sigma * h * (1 + sigma) - 1 - sigma * h
@@ -108,7 +126,9 @@ def two_wells_from(b: Touch) -> float:
 
 @formula
 def spin(z, lam, b):
-    """omega_3 of the spinning state z = cos(theta) = +1 or -1 with Jellett's integral lambda [rad/s]. [T 4.23]"""
+    """omega_3 of the spinning state z = cos(theta) = +1 or -1 with Jellett's integral lambda
+    [rad/s]. [T 4.23]
+    """
     return lam / (b.I3 * (b.R * z - b.c))
 
 
@@ -137,11 +157,19 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
     return {
         "lambda_u": Threshold(lambda_u(b), JELLETT, f"{low} spin stable below"),
         "lambda_s": Threshold(lambda_s(b), JELLETT, f"{high} spin stable above"),
-        "lambda_de": Threshold(lambda_de(b), JELLETT, f"{high} spin has less energy than {low} spin above"),
-        at_low: Threshold(spin_at(low, lambda_u(b)), RADIAN_PER_SECOND, f"{low} spin loses stability at"),
-        at_high: Threshold(spin_at(high, lambda_s(b)), RADIAN_PER_SECOND, f"{high} spin gains stability at"),
+        "lambda_de": Threshold(
+            lambda_de(b), JELLETT, f"{high} spin has less energy than {low} spin above"
+        ),
+        at_low: Threshold(
+            spin_at(low, lambda_u(b)), RADIAN_PER_SECOND, f"{low} spin loses stability at"
+        ),
+        at_high: Threshold(
+            spin_at(high, lambda_s(b)), RADIAN_PER_SECOND, f"{high} spin gains stability at"
+        ),
         "spin_full": Threshold(
-            spin_at(low, lambda_s(b)), RADIAN_PER_SECOND, f"initial {low} spin from which the {high} one is stable"
+            spin_at(low, lambda_s(b)),
+            RADIAN_PER_SECOND,
+            f"initial {low} spin from which the {high} one is stable",
         ),
         "gamma": Threshold(gamma, ONE, "I1/I3"),
         "gamma_c": Threshold(gamma_c(alpha), ONE, "lambda_s > lambda_u above"),
@@ -150,5 +178,7 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
 
 
 def sleeping_spin(b: Touch) -> float:
-    """|omega_3| above which the upright heavy top with a fixed tip is stable, 2 sqrt(m g l I1*)/I3 [rad/s]. [T 5.54]"""
+    """|omega_3| above which the upright heavy top with a fixed tip is stable, 2 sqrt(m g l I1*)/I3
+    [rad/s]. [T 5.54]
+    """
     return 2 * math.sqrt(b.m * b.g * -b.c * tip_inertia(b)) / b.I3

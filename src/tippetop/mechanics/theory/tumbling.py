@@ -1,7 +1,7 @@
 """Tumbling states of a tippe top, and every asymptotic state as curves over lambda.
 
-Theorem 3.3.2 of the source is used as corrected: below gamma_+ some tumbling states near the upright are unstable, and
-below gamma_c the upright spin outlives the inverted one.
+Theorem 3.3.2 of the source is used as corrected: below gamma_+ some tumbling states near the
+upright are unstable, and below gamma_c the upright spin outlives the inverted one.
 """
 
 import itertools
@@ -22,14 +22,20 @@ def tumbling_limits(b: Touch) -> tuple[float, float]:
 
 
 def tumbling(z: Any, b: Touch) -> tuple[Any, Any]:
-    """phi' and omega_3 [rad/s] of the tumbling state at z, for phi' > 0; NaN where there is none. [T 3.62]"""
+    """phi' and omega_3 [rad/s] of the tumbling state at z, for phi' > 0; NaN where there is none.
+
+    [T 3.62]
+    """
     with np.errstate(invalid="ignore", divide="ignore"):
         phi_dot = np.sqrt(b.m * b.g * b.c / (b.I3 * (b.c / b.R - z) + b.I1 * z))
     return phi_dot, -(b.c / b.R - z) * phi_dot
 
 
 def tumbling_jellett(z: Any, b: Touch) -> Any:
-    """lambda of the tumbling state at z, for phi' > 0 [kg m^3/s]; NaN where there is none. [T 3.42, 3.66]"""
+    """lambda of the tumbling state at z, for phi' > 0 [kg m^3/s]; NaN where there is none.
+
+    [T 3.42, 3.66]
+    """
     alpha, gamma, _, beta = shape(b)
     z = sense(b) * z
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -37,26 +43,35 @@ def tumbling_jellett(z: Any, b: Touch) -> Any:
 
 
 def lambda_t(b: Touch) -> Any:
-    """The least lambda of a tumbling state [kg m^3/s]; less than lambda_u where gamma_c < gamma < gamma_plus: there the
-    upright spin and tumbling are both stable in between. To about 1e-5."""
+    """The least lambda of a tumbling state [kg m^3/s]; less than lambda_u where gamma_c < gamma <
+    gamma_plus: there the upright spin and tumbling are both stable in between. To about 1e-5.
+    """
     z = np.linspace(-1, 1, 401).reshape(-1, *(1,) * np.ndim(b.I1 + b.I3 + b.c))
     return np.nanmin(tumbling_jellett(z, b), axis=0)
 
 
 def tumbling_is_stable(z: Any, b: Touch) -> Any:
-    """Whether the tumbling state at z is stable, which is d|lambda|/dz < 0. [T Theorem 3.3.2, corrected]"""
+    """Whether the tumbling state at z is stable, which is d|lambda|/dz < 0.
+
+    [T Theorem 3.3.2, corrected]
+    """
     alpha, gamma, *_ = shape(b)
     rising = ((1 - gamma) * (sense(b) * z) - alpha) ** 2 > gamma * (1 - alpha**2 - gamma) / 3
     return rising & np.isfinite(tumbling_jellett(z, b))
 
 
 def tumbling_states(lam: float, b: Touch) -> np.ndarray:
-    """Every z at which a tumbling state has Jellett's integral lam, ascending: roots of a quartic. Terms that rounding
-    hides for every z in [-1, 1] are left out: their roots lie far beyond, and were found anywhere."""
+    """Every z at which a tumbling state has Jellett's integral lam, ascending: roots of a quartic.
+
+    Terms that rounding hides for every z in [-1, 1] are left out: their roots lie far beyond, and
+    were found anywhere.
+    """
     alpha, gamma, _, beta = shape(b)
     h = np.array([1 - gamma, -2 * alpha, alpha**2 + gamma])
     unit = max(abs(lam), beta)
-    rest = np.polysub((beta / unit) ** 2 * np.polymul(h, h), (lam / unit) ** 2 * np.array([gamma - 1, alpha]))
+    rest = np.polysub(
+        (beta / unit) ** 2 * np.polymul(h, h), (lam / unit) ** 2 * np.array([gamma - 1, alpha])
+    )
     roots = np.roots(np.where(np.abs(rest) < 1e-20 * np.abs(rest).max(), 0, rest))
     z = np.sort(sense(b) * roots[np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots))].real)
     low, high = tumbling_limits(b)
@@ -64,7 +79,9 @@ def tumbling_states(lam: float, b: Touch) -> np.ndarray:
 
 
 class Branch(NamedTuple):
-    """A curve of asymptotic states in the plane of lambda [kg m^3/s] and z = cos(theta), all stable or all not."""
+    """A curve of asymptotic states in the plane of lambda [kg m^3/s] and z = cos(theta), all stable
+    or all not.
+    """
 
     kind: str
     stable: bool
@@ -80,11 +97,17 @@ def branches(b: Touch, most: float) -> list[Branch]:
     b
         The body, SI.
     most
-        The spinning states are given for 0 <= lambda <= most [kg m^3/s]; the tumbling ones wherever they are.
+        The spinning states are given for 0 <= lambda <= most [kg m^3/s]; the tumbling ones wherever
+        they are.
     """
     result = []
-    for kind, limit, inside in zip(poles(b), (lambda_u(b), lambda_s(b)), (True, False), strict=True):
-        for ends, calm in (((0.0, min(limit, most)), inside), ((min(limit, most), most), not inside)):
+    for kind, limit, inside in zip(
+        poles(b), (lambda_u(b), lambda_s(b)), (True, False), strict=True
+    ):
+        for ends, calm in (
+            ((0.0, min(limit, most)), inside),
+            ((min(limit, most), most), not inside),
+        ):
             if ends[0] < ends[1]:
                 result.append(Branch(kind, calm, np.full(2, float(SPINS[kind])), np.array(ends)))
     low, high = tumbling_limits(b)

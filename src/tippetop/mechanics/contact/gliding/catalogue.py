@@ -6,21 +6,52 @@ from typing import Any
 from ...events import Event, Kept
 from ...operand import formula
 from ...system import Alternative, Domain, Form, Integral, Number, Quantity
-from ...units import JELLETT, JOULE, METRE, METRE_PER_SECOND, NEWTON, RADIAN, RADIAN_PER_SECOND, WATT
-from ..body import Touch, contact_mobility, energy, friction_loss, friction_power, g_n, jellett, modified_energy
+from ...units import (
+    JELLETT,
+    JOULE,
+    METRE,
+    METRE_PER_SECOND,
+    NEWTON,
+    RADIAN,
+    RADIAN_PER_SECOND,
+    WATT,
+)
+from ..body import (
+    Touch,
+    contact_mobility,
+    energy,
+    friction_loss,
+    friction_power,
+    g_n,
+    jellett,
+    modified_energy,
+)
 from ..integrals import integral
 from ..orientation import by_angles, carried_along
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
-from .euler import EULER_UNITS, Angles, centre_velocity, euler_rates, euler_scalars, psi_rate, sine_and_cosine, velocity
+from .euler import (
+    EULER_UNITS,
+    Angles,
+    centre_velocity,
+    euler_rates,
+    euler_scalars,
+    psi_rate,
+    sine_and_cosine,
+    velocity,
+)
 from .vector import VECTOR_UNITS, axis, axis_rate, vector_rates, vector_scalars
 
 
 INITIAL = {
-    "theta": Number(RADIAN, "inclination theta of the axis", least=0, most=3.141592653589793, symbol=r"\theta"),
+    "theta": Number(
+        RADIAN, "inclination theta of the axis", least=0, most=3.141592653589793, symbol=r"\theta"
+    ),
     "theta_dot": Number(RADIAN_PER_SECOND, "theta'", symbol=r"\theta'"),
     "phi": Number(RADIAN, "azimuth phi of the horizontal projection of the axis", symbol=r"\phi"),
     "phi_dot": Number(RADIAN_PER_SECOND, "phi'", symbol=r"\phi'"),
-    "omega3": Number(RADIAN_PER_SECOND, "angular velocity omega_3 about the axis", symbol=r"\omega_3"),
+    "omega3": Number(
+        RADIAN_PER_SECOND, "angular velocity omega_3 about the axis", symbol=r"\omega_3"
+    ),
     "nu_x": Number(METRE_PER_SECOND, "contact velocity along e", symbol=r"\nu_x"),
     "nu_y": Number(METRE_PER_SECOND, "contact velocity along 2hat", symbol=r"\nu_y"),
     "x": Number(METRE, "x of the centre of mass"),
@@ -54,9 +85,12 @@ def away_from_pole(s, b):
 
 
 NOT_JAMMED = Domain(
-    contact_mobility, "the friction jams the contact (denominator of g_n not positive): no solution of the model"
+    contact_mobility,
+    "the friction jams the contact (denominator of g_n not positive): no solution of the model",
 )
-AWAY_FROM_POLE = Domain(away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"')
+AWAY_FROM_POLE = Domain(
+    away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"'
+)
 
 
 def work_and_impulse(scalars: Any) -> tuple[Integral, Integral]:
@@ -103,7 +137,8 @@ UNDEFINED_AT_POLES = ("phi", "phi_dot", "nu_x", "nu_y")
 VECTORS = {"axis": ("ux", "uy", "uz"), "L": ("Lx", "Ly", "Lz")}
 LONG_NAMES = {
     **{name: parameter.long_name for name, parameter in INITIAL.items()},
-    "phi": "azimuth phi of the horizontal projection of the axis, in (-pi, pi]; undefined (NaN) exactly at a pole",
+    "phi": "azimuth phi of the horizontal projection of the axis, in (-pi, pi]; undefined (NaN) "
+    "exactly at a pole",
     "phi_dot": "phi'; undefined (NaN) exactly at a pole",
     "nu_x": "contact velocity along e; undefined (NaN) exactly at a pole",
     "nu_y": "contact velocity along 2hat; undefined (NaN) exactly at a pole",
@@ -134,8 +169,9 @@ def near_inversion(s, b):
 
 @formula
 def sliding(s, b):
-    """Friction loss less 1e-12, in internal units: below it the motion is settled, because a solution without sliding
-    is a spinning or a tumbling one. [T Theorem 3.3.1]"""
+    """Friction loss less 1e-12, in internal units: below it the motion is settled, because a
+    solution without sliding is a spinning or a tumbling one. [T Theorem 3.3.1]
+    """
     return friction_loss(s, b) - 1e-12
 
 

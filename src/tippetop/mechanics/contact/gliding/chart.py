@@ -7,16 +7,23 @@ from .vector import VectorState, axis, vector_scalars
 
 @formula
 def axis_and_momentum(e, s, z, I1, I3):
-    """3hat and the angular momentum of a body with transverse moment I1 and axial moment I3, (3,) each. [section 1]"""
+    """3hat and the angular momentum of a body with transverse moment I1 and axial moment I3, (3,)
+    each. [section 1]
+    """
     ex, ey = cos(e.phi), sin(e.phi)
     L3, transverse, nodal = I3 * e.omega3, -(I1 * e.phi_dot * s), I1 * e.theta_dot
     lean = transverse * z + L3 * s  # L along e; 1hat = z e - s zhat
-    return Vector(s * ex, s * ey, z), Vector(lean * ex - nodal * ey, lean * ey + nodal * ex, L3 * z - transverse * s)
+    return Vector(s * ex, s * ey, z), Vector(
+        lean * ex - nodal * ey, lean * ey + nodal * ex, L3 * z - transverse * s
+    )
 
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """The vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles. [section 1]"""
+    """The vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
+
+    [section 1]
+    """
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     along_e, along_2 = centre_velocity(e, s, z, b)
     ex, ey = cos(e.phi), sin(e.phi)
@@ -35,8 +42,10 @@ def vector_of_angles(e, s, z, b):
 
 @formula
 def axis_angles(c, u):
-    """theta, theta', phi', phi of the axis u with the scalars c; 0/0 exactly at a pole, where phi and what is taken
-    along it mean nothing. theta is atan2(sin, cos): no digits are lost near the poles. [section 3.4]"""
+    """theta, theta', phi', phi of the axis u with the scalars c; 0/0 exactly at a pole, where phi
+    and what is taken along it mean nothing. theta is atan2(sin, cos): no digits are lost near the
+    poles. [section 3.4]
+    """
     s = sqrt(c.s2)
     return atan2(s, c.z), -c.z_dot / s, c.phi_dot_s2 / c.s2, atan2(u.y, u.x)
 

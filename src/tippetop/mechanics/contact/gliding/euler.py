@@ -9,7 +9,9 @@ from ..body import Scalars, g_n, height, rolling_velocity, torque_free
 
 
 class Angles(NamedTuple):
-    """What users give and read: theta, theta', phi', omega_3, v_A = nu_x e + nu_y 2hat, phi; then the integrals."""
+    """What users give and read: theta, theta', phi', omega_3, v_A = nu_x e + nu_y 2hat, phi; then
+    the integrals.
+    """
 
     theta: Operand
     theta_dot: Operand
@@ -25,7 +27,16 @@ class Angles(NamedTuple):
 
 
 ANGLES = Angles._make(
-    (RADIAN, *(RADIAN_PER_SECOND,) * 3, *(METRE_PER_SECOND,) * 2, RADIAN, METRE, METRE, JOULE, NEWTON_SECOND)
+    (
+        RADIAN,
+        *(RADIAN_PER_SECOND,) * 3,
+        *(METRE_PER_SECOND,) * 2,
+        RADIAN,
+        METRE,
+        METRE,
+        JOULE,
+        NEWTON_SECOND,
+    )
 )
 
 
@@ -76,17 +87,30 @@ def euler_scalars(e, b):
 
 @formula
 def euler_rates(e, b):
-    """The solved equations in Euler angles. [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]"""
+    """The solved equations in Euler angles.
+
+    [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]
+    """
     s, z = sin(e.theta), cos(e.theta)
     scalars = euler_scalars(e, b)
     N = g_n(scalars, b)
     k = slip_coefficient(scalars.v2, scalars.z, b.friction)
     Fx, Fy = -(k * N * e.nu_x), -(k * N * e.nu_y)  # along e and 2hat
     h, q = height(z, b), b.c - b.R * z
-    theta_dot2 = s / b.I1 * (b.I1 * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.c * N) - h * Fx / b.I1
-    phi_dot2 = (b.I3 * e.theta_dot * e.omega3 - 2 * b.I1 * e.theta_dot * e.phi_dot * z + Fy * q) / (b.I1 * s)
+    theta_dot2 = (
+        s / b.I1 * (b.I1 * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.c * N) - h * Fx / b.I1
+    )
+    phi_dot2 = (b.I3 * e.theta_dot * e.omega3 - 2 * b.I1 * e.theta_dot * e.phi_dot * z + Fy * q) / (
+        b.I1 * s
+    )
     nu_x_dot = (
-        s / b.I1 * (e.phi_dot * e.omega3 * (b.I3 * h - b.I1 * b.R) + b.c * h * N - b.I1 * b.c * scalars.axis_speed2)
+        s
+        / b.I1
+        * (
+            e.phi_dot * e.omega3 * (b.I3 * h - b.I1 * b.R)
+            + b.c * h * N
+            - b.I1 * b.c * scalars.axis_speed2
+        )
         + Fx * (1 / b.m + h**2 / b.I1)
         + e.phi_dot * e.nu_y
     )

@@ -10,8 +10,10 @@ from ..body import Scalars, g_n, height
 
 
 class VectorState(NamedTuple):
-    """3hat, L and L_3 = L.3hat about the centre of mass, velocity of the centre of mass. L_3 is carried because L_3'
-    and L_z' are one product: it saves three."""
+    """3hat, L and L_3 = L.3hat about the centre of mass, velocity of the centre of mass.
+
+    L_3 is carried because L_3' and L_z' are one product: it saves three.
+    """
 
     ux: Operand
     uy: Operand
@@ -63,7 +65,10 @@ def torque_free_fall(q, b):
 
 @formula
 def vector_scalars(q, b):
-    """The scalars of a vector state. L_3 is L.3hat, so that the carried L_3 is under control too."""
+    """The scalars of a vector state.
+
+    L_3 is L.3hat, so that the carried L_3 is under control too.
+    """
     u, L = axis(q), momentum(q)
     u_dot, v = axis_rate(q, b), sliding_velocity(q, b)
     return Scalars(

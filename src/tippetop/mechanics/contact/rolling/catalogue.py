@@ -19,7 +19,7 @@ from .reaction import friction_needed, horizontal_force, normal_force
 from .vector import VECTOR_UNITS, vector_rates, vector_scalars
 
 
-# --- initial data, events, quantities -------------------------------------------------------------------------------
+# --- initial data, events, quantities -----------------------------------------------------------
 
 INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith("nu_")}
 
@@ -63,12 +63,22 @@ UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}
 
 LIFTOFF = replace(
-    gliding.LIFTOFF, long_name="normal force falls to zero: beyond it the model does not hold", formula=normal_force
+    gliding.LIFTOFF,
+    long_name="normal force falls to zero: beyond it the model does not hold",
+    formula=normal_force,
 )
 EVENTS = (gliding.TURNING, LIFTOFF, gliding.EQUATOR, gliding.INVERTED)
 
 REACTION = (
     Quantity("normal_force", "F_z", NEWTON, "normal force", normal_force),
-    Quantity("horizontal_force", "|F_h|", NEWTON, "horizontal part of the reaction", horizontal_force),
-    Quantity("friction_needed", "|F_h|/F_z", ONE, "Coulomb friction coefficient that rolling needs", friction_needed),
+    Quantity(
+        "horizontal_force", "|F_h|", NEWTON, "horizontal part of the reaction", horizontal_force
+    ),
+    Quantity(
+        "friction_needed",
+        "|F_h|/F_z",
+        ONE,
+        "Coulomb friction coefficient that rolling needs",
+        friction_needed,
+    ),
 )

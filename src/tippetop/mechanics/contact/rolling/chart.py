@@ -7,22 +7,30 @@ from .euler import Angles, EulerState
 from .vector import VectorState, vector_scalars
 
 
-# --- the chart between them -----------------------------------------------------------------------------------------
+# --- the chart between them ---------------------------------------------------------------------
 
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """The vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles. [section 1]"""
+    """The vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
+
+    [section 1]
+    """
     u, L = gliding_chart.axis_and_momentum(e, s, z, b.I1, b.I3)
     return VectorState(u.x, u.y, u.z, L.x, L.y, L.z)
 
 
 @formula
 def angles_of_vector(q, carried, b):
-    """The angles of a vector state; 0/0 exactly at a pole, where phi means nothing. [section 3.4]"""
+    """The angles of a vector state; 0/0 exactly at a pole, where phi means nothing.
+
+    [section 3.4]
+    """
     c = vector_scalars(q, b)
     theta, theta_dot, phi_dot, phi = gliding_chart.axis_angles(c, axis(q))
-    return Angles(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, carried.x, carried.y, carried.impulse)
+    return Angles(
+        theta, theta_dot, phi_dot, c.L3 / b.I3, phi, carried.x, carried.y, carried.impulse
+    )
 
 
 @formula
@@ -34,5 +42,14 @@ def euler_of_angles(e, s, z, b):
 @formula
 def angles_of_euler(q, carried, b):
     """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
-    e = Angles(q.theta, q.theta_dot, q.phi_dot, q.omega3, carried.phi, carried.x, carried.y, carried.impulse)
+    e = Angles(
+        q.theta,
+        q.theta_dot,
+        q.phi_dot,
+        q.omega3,
+        carried.phi,
+        carried.x,
+        carried.y,
+        carried.impulse,
+    )
     return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)

@@ -8,7 +8,7 @@ from .. import body as contact
 from .reaction import Scalars, spin_determinant
 
 
-# --- Euler-angle form: singular at the poles ------------------------------------------------------------------------
+# --- Euler-angle form: singular at the poles ----------------------------------------------------
 
 
 class Angles(NamedTuple):
@@ -53,15 +53,22 @@ def euler_accelerations(e, s, z, b):
         )
         / (b.I1 + b.m * contact.arm2(z, b))
     )
-    phi_dot2 = e.theta_dot / s * (e.omega3 * b.I3 * (b.I3 + b.m * b.R * h) / determinant - 2 * e.phi_dot * z)
-    omega3_dot = -(b.m * b.R * (e.omega3 * e.theta_dot * s)) * (b.I1 * b.R * z + b.I3 * q) / determinant
+    phi_dot2 = (
+        e.theta_dot
+        / s
+        * (e.omega3 * b.I3 * (b.I3 + b.m * b.R * h) / determinant - 2 * e.phi_dot * z)
+    )
+    omega3_dot = (
+        -(b.m * b.R * (e.omega3 * e.theta_dot * s)) * (b.I1 * b.R * z + b.I3 * q) / determinant
+    )
     return theta_dot2, phi_dot2, omega3_dot
 
 
 @formula
 def general_accelerations(e, s, z, w_x, w_y, b):
-    """theta'', phi'', omega_3' of any motion whose contact point accelerates by w_x e + w_y 2hat: the general system,
-    of which rolling is w = 0. [T 3.36; section 12]"""
+    """theta'', phi'', omega_3' of any motion whose contact point accelerates by w_x e + w_y 2hat:
+    the general system, of which rolling is w = 0. [T 3.36; section 12]
+    """
     theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
     h, q, determinant = contact.height(z, b), b.c - b.R * z, spin_determinant(z, b)
     return (
@@ -81,7 +88,8 @@ def euler_scalars(e, b):
     along_e, along_2 = contact.rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
     push_e = theta_dot2 * h + b.c * (e.theta_dot**2 * s) - e.phi_dot * along_2
     push_2 = e.phi_dot * along_e - (
-        e.theta_dot * z * turn + s * (b.R * omega3_dot + phi_dot2 * q + e.phi_dot * (b.R * e.theta_dot * s))
+        e.theta_dot * z * turn
+        + s * (b.R * omega3_dot + phi_dot2 * q + e.phi_dot * (b.R * e.theta_dot * s))
     )
     L3 = b.I3 * e.omega3
     phi_dot_s2 = e.phi_dot * s**2
@@ -111,7 +119,9 @@ def euler_rates(e, b):
 @formula
 def velocity(q, carried, b):
     """x', y' of the centre of mass [m/s]."""
-    along_e, along_2 = contact.rolling_velocity(q.theta_dot, q.phi_dot, q.omega3, sin(q.theta), cos(q.theta), b)
+    along_e, along_2 = contact.rolling_velocity(
+        q.theta_dot, q.phi_dot, q.omega3, sin(q.theta), cos(q.theta), b
+    )
     ex, ey = cos(carried.phi), sin(carried.phi)
     return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
 

@@ -1,7 +1,9 @@
-"""A body of revolution whose contact point is at rest, v_A = 0: contact arm a = c*3hat - R*zhat as in `gliding`.
+"""A body of revolution whose contact point is at rest, v_A = 0: contact arm a = c*3hat - R*zhat as
+in `gliding`.
 
-c = alpha*R is the rolling tippe top; R = 0, c = -l a top with its tip fixed. The reaction F = m s'' + m g zhat at the
-contact follows from the motion, and is not vertical. Every formula takes its parameters as a `contact.body.Touch`.
+c = alpha*R is the rolling tippe top; R = 0, c = -l a top with its tip fixed. The reaction F = m s''
++ m g zhat at the contact follows from the motion, and is not vertical. Every formula takes its
+parameters as a `contact.body.Touch`.
 """
 
 from typing import NamedTuple
@@ -11,8 +13,9 @@ from .. import body as contact
 
 
 class Kinematics(NamedTuple):
-    """How the axis moves, and L: functions of the state that do not depend on the form; smooth at the poles. The names
-    are those of the scalars of a gliding body."""
+    """How the axis moves, and L: functions of the state that do not depend on the form; smooth at
+    the poles. The names are those of the scalars of a gliding body.
+    """
 
     z: Operand  # cos(theta)
     s2: Operand  # sin(theta)^2
@@ -39,12 +42,14 @@ class Scalars(NamedTuple):
     friction_force2: Operand  # |F_h|^2, horizontal part of the reaction
 
 
-# --- the reaction ---------------------------------------------------------------------------------------------------
+# --- the reaction -------------------------------------------------------------------------------
 
 
 @formula
 def motion_terms(s, b):
-    """q |3hat'|^2 + R omega_3 phi' sin(theta)^2, q = c - R z: what v_A = 0 asks of F.3hat beyond z'' [m/s^2]."""
+    """q |3hat'|^2 + R omega_3 phi' sin(theta)^2, q = c - R z: what v_A = 0 asks of F.3hat beyond
+    z'' [m/s^2].
+    """
     return (b.c - b.R * s.z) * s.axis_speed2 + b.R * (s.L3 / b.I3) * s.phi_dot_s2
 
 
@@ -111,13 +116,17 @@ def kinematics(u, L, u_dot, b):
 
 @formula
 def reaction(u, L, u_dot, s, b):
-    """The reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]; s are the kinematics.
+    """The reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]; s are the
+    kinematics.
 
-    From L' = a x F, 3hat'' = (L' x 3hat + L x 3hat')/I1 and s' = -omega x a; F.3hat and z'' are known in advance.
+    From L' = a x F, 3hat'' = (L' x 3hat + L x 3hat')/I1 and s' = -omega x a; F.3hat and z'' are
+    known in advance.
     """
     q, N, z_ddot = b.c - b.R * u.z, normal_force(s, b), z_dot2(s, b)
     F3 = push_along(s, b) + N * u.z  # F.3hat
-    free = plus(cross(L, u_dot), times(-(b.c * F3), u))  # I1 3hat'' without q F and its vertical part
+    free = plus(
+        cross(L, u_dot), times(-(b.c * F3), u)
+    )  # I1 3hat'' without q F and its vertical part
     spin, w3, contact_mobility = spin_rate(s, b), s.L3 / b.I3, 1 + b.m * q**2 / b.I1
     x = q / b.I1 * free.x + b.R * (z_ddot * u.x - spin * u.y - w3 * u_dot.y)
     y = q / b.I1 * free.y + b.R * (z_ddot * u.y + spin * u.x + w3 * u_dot.x)
@@ -128,5 +137,14 @@ def reaction(u, L, u_dot, s, b):
 def completed(s, v, F):
     """The scalars of kinematics s, velocity v of the centre of mass and horizontal force F."""
     return Scalars(
-        s.z, s.s2, s.z_dot, s.z_ddot_free, s.phi_dot_s2, s.axis_speed2, s.L3, s.Lz, v.x**2 + v.y**2, F.x**2 + F.y**2
+        s.z,
+        s.s2,
+        s.z_dot,
+        s.z_ddot_free,
+        s.phi_dot_s2,
+        s.axis_speed2,
+        s.L3,
+        s.Lz,
+        v.x**2 + v.y**2,
+        F.x**2 + F.y**2,
     )

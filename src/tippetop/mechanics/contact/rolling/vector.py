@@ -9,7 +9,7 @@ from ..gliding.vector import axis, axis_rate, momentum
 from .reaction import completed, kinematics, normal_force, reaction
 
 
-# --- vector form: regular everywhere --------------------------------------------------------------------------------
+# --- vector form: regular everywhere ------------------------------------------------------------
 
 
 class VectorState(NamedTuple):
