@@ -202,7 +202,7 @@ def test_exports_are_xml_and_say_what_they_cannot(preset: str, to: str) -> None:
         (["other.csv"], "a file and a reference must be given"),
         (
             ["missing.csv", "inverting"],
-            "`missing.csv` must be a CSV or Parquet file, but is not there",
+            "`missing.csv` cannot be read: No such file or directory",
         ),
         (["other.csv", "inverting", "--up", "x"], "the vertical must be z or y"),
         (["other.csv", "invertin"], "Did you mean `inverting`"),

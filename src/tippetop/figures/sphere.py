@@ -45,7 +45,7 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     In a panel that is given there is one view: that which shows most of the path.
     """
     path, t = trajectory["axis"].values, trajectory["time"].values
-    limits = busy(path, t)
+    limits = busy(np.arccos(np.clip(path[:, 2], -1, 1)), t)
     step = max(1, len(path) // MOST_POINTS)
     path, t = path[::step], t[::step]
     views = _worth_showing(path)
@@ -153,20 +153,12 @@ def _ends(axes: Axes, plane: np.ndarray, depth: np.ndarray) -> None:
         )
 
 
-def busy(path: np.ndarray, t: np.ndarray) -> tuple[float, float]:
-    """The time in which the mean inclination changes, if it does: the colours differ most there."""
-    whole = span(t)
-    theta = np.arccos(np.clip(path[:, 2], -1, 1))
+def busy(theta: np.ndarray, t: np.ndarray) -> tuple[float, float]:
+    """Return the time in which the mean inclination changes, else the whole run."""
     width = max(1, len(theta) // 40)
     mean = np.convolve(theta, np.ones(width) / width, mode="valid")
-    way = np.cumsum(np.abs(np.diff(mean))) if len(mean) > 2 else np.zeros(1)
-    if np.ptp(mean) < INCLINED:
-        return whole
-    first, last = turned(way)
-    return float(t[first]), float(t[min(last + width, len(t) - 1)])
-
-
-def turned(way: np.ndarray) -> tuple[int, int]:
-    """The rows between which most of a way is gone; `way`: how much up to each row."""
+    if len(mean) < 3 or np.ptp(mean) < INCLINED:
+        return span(t)
+    way = np.cumsum(np.abs(np.diff(mean)))
     first, last = np.searchsorted(way, (CALM * way[-1], (1 - CALM) * way[-1]))
-    return int(first), int(last)
+    return float(t[first]), float(t[min(last + width, len(t) - 1)])
