@@ -127,7 +127,7 @@ def test_a_comparison_is_labelled_as_the_other_figures_are() -> None:
         "relative change",
     ]
     assert fig.axes[0].get_title(loc="left") == "Tippe top, vector form"
-    assert fig.axes[1].get_title(loc="left") == "How far it is off: solid axis, dotted θ alone"
+    assert fig.axes[1].get_title(loc="left") == "Error: solid axis, dotted θ alone"
     assert fig.axes[0].get_legend() is None
     assert [text.get_text() for text in fig.legends[0].get_texts()] == [
         "reference",

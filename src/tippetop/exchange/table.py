@@ -79,7 +79,7 @@ def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) 
         if path.suffix in (".parquet", ".pq"):
             frame = pd.read_parquet(path)
         else:
-            with warnings.catch_warnings(action="error"):  # rows longer than the header
+            with warnings.catch_warnings(action="error", category=pd.errors.ParserWarning):
                 frame = pd.read_csv(
                     path,
                     comment="#",

@@ -16,7 +16,7 @@ from .style import compact, figure, ink
 
 
 POSES = 8
-GAP = 0.35  # between two poses
+GAP = 0.1  # between two poses
 FACETS = 64  # around an axis of revolution
 SECTORS = 8  # alternately light and dark around the axis: they show the spin
 ELEVATION = np.radians(16.0)  # of the camera
@@ -70,8 +70,7 @@ def film(
     ax.set_yticks([])
     ax.grid(visible=False)
     ax.spines[["left", "top", "right"]].set_visible(False)
-    ax.spines["bottom"].set_color(ink().quiet)
-    ax.tick_params(axis="x", color=ink().quiet, labelsize="small")
+    ax.tick_params(axis="x", labelsize="small")
     ax.set(
         xlim=(left - GAP / 2, (len(rows) - 1) * step + right + GAP / 2),
         ylim=(bottom - 0.08, top + 0.08),
@@ -83,9 +82,7 @@ def film(
     return ax
 
 
-def pose(
-    trajectory: Any, shape: dict[str, Any], row: int
-) -> tuple[Array, Array, Array, Array]:
+def pose(trajectory: Any, shape: dict[str, Any], row: int) -> tuple[Array, Array, Array, Array]:
     """Return the body at a row: its facets (n, 4, 2) and its shadows on the screen, the far ones
     first, the colours of the facets, and its centre of mass on the screen.
     """

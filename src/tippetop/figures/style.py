@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
+from matplotlib.ticker import EngFormatter
 
 from ..store.files import replacing, writing
 
@@ -161,6 +162,11 @@ def ticks_of_pi(ax: Axes) -> None:
     ax.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
 
 
+def ticks_in_joules(axis: Any) -> None:
+    """Label an axis of energies [J] with prefixed units."""
+    axis.set_major_formatter(EngFormatter("J"))
+
+
 def label_line(ax: Axes, words: str, height: float, color: str, offset: float) -> None:
     """Words on the right of a panel, at the height of a horizontal line."""
     place: Any = ("axes fraction", "data")
@@ -195,39 +201,34 @@ def mark_ends(
 
 
 def legend(ax: Axes, place: str, **options: Any) -> None:
-    """A legend of what is drawn in a panel: outside of it at `place`, if the figure is our own;
-    else in it.
+    """Draw a legend of all panels: outside of them at `place`, or inside a panel of the user's.
+
+    It is no wider than the figure: it has fewer columns than `ncols`, and then broken lines.
     """
-    if not options.get("handles") and not ax.get_legend_handles_labels()[1]:
-        return
     most = options.pop("ncols", 1)
-    if not is_ours():
-        ax.legend(**options)
-        return
     whole: Any = ax.get_figure(root=True)
-    pairs = [
-        pair for axes in whole.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)
+    shown = [ax] if not is_ours() else whole.axes
+    handles = options.pop("handles", None) or [
+        handle for axes in shown for handle in axes.get_legend_handles_labels()[0]
     ]
-    options = {"handles": [*{label: handle for handle, label in pairs}.values()]} | options
-    # no wider than the figure: in fewer columns, then in broken lines
-    room = 0.98 * whole.bbox.width
-    for columns in range(most, 0, -1):
-        key = whole.legend(loc=f"outside {place}", ncols=columns, **options)
-        if key.get_window_extent().width <= room:
-            return
-        if columns > 1:
-            key.remove()
-    widths = [text.get_window_extent().width for text in key.get_texts()]
-    free = room - (key.get_window_extent().width - max(widths))
-    for text, width in zip(key.get_texts(), widths, strict=True):
-        words = text.get_text()
-        text.set_text(broken(words, max(12, int(len(words) * free / max(width, 1.0)))))
+    entries = {str(handle.get_label()): handle for handle in reversed(handles)}
+    entries = dict(reversed(entries.items()))
+    if not entries:
+        return
+    if not is_ours():
+        ax.legend(entries.values(), entries, **options)
+        return
+    room = int(15 * whole.get_figwidth() * FONT / mpl.rcParams["font.size"])
+    labels = [broken(label, room - 10) for label in entries]
+    # formulas are shorter than their TeX
+    lines = [re.sub(r"\\\w+|[${}]", "", line) for label in labels for line in label.splitlines()]
+    longest = max(map(len, lines))
+    columns = max(1, min(most, room // (longest + 6)))
+    whole.legend(entries.values(), labels, loc=f"outside {place}", ncols=columns, **options)
 
 
 def broken(words: str, letters: int) -> str:
-    """A label on lines of so many letters at most, broken between words but in no formula and no
-    number's unit.
-    """
+    """Break a label between words into lines, but not within a formula or before a unit."""
     kept = re.sub(
         r"\$[^$]*\$| = [^,]*", lambda part: part[0].replace(" ", "\N{NO-BREAK SPACE}"), words
     )
