@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from tippetop.errors import InputError
-from tippetop.figures import catalogue, drawing, film, labels, thinning
+from tippetop.figures import catalogue, drawing, labels, thinning
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.mechanics.friction import LAWS, FrictionLaw
 from tippetop.mechanics.number import Number, number

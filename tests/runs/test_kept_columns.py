@@ -14,7 +14,7 @@ from stores import assert_same
 import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.errors import InputError
-from tippetop.figures import catalogue, drawing, film
+from tippetop.figures import catalogue, drawing
 from tippetop.problem import column_names
 from tippetop.runs import attributes, recording
 from tippetop.runs.run import solve

@@ -42,7 +42,7 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
 
     Unknown columns of an exported run are ignored, and those without a unit are in SI units.
     Raises InputError."""
-    own = OWN <= {text.partition(" [")[0] for text in header}
+    own = {text.partition(" [")[0] for text in header} >= OWN
     found: dict[str, tuple[int, float]] = {}
     faults, unknown = [], []
     for place, text in enumerate(header):

@@ -52,7 +52,7 @@ def film(
     for x, (facets, shadow, colours, mass) in zip(np.arange(len(rows)) * step, poses, strict=True):
         aside = np.array([x, 0.0])
         ax.add_collection(PolyCollection(shadow + aside, facecolor="black", alpha=0.2, lw=0))
-        painted = PolyCollection(facets + aside, facecolors=colours, edgecolors=colours, lw=0.2)
+        painted = PolyCollection(facets + aside, facecolors=colours, edgecolors=colours, lw=0.5)
         painted.set_rasterized(True)
         ax.add_collection(painted)
         if shape["kind"] != "heavy":  # the hidden mass shines through

@@ -218,8 +218,8 @@ def legend(ax: Axes, place: str, **options: Any) -> None:
     if not is_ours():
         ax.legend(entries.values(), entries, **options)
         return
-    room = int(15 * whole.get_figwidth() * FONT / mpl.rcParams["font.size"])
-    labels = [broken(label, room - 10) for label in entries]
+    room = int(17 * whole.get_figwidth() * FONT / mpl.rcParams["font.size"])
+    labels = [broken(label, room * 4 // 5) for label in entries]
     # formulas are shorter than their TeX
     lines = [re.sub(r"\\\w+|[${}]", "", line) for label in labels for line in label.splitlines()]
     longest = max(map(len, lines))
