@@ -11,7 +11,7 @@ from contourpy import contour_generator
 from ..sweeps import maps
 from ..sweeps.design import Axis
 from ..sweeps.plan import Plan
-from .given import encoded
+from .encoding import encode
 
 
 EVERY = 3  # of the points that a figure takes: lines on a page are a few hundred pixels long
@@ -57,7 +57,7 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
     labels = list(dict.fromkeys(label for each in ratios for label in each))
     places = [axis.span[::EVERY] for axis in spread]
     lines = [
-        [encoded(_lines(places, each[label]), "<f4") if label in each else "" for label in labels]
+        [encode(_lines(places, each[label]), "<f4") if label in each else "" for label in labels]
         for each in ratios
     ]
     return {"labels": labels, "lines": lines}

@@ -9,7 +9,7 @@ from ..mechanics.systems import SYSTEMS
 from ..scenario import build
 from ..scenario.reading import presets
 from . import formulas, pages
-from .given import given
+from .encoding import problem_data
 
 
 TITLE = "Tippe top playground"
@@ -52,6 +52,6 @@ def _preset(name: str) -> dict[str, Any] | None:
     return {
         "name": name,
         "words": problem.system.title,
-        **given(problem),
+        **problem_data(problem),
         "until": min(problem.until, 30.0),
     }

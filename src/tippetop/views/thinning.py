@@ -1,6 +1,4 @@
-"""Which samples a page keeps: those between which the interpolated attitude stays close to that of
-all others.
-"""
+"""Choice of the samples that a page keeps, so that the attitude between them stays accurate."""
 
 import numpy as np
 
@@ -10,65 +8,58 @@ from ..mechanics.rotation import Quaternion
 from .samples import OMEGA, ORIENTATION
 
 
-WITHIN = np.radians(
-    0.1
-)  # of attitude that leaving out a row may cost; rows themselves add what lies between them
-FEW = 20_000  # samples that are kept whatever they are
+# Largest error of the attitude by leaving out a row; rows themselves add their own
+WITHIN = np.radians(0.1)
+# Samples that are kept if there are as many
+FEW = 20_000
 
 
 def attitude(
     p: np.ndarray, wp: np.ndarray, q: np.ndarray, wq: np.ndarray, h: np.ndarray, s: np.ndarray
 ) -> np.ndarray:
-    """Attitudes (n, 4) at the fraction s of intervals of length h, between p and q (n, 4) with the
-    angular velocities wp and wq (n, 3).
+    """Return attitudes (n, 4) at the fraction s of intervals of length h, between p and q (n, 4)
+    with the angular velocities wp and wq (n, 3).
     """
     first, last = ((Quaternion(*a.T), Vector(*w.T)) for a, w in ((p, wp), (q, wq)))
     return np.stack(rotation.between(*first, *last, h, s), axis=1)
 
 
 def apart(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """The angles (n,) by which attitudes differ [rad]."""
+    """Return the angles (n,) between attitudes [rad]."""
     off = rotation.after(Quaternion(*p.T), rotation.inverse(Quaternion(*q.T)))
     return 2 * np.arctan2(np.sqrt(off.x**2 + off.y**2 + off.z**2), np.abs(off.w))
 
 
-def kept(times: np.ndarray, samples: np.ndarray, enough: int = FEW) -> np.ndarray:
-    """Indices of the samples to keep, ascending, the first and the last among them: all, where they
-    are few; else every so manieth, and more where the attitude of the others asks for it.
+def chosen(times: np.ndarray, samples: np.ndarray, enough: int = FEW) -> np.ndarray:
+    """Return the indices of evenly spaced samples and the last one: at least `enough`, and as many
+    as the attitude of the others requires.
     """
     n = len(times)
-    if n <= enough:
-        return np.arange(n)
-    keep = np.unique(np.append(np.arange(0, n, max(2, n // enough)), n - 1))
+    step = max(1, n // enough)
     while True:
-        wrong = missed(times, samples, keep) > WITHIN
-        more = np.unique((keep[:-1][wrong] + keep[1:][wrong]) // 2)
-        if not wrong.any():
+        keep = np.union1d(np.arange(0, n, step), n - 1)
+        if step == 1 or missed(times, samples, keep) <= WITHIN:
             return keep
-        keep = np.union1d(keep, more)
+        step = (step + 1) // 2
 
 
-def missed(times: np.ndarray, samples: np.ndarray, keep: np.ndarray) -> np.ndarray:
-    """The largest angle, in each interval between samples that are kept, by which the attitude of
-    another is missed.
-    """
+def missed(times: np.ndarray, samples: np.ndarray, keep: np.ndarray) -> float:
+    """Return the largest error of the attitude of the samples that are not kept [rad]."""
     left_out = np.setdiff1d(np.arange(len(times)), keep, assume_unique=True)
-    interval = np.searchsorted(keep, left_out) - 1
-    a, b = keep[interval], keep[interval + 1]
+    after = np.searchsorted(keep, left_out)
+    a, b = keep[after - 1], keep[after]
     h = times[b] - times[a]
     ends = [samples[i][:, part] for i in (a, b) for part in (ORIENTATION, OMEGA)]
     between_ends = attitude(*ends, h, (times[left_out] - times[a]) / h)  # type: ignore[call-arg]
-    worst = np.zeros(len(keep) - 1)
-    np.maximum.at(worst, interval, apart(between_ends, samples[left_out][:, ORIENTATION]))
-    return worst
+    return float(apart(between_ends, samples[left_out][:, ORIENTATION]).max(initial=0.0))
 
 
-def between(times: np.ndarray, samples: np.ndarray) -> float:
-    """By how much the attitude between the rows themselves may be missed [rad]: an eighth of what
-    is missed of every second row, if the others are kept; the cubics' error falls with the third
-    power of the step or faster.
+def row_error(times: np.ndarray, samples: np.ndarray) -> float:
+    """Estimate the error of the attitude between the rows themselves [rad].
+
+    It is an eighth of that of every second row if only the others were kept: the error of cubics
+    falls with the third power of the step or faster.
     """
     if len(times) < 5:
         return 0.0
-    keep = np.unique(np.append(np.arange(0, len(times), 2), len(times) - 1))
-    return float(missed(times, samples, keep).max()) / 8
+    return missed(times, samples, np.union1d(np.arange(0, len(times), 2), len(times) - 1)) / 8
