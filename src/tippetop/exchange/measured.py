@@ -1,4 +1,4 @@
-"""A table of measurements and a scenario become a fit."""
+"""Fits from a table of measurements and a scenario."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -18,7 +18,7 @@ from .table import Table, read
 
 
 Progress = Callable[[int, int], None] | bool
-MOST_ROWS = 100_000  # that a fit takes
+MOST_ROWS = 100_000
 DRAWN = 4001  # times of a curve: fifteen in a period of the canonical top filmed for ten seconds
 
 
@@ -59,7 +59,7 @@ def observation_of(
 def _marker(
     table: Table, convention: Convention, marker: tuple[float, float, float] | None
 ) -> tuple[np.ndarray | None, np.ndarray | None]:
-    """Where a marker is on the body, and where it was."""
+    """Return the place of a marker on the body, and its measured places."""
     names = [f"marker_{c}" for c in "xyz"]
     if not any(table.has(name) for name in names):
         if marker is not None:
@@ -95,8 +95,6 @@ def fitted(observation: Observation, loss: str, starts: int, progress: Progress 
 
 
 def curves(observation: Observation, result: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """What is predicted by a fit, between the measurements too: times [s], (n,), and curves by
-    kind, (n, parts).
-    """
+    """Return the predictions of a fit, also between measurements: times [s], curves by kind."""
     times = np.linspace(observation.t[0], observation.t[-1], DRAWN)
     return times, observation.curves({name: e.value for name, e in result.estimates.items()}, times)

@@ -78,7 +78,7 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
     for name, words in INTEGRALS.items():
         if name not in attrs["report"]["drift"] or name not in trajectory:
             continue
-        values, handed = trajectory[name].values, rows if name == "jellett" else []
+        values, handed = trajectory[name].values, rows if name == "jellett" else rows[:0]
         lost = trajectory["jellett_lost"].values if "jellett_lost" in trajectory else np.zeros(1)
         if name == "jellett" and lost.any():
             values, words = values + lost, "λ + lost to torques"

@@ -159,9 +159,7 @@ def states_of(
 
 
 def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return the attributes of a run with the units of its friction law, the `symbols` of all
-    numbers and the name of the `law`, from the records.
-    """
+    """Return the attributes with units, `symbols` and the name of the `law` from the records."""
     from ..mechanics.contact.opening import ABOVE
     from ..mechanics.contact.restitution import CONTACT
     from ..mechanics.systems import find

@@ -50,8 +50,9 @@ def normal_force(
 
 
 def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """Draw energy E, modified energy E~ and the energy taken by friction; slight changes of E and
-    E~ less the initial energy.
+    """Draw energy E, modified energy E~ and the energy taken by friction.
+
+    Slight changes of E and E~ are drawn less the initial energy.
     """
     ax = panel(ax, 10, 4.8)
     colours, t = ink(), trajectory["time"].values

@@ -83,8 +83,9 @@ def film(
 
 
 def pose(trajectory: Any, shape: dict[str, Any], row: int) -> tuple[Array, Array, Array, Array]:
-    """Return the body at a row: its facets (n, 4, 2) and its shadows on the screen, the far ones
-    first, the colours of the facets, and its centre of mass on the screen.
+    """Return the body at a row, on the screen.
+
+    Facets (n, 4, 2), the far ones first, shadows, colours of the facets, centre of mass.
     """
     unit, kind = shape["unit"], shape["kind"]
     axes = shape["axes"](trajectory["orientation"].values[row])

@@ -29,8 +29,7 @@ def fit(
     residuals: dict[str, np.ndarray],
     text: list[str],
 ) -> Figure:
-    """Draw each kind of measurement with the fitted curve, and the residuals with two standard
-    deviations.
+    """Draw measurements with the fitted curves, and residuals with two standard deviations.
 
     Parameters
     ----------

@@ -74,7 +74,9 @@ def title(attrs: dict[str, Any]) -> str:
 def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the attributes that several runs have in common, for their title."""
     first = runs[0]
-    common = {name: first[name] for name in ("title", "units", "symbols", "law") if name in first}
+    common: dict[str, Any] = {
+        name: first[name] for name in ("title", "units", "symbols", "law") if name in first
+    }
     if any(attrs["title"] != first["title"] for attrs in runs):
         same = all(attrs.get("system") == first.get("system") for attrs in runs)
         common["title"] = first["title"].partition(",")[0] if same else f"{len(runs)} runs"

@@ -95,8 +95,7 @@ def _spinning(axes: Any, lines: Any, least: float, most: float, sizes: list[floa
 
 
 def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
-    """Draw theta(t) on the predicted nutational band, with the logged turning angles as dots;
-    below, their distances from the nearer edge of the band.
+    """Draw theta(t) on the predicted band; below, the distances of turnings from its edge.
 
     `dataset` as returned by `band`; events: time, theta, edge (predicted).
     """

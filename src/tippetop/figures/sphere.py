@@ -23,9 +23,7 @@ INCLINED = 0.3
 
 
 class View(NamedTuple):
-    """A view of the sphere: its name, the directions to the right, up and towards the viewer as
-    rows, and the labels of the first two.
-    """
+    """A view: its name, directions to the right, up and to the viewer as rows, labels of two."""
 
     words: str
     frame: np.ndarray

@@ -29,8 +29,9 @@ def handed_over(groups: dict[str, Any]) -> np.ndarray:
 def in_window(
     groups: dict[str, Any], attrs: dict[str, Any], start: float | None, until: float | None
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return a part of a run [s], and its attributes with the first row of the whole run, from
-    which changes are measured. Raises InputError if nothing is in between.
+    """Return a part of a run [s], and its attributes with the first row of the whole run.
+
+    Changes are measured from that row. Raises InputError if nothing is in between.
     """
     groups = datasets(groups)
     if start is None and until is None:

@@ -1,6 +1,4 @@
-"""Thresholds as lines over the map of a page: where they run, for each choice of the
-further axes.
-"""
+"""Thresholds as lines over the map of a page, for each choice of the further axes."""
 
 import itertools
 from typing import Any
@@ -19,7 +17,7 @@ MOST = 400  # choices of further axes; each takes 20 ms and some kilobytes
 
 
 def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
-    """The lines of a map, as the page takes them.
+    """Return the lines of a map, as the page takes them.
 
     Parameters
     ----------
@@ -64,7 +62,7 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
 
 
 def _lines(places: list[np.ndarray], logarithms: np.ndarray) -> np.ndarray:
-    """Where the logarithms of ratios over one or two axes are zero, (n, 2)."""
+    """Return the points (n, 2) where logarithms of ratios over one or two axes are zero."""
     values = np.ma.masked_invalid(
         np.expm1(logarithms)
     )  # |lambda|/threshold - 1 is linear in a spin

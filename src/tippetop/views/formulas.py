@@ -37,8 +37,9 @@ def potential(system: System, b: Touch) -> str:
 
 
 def motions(system: System, form: Form, laws: dict[str, type[FrictionLaw]]) -> str:
-    """Return the module `formulas.js` of a page that integrates a system in a form, with the
-    functions of each friction law by name; see `formulas.d.ts`.
+    """Return the module `formulas.js` of a page that integrates a system in a form.
+
+    It contains the functions of each friction law by name; see `formulas.d.ts`.
     """
     variables = Variables(form)
     facts = {
@@ -95,7 +96,7 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
         "rates": arrow({"y": y, "b": b}, rates, fills=True),
         "start": arrow({"sine": None, "z": None, "d": tuple(initial), "b": b}, start),
         "weights": arrow({"b": b}, weights),
-        "seen": arrow({"y": y, "b": b}, lambda y, b: seen(system, form, *y, b), fills=True),
+        "seen": arrow({"y": y, "b": b}, lambda y, b: seen(system, form, y[0], y[1], b), fills=True),
         "sizes": arrow({"b": b}, lambda b: sizes(b, heavy=heavy)),
         "thresholds": _thresholds(system, b),
         "potential": arrow(WELL | {"b": b}, lambda *z: _potential(system, z[:3], z[3]))

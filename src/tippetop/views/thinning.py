@@ -17,8 +17,9 @@ FEW = 20_000
 def attitude(
     p: np.ndarray, wp: np.ndarray, q: np.ndarray, wq: np.ndarray, h: np.ndarray, s: np.ndarray
 ) -> np.ndarray:
-    """Return attitudes (n, 4) at the fraction s of intervals of length h, between p and q (n, 4)
-    with the angular velocities wp and wq (n, 3).
+    """Return attitudes (n, 4) at the fraction s of intervals of length h.
+
+    The ends are p and q (n, 4) with the angular velocities wp and wq (n, 3).
     """
     first, last = ((Quaternion(*a.T), Vector(*w.T)) for a, w in ((p, wp), (q, wq)))
     return np.stack(rotation.between(*first, *last, h, s), axis=1)
@@ -31,8 +32,9 @@ def apart(p: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 
 def chosen(times: np.ndarray, samples: np.ndarray, enough: int = FEW) -> np.ndarray:
-    """Return the indices of evenly spaced samples and the last one: at least `enough`, and as many
-    as the attitude of the others requires.
+    """Return the indices of evenly spaced samples, and of the last one.
+
+    At least `enough`, and as many as the attitude of the others requires.
     """
     n = len(times)
     step = max(1, n // enough)
