@@ -81,30 +81,26 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     t = given.t
     if len(t) < 2:
         raise InputError(
-            [f"`{path}`: at least two rows must have a number to compare, but {len(t)} has."]
+            f"`{path}`: at least two rows must have a number to compare, but {len(t)} has."
         )
     if t[0] < 0 or t[-1] <= 0:
         raise InputError(
-            [
-                f"`{path}`: times must begin at 0, the start of the reference, or later, but "
-                f"begin at {t[0]:g} s."
-            ]
+            f"`{path}`: times must begin at 0, the start of the reference, or later, but "
+            f"begin at {t[0]:g} s."
         )
     run = reference(problem, t)
     rows = len(run.times)
     if rows < 2:
         raise InputError(
-            [f"the reference must reach the times of `{path}`, but ends before: {run.reason}."]
+            f"the reference must reach the times of `{path}`, but ends before: {run.reason}."
         )
     columns = {name: column.values for name, column in run.columns().items()}
     there = Motion(*(part if part is None else part[:rows] for part in given))  # type: ignore[arg-type]
     curves = differences(there, columns)
     if not curves:
         raise InputError(
-            [
-                f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
-                "but has none."
-            ]
+            f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
+            "but has none."
         )
     body = problem.system.body_of(problem.parameters, Frictionless())
     kept, touching = {}, {}

@@ -144,19 +144,17 @@ def _refuse(misfit: Misfit) -> None:
     count = sum(int(np.isfinite(rows).sum()) for rows in observation.groups.values())
     if count <= len(space.names):
         raise InputError(
-            [
-                f"more measurements than free numbers must be there, but are {count} for "
-                f"{len(space.names)}."
-            ]
+            f"more measurements than free numbers must be there, but are {count} for "
+            f"{len(space.names)}."
         )
     start = np.zeros(len(space.names))
     values = space.values(start)
     predictions = observation.predictions([values])
     if values.get(CLOCK, 1.0) * observation.t[0] + values.get(OFFSET, 0.0) < 0:
         first = f"but begin at {observation.t[0]:.6g} s: shift them, or let `{OFFSET}` be free"
-        raise InputError([f"times must begin at 0, the start of the motion, or later, {first}."])
+        raise InputError(f"times must begin at 0, the start of the motion, or later, {first}.")
     if not any(np.isfinite(off).any() for off, _ in predictions.values()):
-        raise InputError(["the scenario must move over the time of the table, but cannot."])
+        raise InputError("the scenario must move over the time of the table, but cannot.")
     moves = np.concatenate(
         [moves.reshape(-1, len(space.names)) for _, moves in predictions.values()]
     )
@@ -329,9 +327,6 @@ def names_of(text: str | Sequence[str]) -> tuple[str, ...]:
     names = [part.strip() for part in text.split(",")] if isinstance(text, str) else list(text)
     if not names or not all(isinstance(name, str) and name for name in names):
         raise InputError(
-            [
-                "the free numbers must be names such as friction.mu, parameters.I1, but none is "
-                "given."
-            ]
+            "the free numbers must be names such as friction.mu, parameters.I1, but none is given."
         )
     return tuple(names)

@@ -41,14 +41,11 @@ def observation_of(
     """
     noise = number_of(noise, "noise", RADIAN) if isinstance(noise, str) else noise
     if noise is not None and not 0 < noise < np.pi:
-        raise InputError([f"`noise` must be an angle between 0 and pi, but is {noise} rad."])
+        raise InputError(f"`noise` must be an angle between 0 and pi, but is {noise} rad.")
     table = read(data, wrapped=bool(problem.system.vectors), noise=noise or 0.0)
     if len(table.t) > MOST_ROWS:
         raise InputError(
-            [
-                f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has "
-                f"{len(table.t):,}."
-            ]
+            f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."
         )
     names = dotted_keys(free, problem.rules)
     return Observation(
@@ -64,25 +61,18 @@ def _marker(
     if not any(table.has(name) for name in names):
         if marker is not None:
             raise InputError(
-                [
-                    f"`{table.path}` must have the columns {', '.join(names)} for a marker, but "
-                    "has none."
-                ]
+                f"`{table.path}` must have the columns {', '.join(names)} for a marker, but "
+                "has none."
             )
         return None, None
     if not table.has(*names):
         raise InputError(
-            [
-                f"`{table.path}` must have the columns {', '.join(names)}, all of them, but "
-                "lacks some."
-            ]
+            f"`{table.path}` must have the columns {', '.join(names)}, all of them, but lacks some."
         )
     if marker is None:
         raise InputError(
-            [
-                "the place of the marker on the body must be given (--marker x,y,z, metres in "
-                "body axes)."
-            ]
+            "the place of the marker on the body must be given (--marker x,y,z, metres in "
+            "body axes)."
         )
     rows = table.stacked(*names)
     return np.array(marker), rows if convention.up == "z" else rows[:, [2, 0, 1]]

@@ -40,9 +40,7 @@ class Misfit:
 
     def __init__(self, observation: Observation, space: Space, loss: str):
         if loss not in WEIGHTS:
-            raise InputError(
-                [f"the loss must be one of {', '.join(WEIGHTS)}, but is {loss!r:.40}."]
-            )
+            raise InputError(f"the loss must be one of {', '.join(WEIGHTS)}, but is {loss!r:.40}.")
         self.observation, self.space, self.loss = observation, space, loss
         self.weights = dict.fromkeys(observation.groups, 1.0)
         self.evaluations = 0

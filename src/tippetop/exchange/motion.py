@@ -63,13 +63,10 @@ class Motion(NamedTuple):
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
     """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
     if convention.up not in UPS:
-        raise InputError([f"the vertical must be z or y, but is {convention.up!r:.20} (--up)."])
+        raise InputError(f"the vertical must be z or y, but is {convention.up!r:.20} (--up).")
     if convention.quaternion not in (None, *ORDERS):
         raise InputError(
-            [
-                "the order of a quaternion must be wxyz or xyzw, but is "
-                f"{convention.quaternion!r:.20}."
-            ]
+            f"the order of a quaternion must be wxyz or xyzw, but is {convention.quaternion!r:.20}."
         )
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
@@ -114,22 +111,20 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
         if order is None:
             return None
         raise InputError(
-            [f"`{table.path}` must have the columns q_0 ... q_3 for --quaternion, but has none."]
+            f"`{table.path}` must have the columns q_0 ... q_3 for --quaternion, but has none."
         )
     if not table.has(*names):
         raise InputError(
-            [f"`{table.path}`: a quaternion must have the columns {', '.join(names)}, all of them."]
+            f"`{table.path}`: a quaternion must have the columns {', '.join(names)}, all of them."
         )
     if names is numbered and order is None:
         raise InputError(
-            [
-                f"`{table.path}`: the order of the quaternion q_0 ... q_3 must be named "
-                "(--quaternion wxyz or xyzw)."
-            ]
+            f"`{table.path}`: the order of the quaternion q_0 ... q_3 must be named "
+            "(--quaternion wxyz or xyzw)."
         )
     if names is lettered and order is not None:
         raise InputError(
-            ["--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."]
+            "--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."
         )
     q = table.stacked(*names)[:, ORDERS[order or "wxyz"]]
     q = np.concatenate([q[:, :1], q[:, 1:][:, turn]], axis=1)
@@ -142,10 +137,7 @@ def _axis(table: Table, turn: tuple[int, ...]) -> np.ndarray | None:
         return None
     if np.isnan(axis).all(axis=0).any():
         raise InputError(
-            [
-                f"`{table.path}`: an axis must have the columns axis_x, axis_y and axis_z, all "
-                "of them."
-            ]
+            f"`{table.path}`: an axis must have the columns axis_x, axis_y and axis_z, all of them."
         )
     return _unit(table, axis, "axis")
 
@@ -155,10 +147,8 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
     off = np.nanmax(np.abs(size - 1), initial=0.0)
     if off > UNIT:
         raise InputError(
-            [
-                f"`{table.path}`: the length of the {what} must be 1, but differs by {off:.2g} "
-                "somewhere."
-            ]
+            f"`{table.path}`: the length of the {what} must be 1, but differs by {off:.2g} "
+            "somewhere."
         )
     return rows / size[:, None]
 

@@ -79,16 +79,14 @@ class Observation:
     ):
         self.free, self.t, self.noise = tuple(free), seen.t, noise
         if problem.contact is not None:
-            raise InputError([UNSUPPORTED])
+            raise InputError(UNSUPPORTED)
         self.second, self.metre = (float(problem.scales.of(unit)) for unit in (SECOND, METRE))
         longest = LONGEST * self.second
         if self.t[-1] > longest:
             raise InputError(
-                [
-                    f"the last time must be at most {longest:.3g} s in a fit, but is "
-                    f"{self.t[-1]:.6g} s "
-                    f"({self.t[-1] / 3600:.2g} hours): is `t` in ms?"
-                ]
+                f"the last time must be at most {longest:.3g} s in a fit, but is "
+                f"{self.t[-1]:.6g} s "
+                f"({self.t[-1] / 3600:.2g} hours): is `t` in ms?"
             )
         faults = [
             f"`{name}` must be {' or '.join(TIMES)}, but is not.{suggestion(name, TIMES)}"
@@ -103,7 +101,7 @@ class Observation:
         self.groups = _groups(problem, seen, places)
         if not self.groups:
             raise InputError(
-                ["the table must have theta, an axis, a quaternion, omega3, a place or a marker."]
+                "the table must have theta, an axis, a quaternion, omega3, a place or a marker."
             )
         self.turning = bool({"orientation", "marker"} & self.groups.keys())
         self.tangents, self.motions = (

@@ -67,15 +67,13 @@ def text_of(problem: Problem, to: str) -> str:
     Raises InputError for a planar body, or another format.
     """
     if to not in FORMATS:
-        raise InputError(
-            [f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`."]
-        )
+        raise InputError(f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`.")
     if not isinstance(problem.body(), contact.Touch) or "axis" not in problem.system.vectors:
         raise InputError(
-            [f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."]
+            f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."
         )
     if not problem.orientation:
-        raise InputError(["`run.orientation` must be true for a simulator, but is false."])
+        raise InputError("`run.orientation` must be true for a simulator, but is false.")
     return (_mjcf if to == "mjcf" else _urdf)(problem)
 
 

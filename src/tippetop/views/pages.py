@@ -51,6 +51,7 @@ def script(entry: str, written: Mapping[str, str]) -> str:
         for _, other in imports:
             if other not in parts:
                 take(other)
+        imports = [(" ".join(names.split()), other) for names, other in imports]
         lines = [f"const {{{names}}} = {_module(other)};" for names, other in imports]
         exported = ", ".join(EXPORT.findall(text))
         body = EXPORT.sub("", IMPORT.sub("", text))

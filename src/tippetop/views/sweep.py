@@ -45,17 +45,15 @@ def page_of_sweep(path: Path) -> str:
     plan = Plan.from_tables(table.attrs["plan"])
     if plan.n > MOST:
         raise InputError(
-            [
-                f"a page must have at most {MOST} tops, but this sweep has {plan.n}: tippetop "
-                "plot draws it."
-            ]
+            f"a page must have at most {MOST} tops, but this sweep has {plan.n}: tippetop "
+            "plot draws it."
         )
     tops = np.arange(plan.n)
     numbers = plan.design.numbers(tops)
     names = [name for name in LINE if name in table]
     if not names:
         raise InputError(
-            [f"a page must have one of {', '.join(LINE)}, but the plan kept none of them."]
+            f"a page must have one of {', '.join(LINE)}, but the plan kept none of them."
         )
     axes = sorted(plan.design.axes, key=lambda axis: not _varies(axis))
     movable = is_movable(plan.base)
