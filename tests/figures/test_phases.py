@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgb
 
 import tippetop as tt
 from tippetop.cli import outcome
-from tippetop.figures import conserved, phases
+from tippetop.figures import conserved, shading
 from tippetop.figures.style import LIGHT, figure
 
 
@@ -71,7 +71,7 @@ def test_phases_are_shaded_from_start_to_end_in_every_panel() -> None:
         phase=["slip", "flight", "roll", "slip"],
         ball=["body", "stem", "body", "stem"],
     )
-    phases.mark(list(fig.axes), spans, table(time=[1.5, 2.0], ball=["body", "stem"]))
+    shading.mark(list(fig.axes), spans, table(time=[1.5, 2.0], ball=["body", "stem"]))
     for axes in fig.axes:
         edges, colors = shades(axes)
         assert list(edges) == [0, 1, 1.5, 2, 4]
@@ -95,7 +95,7 @@ def test_many_phases_have_their_share_in_the_legend() -> None:
     count = 10_000
     edges = np.arange(count + 1.0) + 0.5 * (np.arange(count + 1) % 2)  # slip 1.5, flight 0.5
     fig = panels()
-    phases.mark(
+    shading.mark(
         list(fig.axes),
         table(
             start=edges[:-1],

@@ -58,21 +58,13 @@ def _marker(
 ) -> tuple[np.ndarray | None, np.ndarray | None]:
     """Return the place of a marker on the body, and its measured places."""
     names = [f"marker_{c}" for c in "xyz"]
-    if not any(table.has(name) for name in names):
-        if marker is not None:
-            raise InputError(
-                f"`{table.path}` must have the columns {', '.join(names)} for a marker, but "
-                "has none."
-            )
+    present = [table.has(name) for name in names]
+    if marker is None and not any(present):
         return None, None
-    if not table.has(*names):
+    if marker is None or not all(present):
         raise InputError(
-            f"`{table.path}` must have the columns {', '.join(names)}, all of them, but lacks some."
-        )
-    if marker is None:
-        raise InputError(
-            "the place of the marker on the body must be given (--marker x,y,z, metres in "
-            "body axes)."
+            f"a marker must have the columns {', '.join(names)} in `{table.path}` and a place on "
+            "the body (--marker x,y,z, metres in body axes), but one of them is missing."
         )
     rows = table.stacked(*names)
     return np.array(marker), rows if convention.up == "z" else rows[:, [2, 0, 1]]

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .labels import number, title
-from .style import compact, dashes, ink, label_line, legend, panel
+from .style import compact, dashes, ink, legend, panel
 from .thinning import span, worst
 
 
@@ -57,8 +57,7 @@ def _drawn(
 ) -> Axes:
     """Draw curves on a logarithmic axis with the rounding unit, title and legend."""
     ax.set_yscale("log")
-    ax.axhline(UNIT, color=ink().quiet, lw=0.8, ls=":")
-    label_line(ax, "rounding\nunit", UNIT, ink().quiet, -8)
+    ax.axhline(UNIT, color=ink().quiet, lw=0.8, ls=":", label="rounding unit")
     known = [UNIT]
     for i, ((words, t, values), color) in enumerate(zip(curves, ink()[:5], strict=False)):
         seen = np.where(values > 0, values, np.nan)

@@ -14,7 +14,7 @@ from .catalogue import FIGURES, PLAIN, Look, kind_of
 
 def _drawings() -> dict[str, Callable]:
     """Return the function for each kind of figure of a run; this imports matplotlib."""
-    from . import conserved, energetics, film, landscape, potential, sphere, stability, theta
+    from . import conserved, energetics, film, landscape, sphere, stability, theta, well
 
     return {
         "theta": theta.theta,
@@ -27,7 +27,7 @@ def _drawings() -> dict[str, Callable]:
         "states": stability.states,
         "band": landscape.band,
         "surface": landscape.surface,
-        "potential": potential.potential,
+        "potential": well.potential,
         "inversion": landscape.inversion,
     }
 
@@ -83,7 +83,7 @@ def axes_of(
     with styled(dark=look.dark, size=look.size, ax=ax):
         axes = _drawings()[kind](*given, ax=ax)
         if chosen.over_time and "impacts" in groups:
-            from .phases import mark
+            from .shading import mark
 
             panels = [axes] if ax is not None else axes.get_figure(root=True).axes
             mark(panels, groups["phases"], groups["impacts"])
@@ -208,7 +208,7 @@ def write(figure: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = Fals
 def figure_of_sweep(kind: str, store: Path, look: Look = PLAIN) -> Any:
     """Draw one kind of figure of a sweep. Raises InputError, StoreError."""
     from ..sweeps import maps
-    from .sweep import draw_map
+    from .sweep_map import draw_map
 
     return _composed(draw_map, (maps.make_map(store, kind),), look)
 

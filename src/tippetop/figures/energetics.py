@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from ..columns import on_sphere
 from .labels import number, title
-from .style import dashes, ink, label_line, legend, panel, ticks_in_joules
+from .style import dashes, ink, legend, panel, ticks_in_joules
 from .thinning import span, thinned
 
 
@@ -28,11 +28,9 @@ def normal_force(
     colours = ink()
     t, mg = trajectory["time"].values, weight(attrs)
     force = trajectory["normal_force"].values / mg
-    ax.axhline(1.0, color=colours.quiet, lw=0.8)
-    ax.axhline(0.0, color=colours.alarm, lw=1.0, ls="--")
+    ax.axhline(1.0, color=colours.quiet, lw=0.8, label="weight")
+    ax.axhline(0.0, color=colours.alarm, lw=1.0, ls="--", label="no force")
     ax.plot(*thinned(t, force), color=colours.run, lw=0.8)
-    for words, height, color in (("no force", 0.0, colours.alarm), ("weight", 1.0, colours.quiet)):
-        label_line(ax, words, height, color, -3)
     limits = span(t)
     low, high = min(0.0, float(force.min())), max(1.0, float(force.max()))
     extremes = attrs.get("report", {}).get("normal_force") or {}
@@ -45,7 +43,7 @@ def normal_force(
         xlabel="time t (s)", ylabel="normal force $g_n\\,/\\,mg$", title=title(attrs), xlim=limits
     )
     ax.set_ylim(low - 0.12 * (high - low), high + 0.15 * (high - low))
-    legend(ax, "upper right", ncols=2)
+    legend(ax, "upper right", ncols=4)
     return ax
 
 

@@ -160,19 +160,6 @@ def ticks_in_joules(axis: Any) -> None:
     axis.set_major_formatter(EngFormatter("J"))
 
 
-def label_line(ax: Axes, words: str, height: float, color: str, offset: float) -> None:
-    """Label a horizontal line on the right of a panel."""
-    place: Any = ("axes fraction", "data")
-    ax.annotate(
-        words,
-        (1, height),
-        xycoords=place,
-        color=color,
-        xytext=(4, offset),
-        textcoords="offset points",
-    )
-
-
 def mark_ends(
     axes: Any, *path: np.ndarray, last: str = "its end", sizes: tuple[float, float] = (6, 5)
 ) -> None:

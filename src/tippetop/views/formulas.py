@@ -96,7 +96,9 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
         "rates": arrow({"y": y, "b": b}, rates, fills=True),
         "start": arrow({"sine": None, "z": None, "d": tuple(initial), "b": b}, start),
         "weights": arrow({"b": b}, weights),
-        "seen": arrow({"y": y, "b": b}, lambda y, b: seen(system, form, y[0], y[1], b), fills=True),
+        "seen": arrow(
+            {"y": y, "b": b}, lambda y, b: channels(system, form, y[0], y[1], b), fills=True
+        ),
         "sizes": arrow({"b": b}, lambda b: sizes(b, heavy=heavy)),
         "thresholds": _thresholds(system, b),
         "potential": arrow(WELL | {"b": b}, lambda *z: _potential(system, z[:3], z[3]))
@@ -111,7 +113,7 @@ def _potential(system: System, z: Sequence[Any], b: Touch) -> list:
     return [system.potential(*z[: 1 + len(system.momenta)], b)]
 
 
-def seen(system: System, form: Form, q: Any, carried: Any, b: Touch) -> list:
+def channels(system: System, form: Form, q: Any, carried: Any, b: Touch) -> list:
     """Return axes 1 and 3 of a state, then the channels of a sample from omega on: motion.js."""
     values = observed(system, form, q, carried, b)
     assert form.orientation is not None

@@ -9,7 +9,6 @@ from ..mechanics.contact.body import Touch, angular_velocity_of, tip_inertia
 from ..mechanics.friction import SLIP, slip_coefficient
 from ..mechanics.operand import Vector, cross, times
 from ..mechanics.rotation import Quaternion, axes
-from ..mechanics.system import System
 from ..mechanics.systems import find
 from ..runs.shape import body_of, is_fixed, is_planar
 
@@ -33,7 +32,7 @@ def without(attrs: dict[str, Any]) -> list[str]:
     kept = attrs["run"].get("columns")
     if kept is None:
         return []
-    system = plain(attrs)
+    system: Any = find(attrs["system"])
     own = {
         *system.angles._fields,
         *system.vectors,
@@ -49,19 +48,14 @@ def without(attrs: dict[str, Any]) -> list[str]:
 
 def well_columns(attrs: dict[str, Any]) -> list[str]:
     """Return the columns of the potential, in its order, and of the energy of its level."""
-    return well_quantities(plain(attrs))
+    return well_quantities(find(attrs["system"]))
 
 
-def well_quantities(system: System) -> list[str]:
+def well_quantities(system: Any) -> list[str]:
     """Return the quantities of the potential and of its level, if the system has one."""
     if system.potential is None:
         return []
     return [*system.momenta, system.landscape.energy if system.landscape else "modified_energy"]
-
-
-def plain(attrs: dict[str, Any]) -> Any:
-    """Return the system of a store, without the phases of its contact."""
-    return find(attrs["system"])
 
 
 def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:

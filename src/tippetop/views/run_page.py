@@ -9,12 +9,13 @@ import numpy as np
 
 from ..columns import flag_names, flagged, greek, units_text
 from ..errors import InputError, StoreError
+from ..mechanics.systems import find
 from ..runs.attributes import headline_of
 from ..runs.shape import body_of, is_planar, shape
 from ..store import chunks
-from . import formulas, pages, thinning
+from . import formulas, pages, spacing
 from .encoding import encode
-from .samples import needed, plain, samples, without
+from .samples import needed, samples, without
 
 
 MOST = 200_000  # samples of a page: 20 MB
@@ -97,7 +98,8 @@ def page(
         "events": log,
         "phases": phases,
     }
-    scripts = {"formulas.js": formulas.potential(plain(attrs), body_of(attrs))}
+    system: Any = find(attrs["system"])
+    scripts = {"formulas.js": formulas.potential(system, body_of(attrs))}
     return pages.page(f"{attrs['title']} · tippetop", "page_run.js", data, scripts)
 
 
@@ -115,9 +117,9 @@ def read(
             continue
         columns = {name: values[within] for name, values in piece.items()}
         t, some = columns["time"], samples(columns, attrs)
-        rough = max(rough, thinning.row_error(t, some))
+        rough = max(rough, spacing.row_error(t, some))
         span = span or max(min(end, end_of(attrs)) - t[0], 1e-300)
-        few = thinning.chosen(t, some, max(1, math.ceil(thinning.FEW * np.ptp(t) / span)))
+        few = spacing.chosen(t, some, max(1, math.ceil(spacing.FEW * np.ptp(t) / span)))
         times.append(t[few])
         kept.append(some[few])
         if sum(map(len, times)) > MOST:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..exchange.motion import angle_between
 from ..mechanics import rotation
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion
@@ -23,12 +24,6 @@ def attitude(
     """
     first, last = ((Quaternion(*a.T), Vector(*w.T)) for a, w in ((p, wp), (q, wq)))
     return np.stack(rotation.between(*first, *last, h, s), axis=1)
-
-
-def apart(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return the angles (n,) between attitudes [rad]."""
-    off = rotation.after(Quaternion(*p.T), rotation.inverse(Quaternion(*q.T)))
-    return 2 * np.arctan2(np.sqrt(off.x**2 + off.y**2 + off.z**2), np.abs(off.w))
 
 
 def chosen(times: np.ndarray, samples: np.ndarray, enough: int = FEW) -> np.ndarray:
@@ -53,7 +48,7 @@ def missed(times: np.ndarray, samples: np.ndarray, keep: np.ndarray) -> float:
     h = times[b] - times[a]
     ends = [samples[i][:, part] for i in (a, b) for part in (ORIENTATION, OMEGA)]
     between_ends = attitude(*ends, h, (times[left_out] - times[a]) / h)  # type: ignore[call-arg]
-    return float(apart(between_ends, samples[left_out][:, ORIENTATION]).max(initial=0.0))
+    return float(angle_between(between_ends, samples[left_out][:, ORIENTATION]).max(initial=0.0))
 
 
 def row_error(times: np.ndarray, samples: np.ndarray) -> float:
