@@ -30,10 +30,9 @@ def test_units_become_si_and_gaps_stay(tmp_path: Path) -> None:
 def test_a_parquet_file_is_read_as_csv_is(tmp_path: Path) -> None:
     pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
     path = tmp_path / "other.parquet"
-    pq.write_table(pa.table({"t [s]": [0.0, 1.0], "theta [deg]": [10.0, None]}), path)
-    np.testing.assert_allclose(
-        table.read(path).columns["theta"], [np.pi / 18]
-    )  # a row without anything goes
+    pq.write_table(pa.table({"t [s]": [0.0, 1.0, 2.0], "theta [deg]": [10.0, None, 20]}), path)
+    theta = table.read(path).columns["theta"]
+    np.testing.assert_allclose(theta, [np.pi / 18, np.pi / 9])  # empty rows are left out
 
 
 OWN = "time,phase,theta,theta_dot,orientation_w,energy,modified_energy,normal_force"

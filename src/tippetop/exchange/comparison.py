@@ -76,13 +76,8 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     InputError
         If the table is wrong, or has no quantity that can be compared.
     """
-    table = read(path, wrapped=bool(problem.system.vectors))
-    given = motion(table, convention)
+    given = motion(read(path, wrapped=bool(problem.system.vectors)), convention)
     t = given.t
-    if len(t) < 2:
-        raise InputError(
-            f"`{path}`: at least two rows must have a number to compare, but {len(t)} has."
-        )
     if t[0] < 0 or t[-1] <= 0:
         raise InputError(
             f"`{path}`: times must begin at 0, the start of the reference, or later, but "
@@ -115,18 +110,24 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     }
     numbers |= {name: _size(run.times, curve) for name, curve in curves.items()}
     for what, changes in (("drift", kept), ("error", errors)):
-        numbers |= {
-            f"{name}_{what}": float(np.nanmax(np.abs(curve))) for name, curve in changes.items()
-        }
+        for name, curve in changes.items():
+            numbers[f"{name}_{what}"] = float(np.nanmax(np.abs(curve)))
     numbers |= touching
     if rows < len(t):
         numbers["reference_ended"] = run.reason
-    theta = np.full(rows, np.nan) if there.theta is None else there.theta
     if faults := _start_faults(numbers, curves, convention):
         numbers["suspicion"] = faults
-    match = STEP.search(Path(path).name.removesuffix(Path(path).suffix))
-    step = float(match[1]) if match else None
-    return Compared(Path(path), step, run.times, curves | errors, theta, columns["theta"], numbers)
+    theta = np.full(rows, np.nan) if there.theta is None else there.theta
+    step = STEP.search(Path(path).stem)
+    return Compared(
+        Path(path),
+        float(step[1]) if step else None,
+        run.times,
+        curves | errors,
+        theta,
+        columns["theta"],
+        numbers,
+    )
 
 
 def reference(problem: Problem, times: np.ndarray) -> Solution:
@@ -232,9 +233,8 @@ def _start_faults(
         if name in curves and numbers["from"] == 0.0 and curves[name][0] > 0.01:
             return (
                 f"the first row must be the start of the reference, but its {name} differs by "
-                f"{curves[name][0]:.3g} "
-                f"rad: is the start another, are the frames others ({known}), or is the order "
-                "of the quaternion?"
+                f"{curves[name][0]:.3g} rad: check the start, the frames ({known}) and the order "
+                "of the quaternion."
             )
     return ""
 

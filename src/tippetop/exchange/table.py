@@ -107,6 +107,8 @@ def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) 
     except InputError as error:
         raise InputError([f"`{path}`: {sentence}" for sentence in error.sentences]) from None
     kept = np.any([np.isfinite(v) for name, v in columns.items() if name != "t"], axis=0)
+    if kept.sum() < 2:
+        raise InputError(f"`{path}`: two rows must have numbers, but {kept.sum()} has.")
     return Table(path, {name: v[kept] for name, v in columns.items()})
 
 
