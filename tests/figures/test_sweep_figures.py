@@ -99,11 +99,11 @@ def test_tops_without_a_time_of_inversion_are_told_apart_by_their_end() -> None:
     figure = drawn(a_map("inversion", (X, Y), {"inverted_at": times, "class": ends}))
     legend = entries(figure)
     assert set(legend) == {
-        "not inverted in time: under way",
-        "ended upright, where it stays",
+        "under way",
+        "upright",
         "still near upright",
-        "lifted off before it inverted",
-        "not inverted in time: tumbling",
+        "lifted off",
+        "tumbling",
     }
     layers = [
         np.ma.asarray(c.get_array()).reshape(2, 3)

@@ -203,6 +203,7 @@ def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.Mo
 def test_a_million_tops_are_mapped_in_seconds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rng: Any
 ) -> None:
+    from tippetop.figures import sweep_map
     from tippetop.figures.style import save, styled
 
     axes = [{"of": "initial.omega3", "linspace": [100, 175], "n": 1000}, {**AXIS, "n": 1000}]

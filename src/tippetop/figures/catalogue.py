@@ -121,8 +121,6 @@ FIGURES: dict[str, RunFigure] = {
     "inversion": _of_tippe_tops("the run on the section of F at its lambda"),
 }
 """The figures of a run, by name."""
-FORMER = {"phase": "states"}
-"""Former names of figures."""
 
 SWEEP_KINDS = {
     "class": "fate of each top over two axes (default)",
@@ -147,19 +145,12 @@ def described() -> str:
     )
 
 
-def kind_of(word: str) -> str:
-    """Return the name of a kind of figure, given that or its former name. Raises InputError."""
-    check_kind(word, [*FIGURES, *FORMER])
-    return FORMER.get(word, word)
-
-
-def check_kind(kind: str, known: Iterable[str]) -> None:
+def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
     """Raise InputError if there is no such figure."""
     known = list(known)
     if kind not in known:
-        listed = ", ".join(name for name in known if name not in FORMER)
         raise InputError(
-            f"the kind of figure must be one of {listed}, but is "
+            f"the kind of figure must be one of {', '.join(known)}, but is "
             f"`{kind}`.{suggestion(str(kind), known)}"
         )
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..columns import symbol
 from ..errors import InputError, a_system
-from .catalogue import FIGURES, PLAIN, Look, kind_of
+from .catalogue import FIGURES, PLAIN, Look, check_kind
 
 
 def _drawings() -> dict[str, Callable]:
@@ -64,7 +64,8 @@ def axes_of(
     from .style import styled
     from .window import datasets, handed_over
 
-    kind, groups = kind_of(kind), datasets(groups)
+    check_kind(kind)
+    groups = datasets(groups)
     chosen = FIGURES[kind]
     _refuse(kind, groups["trajectory"], attrs)
     if ax is not None and (kind == "surface") != (getattr(ax, "name", "") == "3d"):
@@ -129,7 +130,7 @@ def several(
     from .overlay import overlay
     from .style import literal, styled
 
-    kind = kind_of(kind)
+    check_kind(kind)
     if not FIGURES[kind].compares:
         known = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
         raise InputError(f"several runs are drawn together as {known}; `{kind}` is drawn of one.")

@@ -14,24 +14,24 @@ from .style import DASHES, heading, ink, legend, panel, ticks_of_pi
 
 
 CLASSES = {
-    "none": ("#4b5563", "no end: invalid, not finite, stalled, not followed", ""),
-    "upright": ("lower", "upright", "ended upright, where it stays"),
-    "near-upright": ("#9ad1c8", "still near upright", "still near upright"),
-    "tumbling": ("#e0a800", "tumbling", "not inverted in time: tumbling"),
-    "inverted": ("upper", "inverted", "inverted later than most of its cell"),
-    "lifted-off": ("#6d28d9", "lifted off", "lifted off before it inverted"),
-    "under-way": ("#b8c4d0", "under way", "not inverted in time: under way"),
-    "rolling": ("#5b8c5a", "rolling", "rolling"),
-    "on-stem": ("#b06ab3", "on stem", "on its stem"),
-    "bouncing": ("#0ea5e9", "bouncing", "in the air"),
-    "nutating": ("#d9c7a3", "nutating", "nutates for ever: no friction"),
+    "none": ("#4b5563", "no end: invalid, not finite, stalled, not followed"),
+    "upright": ("lower", "upright"),
+    "near-upright": ("#9ad1c8", "still near upright"),
+    "tumbling": ("#e0a800", "tumbling"),
+    "inverted": ("upper", "inverted"),
+    "lifted-off": ("#6d28d9", "lifted off"),
+    "under-way": ("#b8c4d0", "under way"),
+    "rolling": ("#5b8c5a", "rolling"),
+    "on-stem": ("#b06ab3", "on its stem"),
+    "bouncing": ("#0ea5e9", "in the air"),
+    "nutating": ("#d9c7a3", "nutates for ever: no friction"),
 }
-"""Colour of each class of tops, its words, and those of a top without a time of inversion."""
+"""Colour and label of each class of tops."""
 
 
 def colours() -> dict[str, str]:
     """Return the colour of each class of tops."""
-    return {name: getattr(ink(), colour, colour) for name, (colour, *_) in CLASSES.items()}
+    return {name: getattr(ink(), colour, colour) for name, (colour, _) in CLASSES.items()}
 
 
 TITLES = {
@@ -90,7 +90,7 @@ def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
     kind, field = sweep_map.kind, next(iter(sweep_map.fields.values())).T
     entries: list[Any] = []
     if kind == "class":
-        entries += _classes(axes, sweep_map, field, 1)
+        entries += _classes(axes, sweep_map, field)
     elif np.isfinite(field).any():
         cmap, label = FIELDS[kind]
         mesh = axes.pcolormesh(x.edges, y.edges, field, cmap=cmap, rasterized=True)
@@ -100,7 +100,7 @@ def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
     if kind == "inversion" and np.isnan(field).any():
         axes.set_facecolor(ink().grid)
         ends = sweep_map.fields.get("class", np.full_like(field.T, np.nan)).T
-        entries += _classes(axes, sweep_map, ends, 2)
+        entries += _classes(axes, sweep_map, ends)
         if (np.isnan(field) & np.isnan(ends)).any():
             entries.append(Patch(color=ink().grid, label="not inverted in time"))
     for (label, values), style in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
@@ -112,14 +112,14 @@ def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
     return entries
 
 
-def _classes(axes: Any, sweep_map: Any, values: np.ndarray, words: int) -> list[Any]:
+def _classes(axes: Any, sweep_map: Any, values: np.ndarray) -> list[Any]:
     """Draw cells in the colours of their classes; return entries for those that occur."""
     of_class, names = colours(), sweep_map.classes
     shades, most = ListedColormap([of_class[name] for name in names]), len(names) - 0.5
     x, y = (axis.edges for axis in sweep_map.axes)
     axes.pcolormesh(x, y, values, cmap=shades, vmin=-0.5, vmax=most, rasterized=True)
     present = [name for i, name in enumerate(names) if (values == i).any()]
-    return [Patch(color=of_class[name], label=CLASSES[name][words]) for name in present]
+    return [Patch(color=of_class[name], label=CLASSES[name][1]) for name in present]
 
 
 def _liftoff(axes: Any, x: Any, y: Any, field: np.ndarray) -> list[Any]:
