@@ -73,7 +73,7 @@ def test_wrong_words_are_refused_before_a_fit(
         (
             "t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n",
             "initial.phi",
-            "`initial.phi` must change what was measured",
+            "`initial.phi` must change the measurements",
         ),
         (
             "t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n",

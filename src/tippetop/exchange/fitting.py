@@ -167,7 +167,7 @@ def _refuse(misfit: Misfit) -> None:
     ]
     if idle:
         raise InputError(
-            [f"`{name}` must change what was measured, but does nothing to it." for name in idle]
+            [f"`{name}` must change the measurements, but has no effect on them." for name in idle]
         )
 
 

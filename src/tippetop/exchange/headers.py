@@ -76,7 +76,7 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
             f"{suggestion(unknown[0], COLUMNS)} The columns are {', '.join(COLUMNS)}."
         )
     if "t" not in found:
-        faults.append("the times must be a column `t [s]`, but there is none.")
+        faults.append("the times must be a column `t [s]`, but it is missing.")
     if faults:
         raise InputError(first_sentences(faults, str))
     return found

@@ -61,7 +61,7 @@ def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) 
     wrapped
         Whether theta must lie in 0 to pi, as the inclination of an axis does.
     noise
-        Standard deviation of theta [rad], which may take it beyond; None: there is none.
+        Standard deviation of theta [rad], which may take it beyond; None if unknown.
 
     Returns
     -------
@@ -141,7 +141,7 @@ def _check(columns: dict[str, np.ndarray], wrapped: bool, noise: float | None) -
             f"times must be within {UNTIL.most:g} s, but are from {t[0]:g} to {t[-1]:g} s."
         )
     if len(columns) == 1:
-        raise InputError("there must be a column other than `t`, but there is none.")
+        raise InputError("there must be a column other than `t`, but it is missing.")
     for name, values in columns.items():
         if not np.isfinite(values).any() or np.isinf(values).any():
             raise InputError(f"the column `{name}` must have finite numbers, but has not.")
