@@ -351,7 +351,7 @@ def test_starts_far_off_lead_to_the_same_numbers(film: Path, fit: Fitted) -> Non
     ("free", "words"),
     [
         ("friction.nu", "friction.mu"),
-        ("initial.x", "must change what was measured, but does nothing to it"),
+        ("initial.x", "must change the measurements, but has no effect on them"),
         ("time.of", "time.offset"),
         (",", "must be names such as"),
     ],
