@@ -21,7 +21,6 @@ from .minimise import (
     factor,
     lowest,
     minimise,
-    settled,
 )
 
 
@@ -80,9 +79,7 @@ def single_minimum(prepare, guess, slopes, value, several, x, y, r, F, q, status
         count = (extremes(slopes, p, r, turns) + 1) // 2
         q[0] = turns[2 * lowest(value, turns, 0, count - 1, p, r)]
     else:
-        q[0] = settled(slopes, q[0], p, r)
-        if np.isnan(q[0]):
-            q[0] = minimise(slopes, guess, p, r)
+        q[0] = minimise(slopes, guess, p, r)
     F[0] = value(q[0], p, r)
     if not np.isfinite(F[0]):
         status[0] = Status.UNSETTLED

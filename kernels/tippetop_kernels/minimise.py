@@ -55,36 +55,22 @@ def clipped(q):
 
 
 @kernel
-def settled(slopes, q, p, r):
-    """q after as many of Halley's steps as it takes, NaN if ten are not enough: for points next to
-    their minimum.
-    """
-    for _ in range(10):
-        g1, g2, g3 = slopes(q, p, r)
-        f = factor(g1, g2, g3)
-        q *= f
-        if abs(f - 1) <= AT_REST:
-            return q if g2 > 0 and SMALLEST < q < LARGEST else np.nan
-    return np.nan
-
-
-@kernel
-def between(slopes, low, high, p, r):
-    """The q in (low, high) where the slope, negative at low and positive at high, vanishes; NaN if
-    unsettled.
+def root_of_slope(slopes, low, high, p, r):
+    """Return the q in (low, high) where the slope, of opposite signs at both, vanishes.
 
     Halley's step where it stays inside the bracket, else the geometric mean: it cannot fail to
-    close.
+    close. NaN if 200 steps do not settle.
     """
+    falling = slopes(low, p, r)[0] < 0
     q = np.sqrt(low) * np.sqrt(high)
     for _ in range(200):
         g1, g2, g3 = slopes(q, p, r)
-        if g1 < 0:
-            low = q
-        elif g1 > 0:
-            high = q
-        else:
+        if g1 == 0:
             return q
+        if (g1 < 0) == falling:
+            low = q
+        else:
+            high = q
         n, m = g1 * g2, 2 * g2 * g2 - g1 * g3
         trial = q * (m - n) / (m + n)
         if not (low < trial < high):
@@ -97,10 +83,9 @@ def between(slopes, low, high, p, r):
 
 @kernel
 def minimise(slopes, guess, p, r):
-    """The only minimum, from any guess: brackets it by ever longer steps, then closes the bracket.
+    """Return the q of the only minimum: bracket it by ever longer steps, then close the bracket.
 
-    Returns q; SMALLEST or LARGEST where the slope has one sign down to (up to) there; NaN if
-    unsettled.
+    SMALLEST or LARGEST if the slope has one sign down to (up to) there; NaN if unsettled.
     """
     q = clipped(guess(p, r))
     g1 = slopes(q, p, r)[0]
@@ -111,11 +96,7 @@ def minimise(slopes, guess, p, r):
         previous = other
         other = clipped(other / step if g1 > 0 else other * step)
         if slopes(other, p, r)[0] * g1 <= 0:
-            return (
-                between(slopes, other, previous, p, r)
-                if g1 > 0
-                else between(slopes, previous, other, p, r)
-            )
+            return root_of_slope(slopes, min(other, previous), max(other, previous), p, r)
         if other in (SMALLEST, LARGEST):
             return other
         step *= step
@@ -140,33 +121,14 @@ def extremes(slopes, p, r, q):
     while low < LARGEST and count < q.size:
         high = clipped(low * ratio)
         g_high = slopes(high, p, r)[0]
-        if g_low < 0 <= g_high:
-            q[count] = between(slopes, low, high, p, r)
-            count += 1
-        elif g_low >= 0 > g_high:
-            q[count] = summit(slopes, low, high, p, r)
+        if (g_low < 0) != (g_high < 0):
+            q[count] = root_of_slope(slopes, low, high, p, r)
             count += 1
         if high == LARGEST and g_high < 0 and count < q.size:
             q[count] = high
             count += 1
         low, g_low = high, g_high
     return count
-
-
-@kernel
-def summit(slopes, low, high, p, r):
-    """The q in (low, high) where the slope, positive at low and negative at high, vanishes: by
-    bisection of ln(q).
-    """
-    for _ in range(80):
-        q = np.sqrt(low) * np.sqrt(high)
-        if not low < q < high:
-            break
-        if slopes(q, p, r)[0] >= 0:
-            low = q
-        else:
-            high = q
-    return low
 
 
 @kernel
