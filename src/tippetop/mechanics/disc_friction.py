@@ -139,24 +139,18 @@ def drilling_torque(N, Omega_z, drag, mu, patch):
     return -(mu * N * patch**2 * drag.twist * Omega_z)
 
 
-@formula
-def rolling_torque(N, omega, mu_r, still=0):
-    """The torque of rolling resistance, (3,) [N m], -mu_r N omega_h/|omega_h|; mu_r [m] is a lever.
-
-    `still` [rad/s] makes it smooth where omega_h = 0.
-    """
-    k = -(mu_r * N) / sqrt(omega.x * omega.x + omega.y * omega.y + still**2)
-    return Vector(k * omega.x, k * omega.y, 0)
-
-
 STOPS_ROLLING = 1e-6
 """Angular velocity, internal units, below which the direction of rolling is smooth."""
 
 
 @formula
 def rolling(omega, law):
-    """The torque of rolling resistance per normal force, (3,) [m]."""
-    return rolling_torque(1, omega, law.mu_r, STOPS_ROLLING)
+    """Return the torque of rolling resistance per normal force, (3,) [m].
+
+    It is -mu_r omega_h/|omega_h|, smooth where omega_h = 0.
+    """
+    k = -law.mu_r / sqrt(omega.x * omega.x + omega.y * omega.y + STOPS_ROLLING**2)
+    return Vector(k * omega.x, k * omega.y, 0)
 
 
 @formula

@@ -6,9 +6,7 @@ The tail carries what rounding took from the head, to first order; nothing is re
 and the tails are nothing.
 """
 
-import math
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from .operand import Operand, formula, product_error
 
@@ -70,17 +68,3 @@ def quotient(x, y, per):
     return DoubleDouble(
         c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per
     )
-
-
-def parts_of(value: Any) -> list[float]:
-    """A number of any precision as doubles that add up to it exactly."""
-    parts = [float(value)]
-    while (rest := value - parts[-1]) != 0 and math.isfinite(parts[-1]):
-        value = rest
-        parts.append(float(rest))
-    return parts
-
-
-def sum_of(parts: Sequence[float], number: Any) -> Any:
-    """The number of this type that `parts_of` split."""
-    return sum(map(number, parts[1:]), number(parts[0]))

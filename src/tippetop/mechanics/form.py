@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from .events import Event
-from .readonly import freeze
+from .readonly import ReadOnly
 from .units import Unit
 
 
@@ -266,9 +266,10 @@ class Phase:
     axis_stays: bool = False
 
     def __post_init__(self) -> None:
-        if isinstance(self.forms, Form):
-            object.__setattr__(self, "forms", {self.forms.name: self.forms})
-        freeze(self, "forms")
+        forms = {"": self.forms} if isinstance(self.forms, Form) else self.forms
+        if isinstance(forms, Mapping):
+            by_name = {getattr(form, "name", key): form for key, form in forms.items()}
+            object.__setattr__(self, "forms", ReadOnly(by_name))
 
     @property
     def form(self) -> Form:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from numbers import Rational
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, dataclass_transform
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast, dataclass_transform
 
 import numpy as np
 
@@ -44,11 +44,13 @@ class Number:
         How figures write it, in TeX.
     optional : bool
         Whether a record may be made without it, and then is another record.
+    kw_only : bool
+        Whether type checkers accept it by name only.
 
     Raises
     ------
     InputError
-        If the unit is none, no number can lie in the interval, or the default does not.
+        If the unit is not a Unit, or the default lies outside the interval.
     """
 
     unit: Unit
@@ -61,6 +63,7 @@ class Number:
     nonzero: bool = False  # must not be 0
     symbol: str = ""
     optional: bool = False
+    kw_only: bool = False
 
     if TYPE_CHECKING:  # a field of a Record is given as a number or a text, and read as a float
 
@@ -69,29 +72,11 @@ class Number:
         def __set__(self, record: Any, value: float | str | None) -> None: ...
 
     def __post_init__(self) -> None:
-        if faults := self._faults():
-            raise InputError(faults)
-
-    def _faults(self) -> list[str]:
-        """What contradicts itself, in sentences."""
-        unit: Any = self.unit
+        of, unit = f"of the number `{self.long_name}`", cast(Any, self.unit)
         if not isinstance(unit, Unit):
-            return [
-                f"`unit` of the number `{self.long_name}` must be a Unit, but is {self.unit!r:.60}."
-            ]
-        for low in (bound for bound in (self.above, self.least) if bound is not None):
-            for high in (bound for bound in (self.below, self.most) if bound is not None):
-                if low > high or (low == high and (self.above == low or self.below == high)):
-                    return [
-                        f"some number must be {self.must()[8:]}, for `{self.long_name}`, but "
-                        "none is."
-                    ]
+            raise InputError([f"`unit` {of} must be a Unit, but is {unit!r:.60}."])
         if self.default is not None and self.broken(self.default):
-            return [
-                f"`default` of the number `{self.long_name}` {self.must()}, but is "
-                f"{self.default:g}."
-            ]
-        return []
+            raise InputError([f"`default` {of} {self.must()}, but is {self.default:g}."])
 
     @cached_property
     def _bounds(self) -> list[tuple[str, float, Callable]]:
@@ -172,51 +157,17 @@ class Number:
         return f"{kind}\n    {self.long_name[:1].upper()}{self.long_name[1:]} {unit}{bounds}."
 
 
-def number(
-    unit: Unit,
-    words: str,
-    *,
-    symbol: str = "",
-    above: float | None = None,
-    least: float | None = None,
-    below: float | None = None,
-    most: float | None = None,
-    nonzero: bool = False,
-    default: float | None = None,
-    optional: bool = False,
-    kw_only: bool = False,
-) -> Any:
-    """Declare a number of a body or a friction law as a field of its class.
-
-    Example: `mu: Number = number(ONE, "friction")`.
-
-    Parameters
-    ----------
-    unit, words, above, least, below, most, nonzero, default, optional, symbol
-        As of a `Number`; `words` is its `long_name`.
-    kw_only
-        Whether type checkers take it by name only.
-
-    Returns
-    -------
-    Number
-    """
-    return Number(unit, words, above, least, below, most, default, nonzero, symbol, optional)
+number = Number
+"""Declares a number of a body or a law as a field of its class: `mu: Number = number(ONE, "friction
+coefficient")`."""
 
 
-def again(
-    rule: Number,
-    *,
-    default: None = None,
-    optional: bool = False,
-    kw_only: bool = False,
-    symbol: str = "",
-) -> Any:
+def again(rule: Number, *, default: None = None, **changes: Any) -> Any:
     """Return the Number of another record as a field.
 
     Type checkers read `default` and `kw_only`.
     """
-    return replace(rule, optional=optional or rule.optional, symbol=symbol or rule.symbol)
+    return replace(rule, **changes)
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(number, again))
@@ -259,11 +210,6 @@ class RecordType(type):
             [inspect.cleandoc(body.get("__doc__") or ""), "", *sections]
         ).rstrip()
         return super().__new__(mcs, name, bases, body)
-
-    def __init__(
-        cls, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False
-    ) -> None:
-        super().__init__(name, bases, body)
 
 
 _KEYWORD = inspect.Parameter.KEYWORD_ONLY

@@ -15,22 +15,9 @@ Operand = (
 F = TypeVar("F", bound=Callable)
 
 
-class _School:
-    """The formulas that numba learns when it is first used."""
-
-    def __init__(self) -> None:
-        self.waiting: list[Callable] = []
-        self.teach: Callable | None = None
-
-    def take(self, function: Callable) -> None:
-        """Teaches a formula, now or later."""
-        if self.teach is None:
-            self.waiting.append(function)
-        else:
-            self.teach(function)
-
-
-_school = _School()
+_untaught: list[Callable] = []
+_teach: Callable = _untaught.append
+"""Takes a formula: into a list, until numba is first used; then to numba."""
 
 
 class Vector(NamedTuple):
@@ -59,7 +46,7 @@ def formula(function: F) -> F:
     numba is imported only by those who use it: it learns the formulas through its entry point
     (`numba_extensions` in pyproject.toml), which calls `teach_numba` before it compiles anything.
     """
-    _school.take(function)
+    _teach(function)
     return function
 
 
@@ -207,7 +194,7 @@ def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> 
         return choices.get(record, otherwise) or choices[record]
 
     selected.for_numba = lambda record: inspect.unwrap(chosen(record))  # type: ignore[attr-defined]
-    _school.take(selected)
+    _teach(selected)
     return selected
 
 
@@ -216,7 +203,8 @@ def teach_numba() -> None:
 
     numba calls this itself, before its first compilation.
     """
-    if _school.teach is not None:
+    global _teach
+    if _teach != _untaught.append:
         return
     from numba import types
     from numba.extending import intrinsic, overload, register_jitable
@@ -236,14 +224,12 @@ def teach_numba() -> None:
 
     def teach_lifted(lifted: Callable) -> None:
         scalar, numeric = lifted.for_numba  # type: ignore[attr-defined]
-        unary = lifted is not atan2
 
         @overload(lifted)
         def _(*x):
             real = all(isinstance(v, (types.Float, types.Integer)) for v in x)
-            if unary:
-                return (lambda *x: scalar(x[0])) if real else (lambda *x: numeric(x[0]))
-            return (lambda *x: scalar(x[0], x[1])) if real else (lambda *x: numeric(x[0], x[1]))
+            function = scalar if real else numeric
+            return lambda *x: function(*x)
 
     @intrinsic
     def fma(typing, x, y, z):
@@ -255,9 +241,8 @@ def teach_numba() -> None:
     def _(x, y):
         return lambda x, y: fma(x, y, -(x * y))  # type: ignore[call-arg]
 
-    _school.teach = teach
+    _teach = teach
     for lifted in (sqrt, sin, cos, exp, atan2):
         teach_lifted(lifted)
-    for function in _school.waiting:
+    for function in _untaught:
         teach(function)
-    _school.waiting.clear()

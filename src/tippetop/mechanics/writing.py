@@ -9,6 +9,7 @@ second copy.
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import partialmethod
 from typing import Any, NamedTuple
 
 
@@ -120,29 +121,12 @@ class Symbol:
         right = f"({b.name})" if b.name.startswith("-") else b.name
         return self.program.new(f"{a.name} {sign} {right}", (a.name, b.name))
 
-    def __add__(self, other: Any) -> "Symbol":
-        return self._with("+", other)
-
-    def __radd__(self, other: Any) -> "Symbol":
-        return self._with("+", other)
-
-    def __sub__(self, other: Any) -> "Symbol":
-        return self._with("-", other)
-
-    def __rsub__(self, other: Any) -> "Symbol":
-        return self._with("-", other, swapped=True)
-
-    def __mul__(self, other: Any) -> "Symbol":
-        return self._with("*", other)
-
-    def __rmul__(self, other: Any) -> "Symbol":
-        return self._with("*", other)
-
-    def __truediv__(self, other: Any) -> "Symbol":
-        return self._with("/", other)
-
-    def __rtruediv__(self, other: Any) -> "Symbol":
-        return self._with("/", other, swapped=True)
+    __add__ = __radd__ = partialmethod(_with, "+")
+    __sub__ = partialmethod(_with, "-")
+    __rsub__ = partialmethod(_with, "-", swapped=True)
+    __mul__ = __rmul__ = partialmethod(_with, "*")
+    __truediv__ = partialmethod(_with, "/")
+    __rtruediv__ = partialmethod(_with, "/", swapped=True)
 
     def __neg__(self) -> "Symbol":
         if self.number is not None:
@@ -165,10 +149,12 @@ class Symbol:
         numpy on the left.
         """
         name = ufunc.__name__
-        if method == "__call__" and not options and name in SIGNS:
-            return self.program.of(inputs[0])._with(SIGNS[name], inputs[1])
-        if method == "__call__" and not options and name in self.program.language.functions:
-            first, *others = (self.program.of(value) for value in inputs)
+        if method != "__call__" or options:
+            return NotImplemented
+        first, *others = map(self.program.of, inputs)
+        if name in SIGNS:
+            return first._with(SIGNS[name], others[0])
+        if name in self.program.language.functions:
             return first._called(name, *others)
         return NotImplemented
 

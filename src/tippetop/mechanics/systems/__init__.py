@@ -21,8 +21,8 @@ from ..contact.opening import kind_of, opened
 from ..friction import FrictionLaw
 from ..number import RecordType
 from ..system import System
-from .answers import wrong_answers
 from .cylinder import GLIDING_CYLINDER
+from .function_checks import check_answers
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
 from .heavy_top import HEAVY_TOP
 from .rolling_cylinder import ROLLING_CYLINDER
@@ -73,8 +73,9 @@ def add(system: System, *, here: bool = False) -> None:
 
 def check(system: System) -> None:
     """Raise InputError for a system whose records contradict one another, or that cannot be run."""
-    if faults := inconsistencies(system) or unmet_requirements(system) or wrong_answers(system):
+    if faults := inconsistencies(system) or unmet_requirements(system):
         raise InputError(faults)
+    check_answers(system)
 
 
 def add_law(law: type[FrictionLaw], *, here: bool = False) -> None:

@@ -114,6 +114,7 @@ class Scalars(NamedTuple):
     theta_dot: Operand
     s: Operand  # sin(theta)
     nu_x: Operand
+    friction_force2: Operand = 0  # of a body that rolls
 
 
 class State(NamedTuple):
@@ -304,10 +305,6 @@ SETTLED = replace(
 
 # --- the system ---------------------------------------------------------------------------------
 
-SOURCE = (
-    "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping "
-    "(2010), chapter 6"
-)
 INITIAL = {
     "theta": Number(
         RADIAN, "angle theta of the axis of eccentricity, not wrapped", symbol=r"\theta"
@@ -335,7 +332,7 @@ GLIDING_CYLINDER = of_one_phase(
     "slip",
     name="gliding-cylinder",
     title="eccentric cylinder that rolls and glides",
-    source=SOURCE,
+    source=tippe_top.SOURCE + "6",
     initial={
         **INITIAL,
         "nu_x": Number(

@@ -21,6 +21,7 @@ from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
 from ..system import Form, Opening, Quantity, of_one_phase
 from ..units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
 from . import heavy_top, outlook
+from .tippe_top import SOURCE
 
 
 @formula
@@ -158,7 +159,7 @@ GLIDING_HEAVY_TOP = of_one_phase(
     "slip",
     name="gliding-heavy-top",
     title="heavy symmetric top whose tip glides on a plane",
-    source=heavy_top.SOURCE + "5",
+    source=SOURCE + "5",
     initial=gliding.INITIAL,
     alternatives=gliding.ALTERNATIVES,
     start=gliding.start,

@@ -31,13 +31,12 @@ from ..units import (
     ANGULAR_MOMENTUM,
     METRE,
     NEWTON_SECOND,
-    ONE,
     PER_SECOND,
     RADIAN,
     RADIAN_PER_SECOND,
 )
 from . import outlook
-from .tippe_top import TippeTop
+from .tippe_top import SOURCE, TippeTop
 
 
 class HeavyTop(Top):
@@ -128,7 +127,7 @@ def theta_inertia(z, b):
 
 @formula
 def L3(s, b):
-    """L_3 = I3 omega_3 [kg m^2/s]; constant for any force at the tip. [T 2.37, 5.7]"""
+    """Return L_3 = I3 omega_3 [kg m^2/s]; constant for any force at the tip. [T 2.37, 5.7]"""
     return s.L3
 
 
@@ -155,20 +154,6 @@ def momentum_about_centre(q, b):
 # --- fixed tip ----------------------------------------------------------------------------------
 
 
-class VectorState(NamedTuple):
-    """3hat, and L_A about the tip."""
-
-    ux: Operand
-    uy: Operand
-    uz: Operand
-    Lx: Operand
-    Ly: Operand
-    Lz: Operand
-
-
-VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
-
-
 @formula
 def fixed_scalars(q, b):
     """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; |r'| =
@@ -185,7 +170,9 @@ def fixed_rates(q, b):
     """3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
     u, u_dot = axis(q), tip_axis_rate(q, b)
     weight = b.m * b.g * b.c
-    return VectorState(u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z)
+    return rolling_vector.VectorState(
+        u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z
+    )
 
 
 @formula
@@ -274,7 +261,7 @@ def euler_vertical_reaction(q, carried, b):
 def vector_of_angles(e, s, z, b):
     """The state about the fixed tip of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
-    return VectorState(u.x, u.y, u.z, L.x, L.y, L.z)
+    return rolling_vector.VectorState(u.x, u.y, u.z, L.x, L.y, L.z)
 
 
 @formula
@@ -299,7 +286,7 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
 
 FIXED_VECTOR = Form(
     "vector",
-    VECTOR_UNITS,
+    rolling_vector.VECTOR_UNITS,
     fixed_rates,
     fixed_scalars,
     vector_of_angles,
@@ -345,11 +332,6 @@ COMMON: dict[str, Any] = {
     "landscape": LANDSCAPE,
     "classes": ("tumbling", "upright", "inverted"),
 }
-SOURCE = (
-    "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping "
-    "(2010), chapter "
-)
-
 HEAVY_TOP = of_one_phase(
     "fixed",
     name="heavy-top",

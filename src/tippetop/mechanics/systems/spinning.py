@@ -29,21 +29,6 @@ def energy(z, lam, b):
     return height_energy(z, b) + b.I3 * spin(z, lam, b) ** 2 / 2
 
 
-@formula
-def end_slope(z, lam, b):
-    """dV/dz [J] at the end of the potential where it is finite, on the marked line. [section 5]"""
-    lever = height(z, b)
-    X_rate = (
-        z
-        * lam
-        * b.I1
-        / b.I3
-        * (1 + b.m * b.R * lever / b.I3)
-        / (lever / b.R * sqrt(tippe_top.d(z, b)))
-    )
-    return -b.m * b.g * b.c - z * b.I3 * (X_rate / b.I1 / b.R) ** 2 / 4
-
-
 def lambda_pi(b):
     """|lambda| from which the spin with the centre of mass highest lies on the minimal surface [kg
     m^3/s]. [5.1]

@@ -175,11 +175,11 @@ LANDSCAPE = Landscape(
     two_wells=two_minima,
 )
 
-QUANTITIES = (
+MOMENTA = (
     gliding.JELLETT_QUANTITY,
     Quantity("routh", "D", ANGULAR_MOMENTUM, "Routh's function", routh),
-    *gliding.QUANTITIES,
 )
+QUANTITIES = (*MOMENTA, *gliding.QUANTITIES)
 
 
 @formula
@@ -193,17 +193,32 @@ ON_REQUEST = (
     rates.MODIFIED_ENERGY_RATE,
 )
 
+SOURCE = (
+    "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), "
+    "chapter "
+)
+COMMON: dict[str, Any] = {
+    "parameters": TippeTop.parameters,
+    "body": TippeTop.body_of,
+    "body_units": contact.body_units,
+    "scales": lambda b: (b.m, b.R),
+    "normalised_to": {"m": 1.0, "R": 1.0},
+    "long_names": gliding.LONG_NAMES,
+    "vectors": gliding.VECTORS,
+    "checks": TippeTop.faults,
+    "potential": potential,
+    "theta_inertia": theta_inertia,
+    "momenta": ("routh", "jellett"),
+    "landscape": LANDSCAPE,
+    "classes": ("tumbling", "upright", "inverted"),
+}
+"""Fields of the systems of a tippe top, gliding or rolling."""
+
 TIPPE_TOP = of_one_phase(
     "slip",
     name="tippe-top",
     title="rolling and gliding tippe top",
-    source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping "
-    "(2010), chapter 3",
-    parameters=TippeTop.parameters,
-    body=TippeTop.body_of,
-    body_units=contact.body_units,
-    scales=lambda b: (b.m, b.R),
-    normalised_to={"m": 1.0, "R": 1.0},
+    source=SOURCE + "3",
     initial=gliding.INITIAL,
     alternatives=gliding.ALTERNATIVES,
     start=gliding.start,
@@ -213,18 +228,11 @@ TIPPE_TOP = of_one_phase(
     on_request=ON_REQUEST,
     integrals=("jellett",),
     events=gliding.EVENTS,
-    long_names=gliding.LONG_NAMES,
-    vectors=gliding.VECTORS,
     undefined_at_poles=gliding.UNDEFINED_AT_POLES,
-    checks=TippeTop.faults,
     laws=LAWS,
-    potential=potential,
-    theta_inertia=theta_inertia,
-    momenta=("routh", "jellett"),
-    landscape=LANDSCAPE,
     outlook=outlook.tippe_top,
     opening=Opening(sphere=True, routh=routh, outlook=outlook.tippe_top_with_contact),
     borders=outlook.tippe_top_borders,
     inverts=True,
-    classes=("tumbling", "upright", "inverted"),
+    **COMMON,
 )
