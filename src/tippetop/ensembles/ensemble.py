@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..engine.derivatives.growth import growth
 from ..engine.invariants import invariants, sizes
 from ..engine.loop import Tops
 from ..engine.observables import event_functions, values_of
@@ -22,7 +23,7 @@ from ..problem import Problem, Problems, derivative_faults, variation_faults
 from ..progress import reporting
 from .lanes import LANES, SWINGS, Lanes, new_tops
 from .outcomes import Outcomes, _conclude, dataset
-from .singly import Alone, one_by_one
+from .singly import Alone, one_by_one, problem_of
 
 
 if TYPE_CHECKING:
@@ -32,27 +33,6 @@ if TYPE_CHECKING:
 Starts = dict[
     str, tuple[np.ndarray, np.ndarray]
 ]  # of invariants by name: at the start, what drifts are relative to
-
-
-class _Queue:
-    """Numbers of tops, each given to one thread."""
-
-    def __init__(self, numbers: np.ndarray, lanes: int, threads: int):
-        self._numbers, self._lock, self.stopped = numbers, threading.Lock(), False
-        self._lanes, self._threads = lanes, threads
-
-    def take(self, empty: int) -> np.ndarray:
-        """As many as are empty of a thread's lanes, and what they may take next: nothing at the
-        end, so that none has tops that wait and another empty lanes.
-        """
-        with self._lock:
-            left, others = len(self._numbers), self._threads - 1
-            waiting = min(
-                self._lanes - empty, left // (4 * self._lanes * others) if others else left
-            )
-            most = 0 if self.stopped else empty + waiting
-            taken, self._numbers = self._numbers[:most], self._numbers[most:]
-            return taken
 
 
 def measure(
@@ -115,9 +95,7 @@ def measure(
         _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
     _conclude(measured)
     if lyapunov:
-        from .lyapunov import exponents
-
-        measured.lyapunov = exponents(tops, measured.columns["t_end"])
+        measured.lyapunov = _exponents(tops, measured.columns["t_end"])
     measured.seconds = time.perf_counter() - clock
     return measured
 
@@ -140,6 +118,19 @@ def _ended_at_start(measured: Outcomes, functions: np.ndarray) -> np.ndarray:
     return ended
 
 
+def _exponents(tops: Problems, ends: np.ndarray) -> np.ndarray:
+    """Return the finite-time Lyapunov exponent of each top up to its end [1/s], (n,).
+
+    That of a top that is invalid, or ends at its start, is NaN.
+    """
+    rates = np.full(tops.n, np.nan)
+    going = np.flatnonzero(tops.valid & (ends > 0))
+    for top in going.tolist():
+        times = np.array([0.0, ends[top]])
+        rates[top] = growth(problem_of(tops, top), times, uses=len(going)).exponents[-1]
+    return rates
+
+
 def _run(
     measured: Outcomes,
     numbers: np.ndarray,
@@ -150,7 +141,20 @@ def _run(
     lanes: int,
     wanted: Collection[str] | None,
 ) -> None:
-    lock, counted, every = threading.Lock(), itertools.count(1), measured.tops
+    """Run tops in lanes, on threads that take them from one queue."""
+    lock, counted, every, left = threading.Lock(), itertools.count(1), measured.tops, numbers
+    n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
+
+    def take(empty: int) -> np.ndarray:
+        """Return tops for the empty lanes of a thread, and some to wait for its next empty ones.
+
+        Towards the end none wait, because another thread may have empty lanes.
+        """
+        nonlocal left
+        with lock:
+            count = empty + min(lanes - empty, len(left) // (4 * lanes * n))
+            taken, left = left[:count], left[count:]
+            return taken
 
     def ended(count: int) -> None:
         if progress is not None:
@@ -168,33 +172,27 @@ def _run(
 
     def work(worker: Lanes) -> float:
         """Run tops from the queue until none is left. Return the processor time."""
+        nonlocal left
         clock = time.thread_time()
         try:
-            worker.run(tops, queue.take, look, ended)
+            worker.run(tops, take, look, ended)
         except BaseException:
-            queue.stopped = True
+            left = left[:0]
             raise
         return time.thread_time() - clock
 
-    n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
     workers = [Lanes(every, lanes, wanted) for _ in range(n)]
-    first, queue = workers[0], _Queue(numbers, lanes, n)
-    tops = new_tops(
-        every.start,
-        every.pars[: len(first.motion.pars)],
-        every.end,
-        *signs_of(functions),
-        first.rows,
-    )
-    if n == 1:
+    first, signs = workers[0], signs_of(functions)
+    pars = every.pars[: len(first.motion.pars)]
+    tops = new_tops(every.start, pars, every.end, *signs, first.rows)
+    if n == 1:  # Ctrl-C ends the work immediately
         measured.processor = work(first)
     else:
         with ThreadPoolExecutor(n) as pool:
-            tasks = [pool.submit(work, worker) for worker in workers]
             try:
-                measured.processor = sum(task.result() for task in tasks)
+                measured.processor = sum(pool.map(work, workers))
             except BaseException:  # Ctrl-C too: the others must stop
-                queue.stopped = True
+                left = left[:0]
                 raise
     if isinstance(first.stepper, Called):
         measured.steps_by = "heyoka"

@@ -12,7 +12,7 @@ from ..engine.status import Status
 from ..mechanics.contact.gliding.catalogue import EVENTS
 from ..mechanics.events import Event
 from ..mechanics.system import System
-from ..mechanics.units import NEWTON, ONE, RADIAN, SECOND, Unit
+from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit
 from ..problem import PSI, Problems
 from ..scenario import build
 
@@ -47,34 +47,24 @@ def columns_of(system: System) -> dict[str, Form]:
     not; then what its own events keep.
     """
     names = {event.name: event for event in EVENTS}
-    order = [names[name] for name in ("equator", "inverted", "liftoff", "settled")]
+    watched = {event.extremes for event in system.events} - {"", "normal_force"}
     return {
         "t_end": (np.float64, SECOND, "end of the run"),
         "theta_end": (np.float64, RADIAN, "inclination at the end"),
-        **_kept_columns(order),
+        **_kept_columns([names[n] for n in ("equator", "inverted", "liftoff", "settled")]),
         "turnings": (np.int32, ONE, "turning angles that are more than rounding"),
         "theta_min": (np.float64, RADIAN, "lowest turning angle"),
         "theta_max": (np.float64, RADIAN, "highest turning angle"),
         "normal_force_min": (np.float64, NEWTON, "least normal force"),
         "normal_force_max": (np.float64, NEWTON, "greatest normal force"),
         "steps": (np.int32, ONE, "steps of the integrator"),
-        **_extremes(system),
         **{
-            name: form
-            for name, form in _kept_columns(system.events).items()
-            if name not in _kept_columns(order)
+            f"{q.name}_{end}": (np.float64, q.unit, f"{word} {q.long_name}")
+            for q in system.quantities
+            if q.name in watched
+            for end, word in (("min", "least"), ("max", "greatest"))
         },
-    }
-
-
-def _extremes(system: System) -> dict[str, Form]:
-    """The columns of extremes of event functions other than the normal force."""
-    watched = {event.extremes for event in system.events} - {"", "normal_force"}
-    return {
-        f"{q.name}_{end}": (np.float64, q.unit, f"{word} {q.long_name}")
-        for q in system.quantities
-        if q.name in watched
-        for end, word in (("min", "least"), ("max", "greatest"))
+        **_kept_columns(system.events),
     }
 
 
@@ -185,18 +175,16 @@ def table(outcomes: Outcomes) -> dict[str, Column]:
             ("top",), outcomes.kind, flag_attributes(CLASSES, "what became of the top")
         ),
     }
-    for name, (_, unit, text) in outcomes.forms.items():
-        columns[name] = Column(
-            ("top",), outcomes.columns[name], {"units": unit.symbol, "long_name": text}
-        )
-    for name, values in outcomes.orientation.items():
-        unit, text = ORIENTATION[name]
+
+    def add(name: str, values: np.ndarray, unit: Unit, text: str) -> None:
         columns[name] = Column(("top",), values, {"units": unit.symbol, "long_name": text})
+
+    for name, (_, unit, text) in outcomes.forms.items():
+        add(name, outcomes.columns[name], unit, text)
+    for name, values in outcomes.orientation.items():
+        add(name, values, *ORIENTATION[name])
     for name, worst in outcomes.drift.items():
-        columns[f"drift_{name}"] = Column(
-            ("top",), worst, {"units": "1", "long_name": f"worst relative drift: {name}"}
-        )
+        add(f"drift_{name}", worst, ONE, f"worst relative drift: {name}")
     if outcomes.lyapunov is not None:
-        about = {"units": "s-1", "long_name": "finite-time Lyapunov exponent of the run"}
-        columns[LYAPUNOV] = Column(("top",), outcomes.lyapunov, about)
+        add(LYAPUNOV, outcomes.lyapunov, PER_SECOND, "finite-time Lyapunov exponent of the run")
     return columns

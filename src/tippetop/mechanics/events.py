@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import names_its_faults
+
 
 NUMBERED = ("turning", "liftoff", "equator", "inverted", "settled")
 """The kinds of events that have fixed numbers in stores: their places here.
@@ -116,6 +118,11 @@ class Event:
     extremes: str = ""
     kept: tuple[Kept, ...] = ()
     sampled: bool = False
+
+    def __post_init__(self) -> None:
+        if callable(self.formula):
+            named = names_its_faults(self.formula, f"the event `{self.name}`")
+            object.__setattr__(self, "formula", named)
 
 
 def kinds(events: Sequence[Event]) -> tuple[str, ...]:

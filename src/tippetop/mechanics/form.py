@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from ..errors import names_its_faults
 from .events import Event
 from .readonly import ReadOnly
 from .units import Unit
@@ -34,6 +35,11 @@ class Quantity:
     formula: Callable
     meanings: tuple[str, ...] = ()
     is_column: bool = True
+
+    def __post_init__(self) -> None:
+        if callable(self.formula):
+            named = names_its_faults(self.formula, f"the column `{self.name}`")
+            object.__setattr__(self, "formula", named)
 
 
 @dataclass(frozen=True)
