@@ -56,7 +56,7 @@ def test_a_formula_that_fails_is_named(field: str, formula: Any) -> None:
         "events": tt.extending.Event("mine", "something happens", formula),
     }[field]
     name = registered(**{field: (*getattr(BASE, field), what)})
-    with pytest.raises(tt.InputError, match="the formula of the .* `mine` fails: "):
+    with pytest.raises(tt.InputError, match=r"the formula of the .* `mine` fails: "):
         tt.run("inverting", system=name, until=0.1)
 
 

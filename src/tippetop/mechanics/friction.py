@@ -360,55 +360,48 @@ slip_coefficient = select(SLIP)
 """k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that is registered."""
 
 
-SPEEDS2, HEIGHTS = (
-    (0.0, 1e-6, 1.0),
-    (1.0, 0.0, -1.0),
-)  # |v_A|^2 [m^2/s^2] and z at which a law is asked
+REST2, FAST2 = np.float64(0), np.float64(1e6)
+"""|v_A|^2 [m^2/s^2] at rest, and beyond that of any top."""
 
 
-def is_frictionless(law: Any) -> bool:
-    """Whether a law with its numbers takes no energy: k = 0 at rest and in motion, wherever the
-    contact lies.
-
-    So are the law `none`, and every law with mu = 0.
-    """
-    return bool(takes_nothing(law))
+def _coefficients(law: Any, *speeds2: Any) -> list[Any]:
+    """Return k at these |v_A|^2, for z = 1, 0 and -1."""
+    with np.errstate(all="ignore"):
+        return [slip_coefficient(v2, z, law) for v2 in speeds2 for z in (1.0, 0.0, -1.0)]
 
 
 def takes_nothing(law: Any) -> Any:
-    """As `is_frictionless`, of numbers (n,): which of them."""
+    """Return which laws with numbers (n,) take no energy.
+
+    k = 0 at rest and in motion, wherever the contact lies: the law `none`, and every law with
+    mu = 0.
+    """
     rules = named(type(law))
     if rules is None:  # a law of one system, which is no multiple of the sliding velocity
         return False
     if rules.set_valued or rules.regions:
         none = law.mu == 0
     else:
-        none = reduce(and_, (slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS))
+        none = reduce(and_, (k == 0 for k in _coefficients(law, 0.0, 1e-6, 1.0)))
     if rules.torque is not None:
         turns = rules.torque(inside(0.0, 1.0), Vector(1.0, 0.0, 1.0), law)
         none = none & (turns.x == 0) & (turns.z == 0)
     return none
 
 
-FAST2 = np.float64(1e6)  # |v_A|^2 [m^2/s^2] beyond that of any top
+def is_frictionless(law: Any) -> bool:
+    """Return whether a law with its numbers takes no energy, see `takes_nothing`."""
+    return bool(takes_nothing(law))
 
 
 def nowhere_vanishes(law: Any) -> bool:
-    """Return whether a law k g_n v_A acts wherever on the body the contact lies, at rest and in
-    fast sliding.
-    """
-    with np.errstate(all="ignore"):
-        return all(
-            slip_coefficient(v2, z, law) > 0 for v2 in (np.float64(0), FAST2) for z in HEIGHTS
-        )
+    """Return whether k > 0 wherever on the body the contact lies, at rest and in fast sliding."""
+    return all(k > 0 for k in _coefficients(law, REST2, FAST2))
 
 
 def is_linear(law: Any) -> bool:
     """Return whether k depends neither on the sliding speed nor on the place of the contact."""
-    return (
-        len({float(slip_coefficient(v2, z, law)) for v2 in (np.float64(0), FAST2) for z in HEIGHTS})
-        == 1
-    )
+    return len(set(map(float, _coefficients(law, REST2, FAST2)))) == 1
 
 
 def add(law: type[FrictionLaw]) -> None:
@@ -431,15 +424,21 @@ stores.
 """
 
 
-def _faults(law: type[FrictionLaw]) -> list[str]:
-    """What is wrong with a law that is to be registered, in sentences."""
-    name = law.key
-    if not isinstance(name, str) or not re.fullmatch(NAME, name):
-        return [
-            "the name of a law must be letters, digits, - and _, and begin with no digit, but "
+def checked_name(name: Any, kind: str) -> str:
+    """Return the name of a law or a system. Raises InputError if it is not allowed."""
+    if isinstance(name, str) and re.fullmatch(NAME, name):
+        return name
+    raise InputError(
+        [
+            f"the name of a {kind} must be letters, digits, - and _, and begin with no digit, but "
             f"is {name!r:.60}."
         ]
-    faults = []
+    )
+
+
+def _faults(law: type[FrictionLaw]) -> list[str]:
+    """Return what is wrong with a law that is to be registered, in sentences."""
+    name, faults = checked_name(law.key, "law"), []
     if name in LAWS:
         faults.append(
             f"the name of a law must be new, but `{name}` is that of {LAWS[name].__name__}."

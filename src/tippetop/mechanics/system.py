@@ -8,7 +8,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
-from ..errors import suggestion, unknown_key
+from ..errors import unknown_key
 from .events import Event, kinds
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
 from .number import Alternative, Number
@@ -404,23 +404,8 @@ class System:
         What theory says of a start (`outlook`) stays unless it is replaced too: None where the
         equations are others.
         """
-        known = {
-            "forms",
-            "quantities",
-            "events",
-            "exits",
-            *(field.name for field in dataclasses.fields(self)),
-        }
-        if unknown := [name for name in changes if name not in known]:
-            raise TypeError(
-                f"a System has no field `{unknown[0]}`.{suggestion(unknown[0], sorted(known))}"
-            )
-        of_phase = {
-            key: changes.pop(key)
-            for key in ("forms", "quantities", "events", "exits")
-            if key in changes
-        }
-        phase = dataclasses.replace(self.phase, **of_phase)
+        of_phase = changes.keys() & {"forms", "quantities", "events", "exits"}
+        phase = dataclasses.replace(self.phase, **{key: changes.pop(key) for key in of_phase})
         if self.common:
             changes.setdefault("common", phase)
         else:

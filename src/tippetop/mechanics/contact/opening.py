@@ -11,7 +11,6 @@ from typing import Any
 from ..events import Event
 from ..form import CLOCK, Exit, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
-from ..inlining import inlined
 from ..number import Number
 from ..operand import formula, leaves, refill
 from ..system import System
@@ -192,8 +191,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
     )
     exits = tuple(map(way_out, names))
     forms = {key: replace(form, not_normalised=("R", "c")) for key, form in phase.forms.items()}
-    fast = {name: inlined(getattr(phase, name)) for name in ("enter", "leave", "reaction")}
-    return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball, **fast)
+    return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball)
 
 
 # --- systems ------------------------------------------------------------------------------------

@@ -8,7 +8,6 @@ entry point's name.
 
 import copyreg
 import pickle
-import re
 import warnings
 from collections.abc import Callable
 from functools import cache
@@ -54,14 +53,7 @@ def add(system: System, *, here: bool = False) -> None:
 
     `here`: in this process. Raises InputError.
     """
-    name = system.name
-    if not isinstance(name, str) or not re.fullmatch(friction.NAME, name):
-        raise InputError(
-            [
-                "the name of a system must be letters, digits, - and _, and begin with no "
-                f"digit, but is {name!r:.60}."
-            ]
-        )
+    name = friction.checked_name(system.name, "system")
     before = SYSTEMS.get(name, system)
     again = here and before in REGISTERED_HERE  # as where a notebook's cell runs once more
     if before is not system and not again:
@@ -216,38 +208,22 @@ def load_entry_points() -> None:
     """
     from importlib.metadata import entry_points
 
-    groups: dict[str, tuple[type, str, Callable[[str, Any], None]]] = {
-        "tippetop.friction": (RecordType, "a FrictionLaw", _add_law_under),
-        "tippetop.systems": (System, "a System", _add_under),
+    groups: dict[str, tuple[type, str, Callable[[Any], None], str, str]] = {
+        "tippetop.friction": (RecordType, "a FrictionLaw", add_law, "key", "the key of its class"),
+        "tippetop.systems": (System, "a System", add, "name", "the name of its System"),
     }
-    for group, (kind, words, register) in groups.items():
+    for group, (kind, words, register, field, meaning) in groups.items():
         for entry in entry_points(group=group):
             try:
                 record = entry.load()
                 if not isinstance(record, kind):
                     raise InputError([f"it must be {words}, but is {record!r:.60}."])
-                register(entry.name, record)
+                register(record)
             except Exception as error:  # any package may have installed it, and broken it
                 warnings.warn(f"`{entry.name}` of {group} is left out: {error}", stacklevel=2)
-
-
-def _add_law_under(name: str, law: type[FrictionLaw]) -> None:
-    """Register the law of an entry point, and warn if its key is another."""
-    add_law(law)
-    if name != law.key:
-        warnings.warn(
-            f"`{name}` of tippetop.friction is known as `{law.key}`, the key of its class, and "
-            "by no other.",
-            stacklevel=3,
-        )
-
-
-def _add_under(name: str, system: System) -> None:
-    """Registers the system of an entry point, and warns if that has another name."""
-    add(system)
-    if name != system.name:
-        warnings.warn(
-            f"`{name}` of tippetop.systems is known as `{system.name}`, the name of its System, "
-            "and by no other.",
-            stacklevel=3,
-        )
+                continue
+            if (name := getattr(record, field)) != entry.name:
+                warnings.warn(
+                    f"`{entry.name}` of {group} is known as `{name}`, {meaning}, and by no other.",
+                    stacklevel=2,
+                )

@@ -10,10 +10,11 @@ spinning and tumbling states.
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..contact.body import Touch, height_energy
 from ..operand import formula
-from .regimes import regime
-from .thresholds import spin_of
+from .thresholds import lambda_s, lambda_u, poles, spin_of
 from .tumbling import tumbling, tumbling_is_stable, tumbling_states
 
 
@@ -60,17 +61,19 @@ def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
     """
 
     def state(kind: str, z: float, phi_dot: float, omega3: float, stable: bool) -> AsymptoticState:
-        energy: Any = least_energy(z, lam, b)
+        with np.errstate(over="ignore"):
+            energy: Any = least_energy(z, np.float64(lam), b)
         return AsymptoticState(kind, math.acos(z), phi_dot, omega3, float(energy), stable)
 
-    now, sense = regime(lam, b), math.copysign(1, lam)
-    between = []
+    low, high = poles(b)
+    spins = {low: abs(lam) < lambda_u(b), high: abs(lam) > lambda_s(b)}
+    sense, tumbling_ones = math.copysign(1, lam), []
     for z in map(float, tumbling_states(lam, b)[::-1] if lam else ()):
         phi_dot, omega3 = (sense * float(rate) for rate in tumbling(z, b))
-        between.append(state("tumbling", z, phi_dot, omega3, bool(tumbling_is_stable(z, b))))
-    upright = state("upright", 1.0, 0.0, spin_of(lam, b), bool(now.upright))
+        stable = bool(tumbling_is_stable(z, b))
+        tumbling_ones.append(state("tumbling", z, phi_dot, omega3, stable))
     return [
-        upright,
-        *between,
-        state("inverted", -1.0, 0.0, spin_of(lam, b, inverted=True), bool(now.inverted)),
+        state("upright", 1.0, 0.0, spin_of(lam, b), bool(spins["upright"])),
+        *tumbling_ones,
+        state("inverted", -1.0, 0.0, spin_of(lam, b, inverted=True), bool(spins["inverted"])),
     ]
