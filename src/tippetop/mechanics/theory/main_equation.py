@@ -18,15 +18,17 @@ Where nothing depends on time, Q_t = 0 for every angle, and the equation of seco
 is needed.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from ..system import System
 
 
 COMPLEX_STEP = 1e-30
-WAYS = np.array([1j * COMPLEX_STEP, 0.0])  # of z, and of t
+STEPS = np.array([1j * COMPLEX_STEP, 0.0])  # of z, without one and with one of t
 ORDER = 10  # of the power series at a turning
 REACH = 0.06  # of the time between turnings, where the series hands over
 # reaches before a turning with p > 1, from which on the piece before it says which curvature it has
@@ -164,11 +166,9 @@ class _Equation:
         self.values = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
         self.rates = self.values.derivative()
 
-    def square(self, z: Any, t: Any, step: Any = 0.0) -> Any:
-        """Q(z, t) = z'^2; `step` is a complex step of time."""
-        return self._square(
-            z, (self.values(t) + step * self.rates(t) if step else self.values(t)).T
-        )
+    def square(self, z: Any, t: Any) -> Any:
+        """Return Q(z, t) = z'^2."""
+        return self._square(z, self.values(t).T)
 
     def _square(self, z: Any, given: Any) -> Any:
         return (
@@ -178,13 +178,12 @@ class _Equation:
             / self.inertia(z, self.b)
         )
 
-    def along_z(self, z: Any, t: Any) -> Any:
-        """Q_z."""
-        return self.square(z + 1j * COMPLEX_STEP, t).imag / COMPLEX_STEP
-
-    def along_t(self, z: Any, t: Any) -> Any:
-        """Q_t."""
-        return self.square(z, t, 1j * COMPLEX_STEP).imag / COMPLEX_STEP
+    def slopes(self, z: Any, t: Any) -> Any:
+        """Return Q_z and Q_t, from one evaluation with a complex step in each direction."""
+        values, rates = self.values(t).T, self.rates(t).T
+        given = np.stack([values, values + 1j * COMPLEX_STEP * rates], -1)
+        square = self._square(np.asarray(z)[..., None] + STEPS, given)
+        return np.moveaxis(square.imag / COMPLEX_STEP, -1, 0)
 
     def conserving(self, times: np.ndarray, z: float) -> Reconstruction:
         """The motion where nothing depends on time: Q_t = 0 says nothing of the turnings, and z'' =
@@ -194,7 +193,7 @@ class _Equation:
         from scipy.integrate import solve_ivp
 
         def rates(t: float, y: np.ndarray) -> list[float]:
-            return [y[1], self.along_z(y[0], start) / 2]
+            return [y[1], self.slopes(y[0], start)[0] / 2]
 
         def turning(t: float, y: np.ndarray) -> float:
             return float(y[1])
@@ -224,10 +223,7 @@ class _Equation:
         self.calls += 1
         if self.calls > CALLS:
             raise _Lost
-        # both slopes of Q from one evaluation: here the time of a reconstruction goes
-        momenta, rates = self.values(t), self.rates(t)
-        given = np.array([momenta, momenta + 1j * COMPLEX_STEP * rates]).T
-        along_z, along_t = self._square(y[0] + WAYS, given).imag / COMPLEX_STEP
+        along_z, along_t = self.slopes(y[0], t)
         return np.array([y[1], along_z / 2 + along_t / (2 * y[1])])
 
     def swing(self, here: "_Series", end: float) -> "tuple[_Piece, _Series | None]":
@@ -237,19 +233,13 @@ class _Equation:
         piece, peak, share = _Piece(self, here, 1.0), 0.0, 0.0
         way = np.sign(piece.state[1])
 
-        def speed(t: float, y: np.ndarray) -> float:
+        def speed(y: np.ndarray) -> float:
             nonlocal peak
             peak = max(peak, way * y[1])
             return way * y[1] - share * peak
 
-        def slow(t: float, y: np.ndarray) -> float:
-            return speed(t, y)
-
-        def back(t: float, y: np.ndarray) -> float:
-            return way * y[1]
-
-        slow.terminal = speed.terminal = back.terminal = True  # type: ignore[attr-defined]
-        slow.direction, speed.direction, back.direction = -1, 1, -1  # type: ignore[attr-defined]
+        slow, fast = _event(speed, -1), _event(speed, 1)
+        back = _event(lambda y: way * y[1], -1)
         while True:
             for share in SLOW:
                 if piece.go(end, slow) >= end:
@@ -261,7 +251,7 @@ class _Equation:
                     piece.go(min(end, goal[1] - here.reach))
                     return piece, _series(self, *goal[:2], here.reach, piece)
             share *= 1.5  # it slows down, and does not turn
-            piece.go(end, (speed, back))
+            piece.go(end, (fast, back))
             if way * piece.state[1] <= 0:
                 return piece, None
             peak = way * piece.state[1]
@@ -277,18 +267,12 @@ class _Equation:
         z, t, h, far = z + speed * left / 2, start + left, 1e-4 * reach, 4 * abs(speed) * left
         first = z
         for _ in range(20):
-            jacobian = np.array(
-                [
-                    [self.along_z(z, t), self.along_t(z, t)],
-                    [
-                        (self.along_t(z + 1e-6, t) - self.along_t(z - 1e-6, t)) / 2e-6,
-                        (self.along_t(z, t + h) - self.along_t(z, t - h)) / (2 * h),
-                    ],
-                ]
-            )
+            across = self.slopes(z + 1e-6, t)[1] - self.slopes(z - 1e-6, t)[1]
+            along = self.slopes(z, t + h)[1] - self.slopes(z, t - h)[1]
+            jacobian = np.array([self.slopes(z, t), [across / 2e-6, along / (2 * h)]])
             if not (np.isfinite(jacobian).all() and np.linalg.det(jacobian)):
                 return None
-            step = np.linalg.solve(jacobian, [self.square(z, t), self.along_t(z, t)])
+            step = np.linalg.solve(jacobian, [self.square(z, t), jacobian[0, 1]])
             z, t = float(z - step[0]), float(t - np.clip(step[1], -reach, reach))
             if abs(step[0]) <= 4 * np.spacing(1.0) and abs(step[1]) <= 4 * np.spacing(
                 abs(t) + reach
@@ -298,11 +282,22 @@ class _Equation:
         if not (converged and start < t < start + 4 * left and abs(z - first) < far):
             return None
         (along_z, _), (_, q_tt) = jacobian
-        return (
-            z,
-            t,
-            2 * along_z / (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), speed)),
-        )
+        return z, t, along_z / (2 * _curvature(along_z, q_tt, speed))
+
+
+def _curvature(along_z: float, q_tt: float, way: float) -> float:
+    """Return a = z'' of a turning, of 2 a^2 - Q_z a = Q_tt; `way` is the sign of z' before it."""
+    return (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), way)) / 4
+
+
+def _event(function: Callable[[np.ndarray], float], direction: int) -> Any:
+    """Return an event of `solve_ivp` that ends the integration."""
+
+    def event(t: float, y: np.ndarray) -> float:
+        return function(y)
+
+    event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
+    return event
 
 
 class _Piece:
@@ -350,21 +345,15 @@ class _Series(NamedTuple):
 
     t: float
     reach: float
-    coefficients: np.ndarray
+    curve: Polynomial
     power: float
     node: bool
 
     def __call__(self, t: Any) -> Any:
-        return np.polynomial.polynomial.polyval(
-            (np.asarray(t) - self.t) / self.reach, self.coefficients
-        )
+        return self.curve((np.asarray(t) - self.t) / self.reach)
 
     def speed(self, t: Any) -> Any:
-        slope = np.polynomial.polynomial.polyder(self.coefficients)
-        return (
-            np.polynomial.polynomial.polyval((np.asarray(t) - self.t) / self.reach, slope)
-            / self.reach
-        )
+        return self.curve.deriv()((np.asarray(t) - self.t) / self.reach) / self.reach
 
 
 def _series(
@@ -373,23 +362,17 @@ def _series(
     """The smooth solution through a turning, by least squares on z'^2 = Q; `before` is the piece
     that leads to it, None at the first one, where time begins.
     """
-    along_z, h = equation.along_z(z, t), 1e-4 * reach
-    x = (
-        (1 - np.cos(np.linspace(0, np.pi, 4 * ORDER))) / 2
-        if before is None
-        else np.cos(np.linspace(0, np.pi, 4 * ORDER))
-    )
+    along_z, h = equation.slopes(z, t)[0], 1e-4 * reach
+    x = np.cos(np.linspace(0, np.pi, 4 * ORDER))
+    if before is None:
+        x = (1 - x) / 2
     powers, slopes = _powers(x), np.arange(ORDER + 1) * _powers(x)[:, [0, *range(ORDER)]] / reach
     c, free, node = np.zeros(ORDER + 1), [0, *range(2, ORDER + 1)], False
     c[:3] = z, 0.0, along_z / 4 * reach**2
     if before is not None:
-        q_tt = (equation.along_t(z, t + h) - equation.along_t(z, t - h)) / (2 * h)
+        q_tt = (equation.slopes(z, t + h)[1] - equation.slopes(z, t - h)[1]) / (2 * h)
         node = q_tt < 0 < -along_z * before.state[1]
-        c[2] = (
-            (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), before.state[1]))
-            / 8
-            * reach**2
-        )
+        c[2] = _curvature(along_z, q_tt, before.state[1]) / 2 * reach**2
         if node:
             y = np.linspace(-min(KNOWN, (t - before.start) / reach), -1, 2 * ORDER)
             few = [2, 3, 4, 5]  # enough to say which of both curvatures it is
@@ -397,11 +380,10 @@ def _series(
     for _ in range(12):
         speed, place = slopes @ c, powers @ c
         left = speed**2 - equation.square(place, t + reach * x)
-        change = (
-            2 * speed[:, None] * slopes - equation.along_z(place, t + reach * x)[:, None] * powers
-        )
+        along = equation.slopes(place, t + reach * x)[0]
+        change = 2 * speed[:, None] * slopes - along[:, None] * powers
         c[free] -= np.linalg.lstsq(change[:, free], left, rcond=None)[0]
-    return _Series(t, reach, c, float(along_z * reach**2 / (4 * c[2])), bool(node))
+    return _Series(t, reach, Polynomial(c), float(along_z * reach**2 / (4 * c[2])), bool(node))
 
 
 def _powers(x: np.ndarray) -> np.ndarray:
