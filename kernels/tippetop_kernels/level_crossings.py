@@ -21,31 +21,18 @@ class Level(IntEnum):
 
 @kernel
 def crossing(excess, inside, outside, level, p, r):
-    """q between `inside`, where excess < 0, and `outside`, where it is > 0 (Chandrupatla 1997)."""
-    a, b = outside, inside
-    fa, fb = excess(a, level, p, r), excess(b, level, p, r)
-    c, fc, t = a, fa, 0.5
-    for _ in range(200):
-        x = a + t * (b - a)
-        fx = excess(x, level, p, r)
-        if (fx > 0) == (fa > 0):
-            c, fc = a, fa
+    """Return q between `inside`, where excess <= 0, and `outside`, where it is > 0.
+
+    By bisection of ln(q) to the last bit.
+    """
+    while True:
+        q = np.sqrt(inside) * np.sqrt(outside)
+        if not min(inside, outside) < q < max(inside, outside):
+            return inside
+        if excess(q, level, p, r) > 0:
+            outside = q
         else:
-            c, fc, b, fb = b, fb, a, fa
-        a, fa = x, fx
-        best = a if abs(fa) < abs(fb) else b
-        if fa == 0 or abs(b - a) <= 4e-16 * abs(best):
-            return best
-        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
-        if phi * phi < xi and (1 - phi) * (1 - phi) < 1 - xi:
-            t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (
-                fc - fb
-            )
-        else:
-            t = 0.5
-        least = 2e-16 * abs(best) / abs(b - a)
-        t = min(max(t, least), 1 - least)
-    return best
+            inside = q
 
 
 @kernel

@@ -58,34 +58,24 @@ def clipped(q):
 def root_of_slope(slopes, low, high, p, r):
     """Return the q in (low, high) where the slope, of opposite signs at both, vanishes.
 
-    Halley's step where it stays inside the bracket, else the geometric mean: it cannot fail to
-    close. NaN if 200 steps do not settle.
+    By bisection of ln(q) to the last bit.
     """
     falling = slopes(low, p, r)[0] < 0
-    q = np.sqrt(low) * np.sqrt(high)
-    for _ in range(200):
-        g1, g2, g3 = slopes(q, p, r)
-        if g1 == 0:
-            return q
-        if (g1 < 0) == falling:
+    while True:
+        q = np.sqrt(low) * np.sqrt(high)
+        if not low < q < high:
+            return low
+        if (slopes(q, p, r)[0] < 0) == falling:
             low = q
         else:
             high = q
-        n, m = g1 * g2, 2 * g2 * g2 - g1 * g3
-        trial = q * (m - n) / (m + n)
-        if not (low < trial < high):
-            trial = np.sqrt(low) * np.sqrt(high)
-        if abs(trial - q) <= 4e-16 * q or high - low <= 4e-16 * low:
-            return trial
-        q = trial
-    return np.nan
 
 
 @kernel
 def minimise(slopes, guess, p, r):
     """Return the q of the only minimum: bracket it by ever longer steps, then close the bracket.
 
-    SMALLEST or LARGEST if the slope has one sign down to (up to) there; NaN if unsettled.
+    SMALLEST or LARGEST if the slope has one sign down to (up to) there; NaN if it is not finite.
     """
     q = clipped(guess(p, r))
     g1 = slopes(q, p, r)[0]
