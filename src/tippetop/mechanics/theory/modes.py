@@ -44,12 +44,12 @@ def _gliding(omega3: Any, b: Touch, up: int, slip: Any) -> np.ndarray:
     coefficients.
     """
     Lz, h = up * b.I3 * omega3, b.R - up * b.c
-    n = _row(1j * Lz / b.I1, -1j * up / b.I1, 0)
-    momentum = _row(-1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g)
-    twist = np.asarray(h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c)
-    lever = np.asarray(1j * h / b.I1)
-    v = _row(0, 0, -slip * b.g) + lever[..., None] * momentum + 1j * twist[..., None] * n
-    return np.stack(np.broadcast_arrays(n, momentum, v), -2)
+    n = 1j * Lz / b.I1, -1j * up / b.I1, 0
+    momentum = -1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g
+    twist, lever = h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c, 1j * h / b.I1
+    v0, v1, v2 = (lever * M + 1j * twist * N for M, N in zip(momentum, n, strict=True))
+    entries = np.broadcast_arrays(*n, *momentum, v0, v1, v2 - slip * b.g)
+    return np.stack(entries, -1).reshape(*entries[0].shape, 3, 3)
 
 
 def _slip(omega3: Any, up: int, law: Any) -> Any:
@@ -86,10 +86,6 @@ def shows_sliding(b: Touch, z: Any) -> Any:
         return True
     strength = slip_coefficient(0.0, z, b.friction) * np.sqrt(b.g * (b.R + np.abs(b.c)))
     return np.asarray(strength) * SLIDES**2 > 1e-12
-
-
-def _row(*entries: Any) -> np.ndarray:
-    return np.stack(np.broadcast_arrays(*(np.asarray(entry, complex) for entry in entries)), -1)
 
 
 ROUNDED = 1e-12  # of the fastest rate: a growth that is slower is zero to rounding
