@@ -127,9 +127,7 @@ def _records(arguments: tuple) -> Iterator[type]:
 
 
 def _is_ours(thing: Any) -> bool:
-    """Return whether a class or function is defined in the sources of our packages, or
-    is built in.
-    """
+    """Return whether a class or function belongs to our packages, or is built in."""
     return thing.__module__.partition(".")[0] in (*PACKAGES, "builtins")
 
 
@@ -137,7 +135,7 @@ def _is_ours(thing: Any) -> bool:
 
 
 def cache_folder() -> Path | None:
-    """Return the folder of compiled code, or None if there is none.
+    """Return the folder of compiled code, or None without one.
 
     It is TIPPETOP_CACHE_DIR (none if empty), or `tippetop/kernels` in the user's folder of caches.
     """

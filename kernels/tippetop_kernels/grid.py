@@ -1,6 +1,6 @@
 """Minima over a grid of points, row by row on all threads, with neighbouring points in SIMD lanes.
 
-Each step of the iteration is a loop of its own over a block of points, because a short chain of
+Each step of the iteration is a separate loop over a block of points, because a short chain of
 dependent operations keeps the processor busier than a long one.
 """
 
@@ -134,8 +134,9 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
 
 
 def gradients(prepare, gradient):
-    """Return the kernel of gradient(q, p, r) at every (x, y); fills by_x, by_y,
-    (xs.size, ys.size).
+    """Return the kernel of gradient(q, p, r) at every (x, y).
+
+    Fills by_x, by_y, (xs.size, ys.size).
     """
 
     @entry
@@ -171,12 +172,11 @@ def potentials(prepare, slopes, value):
 
 
 def turnings(prepare, slopes, value, excess, bend):
-    """Return the kernel of a minimum, the crossings around it, and a Level at points (xs, ys,
-    levels).
+    """Return the kernel of a minimum, the crossings around it, and a Level, at points.
 
-    It takes the minimum in whose basin `at` lies, the lowest where it is NaN; then the lowest that
-    the band contains. It fills `other` (2, n) with the crossings of a band elsewhere. All other
-    arrays are (n,).
+    The points are (xs, ys, levels). It takes the minimum in whose basin `at` lies, the lowest one
+    if `at` is NaN; then the lowest that the band contains. It fills `other` (2, n) with the
+    crossings of a band elsewhere. All other arrays are (n,).
     """
 
     @entry
@@ -211,8 +211,9 @@ def turnings(prepare, slopes, value, excess, bend):
 
 
 def periods(prepare, excess, inertia):
-    """Return the kernel of the period of the swing between low and high at each point; fills period
-    (n,).
+    """Return the kernel of the period of the swing between low and high at each point.
+
+    Fills period (n,).
     """
 
     @entry

@@ -37,8 +37,9 @@ def crossing(excess, inside, outside, level, p, r):
 
 @kernel
 def beyond(excess, inside, bound, level, p, r):
-    """The first crossing on the way from `inside`, where excess < 0, to `bound`; `bound` where
-    there is none.
+    """Return the first crossing on the way from `inside`, where excess < 0, to `bound`.
+
+    Return `bound` if there is none.
     """
     step, before, here = 1.1, inside, inside
     while here != bound:
@@ -52,9 +53,10 @@ def beyond(excess, inside, bound, level, p, r):
 
 @kernel
 def band_of(excess, q, count, well, level, allowance, p, r):
-    """The two q where excess(q, level, p, r), a function less the level, is 0 around the minimum
-    `well`; a Level; and the first and last minimum that the band holds: those that no maximum above
-    the level parts from it.
+    """Return the crossings of a level around the minimum `well`, a Level, and the minima inside.
+
+    The crossings are the two q where excess(q, level, p, r), a function less the level, is 0. The
+    minima are the first and the last that no maximum above the level separates from `well`.
 
     q (count,) are minima and maxima in turn. A level less than `allowance` (relative) from the
     minimum touches it. An end of the range (SMALLEST, LARGEST) stands for a function that stays
@@ -81,8 +83,9 @@ def band_of(excess, q, count, well, level, allowance, p, r):
 
 @kernel
 def swing(excess, inertia, low, high, level, p, r, b):
-    """Period of the swing between the crossings low and high: 2 integral of sqrt(inertia/-excess)
-    dtheta.
+    """Return the period of the swing between the crossings low and high.
+
+    It is 2 integral of sqrt(inertia/-excess) dtheta.
 
     With y = q/(1 + q) = y_low cos^2 + y_high sin^2 of beta/2 the integrand is smooth and periodic:
     the midpoint rule converges geometrically. NaN where 4096 nodes do not settle to 1e-11 (next to

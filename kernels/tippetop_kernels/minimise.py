@@ -3,7 +3,7 @@ sign.
 
 A problem is three functions of opaque records p (the point) and r (what all points share):
 
-    guess(p, r)         a first q, good to a factor of a few; 0, inf or NaN if there is none
+    guess(p, r)         a first q, good to a factor of a few; 0, inf or NaN if unknown
     slopes(q, p, r)     a common positive factor times the first three derivatives by ln(q)
     value(q, p, r)      the function itself
 
@@ -37,7 +37,7 @@ class Status(IntEnum):
 
 @inlined
 def factor(g1, g2, g3):
-    """Halley's step in ln(q) as a factor on q, between 1/8 and 8.
+    """Return Halley's step in ln(q) as a factor on q, between 1/8 and 8.
 
     The Pade form of exp keeps its third order.
     """
@@ -49,7 +49,7 @@ def factor(g1, g2, g3):
 
 @inlined
 def clipped(q):
-    """q within the range where nothing overflows; NaN becomes its lower end."""
+    """Return q within the range where nothing overflows; NaN becomes its lower end."""
     q = q if q > SMALLEST else SMALLEST
     return q if q < LARGEST else LARGEST
 
@@ -97,8 +97,9 @@ MOST_EXTREMES = 7  # that `extremes` gives room for: two minima are the most tha
 
 @kernel
 def extremes(slopes, p, r, q):
-    """Minima and maxima in turn, ascending: fills q (7,) with minimum, maximum, minimum, ...; how
-    many there are.
+    """Fill q with minima and maxima in turn, ascending; return their number.
+
+    q (7,) gets minimum, maximum, minimum, ...
 
     Scans ln(q) in steps of one half, 280 slopes. A pair of minimum and maximum closer than the scan
     can escape the count; it is shallow, hence never the lowest. An end of the range counts as a
@@ -123,7 +124,10 @@ def extremes(slopes, p, r, q):
 
 @kernel
 def lowest(value, turns, first, last, p, r):
-    """Which of the minima from `first` to `last` among minima and maxima in turn is the lowest."""
+    """Return the number of the lowest of the minima from `first` to `last`.
+
+    `turns` contains minima and maxima in turn.
+    """
     best, least = first, np.inf
     for k in range(first, last + 1):
         V = value(turns[2 * k], p, r)

@@ -45,7 +45,7 @@ def measure(
     alone: Alone | None = None,
     lyapunov: bool = False,
 ) -> Outcomes:
-    """Integrates every valid top to its end; `progress(done, n)` is called now and then.
+    """Integrate every valid top to its end; `progress(done, n)` is called now and then.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def measure(
     lanes
         Tops that one integrator advances at a time. It changes no bit.
     wanted
-        Names of the columns that somebody reads, None: all. The others may be empty; these have the
+        Names of the columns that are read, None: all. The others may be empty; these have the
         same bits.
     alone
         What runs one top whose contact may change its phase: lanes cannot.
@@ -87,9 +87,7 @@ def measure(
     clock = time.perf_counter()
     if len(numbers) and tops.base.system.is_hybrid:
         if alone is None:
-            raise ValueError(
-                "a contact that may change its phase is followed by a driver of its own"
-            )
+            raise ValueError("`alone` is required for a contact that may change its phase")
         one_by_one(measured, numbers, alone, progress)
     elif len(numbers):
         _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
@@ -101,8 +99,9 @@ def measure(
 
 
 def _ended_at_start(measured: Outcomes, functions: np.ndarray) -> np.ndarray:
-    """Which tops end before their first step, (n,): an event function that must not fall below zero
-    has done so.
+    """Return which tops end before their first step, (n,).
+
+    Those are the tops with an event function that is below zero, where it must not fall.
     """
     tops, ended = measured.tops, np.zeros(measured.tops.n, bool)
     for e, event in enumerate(tops.base.system.events):
@@ -202,7 +201,7 @@ def _run(
 
 
 def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows) -> None:
-    """The rows of tops that ran in lanes."""
+    """Write the rows of tops that ran in lanes."""
     columns, lane, kept = measured.columns, tops.lane[numbers], iter(tops.kept[:, numbers])
     sign, least, most = tops.functions[:, :, numbers]
     measured.status[numbers], measured.final[:, numbers] = lane["status"], tops.final[:, numbers]
@@ -215,7 +214,7 @@ def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows)
             lasts = measured.settled[numbers] = measured.settled[numbers] & (
                 event.direction * sign[e] > 0
             )
-        for number in event.kept:  # a time of what did not last to the end is none
+        for number in event.kept:  # NaN for the time of an event that did not last to the end
             values = next(kept)
             columns[number.name][numbers] = (
                 values if number.what == "count" else np.where(lasts, values, np.nan)
@@ -226,7 +225,7 @@ def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows)
 
 
 def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = False) -> Problems:
-    """The tops of a problem and its variations, for lanes.
+    """Return the tops of a problem and its variations, for lanes.
 
     Parameters
     ----------
@@ -256,7 +255,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
 
 
 def base_faults(base: Problem) -> list[str]:
-    """Why a problem cannot run in lanes, in sentences; empty if it can.
+    """Return why a problem cannot run in lanes, in sentences; empty if it can.
 
     Parameters
     ----------
@@ -304,8 +303,9 @@ def of_problem(
     alone: Alone | None = None,
     lyapunov: bool = False,
 ) -> "xr.Dataset":
-    """How each of many tops goes: a problem with other numbers, (n,) each, under dotted keys like
-    `friction.mu`.
+    """Return a Dataset with one row per top.
+
+    The tops are a problem with other numbers, (n,) each, under dotted keys like `friction.mu`.
 
     Parameters
     ----------
@@ -336,8 +336,8 @@ def of_problem(
 
     Notes
     -----
-    `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is
-    wrong with the first of them stands in the attributes. Raises InputError if a key is wrong.
+    `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; the
+    attributes contain the faults of the first of them.
     """
     if lyapunov and (sentences := derivative_faults(base)):
         raise InputError(sentences)

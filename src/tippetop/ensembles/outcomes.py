@@ -1,4 +1,4 @@
-"""What is kept of each top of an ensemble: status, class, times, angles, forces, drift."""
+"""The outcome of each top of an ensemble: status, class, times, angles, forces, drift."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -36,15 +36,16 @@ ORIENTATION = {  # columns of the orientation at the end, where it is wanted: un
 
 
 def _kept_columns(events: Sequence[Event]) -> dict[str, Form]:
-    """The columns of what events keep: times, then counts."""
+    """Return the columns of the numbers that events keep: times, then counts."""
     kept = [kept for event in events for kept in event.kept]
     times = {k.name: (np.float64, SECOND, k.long_name) for k in kept if k.what != "count"}
     return times | {k.name: (np.int32, ONE, k.long_name) for k in kept if k.what == "count"}
 
 
 def columns_of(system: System) -> dict[str, Form]:
-    """The columns of ensembles of a system: those of a gliding body, whether it has these events or
-    not; then what its own events keep.
+    """Return the columns of ensembles of a system.
+
+    First those of a gliding body, whether it has these events or not; then those of other events.
     """
     names = {event.name: event for event in EVENTS}
     watched = {event.extremes for event in system.events} - {"", "normal_force"}
@@ -69,8 +70,9 @@ def columns_of(system: System) -> dict[str, Form]:
 
 
 def statuses_of(system: System) -> tuple[str, ...]:
-    """The words of the column `status`, by number; ENDED only where an event or the contact needs
-    it.
+    """Return the words of the column `status`, by number.
+
+    ENDED is included only if an event or the contact needs it.
     """
     own = system.contact is not None or any(
         event.ends and Status.of_event(event.ends) is Status.ENDED for event in system.events
@@ -108,12 +110,12 @@ class Outcomes:
 
     @property
     def occupancy(self) -> float:
-        """Steps that tops made, over the steps that the lanes could have made."""
+        """Return the steps that tops made, over those that the lanes could have made."""
         return self.steps_made / max(1, self.steps_possible)
 
 
 def _conclude(outcomes: Outcomes) -> None:
-    """What follows from the ends: SI units, theta at the end, the class."""
+    """Compute what follows from the ends: SI units, theta at the end, the class."""
     tops, columns = outcomes.tops, outcomes.columns
     for name, (dtype, unit, _) in outcomes.forms.items():
         if dtype is np.float64:
@@ -145,7 +147,7 @@ def _conclude(outcomes: Outcomes) -> None:
 
 
 def dataset(outcomes: Outcomes, faults: list[tuple[int, str]]) -> "xr.Dataset":
-    """The rows as a labelled Dataset, dimension `top`."""
+    """Return the rows as a labelled Dataset, dimension `top`."""
     import xarray as xr
 
     columns, tops = table(outcomes), outcomes.tops
@@ -167,7 +169,7 @@ def dataset(outcomes: Outcomes, faults: list[tuple[int, str]]) -> "xr.Dataset":
 
 
 def table(outcomes: Outcomes) -> dict[str, Column]:
-    """The rows as columns along `top`, by name."""
+    """Return the rows as columns along `top`, by name."""
     words = statuses_of(outcomes.tops.base.system)
     columns: dict[str, Column] = {
         "status": Column(("top",), outcomes.status, flag_attributes(words, "how the run ended")),

@@ -194,9 +194,7 @@ def _wrong_types(system: System) -> list[str]:
 
 
 def rivals(events: Sequence[Event]) -> list[str]:
-    """Sentences on events of one phase that a run can follow only one of, and on one that can never
-    hold.
-    """
+    """Return messages on events of one phase that exclude each other, or never happen."""
     faults = []
     for field, what in ONCE.items():
         names = [f"`{event.name}`" for event in events if getattr(event, field)]

@@ -29,14 +29,14 @@ does not.
 
 @formula
 def inside(w2, U2):
-    """x <= 1: the point about which the patch turns lies within it."""
+    """Return the drag for x <= 1: the patch turns about a point inside it."""
     U, x2 = sqrt(U2), w2 / U2
     return Drag(3 * math.pi / 8 * (1 - x2 / 4) / U, 3 * math.pi / 16 * (1 - x2 + 3 * x2**2 / 8) / U)
 
 
 @formula
 def between(w2, U2):
-    """1 <= x, to be used up to x = 2.5."""
+    """Return the drag for 1 <= x <= 2.5."""
     U, x2 = sqrt(U2), w2 / U2
     y = sqrt(w2 - U2) / U
     A = atan2(U, sqrt(w2 - U2))  # arcsin(1/x)
@@ -46,7 +46,10 @@ def between(w2, U2):
 
 @formula
 def outside(w2, U2):
-    """x >= 2.5: the series in 1/x^2, f = 2F1(-1/2, 1/2; 5/2) and 5 x m = 2F1(1/2, 1/2; 7/2)."""
+    """Return the drag for x >= 2.5.
+
+    By the series in 1/x^2 of f = 2F1(-1/2, 1/2; 5/2) and 5 x m = 2F1(1/2, 1/2; 7/2).
+    """
     w, q = sqrt(w2), U2 / w2
     f, m = 1.0, 1.0
     for n in range(23, -1, -1):  # the ratio of a term to the one before it
@@ -57,7 +60,7 @@ def outside(w2, U2):
 
 @formula
 def drag(w2, U2):
-    """The drag of two numbers, by the formula of its region; infinite where w = U = 0."""
+    """Return the drag of two numbers, by the formula of its region; infinite where w = U = 0."""
     if w2 <= U2:
         return inside(w2, U2) if U2 > 0 else Drag(math.inf, math.inf)
     return between(w2, U2) if w2 < OUTSIDE_FROM**2 * U2 else outside(w2, U2)
@@ -129,13 +132,16 @@ REGIONS = {
 
 @formula
 def drilling_force(N, v, drag, mu):
-    """The force of a patch, (3,) [N]."""
+    """Return the force of a patch, (3,) [N]."""
     return Vector(-(mu * N * drag.k * v.x), -(mu * N * drag.k * v.y), N)
 
 
 @formula
 def drilling_torque(N, Omega_z, drag, mu, patch):
-    """The torque of a patch of this radius [m] about the vertical [N m]: (0, 0, it) acts on L."""
+    """Return the torque of a patch of this radius [m] about the vertical [N m].
+
+    L' = (0, 0, torque).
+    """
     return -(mu * N * patch**2 * drag.twist * Omega_z)
 
 
@@ -155,6 +161,6 @@ def rolling(omega, law):
 
 @formula
 def torque(drag, omega, law):
-    """The torque of drilling and of rolling resistance per normal force, (3,) [m]."""
+    """Return the torque of drilling and of rolling resistance per normal force, (3,) [m]."""
     resisting = rolling(omega, law)
     return Vector(resisting.x, resisting.y, drilling_torque(1, omega.z, drag, law.mu, law.patch))

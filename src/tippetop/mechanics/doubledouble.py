@@ -19,14 +19,14 @@ class DoubleDouble(NamedTuple):
 
 
 def doubledouble(x: Operand) -> DoubleDouble:
-    """The decimal number x as two doubles."""
+    """Return the decimal number x as two doubles."""
     head = float(x)
     return DoubleDouble(head, float(x - type(x)(head)))
 
 
 @formula
 def plus(x, y):
-    """x + y (Knuth's two-sum)."""
+    """Return x + y (Knuth's two-sum)."""
     s = x.head + y.head
     v = s - x.head
     return DoubleDouble(s, ((x.head - (s - v)) + (y.head - v)) + (x.tail + y.tail))
@@ -34,14 +34,15 @@ def plus(x, y):
 
 @formula
 def minus(x, y):
-    """x - y."""
+    """Return x - y."""
     return plus(x, DoubleDouble(-y.head, -y.tail))
 
 
 @formula
 def tidy(x):
-    """The same number with the head rounded from the whole: needed after a cancellation, where
-    heads are used alone.
+    """Return the same number with the head rounded from the whole.
+
+    This is needed after a cancellation, if heads are used alone.
     """
     s = x.head + x.tail
     return DoubleDouble(s, x.tail - (s - x.head))
@@ -49,7 +50,7 @@ def tidy(x):
 
 @formula
 def times(x, y):
-    """x y."""
+    """Return x y."""
     return DoubleDouble(
         x.head * y.head, product_error(x.head, y.head) + (x.head * y.tail + x.tail * y.head)
     )
@@ -57,13 +58,13 @@ def times(x, y):
 
 @formula
 def scaled(k, x):
-    """k x for a plain number k."""
+    """Return k x for a plain number k."""
     return DoubleDouble(k * x.head, product_error(k, x.head) + k * x.tail)
 
 
 @formula
 def quotient(x, y, per):
-    """x/y, given per = 1/y to a few roundings: the quotient is mended by its remainder."""
+    """Return x/y, given per = 1/y to a few roundings; the remainder corrects the quotient."""
     c = x.head * per
     return DoubleDouble(
         c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per

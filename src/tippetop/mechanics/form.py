@@ -25,7 +25,7 @@ class Quantity:
     meanings
         Of a number that stands for a name: the names, by number.
     is_column
-        Whether it is stored; what is not is compared with others.
+        Whether it is stored; otherwise it is used for comparisons only.
     """
 
     name: str
@@ -44,8 +44,9 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Integral:
-    """A variable that the equations of motion do not read: it is integrated beside them and must
-    not control the step.
+    """A variable that the equations of motion do not read.
+
+    It is integrated together with them and must not control the step.
 
     Parameters
     ----------
@@ -72,7 +73,7 @@ class Integral:
 
 @dataclass(frozen=True)
 class Orientation:
-    """How a form knows which way the whole body is turned, not its axis alone.
+    """The orientation of the whole body in a form, not of its axis alone.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ class Orientation:
         axes(q, carried, b) -> the body's axes 1 and 3 in the space frame, two Vectors; defined at
         the poles too.
     integrals
-        What is integrated for it.
+        Integrals that it needs.
     psi
         psi(first, third) of these axes [rad]; None: a planar motion, which has no psi.
     """
@@ -91,9 +92,7 @@ class Orientation:
 
 
 class Domain(NamedTuple):
-    """A scalar function that must stay positive, formula(scalars, b), and what it means when it
-    does not.
-    """
+    """A scalar function, formula(scalars, b), that must stay positive; the meaning otherwise."""
 
     formula: Callable
     meaning: str
@@ -123,7 +122,7 @@ class Form:
         vectors(q, b) -> a record with the `vectors` of its system; None: they are made of the
         angles.
     integrals
-        What is integrated beside the state.
+        Variables that are integrated together with the state.
     orientation
         How the turn of the whole body is known; None: it is not.
     domains
@@ -242,7 +241,7 @@ class Phase:
     quantities
         What can be read of a state, as columns.
     events
-        What is looked for.
+        Events of the phase.
     exits
         Which events end the phase, and how; none: only the end of the run does, or an event that
         stops it.
@@ -279,5 +278,5 @@ class Phase:
 
     @property
     def form(self) -> Form:
-        """The first form."""
+        """Return the first form."""
         return next(iter(self.forms.values()))

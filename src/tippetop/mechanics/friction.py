@@ -47,24 +47,23 @@ EPS = number(METRE_PER_SECOND, "regularisation speed eps", symbol=r"\varepsilon"
 
 @formula
 def drilling_part(omega, law):
-    """The drilling torque about the vertical, per normal force [m]: -mu_d sgn(Omega_z), smooth
-    where Omega_z = 0.
+    """Return the drilling torque about the vertical, per normal force [m].
+
+    It is -mu_d sgn(Omega_z), smooth where Omega_z = 0.
     """
     return -(law.mu_d * omega.z) / sqrt(omega.z * omega.z + STOPS_ROLLING**2)
 
 
 @formula
 def torque_of_parts(drag, omega, law):
-    """The torque of rolling resistance and drilling per normal force, (3,) [m]."""
+    """Return the torque of rolling resistance and drilling per normal force, (3,) [m]."""
     resisting = rolling(omega, law)
     return Vector(resisting.x, resisting.y, drilling_part(omega, law))
 
 
 @formula
 def torque_of_disc_and_part(drag, omega, law):
-    """The torque of a disc under Coulomb's law, and the drilling torque, per normal force, (3,)
-    [m].
-    """
+    """Return the torque of a disc and the drilling torque, per normal force, (3,) [m]."""
     of_disc = torque(drag, omega, law)
     return Vector(of_disc.x, of_disc.y, of_disc.z + drilling_part(omega, law))
 
@@ -75,8 +74,9 @@ def has_parts(law: Any) -> bool:
 
 
 def load(omega: Vector, law: Any) -> Vector | None:
-    """Return the torque of a law without regions per normal force, (3,) [m]; None under a law
-    without parts.
+    """Return the torque of a law without regions per normal force, (3,) [m].
+
+    Return None for a law without parts.
     """
     return torque_of_parts(None, omega, law) if "mu_d" in law._fields else None
 
@@ -147,8 +147,9 @@ class FrictionLaw(Record, abstract=True):
 
     @classmethod
     def given(cls, names: Collection[str]) -> Any:
-        """Return the law that these numbers belong to: `without`, if no optional one is among them;
-        `with_parts`, if numbers of PARTS are.
+        """Return the law that these numbers belong to.
+
+        `without`, if no optional one is among them; `with_parts`, if numbers of PARTS are.
         """
         optional = [name for name, rule in cls.parameters.items() if rule.optional]
         law = cls if cls.without is None or any(name in names for name in optional) else cls.without
@@ -174,7 +175,7 @@ class Viscous(FrictionLaw):
 
     @formula
     def coefficient(v2, z, law):
-        """k = mu [s/m]."""
+        """Return k = mu [s/m]."""
         return law.mu
 
 
@@ -192,7 +193,7 @@ class Coulomb(FrictionLaw):
 
     @formula
     def coefficient(v2, z, law):
-        """k = mu/sqrt(v^2 + eps^2) [s/m]."""
+        """Return k = mu/sqrt(v^2 + eps^2) [s/m]."""
         return law.mu / sqrt(v2 + law.eps * law.eps)
 
 
@@ -210,7 +211,7 @@ class SetValued(Coulomb):
 
     @formula
     def coefficient(v2, z, law):
-        """k = mu/|v| [s/m], of a contact that slides."""
+        """Return k = mu/|v| [s/m], of a contact that slides."""
         return law.mu / sqrt(v2)
 
 
@@ -259,7 +260,7 @@ class Mixed(FrictionLaw):
 
     @formula
     def coefficient(v2, z, law):
-        """k = mu + mu_coulomb/sqrt(v^2 + eps^2) [s/m]."""
+        """Return k = mu + mu_coulomb/sqrt(v^2 + eps^2) [s/m]."""
         return law.mu + law.mu_coulomb / sqrt(v2 + law.eps * law.eps)
 
 
@@ -281,7 +282,7 @@ class Stribeck(FrictionLaw):
 
     @formula
     def coefficient(v2, z, law):
-        """k = [mu + (mu_static - mu) exp(-v^2/v_s^2)]/sqrt(v^2 + eps^2) [s/m]."""
+        """Return k = [mu + (mu_static - mu) exp(-v^2/v_s^2)]/sqrt(v^2 + eps^2) [s/m]."""
         return (law.mu + (law.mu_static - law.mu) * exp(-(v2 / law.v_s**2))) / sqrt(
             v2 + law.eps * law.eps
         )
@@ -304,7 +305,7 @@ class Latitude(FrictionLaw):
 
     @formula
     def coefficient(v2, z, law):
-        """k = [mu (1 + z) + mu_stem (1 - z)]/2 [s/m]."""
+        """Return k = [mu (1 + z) + mu_stem (1 - z)]/2 [s/m]."""
         return (law.mu * (1 + z) + law.mu_stem * (1 - z)) / 2
 
 
@@ -320,7 +321,7 @@ class Frictionless(FrictionLaw):
 
     @formula
     def coefficient(v2, z, law):
-        """k = 0."""
+        """Return k = 0."""
         return 0.0
 
 
@@ -334,8 +335,9 @@ The contact of a body has phases under a law that is set-valued or has regions; 
 
 
 def all_laws(laws: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield every law with its name, also those of the same name with fewer numbers, or
-    with parts.
+    """Yield every law with its name.
+
+    Laws of the same name with fewer numbers, or with parts, are included.
     """
     for name, law in laws.items():
         for one in (law, law.without):
@@ -346,8 +348,9 @@ def all_laws(laws: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def named(record: type, laws: Mapping[str, Any] = LAWS) -> Any:
-    """Return the class of a record if it is that of a law of `laws`, or else of LAWS; None if it is
-    not.
+    """Return the class of a record if it is that of a law of `laws`, or else of LAWS.
+
+    Return None if it is not.
     """
     key = getattr(record, "key", "")
     known = [law for law in (laws.get(key), LAWS.get(key)) if law is not None]
@@ -437,7 +440,7 @@ def checked_name(name: Any, kind: str) -> str:
 
 
 def _faults(law: type[FrictionLaw]) -> list[str]:
-    """Return what is wrong with a law that is to be registered, in sentences."""
+    """Return messages on a law that cannot be registered."""
     name, faults = checked_name(law.key, "law"), []
     if name in LAWS:
         faults.append(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 AXIS = ("ux", "uy", "uz")
 PLACE = ("phi", "x", "y", *AXIS)
-"""What a moment has next to its scalars, where the form knows it."""
+"""Attributes of a moment in addition to its scalars, if the form has them."""
 
 
 class Moment(tuple):

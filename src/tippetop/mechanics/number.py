@@ -29,9 +29,9 @@ class Number:
     Parameters
     ----------
     unit : Unit
-        What it is given in, SI; `tippetop.mechanics.units` has those of the package.
+        The SI unit; `tippetop.mechanics.units` contains those of the package.
     long_name : str
-        What it is, in words.
+        The meaning, in words.
     above, least : float, optional
         It must be greater than `above`, at least `least`.
     below, most : float, optional
@@ -39,7 +39,7 @@ class Number:
     nonzero : bool
         Whether it must differ from 0.
     default : float, optional
-        What it is where it is left out; without, it must be given.
+        The value if the number is omitted; without a default it is required.
     symbol : str
         How figures write it, in TeX.
     optional : bool
@@ -80,7 +80,10 @@ class Number:
 
     @cached_property
     def _bounds(self) -> list[tuple[str, float, Callable]]:
-        """The bounds that are set: what a value must be, the limit, and how a value breaks it."""
+        """Return the bounds that are set.
+
+        Each is the requirement in words, the limit, and the comparison that violates it.
+        """
         bounds = (
             ("other than", 0.0 if self.nonzero else None, operator.eq),
             ("greater than", self.above, operator.le),
@@ -93,7 +96,7 @@ class Number:
         ]
 
     def broken(self, values: Any) -> Any:
-        """Where values lie outside the interval or are not finite: a mask of their shape.
+        """Return a mask of the values that lie outside the interval or are not finite.
 
         Parameters
         ----------
@@ -115,8 +118,9 @@ class Number:
         return broken
 
     def must(self, value: float | None = None) -> str:
-        """What must hold, as in "must be finite, greater than 0"; of a value: the first thing that
-        it breaks.
+        """Return the requirement, as in "must be finite, greater than 0".
+
+        With a value, the first requirement that it violates.
         """
         if value is None:
             return "must be finite" + "".join(
@@ -130,7 +134,7 @@ class Number:
         )
 
     def fault(self, key: str, value: float) -> str:
-        """The sentence on a value that is broken."""
+        """Return the message on a value that is not allowed."""
         return f"`{key}` {self.must()}, but is {value:.17g}."
 
     def read(self, key: str, value: Any) -> float:
@@ -175,7 +179,7 @@ class RecordType(type):
     """Makes a class of records, named tuples of the Numbers in its body; `parameters` has them by
     name.
 
-    An `abstract` class has no records of its own: its Numbers are `parts`, optional keywords of the
+    An `abstract` class has no records: its Numbers are `parts`, optional keywords of the
     classes below it.
     """
 
@@ -326,7 +330,10 @@ def _is_operand(value: Any) -> bool:
 
 
 def rules_faults(words: str, rules: Any) -> list[str]:
-    """The sentence on what must be Number records by name, and is not; `words` say what it is."""
+    """Return a message if `rules` are not Number records by name.
+
+    `words` describe `rules`.
+    """
     if isinstance(rules, Mapping) and all(isinstance(rule, Number) for rule in rules.values()):
         return []
     return [f"{words} must be Number records by name, but is {rules!r:.60}."]
@@ -342,8 +349,9 @@ class Alternative(NamedTuple):
     flag: bool = False  # true or false, not a number
 
     def fault(self, verb: str) -> str:
-        """The sentence on data that are not alone; `verb` says how the others come: they are given,
-        or vary.
+        """Return the message on initial data that exclude each other.
+
+        `verb` is that of the others: "is given", or "varies".
         """
         others = " or ".join(f"`initial.{other}`" for other in self.others)
         return f"`initial.{self.name}` must stand alone, but {others} {verb} too."

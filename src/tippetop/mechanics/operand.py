@@ -29,7 +29,7 @@ class Vector(NamedTuple):
 
 
 def formula(function: F) -> F:
-    """Marks a formula: an ordinary function, which numba may also call inside its own.
+    """Mark a function as a formula, which compiled functions of numba may call.
 
     Parameters
     ----------
@@ -69,8 +69,9 @@ sqrt, sin, cos, exp, atan2 = _lift("sqrt"), _lift("sin"), _lift("cos"), _lift("e
 
 
 def rounding(x: Any) -> float:
-    """That of a number's kind: of a double, one of 80 bits, one of heyoka's 128 bits, or one of
-    mpmath.
+    """Return the machine precision of the type of a number.
+
+    Known are double, 80-bit and heyoka's 128-bit numbers, and those of mpmath.
     """
     context = getattr(x, "context", None)  # of mpmath
     if context is not None:
@@ -79,8 +80,9 @@ def rounding(x: Any) -> float:
 
 
 def product_error(x: Operand, y: Operand) -> Operand:
-    """What rounding took from a product: x y = fl(x y) + product_error(x, y), exact (Dekker 1971;
-    in numba an fma).
+    """Return the rounding error of a product.
+
+    x y = fl(x y) + product_error(x, y) exactly (Dekker 1971; an fma in numba).
 
     Parameters
     ----------
@@ -104,30 +106,30 @@ def _half(x: Operand) -> Operand:
 
 @formula
 def dot(a: Vector, b: Vector) -> Operand:
-    """Scalar product a.b."""
+    """Return the scalar product a.b."""
     return a.x * b.x + a.y * b.y + a.z * b.z
 
 
 @formula
 def cross(a: Vector, b: Vector) -> Vector:
-    """Vector product a x b."""
+    """Return the vector product a x b."""
     return Vector(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
 @formula
 def times(k: Operand, a: Vector) -> Vector:
-    """The vector a, k times as long."""
+    """Return k a."""
     return Vector(k * a.x, k * a.y, k * a.z)
 
 
 @formula
 def plus(a: Vector, b: Vector) -> Vector:
-    """The sum a + b (a NamedTuple's own `+` would join the two)."""
+    """Return the sum a + b (a NamedTuple's own `+` would join the two)."""
     return Vector(a.x + b.x, a.y + b.y, a.z + b.z)
 
 
 def leaves(record: Any) -> list:
-    """The numbers of a record of records, in order.
+    """Return the numbers of a record of records, in order.
 
     Parameters
     ----------
@@ -137,7 +139,7 @@ def leaves(record: Any) -> list:
     Returns
     -------
     list
-        What is no record, depth first.
+        The numbers, depth first.
     """
     return [
         leaf
@@ -147,7 +149,7 @@ def leaves(record: Any) -> list:
 
 
 def refill(record: Any, values: Any) -> Any:
-    """The same record of records with other leaves, taken in order from the iterator `values`.
+    """Return the same record of records with other leaves.
 
     Parameters
     ----------
@@ -166,8 +168,9 @@ def refill(record: Any, values: Any) -> Any:
 
 
 def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> Callable:
-    """A formula that is chosen by the type of its last argument, a NamedTuple: in Python and inside
-    numba.
+    """Return a formula that is chosen by the type of its last argument, a NamedTuple.
+
+    It works in Python and inside numba.
 
     Parameters
     ----------
@@ -199,7 +202,7 @@ def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> 
 
 
 def teach_numba() -> None:
-    """Makes every formula callable inside numba.njit.
+    """Make every formula callable inside numba.njit.
 
     numba calls this itself, before its first compilation.
     """

@@ -32,7 +32,7 @@ class PotentialCoefficients(NamedTuple):
 
 
 def rounded(c: PotentialCoefficients) -> PotentialCoefficients:
-    """Coefficients of decimals as doubles or double-doubles, as the fields say."""
+    """Round coefficients of decimals to doubles or double-doubles, by field."""
     of = PotentialCoefficients.__annotations__
     parts: Any = (
         doubledouble(x) if of[name] is DoubleDouble else float(x) for name, x in c._asdict().items()

@@ -36,7 +36,7 @@ MEASURED = re.compile(
     re.DOTALL,
 )
 UNIT = re.compile(r"[^\W\d_]\w*(\s*(\*\*|\^)\s*\(?-?\d{1,2}\)?(?!\d))?|[°%](?!\d)|[*/·()\s]")
-"""One part of a unit. pint computes the rest of what it is given, however large."""
+"""One part of a unit. pint computes everything else in its argument, however large."""
 POWER = re.compile(
     r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.])(?(1)\))"
 )  # m2, s-1, m^2, m**(-1)
@@ -223,7 +223,7 @@ def _python(text: str) -> str:
 
 
 def _tree(text: str) -> ast.expr | None:
-    """Return the arithmetic of a text; None if there is none."""
+    """Return the arithmetic of a text, or None."""
     try:
         return ast.parse(_python(text), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):

@@ -68,25 +68,28 @@ class Landscape:
 
     @property
     def symbols(self) -> tuple[str, str]:
-        """The symbols of the two momenta."""
+        """Return the symbols of the two momenta."""
         return self.momenta[0].symbol, self.momenta[1].symbol
 
     @property
     def columns(self) -> tuple[str, str, str]:
-        """The columns of a run that place it in its landscape: two momenta and the energy."""
+        """Return the columns of a run that place it in its landscape.
+
+        They are two momenta and the energy.
+        """
         return self.momenta[0].column, self.momenta[1].column, self.energy
 
 
 class Outlook(NamedTuple):
     """What theory predicts of a start; an empty field where it says nothing."""
 
-    regime: str = ""  # what is stable, a sentence
+    regime: str = ""  # the stable states, a sentence
     fate: str = ""  # where the motion ends
     thresholds: Mapping[str, Any] = {}  # name -> theory.thresholds.Threshold
 
 
 class Opening(NamedTuple):
-    """What is known of a body whose contact may open."""
+    """Properties of a body whose contact may open."""
 
     planar: bool = False  # whether it moves in a plane
     sphere: bool = False  # whether its ball has a radius: there may be a stem, and a contact disc
@@ -117,7 +120,7 @@ class System:
     Parameters
     ----------
     name, title, source : str
-        The name in TOML; what it is; where it is published.
+        The name in TOML, a description, and the publication.
     parameters, initial : dict of Number
         The numbers of the body and of the start, by name.
     body, body_units : callable
@@ -231,8 +234,9 @@ class System:
             object.__setattr__(self, "laws", MappingProxyType(self.laws))
 
     def _derive(self) -> None:
-        """Fill the fields that are not given: from the parameters, and from the state of the first
-        phase.
+        """Fill the fields that are not given.
+
+        They are derived from the parameters and the state of the first phase.
         """
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and _all_are(self.parameters, Number):
@@ -281,8 +285,9 @@ class System:
     def body_of(
         self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same
     ) -> Any:
-        """The record that formulas take, in SI units: of parameters by name and the record of a
-        friction law.
+        """Return the record that formulas take, in SI units.
+
+        It is made of parameters by name and the record of a friction law.
 
         Parameters
         ----------
@@ -311,8 +316,9 @@ class System:
         return self.body(given, friction._make(map(number, friction)))
 
     def faults(self, parameters: Mapping[str, float]) -> list[str]:
-        """What is wrong with parameters by name, in sentences: one by one, then together; empty if
-        nothing is.
+        """Return messages on parameters that are wrong, one by one or together.
+
+        The numbers are checked one by one, then together.
         """
         faults = []
         for name, rule in self.parameters.items():
@@ -325,7 +331,7 @@ class System:
         return faults or list(self.checks(parameters))
 
     def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
-        """Sentences on initial data, by name, of which some say the same in two ways.
+        """Return messages on initial data that determine the same number in two ways.
 
         Parameters
         ----------
@@ -346,7 +352,7 @@ class System:
         ]
 
     def rivals(self, name: str) -> set[str]:
-        """The initial numbers that cannot be given beside another."""
+        """Return the initial numbers that cannot be given together with another."""
         names = set()
         for alternative in self.alternatives:
             if not alternative.flag and name in (alternative.name, *alternative.others):
@@ -354,8 +360,9 @@ class System:
         return names
 
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
-        """Initial data with some changed: a number takes the place of those that say the same in
-        another way.
+        """Return initial data with changes.
+
+        A number replaces those that determine the same in another way.
 
         Parameters
         ----------
@@ -374,32 +381,33 @@ class System:
 
     @property
     def is_hybrid(self) -> bool:
-        """Whether runs go from phase to phase."""
+        """Return whether runs go from phase to phase."""
         return self.begin is not None or any(phase.exits for phase in self.phases.values())
 
     @property
     def phase(self) -> Phase:
-        """The common phase, or else the first, the only one of most systems."""
+        """Return the common phase, or else the first, the only one of most systems."""
         return self.common or next(iter(self.phases.values()))
 
     @property
     def forms(self) -> dict[str, Form]:
-        """The forms of its rows."""
+        """Return the forms of its rows."""
         return self.phase.forms
 
     @property
     def quantities(self) -> Sequence[Quantity]:
-        """The quantities of its rows."""
+        """Return the quantities of its rows."""
         return self.phase.quantities
 
     @property
     def events(self) -> Sequence[Event]:
-        """The events that every phase has."""
+        """Return the events that every phase has."""
         return self.phase.events
 
     def replace(self, **changes: Any) -> "System":
-        """The system with other fields; `forms`, `quantities` and `events` are those of the first
-        phase.
+        """Return the system with other fields.
+
+        `forms`, `quantities` and `events` are those of the first phase.
 
         What theory says of a start (`outlook`) stays unless it is replaced too: None where the
         equations are others.
@@ -413,8 +421,9 @@ class System:
         return dataclasses.replace(self, **changes)
 
     def with_requested(self, columns: Collection[str]) -> "System":
-        """The system with those of its quantities on request that are named; the same record for
-        the same names.
+        """Return the system with those of its quantities on request that are named.
+
+        Equal names give the same record.
 
         Parameters
         ----------
@@ -431,7 +440,7 @@ class System:
         return _with_quantities(self, wanted) if wanted else self
 
     def folds(self, form: Form) -> dict[str, float]:
-        """What is 0 or 1 in the units of a form by construction."""
+        """Return the numbers of the body that are 0 or 1 in the units of a form."""
         return {
             name: value
             for name, value in self.normalised_to.items()
@@ -440,12 +449,12 @@ class System:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Names of the kinds of events in its logs, by their numbers in a store."""
+        """Return the names of the kinds of events in its logs, by their numbers in a store."""
         return kinds(self.events)
 
     @property
     def frictional(self) -> bool:
-        """Whether a friction law must be given."""
+        """Return whether a friction law must be given."""
         return bool(self.laws)
 
 
@@ -462,7 +471,7 @@ def of_one_phase(
     events: Sequence[Event],
     **rest: Any,
 ) -> System:
-    """A system whose contact never changes; `rest` is what else a System has.
+    """Return a system whose contact never changes.
 
     Parameters
     ----------

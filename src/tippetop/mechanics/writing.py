@@ -1,6 +1,4 @@
-"""Formulas written down as a program in another language: an operand that notes what is done with
-it.
-
+"""Formulas written as a program in another language, by an operand that records operations.
 Fed symbols, a formula gives symbols, and `Program` has a line for each sub-expression, once: so the
 C++ of the benchmarks and the JavaScript of the pages are the formulas of this package, and no
 second copy.
@@ -64,19 +62,19 @@ class Program:
     )  # name -> names that its line reads
 
     def new(self, text: str, needs: Iterable[str] = ()) -> "Symbol":
-        """The name of an expression that reads other names."""
+        """Return the name of an expression that reads other names."""
         name = self.names.setdefault(text, f"v{len(self.names)}")
         self.needs.setdefault(name, tuple(needs))
         return Symbol(self, name)
 
     def of(self, value: Any) -> "Symbol":
-        """A number or a symbol, as a symbol."""
+        """Return a number or a symbol, as a symbol."""
         if isinstance(value, Symbol):
             return value
         return Symbol(self, self.language.number(float(value)), float(value))
 
     def lines(self, results: Sequence[Any]) -> list[str]:
-        """The lines that the results need, in order; each ends with a semicolon."""
+        """Return the lines that the results need, in order; each ends with a semicolon."""
         wanted = [self.of(result).name for result in results]
         alive: set[str] = set()
         while wanted:
@@ -93,7 +91,7 @@ class Program:
 
 @dataclass(frozen=True, eq=False)
 class Symbol:
-    """An operand that writes down what is done with it. 0 and 1 fold."""
+    """An operand that records the operations on it. 0 and 1 fold."""
 
     program: Program
     name: str
@@ -142,8 +140,9 @@ class Symbol:
         return math.prod([self] * int(power), start=self.program.of(1.0))
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
-        """What numpy does with it: the functions of a language, and arithmetic with numbers of
-        numpy on the left.
+        """Apply a function of NumPy.
+
+        the functions of a language, and arithmetic with numbers of numpy on the left.
         """
         name = ufunc.__name__
         if method != "__call__" or options:
@@ -165,7 +164,7 @@ class Symbol:
 def function(
     language: Language, inputs: Sequence[str], formula: Callable[[list[Symbol]], Sequence[Any]]
 ) -> tuple[list[str], list[str]]:
-    """The lines and the results of a formula.
+    """Return the lines and the results of a formula.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ do not know them.
 
 
 def add(system: System, *, here: bool = False) -> None:
-    """Registers a system under its name, which must be new.
+    """Register a system under its name, which must be new.
 
     `here`: in this process. Raises InputError.
     """
@@ -95,9 +95,9 @@ def add_law(law: type[FrictionLaw], *, here: bool = False) -> None:
 
 
 def _defined_again(before: Any, record: Any) -> bool:
-    """Whether a record is that of a law of this process whose class statement has run once more:
-    code that is compiled belongs to a class, so that the same one with another coefficient would
-    keep the old.
+    """Return whether a record is that of a law whose class statement has run once more.
+
+    Compiled code belongs to a class, so that a class with another coefficient needs new code.
     """
     same = (before.__module__, before.__qualname__) == (
         getattr(record, "__module__", ""),
@@ -107,7 +107,7 @@ def _defined_again(before: Any, record: Any) -> bool:
 
 
 def _note(record: Any, *, here: bool, new: bool) -> None:
-    """Notes who registered a record: an entry point's word outweighs that of this process."""
+    """Note who registered a record; an entry point outweighs this process."""
     if here and new:
         REGISTERED_HERE.add(record)
     elif not here:
@@ -115,8 +115,9 @@ def _note(record: Any, *, here: bool, new: bool) -> None:
 
 
 def known_to_others(record: Any) -> bool:
-    """Whether other processes know a system, or a law by its record: of the package, or by an entry
-    point.
+    """Return whether other processes know a system, or a law by its record.
+
+    They know those of the package and of entry points.
     """
     record = getattr(record, "face", record)
     if record in REGISTERED_HERE:
@@ -125,8 +126,9 @@ def known_to_others(record: Any) -> bool:
 
 
 def find(name: str) -> System | None:
-    """The system of a name, of the package, registered, or of an entry point; None if there is
-    none.
+    """Return the system of a name, of the package, registered, or of an entry point.
+
+    Return None if it does not exist.
     """
     if name not in SYSTEMS:
         load_entry_points()
@@ -134,8 +136,9 @@ def find(name: str) -> System | None:
 
 
 def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
-    """Return the friction laws that runs of a system take, by name: one body takes those with
-    regions.
+    """Return the friction laws that runs of a system take, by name.
+
+    Laws with regions are for a body with a contact disc.
     """
     if system.contact is not None:
         return {
@@ -164,7 +167,7 @@ def opened_by_name(name: str, record: type, balls: int) -> System:
 
 
 def systems_of_laws() -> dict[str, tuple[type[FrictionLaw], list[str]]]:
-    """Every friction law that is known, by name, with the names of the systems that take it."""
+    """Return every friction law by name, with the names of the systems that take it."""
     known: dict[str, tuple[type[FrictionLaw], list[str]]] = {
         name: (law, []) for name, law in friction.LAWS.items()
     }
@@ -175,7 +178,7 @@ def systems_of_laws() -> dict[str, tuple[type[FrictionLaw], list[str]]]:
 
 
 def by_name(name: str) -> System:
-    """The system of a name, as a pickle has it.
+    """Return the system of a name, as a pickle has it.
 
     Raises InputError if this process does not know it.
     """
@@ -185,7 +188,7 @@ def by_name(name: str) -> System:
 
 
 def _pickled(system: System) -> tuple:
-    """A pickle has the names of systems, not their formulas."""
+    """Reduce a system to its name: a pickle contains no formulas."""
     if system.contact is not None and opened(SYSTEMS[system.name], *system.contact) is system:
         law, balls = system.contact
         return opened_by_name, (system.name, law, balls)
@@ -203,8 +206,9 @@ copyreg.pickle(System, _pickled)
 
 @cache
 def load_entry_points() -> None:
-    """Registers, once a process, what installed packages offer; one that fails is left out with a
-    warning.
+    """Register the entry points of installed packages, once per process.
+
+    A record that fails is left out with a warning.
     """
     from importlib.metadata import entry_points
 

@@ -91,7 +91,7 @@ class Modified(FrictionLaw):
 
 @formula
 def kappa(v2, law):
-    """kappa = 1/(1 + v_A^2/v_k^2), the share of the rolling reaction."""
+    """Return kappa = 1/(1 + v_A^2/v_k^2), the share of the rolling reaction."""
     return 1 / (1 + v2 / law.v_k**2)
 
 
@@ -145,7 +145,7 @@ ANGLES = Angles(RADIAN, RADIAN_PER_SECOND, METRE_PER_SECOND, METRE, JOULE, NEWTO
 
 @formula
 def scalars(q, b):
-    """The scalars of a state."""
+    """Return the scalars of a state."""
     along = q.nu_x + q.theta_dot * contact.height(q.z, b)
     w2 = q.theta_dot**2
     return Scalars(
@@ -167,14 +167,14 @@ def scalars(q, b):
 
 @formula
 def standard_force(c, b, law):
-    """F_x and F_z of F = g_n zhat - k g_n v_A. [T 6.3-6.5]"""
+    """Return F_x and F_z of F = g_n zhat - k g_n v_A. [T 6.3-6.5]"""
     N = contact.g_n(c, b)
     return -(slip_coefficient(c.v2, c.z, law) * N * c.nu_x), N
 
 
 @formula
 def modified_force(c, b, law):
-    """F_x and F_z of the modified reaction. [section 11.4]"""
+    """Return F_x and F_z of the modified reaction. [section 11.4]"""
     h, share = contact.height(c.z, b), kappa(c.v2, law)
     turn = (
         law.mu * c.nu_x * h
@@ -193,13 +193,13 @@ contact_force = select({Modified: modified_force}, standard_force)
 
 @formula
 def standard_mobility(c, b, law):
-    """As every body that glides."""
+    """Return the mobility of every body that glides."""
     return contact.contact_mobility(c, b)
 
 
 @formula
 def modified_mobility(c, b, law):
-    """The modified reaction is never jammed."""
+    """Return 1: the modified reaction never jams."""
     return 1.0
 
 
@@ -208,13 +208,16 @@ mobility_by_law = select({Modified: modified_mobility}, standard_mobility)
 
 @formula
 def contact_mobility(c, b):
-    """What must stay positive for the contact not to jam."""
+    """Return the number that is positive unless the contact jams."""
     return mobility_by_law(c, b, b.friction)
 
 
 @formula
 def rates(q, b):
-    """I theta'' = (a x F)_y and m r'' = F_x, with r' = nu_x + theta' (R - c z). [T 6.1, 6.2]"""
+    """Return the rates of I theta'' = (a x F)_y and m r'' = F_x.
+
+    [T 6.1, 6.2]
+    """
     c = scalars(q, b)
     Fx, N = contact_force(c, b, b.friction)
     h = contact.height(q.z, b)
@@ -229,18 +232,18 @@ def rates(q, b):
 
 @formula
 def of_angles(e, s, z, b):
-    """The state of an angle record."""
+    """Return the state of an angle record."""
     return State(s, z, e.theta_dot, e.nu_x)
 
 
 @formula
 def to_angles(q, carried, b):
-    """The angle record of a state."""
+    """Return the angle record of a state."""
     return Angles(carried.theta, q.theta_dot, q.nu_x, carried.x, carried.work, carried.impulse)
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
-    """The angle record of the given initial values; centre_at_rest may stand for nu_x."""
+    """Return the angle record of the given initial values; centre_at_rest may stand for nu_x."""
     e = Angles(*(data.get(name, 0) for name in Angles._fields))
     return (
         e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b))
@@ -251,27 +254,27 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
 
 @formula
 def normal_force(c, b):
-    """Normal force F_z [N]. [T 6.5; section 11.4]"""
+    """Return the normal force F_z [N]. [T 6.5; section 11.4]"""
     _, N = contact_force(c, b, b.friction)
     return N
 
 
 @formula
 def friction_power(c, b):
-    """-F.v_A = -E' [W]; negative where the modified reaction feeds energy in. [T 6.23]"""
+    """Return -F.v_A = -E' [W]; negative where the modified reaction feeds energy in. [T 6.23]"""
     Fx, _ = contact_force(c, b, b.friction)
     return -(Fx * c.nu_x)
 
 
 @formula
 def turning(c, b):
-    """theta'."""
+    """Return theta'."""
     return c.theta_dot
 
 
 @formula
 def sliding(c, b):
-    """|v_A|^2 less 1e-12 in internal units: below it the cylinder rolls."""
+    """Return |v_A|^2 less 1e-12 in internal units: below it the cylinder rolls."""
     return c.v2 - 1e-12
 
 

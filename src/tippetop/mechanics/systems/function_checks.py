@@ -45,9 +45,7 @@ def _require(holds: bool, must: str, found: str) -> None:
 
 
 def check_answers(system: System) -> None:
-    """Raise InputError for a system whose functions fail, or return something else than a run
-    needs.
-    """
+    """Raise InputError for a system whose functions fail or return wrong results."""
     of, names = f"of `{system.name}`", ", ".join(system.parameters) or "none"
     law = next(iter(system.laws.values()), friction.LAWS["none"])
     numbers = {name: allowed(rule) for name, rule in system.parameters.items()}

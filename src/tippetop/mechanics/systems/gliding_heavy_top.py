@@ -26,7 +26,9 @@ from .tippe_top import SOURCE
 
 @formula
 def Lz_rate(push_n, b):
-    """L_z' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] while gliding; push_n = (zhat x 3hat).(dv_A/dt).
+    """Return L_z' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] while gliding.
+
+    push_n is (zhat x 3hat).(dv_A/dt).
 
     [T 5.19]
     """
@@ -56,7 +58,7 @@ CONTACT_UNITS = ContactState._make(
 
 @formula
 def contact_scalars(q, b):
-    """The scalars of a state about the contact."""
+    """Return the scalars of a state about the contact."""
     u, u_dot = axis(q), heavy_top.tip_axis_rate(q, b)
     s = reaction.kinematics(u, heavy_top.momentum_about_centre(q, b), u_dot, b)
     return contact.Scalars(
@@ -77,9 +79,9 @@ def contact_scalars(q, b):
 
 @formula
 def contact_rates(q, b):
-    """3hat' = L_A x 3hat/I1*, L_A' = m a x (g zhat + dv_A/dt), v_A' = F/m - g zhat + c 3hat''.
+    """Return 3hat' = L_A x 3hat/I1*, L_A' = m a x (g zhat + dv_A/dt), and v_A'.
 
-    [T 5.4]
+    v_A' = F/m - g zhat + c 3hat''. [T 5.4]
     """
     u, u_dot, s = axis(q), heavy_top.tip_axis_rate(q, b), contact_scalars(q, b)
     N = contact.g_n(s, b)
@@ -103,14 +105,14 @@ def contact_rates(q, b):
 
 @formula
 def work_rate(q, carried, b):
-    """Power that friction takes [W]."""
+    """Return the power that friction takes [W]."""
     s = contact_scalars(q, b)
     return slip_coefficient(s.v2, s.z, b.friction) * contact.g_n(s, b) * s.v2
 
 
 @formula
 def contact_of_angles(e, s, z, b):
-    """The state about the contact of the angles. [section 1]"""
+    """Return the state about the contact of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, heavy_top.tip_inertia(b), b.I3)
     ex, ey = cos(e.phi), sin(e.phi)
     return ContactState(
@@ -127,7 +129,7 @@ def contact_of_angles(e, s, z, b):
 
 @formula
 def angles_of_contact(q, carried, b):
-    """The angles of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
+    """Return the angles of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
     return gliding_chart.gliding_angles(contact_scalars(q, b), axis(q), carried, b)
 
 
@@ -151,7 +153,7 @@ CONTACT = Form(
 
 @formula
 def own_Lz_rate(s, b):
-    """L_z' about the tip [kg m^2/s^2] of the state itself. [T 5.19]"""
+    """Return L_z' about the tip [kg m^2/s^2] of the state itself. [T 5.19]"""
     return Lz_rate(rates.push_n(s, b), b)
 
 

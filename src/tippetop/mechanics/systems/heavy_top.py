@@ -66,7 +66,7 @@ class HeavyTop(Top):
 
 @formula
 def potential(z, Lz, L3, b):
-    """Effective potential V(z, L_z, L_3) [J] of both heavy tops; L_z, L_3 about the tip.
+    """Return the effective potential V(z, L_z, L_3) [J] of both heavy tops; L_z, L_3 about the tip.
 
     [T 2.38, 5.26]
     """
@@ -78,8 +78,9 @@ def potential(z, Lz, L3, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """V of both heavy tops as the landscape takes it, seen upside down: q = cot(theta/2)^2, momenta
-    (L3, Lz).
+    """Return V of both heavy tops as the landscape takes it, seen upside down.
+
+    q is cot(theta/2)^2, and the momenta are (L3, Lz).
     """
     zero, one, per = 0 * b.m, 1 + 0 * b.m, 2 * sqrt(2 * tip_inertia(b))
     return PotentialCoefficients(
@@ -118,7 +119,7 @@ LANDSCAPE = Landscape(
 
 @formula
 def theta_inertia(z, b):
-    """I1*/2, the factor of theta'^2 in E~ = I1* theta'^2/2 + V(z, L_z, L_3) [kg m^2].
+    """Return I1*/2, the factor of theta'^2 in E~ = I1* theta'^2/2 + V(z, L_z, L_3) [kg m^2].
 
     [T 2.38, 5.26]
     """
@@ -133,19 +134,22 @@ def L3(s, b):
 
 @formula
 def Lz(s, b):
-    """L_z = L_A.zhat about the tip [kg m^2/s]; constant where the tip is fixed. [T 2.36, 5.19]"""
+    """Return L_z = L_A.zhat about the tip [kg m^2/s]; constant where the tip is fixed.
+
+    [T 2.36, 5.19]
+    """
     return s.Lz + b.m * b.c**2 * s.phi_dot_s2
 
 
 @formula
 def tip_axis_rate(q, b):
-    """3hat' = L_A x 3hat/I1* [1/s]. [T 2.24]"""
+    """Return 3hat' = L_A x 3hat/I1* [1/s]. [T 2.24]"""
     return times(1 / tip_inertia(b), cross(gliding_vector.momentum(q), axis(q)))
 
 
 @formula
 def momentum_about_centre(q, b):
-    """L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
+    """Return L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
     return plus(
         gliding_vector.momentum(q), times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b)))
     )
@@ -156,8 +160,9 @@ def momentum_about_centre(q, b):
 
 @formula
 def fixed_scalars(q, b):
-    """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; |r'| =
-    l |3hat'|.
+    """Return the scalars of a state about the fixed tip.
+
+    They are those of a body that rolls with R = 0; |r'| = l |3hat'|.
     """
     u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
     s = reaction.kinematics(u, L, u_dot, b)
@@ -167,7 +172,7 @@ def fixed_scalars(q, b):
 
 @formula
 def fixed_rates(q, b):
-    """3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
+    """Return 3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
     u, u_dot = axis(q), tip_axis_rate(q, b)
     weight = b.m * b.g * b.c
     return rolling_vector.VectorState(
@@ -177,11 +182,11 @@ def fixed_rates(q, b):
 
 @formula
 def vertical_reaction(q, carried, b):
-    """Vertical reaction at the tip, m (g - c z'') [N], with I1* z'' = (L_A' x 3hat)_z + (L_A x (L_A
-    x 3hat))_z/I1*.
+    """Return the vertical reaction at the tip, m (g - c z'') [N].
 
-    Not by 3hat': what shares products with the equations of motion changes how they are compiled,
-    and so their bits.
+    I1* z'' = (L_A' x 3hat)_z + (L_A x (L_A x 3hat))_z/I1*. It is not computed by 3hat': an
+    expression that shares products with the equations of motion changes how they are compiled, and
+    so their bits.
     """
     turn = q.Lz * (q.Lx * q.ux + q.Ly * q.uy) - q.uz * (q.Lx * q.Lx + q.Ly * q.Ly)
     weight, inertia = b.m * b.g * b.c * ((1 - q.uz) * (1 + q.uz)), tip_inertia(b)
@@ -206,7 +211,7 @@ ANGLES = Angles._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND)
 
 @formula
 def tip_accelerations(e, s, z, b):
-    """theta'', phi'' about a fixed tip. [section 8]"""
+    """Return theta'', phi'' about a fixed tip. [section 8]"""
     inertia = tip_inertia(b)
     theta_dot2 = (
         s / inertia * (inertia * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.m * b.g * b.c)
@@ -219,7 +224,7 @@ def tip_accelerations(e, s, z, b):
 
 @formula
 def euler_scalars(e, b):
-    """The scalars of an Euler-angle state."""
+    """Return the scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
     theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
     phi_dot_s2 = e.phi_dot * s**2
@@ -243,7 +248,7 @@ def euler_scalars(e, b):
 
 @formula
 def euler_rates(e, b):
-    """The equations in Euler angles. [section 8]"""
+    """Return the rates of the Euler angles. [section 8]"""
     s, z = sin(e.theta), cos(e.theta)
     theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
     return rolling_euler.EulerState(e.theta_dot, theta_dot2, phi_dot2, 0 * z)
@@ -251,7 +256,7 @@ def euler_rates(e, b):
 
 @formula
 def euler_vertical_reaction(q, carried, b):
-    """Vertical reaction at the tip [N]."""
+    """Return the vertical reaction at the tip [N]."""
     s, z = sin(q.theta), cos(q.theta)
     theta_dot2, _ = tip_accelerations(q, s, z, b)
     return b.m * (b.g + b.c * (theta_dot2 * s + q.theta_dot**2 * z))
@@ -259,14 +264,17 @@ def euler_vertical_reaction(q, carried, b):
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """The state about the fixed tip of the angles. [section 1]"""
+    """Return the state about the fixed tip of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
     return rolling_vector.VectorState(u.x, u.y, u.z, L.x, L.y, L.z)
 
 
 @formula
 def angles_of_vector(q, carried, b):
-    """The angles of a state about the fixed tip; 0/0 exactly at a pole, where phi means nothing."""
+    """Return the angles of a state about the fixed tip.
+
+    They are 0/0 exactly at a pole, where phi is undefined.
+    """
     c = fixed_scalars(q, b)
     theta, theta_dot, phi_dot, phi = gliding_chart.axis_angles(c, axis(q))
     return Angles(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, carried.impulse)
@@ -274,13 +282,16 @@ def angles_of_vector(q, carried, b):
 
 @formula
 def angles_of_euler(q, carried, b):
-    """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
+    """Return the same angles with theta in [0, pi] and phi in (-pi, pi].
+
+    They are computed by way of the vector state.
+    """
     e = Angles(q.theta, q.theta_dot, q.phi_dot, q.omega3, carried.phi, carried.impulse)
     return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
-    """The angle record of the given initial values."""
+    """Return the angle record of the given initial values."""
     return gliding.given_angles(Angles, data, z)
 
 

@@ -47,7 +47,7 @@ GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
 def tippe_top(b: Touch, start: Start) -> Outlook:
-    """A gliding tippe top: lambda is conserved, so it decides which states are stable.
+    """Predict a gliding tippe top: lambda is conserved and decides which states are stable.
 
     [T Theorem 3.3.2, corrected]
     """
@@ -69,7 +69,7 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
 
 
 def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
-    """A tippe top whose contact may open or stick: what holds while it slides on a ball.
+    """Predict a tippe top whose contact may open or stick, while it slides on a ball.
 
     [contact 4.1]
     """
@@ -105,7 +105,7 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
 
 
 def tippe_top_borders(b: Touch) -> dict[str, Any]:
-    """|lambda| at which the asymptotic states of a tippe top change [kg m^3/s]; arrays, too.
+    """Return each |lambda| at which the asymptotic states of a tippe top change [kg m^3/s].
 
     NaN: no border.
     """
@@ -123,7 +123,7 @@ def tippe_top_borders(b: Touch) -> dict[str, Any]:
 
 
 def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
-    """A rolling tippe top: one degree of freedom. [T ch. 4]"""
+    """Predict a rolling tippe top: one degree of freedom. [T ch. 4]"""
     limits = _of_surface(b)
     sentence = "pure rolling conserves E, D and lambda: theta nutates for ever"
     stable = "stable" if abs(start["jellett"]) > limits["lambda_pi"].value else "unstable"
@@ -142,7 +142,7 @@ def _of_surface(b: Touch) -> dict[str, Threshold]:
 
 
 def heavy_top(b: Touch, start: Start) -> Outlook:
-    """A heavy top whose tip is fixed. [T ch. 2]"""
+    """Predict a heavy top whose tip is fixed. [T ch. 2]"""
     upright = "stable" if _sleeps(b, start) else "unstable"
     return Outlook(
         f"the sleeping top of this spin is {upright}", heavy_top_motion(b, start), _sleeping(b)
@@ -150,7 +150,7 @@ def heavy_top(b: Touch, start: Start) -> Outlook:
 
 
 def heavy_top_motion(b: Touch, start: Start) -> str:
-    """The name of the motion of a heavy top whose tip is fixed."""
+    """Return the name of the motion of a heavy top whose tip is fixed."""
     if start["at_pole"]:
         return f"a spin that {STAYS}"
     conserved = start["energy"], start["Lz"], start["L3"]
@@ -158,7 +158,7 @@ def heavy_top_motion(b: Touch, start: Start) -> str:
 
 
 def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
-    """A heavy top whose tip glides: upright it is unstable at every speed, against [T 5.54].
+    """Predict a heavy top whose tip glides: upright it is always unstable, against [T 5.54].
 
     [section 6]
     """
@@ -177,7 +177,7 @@ def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
 
 
 def cylinder(b: Touch, start: Start) -> Outlook:
-    """An eccentric cylinder that rolls, or comes to. [T ch. 6]"""
+    """Predict an eccentric cylinder that rolls, or comes to. [T ch. 6]"""
     if b.c == 0:
         return Outlook("a round cylinder rolls as it began")
     omega = math.sqrt(b.m * b.g * b.c / (b.I1 + b.m * (b.R - b.c) ** 2))
@@ -185,7 +185,9 @@ def cylinder(b: Touch, start: Start) -> Outlook:
 
 
 def gliding_cylinder(b: Touch, start: Start) -> Outlook:
-    """An eccentric cylinder that glides; without friction its centre of mass moves as it began.
+    """Predict an eccentric cylinder that glides.
+
+    Without friction its centre of mass keeps its velocity.
 
     [T ch. 6]
     """
@@ -198,8 +200,9 @@ def gliding_cylinder(b: Touch, start: Start) -> Outlook:
 
 
 def _round(law: Any) -> str:
-    """Describe how a round cylinder glides: v_A' = -k(v_A) g (I + m R^2)/I v_A, or less where k is
-    modified. [T 6.7]
+    """Describe how a round cylinder glides.
+
+    v_A' = -k(v_A) g (I + m R^2)/I v_A, or less where k is modified. [T 6.7]
     """
     if named(type(law)) is not None:
         if is_linear(law):
@@ -210,7 +213,7 @@ def _round(law: Any) -> str:
 
 
 def _sleeps(b: Touch, start: Start) -> bool:
-    """Whether the spin is above that of the sleeping top."""
+    """Return whether the spin is above that of the sleeping top."""
     return abs(start["L3"]) / b.I3 > sleeping_spin(b)
 
 

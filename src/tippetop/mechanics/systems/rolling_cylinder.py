@@ -45,7 +45,7 @@ ROLLING_ANGLES = RollingAngles(RADIAN, RADIAN_PER_SECOND, METRE, NEWTON_SECOND)
 
 @formula
 def rolling_acceleration(s, z, theta_dot, b):
-    """theta'' of pure rolling [1/s^2]. [T 6.11]"""
+    """Return theta'' of pure rolling [1/s^2]. [T 6.11]"""
     return -(b.m * b.c * s * (b.g + b.R * theta_dot**2)) / (b.I1 + b.m * contact.arm2(z, b))
 
 
@@ -62,7 +62,7 @@ def rolling_scalars(q, b):
 
 @formula
 def rolling_rates(q, b):
-    """theta'' of pure rolling. [T 6.11]"""
+    """Return theta'' of pure rolling. [T 6.11]"""
     return RollingState(
         q.z * q.theta_dot, -(q.s * q.theta_dot), rolling_acceleration(q.s, q.z, q.theta_dot, b)
     )
@@ -70,13 +70,13 @@ def rolling_rates(q, b):
 
 @formula
 def rolling_of_angles(e, s, z, b):
-    """The rolling state of an angle record."""
+    """Return the rolling state of an angle record."""
     return RollingState(s, z, e.theta_dot)
 
 
 @formula
 def rolling_to_angles(q, carried, b):
-    """The angle record of a rolling state."""
+    """Return the angle record of a rolling state."""
     return RollingAngles(carried.theta, q.theta_dot, carried.x, carried.impulse)
 
 

@@ -72,7 +72,9 @@ class TippeTop(Top):
 
 @formula
 def d(z, b):
-    """d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit; D = L_3 sqrt(d).
+    """Return d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit.
+
+    It gives D = L_3 sqrt(d).
 
     [T 4.7]
     """
@@ -83,7 +85,7 @@ def d(z, b):
 
 @formula
 def routh(s, b):
-    """Routh's function D = I3 omega_3 sqrt(d(z)) [kg m^2/s]; constant in pure rolling.
+    """Return Routh's function D = I3 omega_3 sqrt(d(z)) [kg m^2/s]; constant in pure rolling.
 
     [T 4.7, 4.14]
     """
@@ -92,7 +94,9 @@ def routh(s, b):
 
 @formula
 def routh_rate(z, push, b):
-    """D' = gamma m R/sqrt(d) (zhat x 3hat).(dv_A/dt) [kg m^2/s^2]; push = (zhat x 3hat).(dv_A/dt).
+    """Return D' = gamma m R/sqrt(d) (zhat x 3hat).(dv_A/dt) [kg m^2/s^2].
+
+    push is (zhat x 3hat).(dv_A/dt).
 
     [T 4.17]
     """
@@ -101,21 +105,28 @@ def routh_rate(z, push, b):
 
 @formula
 def theta_inertia(z, b):
-    """g(z), the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda) [kg m^2]. [T 4.11]"""
+    """Return g(z), the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda) [kg m^2].
+
+    [T 4.11]
+    """
     return (b.I1 + b.m * contact.arm2(z, b)) / 2
 
 
 @formula
 def X(z, D, lam, b):
-    """X(z) = lambda sqrt(d(z)) + R(alpha - z) D, which carries phi' sin(theta)^2 = X/(R I1
-    sqrt(d)). [T 4.9]
+    """Return X(z) = lambda sqrt(d(z)) + R(alpha - z) D. [T 4.9]
+
+    It determines phi' sin(theta)^2 = X/(R I1 sqrt(d)).
     """
     return lam * sqrt(d(z, b)) + (b.c - b.R * z) * D
 
 
 @formula
 def potential(z, D, lam, b):
-    """Effective potential V(z, D, lambda) [J], z = cos(theta) in (-1, 1). [equal to T 4.12]"""
+    """Return the effective potential V(z, D, lambda) [J], z = cos(theta) in (-1, 1).
+
+    [equal to T 4.12]
+    """
     w = (1 - z) * (1 + z)
     return (
         contact.height_energy(z, b)
@@ -126,9 +137,10 @@ def potential(z, D, lam, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """V as the landscape takes it, q = tan(theta/2)^2; feed a body of decimals, and no digit is
-    lost (the marked lines cancel). Of a peg they are those of the body with its axis turned round,
-    where D is -D. [section 5]
+    """Return V as the landscape takes it, q = tan(theta/2)^2.
+
+    With a body of decimals no digit is lost, although the marked lines cancel. The coefficients of
+    a peg are those of the body with its axis reversed, where D is -D. [section 5]
     """
     turned = b.c < 0
     b = b._replace(c=abs(b.c))
@@ -156,7 +168,7 @@ def coefficients(b) -> PotentialCoefficients:
 
 @formula
 def two_minima(b):
-    """Negative iff V can have a second minimum, near the highest spin: gamma > gamma*.
+    """Return a number that is negative iff V can have a second minimum: gamma > gamma*.
 
     [section 5, item 4]
     """
@@ -184,7 +196,7 @@ QUANTITIES = (*MOMENTA, *gliding.QUANTITIES)
 
 @formula
 def own_routh_rate(s, b):
-    """D' [kg m^2/s^2] of the state itself. [T 4.17]"""
+    """Return D' [kg m^2/s^2] of the state itself. [T 4.17]"""
     return routh_rate(s.z, rates.push_n(s, b), b)
 
 

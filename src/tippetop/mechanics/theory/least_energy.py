@@ -20,16 +20,16 @@ from .tumbling import tumbling, tumbling_is_stable, tumbling_states
 
 @formula
 def arm_inertia(z, b):
-    """a.I a = I1 R^2 sin(theta)^2 + I3 (c - R z)^2 [kg m^4], I1 times the G(z) of the source.
+    """Return a.I a = I1 R^2 sin(theta)^2 + I3 (c - R z)^2 [kg m^4].
 
-    [T 3.44, corrected]
+    It is I1 times the G(z) of the source. [T 3.44, corrected]
     """
     return b.I1 * b.R**2 * ((1 - z) * (1 + z)) + b.I3 * (b.c - b.R * z) ** 2
 
 
 @formula
 def least_energy(z, lam, b):
-    """E_lambda(z) = lambda^2/(2 a.I a) + m g s_z [J]. [T 3.44, corrected]"""
+    """Return E_lambda(z) = lambda^2/(2 a.I a) + m g s_z [J]. [T 3.44, corrected]"""
     return lam**2 / (2 * arm_inertia(z, b)) + height_energy(z, b)
 
 
@@ -48,7 +48,7 @@ class AsymptoticState(NamedTuple):
 
 
 def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
-    """The critical points of E_lambda, from theta = 0 to pi.
+    """Return the critical points of E_lambda, from theta = 0 to pi.
 
     [T Theorems 3.3.1 and 3.3.2, corrected]
 

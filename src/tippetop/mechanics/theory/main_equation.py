@@ -66,7 +66,7 @@ def reconstruct(
     z: float,
     period: float,
 ) -> Reconstruction:
-    """theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)). [T 4.40, 5.26]
+    """Return theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)). [T 4.40, 5.26]
 
     Parameters
     ----------
@@ -186,9 +186,10 @@ class _Equation:
         return np.moveaxis(square.imag / COMPLEX_STEP, -1, 0)
 
     def conserving(self, times: np.ndarray, z: float) -> Reconstruction:
-        """The motion where nothing depends on time: Q_t = 0 says nothing of the turnings, and z'' =
-        Q_z/2 needs no turnings, as it has no branch points. `mismatch` is that of z'^2 = Q, in the
-        largest z'^2.
+        """Return the motion where nothing depends on time.
+
+        Q_t = 0 does not determine the turnings, and z'' = Q_z/2 does not need them, because it has
+        no branch points. `mismatch` is that of z'^2 = Q, relative to the largest z'^2.
         """
         from scipy.integrate import solve_ivp
 
@@ -219,7 +220,7 @@ class _Equation:
         )
 
     def motion(self, t: float, y: np.ndarray) -> np.ndarray:
-        """The rates of z and z': z'' = Q_z/2 + Q_t/(2 z')."""
+        """Return the rates of z and z': z'' = Q_z/2 + Q_t/(2 z')."""
         self.calls += 1
         if self.calls > CALLS:
             raise _Lost
@@ -227,8 +228,9 @@ class _Equation:
         return np.array([y[1], along_z / 2 + along_t / (2 * y[1])])
 
     def swing(self, here: "_Series", end: float) -> "tuple[_Piece, _Series | None]":
-        """From one turning to the next: the motion up to the edge of the next, and its series, or
-        None.
+        """Return the motion from one turning to the next, and its series.
+
+        The motion goes up to the edge of the next turning; without one its series is None.
         """
         piece, peak, share = _Piece(self, here, 1.0), 0.0, 0.0
         way = np.sign(piece.state[1])
@@ -257,8 +259,9 @@ class _Equation:
             peak = way * piece.state[1]
 
     def turning(self, piece: "_Piece", reach: float) -> tuple[float, float, float] | None:
-        """Angle, time and power p where Q = Q_t = 0 soon after the end of a piece; None where there
-        is none.
+        """Return angle, time and power p where Q = Q_t = 0 soon after the end of a piece.
+
+        Return None if there is no such point.
         """
         start, (z, speed) = piece.end, piece.state
         left = abs(
@@ -359,8 +362,9 @@ class _Series(NamedTuple):
 def _series(
     equation: _Equation, z: float, t: float, reach: float, before: _Piece | None
 ) -> _Series:
-    """The smooth solution through a turning, by least squares on z'^2 = Q; `before` is the piece
-    that leads to it, None at the first one, where time begins.
+    """Return the smooth solution through a turning, by least squares on z'^2 = Q.
+
+    `before` is the piece that leads to it, None at the first one, where time begins.
     """
     along_z, h = equation.slopes(z, t)[0], 1e-4 * reach
     x = np.cos(np.linspace(0, np.pi, 4 * ORDER))

@@ -16,13 +16,13 @@ class Regime(NamedTuple):
 
     @property
     def attractors(self) -> list[str]:
-        """The stable states in words."""
+        """Return the stable states in words."""
         words = ["the upright spin"] if self.upright else []
         words += [f"tumbling at theta = {theta:.6g} rad" for theta in self.tumbling]
         return words + (["the inverted spin"] if self.inverted else [])
 
     def sentence(self) -> str:
-        """What is stable."""
+        """Describe which states are stable."""
         states = self.attractors
         if not states:
             return "no spinning or tumbling state is stable"
@@ -33,7 +33,7 @@ class Regime(NamedTuple):
 
 
 def regime(lam: float, b: Touch) -> Regime:
-    """Which asymptotic states of a tippe top are stable. [T Theorem 3.3.2, corrected]
+    """Return which asymptotic states of a tippe top are stable. [T Theorem 3.3.2, corrected]
 
     Parameters
     ----------
