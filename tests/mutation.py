@@ -52,7 +52,7 @@ JUDGES: dict[str, tuple[str, ...]] = {
         f"{RUNS}/test_phases_of_runs.py",
     ),
     "mechanics.doubledouble": ("mechanics/test_operand.py", "-k", "doubles"),
-    "mechanics.events": ("runs/test_events.py", "-k", "TestSignificance"),
+    "mechanics.event": ("runs/test_events.py", "-k", "TestSignificance"),
     "mechanics.systems.spinning": ("mechanics/test_spinning.py",),
     "mechanics.systems.tippe_top": ("mechanics/test_spinning.py",),
     "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..mechanics.events import ON_ZERO as BELOW
-from ..mechanics.events import Event
+from ..mechanics.event import ON_ZERO as BELOW
+from ..mechanics.event import Event
 from ..mechanics.form import CLOCK, Exit, Next, Phase
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill

@@ -21,9 +21,9 @@ from ..engine.tallies import EventRows, signs_of
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults, variation_faults
 from ..progress import reporting
+from .hybrid_tops import Alone, problem_of, run_each
 from .lanes import LANES, SWINGS, Lanes, new_tops
 from .outcomes import Outcomes, _conclude, dataset
-from .singly import Alone, one_by_one, problem_of
 
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def measure(
     if len(numbers) and tops.base.system.is_hybrid:
         if alone is None:
             raise ValueError("`alone` is required for a contact that may change its phase")
-        one_by_one(measured, numbers, alone, progress)
+        run_each(measured, numbers, alone, progress)
     elif len(numbers):
         _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
     _conclude(measured)
@@ -272,17 +272,13 @@ def base_faults(base: Problem) -> list[str]:
         sentences.append(
             f"the system of an ensemble must have an event, but `{base.system.name}` has none."
         )
-    if missing := [name for name in ("ux", "uy", "uz") if name not in base.form.units._fields]:
-        able = [
-            name
-            for name, form in base.system.forms.items()
-            if {"ux", "uy", "uz"} <= set(form.units._fields)
-        ]
+    forms = base.system.forms.items()
+    able = [name for name, form in forms if {"ux", "uy", "uz"} <= set(form.units._fields)]
+    if base.form.name not in able:
         others = " or ".join(f'"{name}"' for name in able) or "none of this system"
         sentences.append(
             "`form` must be one in an ensemble that integrates the axis, as ux, uy, uz: "
-            f"{others}, but is "
-            f'"{base.form.name}", which has no {missing[0]}.'
+            f'{others}, but is "{base.form.name}".'
         )
     if base.sensitivities:
         sentences.append("`run.sensitivities` must not be given in an ensemble: it keeps no rows.")

@@ -23,15 +23,14 @@ from ..engine.tallies import (
     new_tallies,
 )
 from ..engine.taylor import compiled_when
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
 
 
 LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
-SAMPLES = (
-    64  # of a lane, between two looks at the invariants: a look takes 0.2 ms whatever its length
-)
+# of a lane, between two looks at the invariants: a look takes 0.2 ms whatever its length
+SAMPLES = 64
 EVERY = 32  # steps between two samples
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
 MOST_DRIVEN = 8192  # steps between two looks of Python: 70 ms

@@ -10,7 +10,7 @@ from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of, with_phases
 from ..engine.status import Status
 from ..mechanics.contact.gliding.catalogue import EVENTS
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.system import System
 from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit
 from ..problem import PSI, Problems
@@ -103,9 +103,8 @@ class Outcomes:
         self.steps_made = self.steps_possible = 0
         # "heyoka" where its own loop made steps, because the machine code could not be called
         self.steps_by = ""
-        self.faults: list[
-            tuple[int, str]
-        ] = []  # of tops that showed to be invalid when they were begun
+        # of tops that turned out to be invalid when they were begun
+        self.faults: list[tuple[int, str]] = []
         self.seconds = self.processor = 0.0  # by the wall clock, and by the clocks of the threads
 
     @property

@@ -9,7 +9,7 @@ from ..engine.status import Status
 from ..ensembles.outcomes import columns_of
 from ..errors import InputError
 from ..mechanics.consistency import rivals
-from ..mechanics.events import NUMBERED, Event, Kept
+from ..mechanics.event import NUMBERED, Event, Kept
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import Unit
 from ..scenario import build

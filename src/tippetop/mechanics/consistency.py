@@ -5,7 +5,7 @@ from math import isfinite
 from types import MappingProxyType
 from typing import Any
 
-from .events import Event
+from .event import Event
 from .form import CLOCK, unchanged
 from .number import rules_faults
 from .system import Exit, Form, Landscape, Phase, Quantity, System

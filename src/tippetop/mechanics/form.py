@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from ..errors import names_its_faults
-from .events import Event
+from .event import Event
 from .readonly import ReadOnly
 from .units import Unit
 
@@ -134,9 +134,9 @@ class Form:
     name: str
     units: Any
     rates: Any
-    scalars: Callable = field(default=lambda q, b: q)
-    of_angles: Any = field(default=lambda angles, s, z, b: angles)
-    to_angles: Any = field(default=lambda q, carried, b: q)
+    scalars: Callable = lambda q, b: q
+    of_angles: Any = lambda angles, s, z, b: angles
+    to_angles: Any = lambda q, carried, b: q
     vectors: Callable | None = None
     integrals: tuple[Integral, ...] = ()
     orientation: Orientation | None = None

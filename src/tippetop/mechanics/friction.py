@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import InputError, names_its_faults
 from .disc_friction import REGIONS, STOPS_ROLLING, Region, inside, rolling, torque
-from .number import Number, Record, RecordType, again, number
+from .number import Number, Record, RecordType, number, reuse
 from .operand import Vector, exp, formula, select, sqrt
 from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 
@@ -117,8 +117,8 @@ class FrictionLaw(Record, abstract=True):
     with_parts: ClassVar[Any] = None
     """The law with rolling resistance and a drilling torque; None of one that has them."""
 
-    mu_r: Number = again(PARTS["mu_r"], default=None, kw_only=True)
-    mu_d: Number = again(PARTS["mu_d"], default=None, kw_only=True)
+    mu_r: Number = reuse(PARTS["mu_r"], default=None, kw_only=True)
+    mu_d: Number = reuse(PARTS["mu_d"], default=None, kw_only=True)
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -189,7 +189,7 @@ class Coulomb(FrictionLaw):
 
     words = "regularised Coulomb friction"
     mu: Number = number(ONE, "Coulomb friction coefficient mu", symbol=r"\mu", least=0)
-    eps: Number = again(EPS, default=None, optional=True)
+    eps: Number = reuse(EPS, default=None, optional=True)
 
     @formula
     def coefficient(v2, z, law):
@@ -205,7 +205,7 @@ class SetValued(Coulomb):
     """
 
     words = "Coulomb friction"
-    mu: Number = again(Coulomb.parameters["mu"])
+    mu: Number = reuse(Coulomb.parameters["mu"])
     set_valued = True
     without = None
 
@@ -229,7 +229,7 @@ class Contensou(FrictionLaw):
     words = "Coulomb–Contensou friction"
     regions = REGIONS
     torque = staticmethod(torque)
-    mu: Number = again(Coulomb.parameters["mu"])
+    mu: Number = reuse(Coulomb.parameters["mu"])
     patch: Number = number(
         METRE,
         "radius of the contact disc, 1e-5 to 1 times that of the sphere",
@@ -254,9 +254,9 @@ class Mixed(FrictionLaw):
     """
 
     words = "viscous and Coulomb friction"
-    mu: Number = again(Viscous.parameters["mu"])
-    mu_coulomb: Number = again(Coulomb.parameters["mu"], symbol=r"\mu_C")
-    eps: Number = again(EPS)
+    mu: Number = reuse(Viscous.parameters["mu"])
+    mu_coulomb: Number = reuse(Coulomb.parameters["mu"], symbol=r"\mu_C")
+    eps: Number = reuse(EPS)
 
     @formula
     def coefficient(v2, z, law):
@@ -271,14 +271,14 @@ class Stribeck(FrictionLaw):
     """
 
     words = "Stribeck friction"
-    mu: Number = again(Coulomb.parameters["mu"])
+    mu: Number = reuse(Coulomb.parameters["mu"])
     mu_static: Number = number(
         ONE, "Coulomb friction coefficient at rest", symbol=r"\mu_s", least=0
     )
     v_s: Number = number(
         METRE_PER_SECOND, "Stribeck speed, over which mu_static falls to mu", symbol="v_s", above=0
     )
-    eps: Number = again(EPS)
+    eps: Number = reuse(EPS)
 
     @formula
     def coefficient(v2, z, law):
@@ -295,7 +295,7 @@ class Latitude(FrictionLaw):
     = -1.
     """
 
-    mu: Number = again(Viscous.parameters["mu"])
+    mu: Number = reuse(Viscous.parameters["mu"])
     mu_stem: Number = number(
         SECOND_PER_METRE,
         "viscous friction coefficient on the side of the stem",

@@ -166,7 +166,7 @@ number = Number
 coefficient")`."""
 
 
-def again(rule: Number, *, default: None = None, **changes: Any) -> Any:
+def reuse(rule: Number, *, default: None = None, **changes: Any) -> Any:
     """Return the Number of another record as a field.
 
     Type checkers read `default` and `kw_only`.
@@ -174,7 +174,7 @@ def again(rule: Number, *, default: None = None, **changes: Any) -> Any:
     return replace(rule, **changes)
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(number, again))
+@dataclass_transform(frozen_default=True, field_specifiers=(number, reuse))
 class RecordType(type):
     """Makes a class of records, named tuples of the Numbers in its body; `parameters` has them by
     name.

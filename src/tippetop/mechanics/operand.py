@@ -9,9 +9,8 @@ import heyoka as hy
 import numpy as np
 
 
-Operand = (
-    Any  # float, complex, array (any precision), heyoka expression; heyoka and numba are untyped
-)
+# float, complex, array (any precision), heyoka expression; heyoka and numba are untyped
+Operand = Any
 F = TypeVar("F", bound=Callable)
 
 

@@ -37,9 +37,8 @@ MEASURED = re.compile(
 )
 UNIT = re.compile(r"[^\W\d_]\w*(\s*(\*\*|\^)\s*\(?-?\d{1,2}\)?(?!\d))?|[°%](?!\d)|[*/·()\s]")
 """One part of a unit. pint computes everything else in its argument, however large."""
-POWER = re.compile(
-    r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.])(?(1)\))"
-)  # m2, s-1, m^2, m**(-1)
+POWER = re.compile(r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.])(?(1)\))")
+"""The power of a unit: m2, s-1, m^2, m**(-1)."""
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 EXPONENT = re.compile(r"[eE]([-+]?[\d_]+)$")
 HERTZ = re.compile(r"\b(k?Hz|k?hertz)\b")

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
 from ..errors import unknown_key
-from .events import Event, kinds
+from .event import Event, kinds
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
 from .number import Alternative, Number
 from .readonly import freeze
@@ -58,13 +58,12 @@ class Landscape:
     """
 
     momenta: tuple[Momentum, Momentum]
-    coefficients: (
-        Callable  # coefficients(body) -> PotentialCoefficients, in the numbers of the body
-    )
-    two_wells: Callable | None = (
-        None  # two_wells(body) < 0 iff V can have two minima; None: it never has
-    )
-    energy: str = "modified_energy"  # the column of a run that is compared with V
+    # coefficients(body) -> PotentialCoefficients, in the numbers of the body
+    coefficients: Callable
+    # two_wells(body) < 0 iff V can have two minima; None: it never has
+    two_wells: Callable | None = None
+    # the column of a run that is compared with V
+    energy: str = "modified_energy"
 
     @property
     def symbols(self) -> tuple[str, str]:
@@ -91,13 +90,16 @@ class Outlook(NamedTuple):
 class Opening(NamedTuple):
     """Properties of a body whose contact may open."""
 
-    planar: bool = False  # whether it moves in a plane
-    sphere: bool = False  # whether its ball has a radius: there may be a stem, and a contact disc
-    routh: Callable | None = None  # Routh's function of the gliding body, if it has one
-    outlook: Callable | None = None  # outlook(b, start, rules) -> Outlook
-    without: tuple[
-        str, ...
-    ] = ()  # quantities of the gliding body that are no columns of its phases
+    # whether it moves in a plane
+    planar: bool = False
+    # whether its ball has a radius: there may be a stem, and a contact disc
+    sphere: bool = False
+    # Routh's function of the gliding body, if it has one
+    routh: Callable | None = None
+    # outlook(b, start, rules) -> Outlook
+    outlook: Callable | None = None
+    # quantities of the gliding body that are not columns of its phases
+    without: tuple[str, ...] = ()
 
 
 def _all_are(records: Any, kind: type) -> bool:
@@ -148,84 +150,75 @@ class System:
 
     name: str
     parameters: dict[str, Number]
-    phases: dict[str, Phase]  # by name; a run starts in the first unless its start says otherwise
+    # a run starts in the first phase unless its start determines another
+    phases: dict[str, Phase]
     title: str = ""
     source: str = ""
-    body: Any = None  # body(parameters, friction) -> the record that every formula takes, SI
-    body_units: Any = None  # body_units(friction units) -> that record filled with units
-    scales: Callable = field(
-        default=lambda b: (1.0, 1.0)
-    )  # scales(b) -> mass [kg] and length [m] that become 1
-    normalised_to: dict[str, float] = field(
-        default_factory=dict
-    )  # what is 0 or 1 in these units by construction:
-    # the expressions fold
+    # body(parameters, friction) -> the record that every formula takes, SI
+    body: Any = None
+    # body_units(friction units) -> that record filled with units
+    body_units: Any = None
+    # scales(b) -> mass [kg] and length [m] that become 1
+    scales: Callable = lambda b: (1.0, 1.0)
+    # numbers of the body that are 0 or 1 in these units by construction: expressions fold
+    normalised_to: dict[str, float] = field(default_factory=dict)
     initial: Any = None
-    start: Any = None  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
-    angles: Any = None  # the record that people read and write (a NamedTuple) filled with units
-    integrals: tuple[str, ...] = ()  # conserved quantities, by name: their drift is reported
-    long_names: dict[str, str] = field(
-        default_factory=dict
-    )  # of the fields of `angles` and of `vectors`
-    vectors: Mapping[str, tuple[str, ...]] = field(
-        default_factory=dict
-    )  # name -> variables of the vector form
-    undefined_at_poles: tuple[
-        str, ...
-    ] = ()  # what of the angles means nothing where sin(theta) = 0; none: no poles
-    checks: Callable = field(
-        default=lambda parameters: []
-    )  # sentences on what parameters break together
-    alternatives: tuple[Alternative, ...] = ()  # initial data that say the same in two ways
-    laws: Any = field(
-        default_factory=dict
-    )  # the friction laws that it takes, by name; none where nothing glides
-    potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
+    # start(data, sin_theta, cos_theta, b) -> record of angles, SI
+    start: Any = None
+    # the record that people read and write (a NamedTuple) filled with units
+    angles: Any = None
+    # names of conserved quantities, whose drift is reported
+    integrals: tuple[str, ...] = ()
+    # of the fields of `angles` and of `vectors`
+    long_names: dict[str, str] = field(default_factory=dict)
+    # name -> variables of the vector form
+    vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    # fields of the angles that are undefined if sin(theta) = 0; empty: no poles
+    undefined_at_poles: tuple[str, ...] = ()
+    # checks(parameters) -> messages on numbers that do not fit together
+    checks: Callable = lambda parameters: []
+    # initial data that determine the same numbers in another way
+    alternatives: tuple[Alternative, ...] = ()
+    # the friction laws that it takes, by name; empty if nothing glides
+    laws: Any = field(default_factory=dict)
+    # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
+    potential: Callable | None = None
     theta_inertia: Callable | None = None
-    momenta: tuple[str, ...] = ()  # the quantities that V takes
-    landscape: Landscape | None = (
-        None  # V in the variable of the landscape; None: no surface, no band
-    )
-    outlook: Callable | None = (
-        None  # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI
-    )
+    # the quantities that V takes
+    momenta: tuple[str, ...] = ()
+    # V in the variable of the landscape; None: no surface, no band
+    landscape: Landscape | None = None
+    # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI;
     # a system whose contact has phases takes its ContactLaw as a third argument
-    motion: Callable | None = (
-        None  # motion(b, start) -> the name of the motion, where theory has one
-    )
-    borders: Callable | None = (
-        None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
-    )
-    long_form: str = (
-        ""  # the form that keeps E over runs of 1e5 s and more, if another one does not
-    )
-    inverts: bool = (
-        False  # friction can turn it over: its inversion is reported even where there was none
-    )
-    contact: Any = None  # how it was opened; None: the contact does not open
-    on_request: tuple[Quantity, ...] = ()  # quantities that are columns only where a run names them
-    classes: tuple[
-        str, ...
-    ] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
-    opening: Opening | None = None  # of a body whose contact may open, see contact.opening.opened
-    common: Phase | None = (
-        None  # forms, columns and events of the rows of all phases; None: those of the first phase
-    )
-    row: Callable | None = (
-        None  # row(phase, q, carried, body) -> the state of the common form; None: leave(q, b)
-    )
-    read: Callable | None = (
-        None  # read(phase, q, carried, b) -> the common state within a phase, and the body
-    )
-    begin: Callable | None = (
-        None  # begin(x, world) -> Next, how a run begins; None: in the first phase
-    )
-    assembled: Callable | None = (
-        None  # assembled(b, rules, internal) -> body of the world, phases; None: b, `phases`
-    )
-    tables: Mapping[str, Mapping[str, Any]] = field(
-        default_factory=dict
-    )  # further tables: units or words by column
+    outlook: Callable | None = None
+    # motion(b, start) -> the name of the motion, if theory has one
+    motion: Callable | None = None
+    # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
+    borders: Callable | None = None
+    # the form that keeps E over runs of 1e5 s and more, if another one does not
+    long_form: str = ""
+    # whether friction can turn it over: its inversion is then always reported
+    inverts: bool = False
+    # how the contact was opened; None: it does not open
+    contact: Any = None
+    # quantities that are columns only of runs that request them
+    on_request: tuple[Quantity, ...] = ()
+    # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
+    classes: tuple[str, ...] = ()
+    # of a body whose contact may open, see contact.opening.opened
+    opening: Opening | None = None
+    # forms, columns and events of the rows of all phases; None: those of the first phase
+    common: Phase | None = None
+    # row(phase, q, carried, body) -> the state of the common form; None: leave(q, b)
+    row: Callable | None = None
+    # read(phase, q, carried, b) -> the common state within a phase, and the body
+    read: Callable | None = None
+    # begin(x, world) -> Next, how a run begins; None: in the first phase
+    begin: Callable | None = None
+    # assembled(b, rules, internal) -> body of the world, phases; None: b, `phases`
+    assembled: Callable | None = None
+    # further tables: units or words by column
+    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._derive()

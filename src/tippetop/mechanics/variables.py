@@ -31,8 +31,11 @@ LONG_NAMES = {
     "rx_dot": "horizontal velocity of the centre of mass, x component",
     "ry_dot": "horizontal velocity of the centre of mass, y component",
     **{f"u{x}": f"unit vector 3hat along the axis, {x} component" for x in "xyz"},
-    **{f"L{x}": f"angular momentum about the contact point, {x} component" for x in "xyz"},
-    **{f"M{x}": f"angular momentum about the contact point, {x} component" for x in "xyz"},
+    **{
+        f"{L}{x}": f"angular momentum about the contact point, {x} component"
+        for L in "LM"
+        for x in "xyz"
+    },
     "vx": "velocity of the contact point, x component",
     "vy": "velocity of the contact point, y component",
 }

@@ -56,10 +56,10 @@ class Program:
     """A program without branches: lines in order, each sub-expression once."""
 
     language: Language
-    names: dict[str, str] = field(default_factory=dict)  # text -> name
-    needs: dict[str, tuple[str, ...]] = field(
-        default_factory=dict
-    )  # name -> names that its line reads
+    # text -> name
+    names: dict[str, str] = field(default_factory=dict)
+    # name -> names that its line reads
+    needs: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def new(self, text: str, needs: Iterable[str] = ()) -> "Symbol":
         """Return the name of an expression that reads other names."""

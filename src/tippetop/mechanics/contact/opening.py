@@ -8,7 +8,7 @@ from itertools import product
 from operator import itemgetter
 from typing import Any
 
-from ..events import Event
+from ..event import Event
 from ..form import CLOCK, Exit, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
 from ..number import Number

@@ -148,7 +148,7 @@ def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
     return {name: law for name, law in system.laws.items() if not law.regions or has_disc}
 
 
-def that_open() -> dict[str, System]:
+def opening_systems() -> dict[str, System]:
     """Return the systems whose contact may open, by name."""
     return {name: system for name, system in SYSTEMS.items() if system.opening is not None}
 

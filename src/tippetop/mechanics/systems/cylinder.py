@@ -15,9 +15,9 @@ from ..contact.body import Top, Touch
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
 from ..contact.orientation import planar
-from ..events import Event
+from ..event import Event
 from ..friction import LAWS, FrictionLaw, slip_coefficient
-from ..number import Number, again, number
+from ..number import Number, number, reuse
 from ..operand import Operand, formula, select
 from ..system import Alternative, Form, Opening, Quantity, of_one_phase
 from ..units import (
@@ -46,7 +46,7 @@ class Cylinder(Top):
     gliding = "gliding-cylinder"
     resting = "rolling-cylinder"
 
-    m: Number = again(tippe_top.TippeTop.parameters["m"])
+    m: Number = reuse(tippe_top.TippeTop.parameters["m"])
     R: Number = number(METRE, "radius of the cylinder", symbol="R", above=0)
     alpha: Number = number(
         ONE,
@@ -56,7 +56,7 @@ class Cylinder(Top):
         below=1,
     )
     I: Number = number(INERTIA, "moment of inertia about the centre of mass", symbol="I", above=0)
-    g: Number = again(tippe_top.TippeTop.parameters["g"])
+    g: Number = reuse(tippe_top.TippeTop.parameters["g"])
 
     def seen(self, friction: Any) -> Touch:
         """Return the body: c = alpha*R, I1 = I; I3 plays no part."""

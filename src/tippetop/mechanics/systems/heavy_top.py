@@ -23,9 +23,9 @@ from ..contact.rolling import chart as rolling_chart
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
 from ..contact.rolling import vector as rolling_vector
-from ..number import Number, again, number
+from ..number import Number, number, reuse
 from ..operand import Operand, cos, cross, formula, plus, sin, sqrt, times
-from ..potential import PotentialCoefficients
+from ..potential_coefficients import PotentialCoefficients
 from ..system import Form, Landscape, Momentum, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,
@@ -50,11 +50,11 @@ class HeavyTop(Top):
     resting = "heavy-top"
     faults = staticmethod(contact.inertia_faults)
 
-    m: Number = again(TippeTop.parameters["m"])
+    m: Number = reuse(TippeTop.parameters["m"])
     l: Number = number(METRE, "distance from the tip to the centre of mass", symbol="l", above=0)
-    I1: Number = again(TippeTop.parameters["I1"])
-    I3: Number = again(TippeTop.parameters["I3"])
-    g: Number = again(TippeTop.parameters["g"])
+    I1: Number = reuse(TippeTop.parameters["I1"])
+    I3: Number = reuse(TippeTop.parameters["I3"])
+    g: Number = reuse(TippeTop.parameters["g"])
 
     def seen(self, friction: Any) -> Touch:
         """Return the body: R = 0, c = -l."""

@@ -111,9 +111,8 @@ def tippe_top_borders(b: Touch) -> dict[str, Any]:
     """
     low, high = poles(b)
     least, tumbling = lambda_u(b), lambda_t(b)
-    distinct = (
-        np.abs(np.log(tumbling / least)) >= 1e-3
-    )  # else tumbling begins where the lowest spin ends
+    # otherwise tumbling begins where the lowest spin ends
+    distinct = np.abs(np.log(tumbling / least)) >= 1e-3
     return {
         f"λ = λ_u: {low} spin stable below": least,
         f"λ = λ_s: {high} spin stable above": lambda_s(b),
@@ -134,9 +133,8 @@ def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
 
 
 def _of_surface(b: Touch) -> dict[str, Threshold]:
-    from .spinning import (
-        thresholds_of_surface,
-    )  # it stands on `tippe_top`, which takes its outlook from here
+    # `spinning` imports `tippe_top`, which imports this module
+    from .spinning import thresholds_of_surface
 
     return thresholds_of_surface(b)
 

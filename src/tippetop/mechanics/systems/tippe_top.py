@@ -14,7 +14,7 @@ from ..contact.gliding import rates
 from ..friction import LAWS
 from ..number import Number, number
 from ..operand import formula, sqrt
-from ..potential import PotentialCoefficients
+from ..potential_coefficients import PotentialCoefficients
 from ..system import Landscape, Momentum, Opening, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,

@@ -28,21 +28,24 @@ from ..system import System
 
 
 COMPLEX_STEP = 1e-30
-STEPS = np.array([1j * COMPLEX_STEP, 0.0])  # of z, without one and with one of t
-ORDER = 10  # of the power series at a turning
-REACH = 0.06  # of the time between turnings, where the series hands over
-# reaches before a turning with p > 1, from which on the piece before it says which curvature it has
+# of z, without one and with one of t
+STEPS = np.array([1j * COMPLEX_STEP, 0.0])
+# order of the power series at a turning
+ORDER = 10
+# share of the time between turnings in which the series is used
+REACH = 0.06
+# reaches before a turning with p > 1, from which on the piece before it determines its curvature
 KNOWN = 3.0
-# of z where two pieces meet: nothing beyond is to be relied on; a good one has 1e-9 and less
+# most difference of z where two pieces meet; a good one has 1e-9 and less
 APART = 1e-6
-SLOW = 0.5, 0.1  # of the largest speed of a swing: below them a turning is looked for
-STEEP = -0.5  # p, below which errors grow too fast towards a turning for waiting until the second
-# of the equation in a piece, some thirty times what a swing takes: beyond, z' touches 0 without
-# turning
+# of the largest speed of a swing: below these a turning is sought
+SLOW = 0.5, 0.1
+# p below which errors grow too fast towards a turning to wait for the second speed
+STEEP = -0.5
+# evaluations in a piece, thirty times those of a swing: beyond, z' touches 0 without turning
 CALLS = 40_000
-CONSTANT = (
-    1e-11  # relative: momenta and energy that vary less than this are constants of the motion
-)
+# relative variation below which momenta and energy are constants of the motion
+CONSTANT = 1e-11
 
 
 class Reconstruction(NamedTuple):
@@ -104,14 +107,12 @@ def reconstruct(
             forward, there = equation.swing(here, end)
             early = there is None and forward.end < end
             if there is None or there.t + reach > end:
-                if (
-                    not early and here.power < 2
-                ):  # beyond, errors grow too fast where no later turning holds them
+                # from p = 2 on errors grow too fast without a later turning
+                if not early and here.power < 2:
                     _fill(out, times, edge, forward.end, forward)
                 return Reconstruction(out, np.array(turnings), mismatch, early)
-            last = meet = (
-                there.t - reach
-            )  # where p > 1 all that comes from before fades into the turning
+            # if p > 1, errors of earlier pieces fade towards the turning
+            last = meet = there.t - reach
             comes: _Series | _Piece = there
             goes = forward
             if not there.node:
@@ -264,9 +265,8 @@ class _Equation:
         Return None if there is no such point.
         """
         start, (z, speed) = piece.end, piece.state
-        left = abs(
-            speed / self.motion(start, piece.state)[1]
-        )  # what a harmonic swing would still need, about
+        # about the time that a harmonic swing would still need
+        left = abs(speed / self.motion(start, piece.state)[1])
         z, t, h, far = z + speed * left / 2, start + left, 1e-4 * reach, 4 * abs(speed) * left
         first = z
         for _ in range(20):

@@ -142,9 +142,7 @@ def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool 
             acts = (slip > 0) | dissipates
             matrix = _gliding(omega3, b, up, np.where(acts, np.maximum(slip, least), slip))
         finite = np.isfinite(matrix).all(axis=(-1, -2), keepdims=True)
-        modes = np.linalg.eigvals(
-            np.where(finite, matrix, 0)
-        )  # NaN beyond the doubles would end all
+        modes = np.linalg.eigvals(np.where(finite, matrix, 0))  # which refuses NaN
         return modes.real.max(-1) > ROUNDED * np.abs(modes).max(-1)
     h = b.R - up * b.c  # of the roots of `rolling_modes`: a discriminant
     return (omega3 * (b.I3 + b.m * h * b.R)) ** 2 < -4 * up * b.m * b.g * b.c * (b.I1 + b.m * h**2)

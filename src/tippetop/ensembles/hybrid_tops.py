@@ -64,7 +64,7 @@ def faults_of(problem: Problem) -> list[str]:
     return [*problem.faults(), *contact_faults(problem)]
 
 
-def one_by_one(
+def run_each(
     outcomes: Outcomes,
     numbers: np.ndarray,
     alone: Alone,
