@@ -117,7 +117,7 @@ def test_tops_without_a_spin_have_a_class(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_a_field_that_is_none_is_named() -> None:
-    with pytest.raises(TypeError, match=r"has no field `outlok`\. Did you mean `outlook`"):
+    with pytest.raises(TypeError, match=r"has no argument `outlok`\. Did you mean `outlook`"):
         BASE.replace(outlok=None)
 
 

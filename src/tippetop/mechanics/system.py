@@ -8,7 +8,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
-from ..errors import unknown_key
+from ..errors import refuse_unknown, unknown_key
 from .event import Event, kinds
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
 from .number import Alternative, Number
@@ -405,8 +405,10 @@ class System:
         What theory says of a start (`outlook`) stays unless it is replaced too: None where the
         equations are others.
         """
-        of_phase = changes.keys() & {"forms", "quantities", "events", "exits"}
-        phase = dataclasses.replace(self.phase, **{key: changes.pop(key) for key in of_phase})
+        of_phase = {"forms", "quantities", "events", "exits"}
+        refuse_unknown("System.replace", changes, {*vars(self), *of_phase})
+        given = {key: changes.pop(key) for key in changes.keys() & of_phase}
+        phase = dataclasses.replace(self.phase, **given)
         if self.common:
             changes.setdefault("common", phase)
         else:

@@ -195,11 +195,8 @@ def friction() -> list[Section]:
         if law.without is not None:
             optional = ", ".join(key for key, rule in law.parameters.items() if rule.optional)
             laws[f"{name} (without {optional})"] = (law.without, list(opening_systems()))
-    rolling = {
-        name
-        for name, system in opening_systems().items()
-        if system.opening and system.opening.sphere
-    }
+    opening = opening_systems().items()
+    rolling = {name for name, system in opening if system.opening and system.opening.sphere}
     return [
         Section(
             name,
