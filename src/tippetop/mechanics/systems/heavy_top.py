@@ -266,7 +266,7 @@ def euler_vertical_reaction(q, carried, b):
 def vector_of_angles(e, s, z, b):
     """Return the state about the fixed tip of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
-    return rolling_vector.VectorState(u.x, u.y, u.z, L.x, L.y, L.z)
+    return rolling_vector.VectorState(*u, *L)
 
 
 @formula

@@ -95,15 +95,14 @@ def contact_rates(q, b):
     """
     w, u_dot = angular_velocity(q, b), axis_rate(q, b)
     weight, pull = b.m * b.g * b.c, b.m * b.c * b.R
-    return ContactState(
-        u_dot.x,
-        u_dot.y,
-        u_dot.z,
+    rates = (
+        *u_dot,
         weight * q.uy - pull * (u_dot.z * w.x),
         -(weight * q.ux) - pull * (u_dot.z * w.y),
         0 * q.D,
         0 * q.lam,
     )
+    return ContactState._make(rates)
 
 
 @formula
@@ -137,7 +136,8 @@ def contact_of_angles(e, s, z, b):
     k = reaction.kinematics(u, L, gliding_vector.axis_rate(v, b), b)
     w, arm = contact.angular_velocity(u, L, b), contact.arm(u, b)
     M = plus(L, times(b.m, cross(arm, cross(w, arm))))
-    return ContactState(u.x, u.y, u.z, M.x, M.y, tippe_top.routh(k, b), contact.jellett(k, b))
+    D, lam = tippe_top.routh(k, b), contact.jellett(k, b)
+    return ContactState._make((*u, M.x, M.y, D, lam))
 
 
 @formula
