@@ -1,6 +1,4 @@
-"""Where a function of one positive variable q takes a given level, on both sides of its minimum;
-the swing between.
-"""
+"""Crossings of a level by a function of q > 0 around its minimum, and the swing between."""
 
 from enum import IntEnum
 

@@ -1,5 +1,4 @@
-"""The minimum of a function of one positive variable q, stepped in ln(q), where its slope changes
-sign.
+"""The minimum of a function of q > 0: where its slope by ln(q) changes sign.
 
 A problem is three functions of opaque records p (the point) and r (what all points share):
 

@@ -1,5 +1,6 @@
-"""Friction of a contact patch that slides and drills: Coulomb at each point under the pressure of
-Hertz. [contact 5]
+"""Friction of a contact disc that slides and drills. [contact 5]
+
+Coulomb's law acts at each point under the pressure of Hertz.
 
 F = -mu N k v_A and the torque -mu N patch^2 twist Omega_z zhat, with U = patch |Omega_z|, x = w/U,
 k = f(x)/w and twist = m(x)/U: functions of w^2 and U^2, regular where slip stops (`inside`) and

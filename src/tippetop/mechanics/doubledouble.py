@@ -1,5 +1,4 @@
-"""Numbers as an unevaluated sum head + tail: twice the digits, where the last ulp of a result
-counts.
+"""Numbers as an unevaluated sum head + tail, with twice the digits of a double.
 
 The tail carries what rounding took from the head, to first order; nothing is renormalised but by
 `tidy`. Plain arithmetic: fed with decimals or 50-digit numbers, the formulas give what these give,

@@ -42,8 +42,7 @@ start.
 
 
 class Kept(NamedTuple):
-    """A number that is kept of the passages of an event, of every run and of every top of an
-    ensemble.
+    """A number that is kept of the passages of an event, of every run and every top of an ensemble.
 
     Parameters
     ----------

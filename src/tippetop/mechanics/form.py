@@ -1,6 +1,4 @@
-"""How a motion is written: forms, their integrals and quantities, phases of the contact and their
-exits.
-"""
+"""Records of a motion: forms, their integrals and quantities, phases of the contact and exits."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -230,8 +228,7 @@ class Exit:
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """What stays the same between two changes of the contact: slip, roll, flight, both balls at
-    once.
+    """A state of the contact between two changes: slip, roll, flight, or contact of both balls.
 
     Parameters
     ----------

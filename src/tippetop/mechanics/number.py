@@ -1,6 +1,4 @@
-"""Numbers that a user gives, declared once: unit, meaning and interval; and the records that
-contain them.
-"""
+"""Numbers of the user, declared once with unit, meaning and interval; and records of them."""
 
 import inspect
 import math
@@ -23,8 +21,7 @@ from .units import Unit
 
 @dataclass(frozen=True)
 class Number:
-    """A number that the user gives: its unit, its meaning, and the open or closed interval it must
-    lie in.
+    """A number of the user: its unit, its meaning, and the open or closed interval that it lies in.
 
     Parameters
     ----------
@@ -176,8 +173,7 @@ def reuse(rule: Number, *, default: None = None, **changes: Any) -> Any:
 
 @dataclass_transform(frozen_default=True, field_specifiers=(number, reuse))
 class RecordType(type):
-    """Makes a class of records, named tuples of the Numbers in its body; `parameters` has them by
-    name.
+    """A class of records: named tuples of the Numbers in its body, which `parameters` contains.
 
     An `abstract` class has no records: its Numbers are `parts`, optional keywords of the
     classes below it.
@@ -228,8 +224,7 @@ def _field(name: str, rule: Number) -> inspect.Parameter:
 
 
 class Record(tuple, metaclass=RecordType, abstract=True):
-    """Numbers that formulas take, and that are checked where all are plain: floats, or texts such
-    as "20 g".
+    """Numbers for formulas, checked if all are plain: floats, or texts such as "20 g".
 
     Operands of formulas (arrays, expressions, wide numbers) pass unchecked. So do the arguments of
     `_make`, `_replace`.
@@ -340,9 +335,7 @@ def rules_faults(words: str, rules: Any) -> list[str]:
 
 
 class Alternative(NamedTuple):
-    """An initial datum that says in another way what others say: it stands alone, without any of
-    `others`.
-    """
+    """An initial datum that replaces `others`: it must be given without any of them."""
 
     name: str
     others: tuple[str, ...]

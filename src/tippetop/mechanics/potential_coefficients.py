@@ -1,5 +1,6 @@
-"""Coefficients of the effective potential of a top, in a variable that keeps its digits at both
-poles. [section 5, 8]
+"""Coefficients of the effective potential of a top. [section 5, 8]
+
+They belong to a variable that keeps its digits at both poles.
 
 The systems say what these numbers are for their bodies; `landscape.formulas` evaluates V from them.
 """

@@ -1,5 +1,4 @@
-"""Numbers as people write them: "3/10", "2/5*m*R^2", "20 g", "1480 rpm"; computed exactly, rounded
-once.
+"""Numbers as texts, "3/10", "2/5*m*R^2", "20 g": computed exactly, rounded once.
 
 `ast` reads the arithmetic and pint the units, in fractions. They are not mixed, because `m`, `g`
 and `R` are names of both: a text is arithmetic of numbers and names, or arithmetic of numbers

@@ -1,5 +1,6 @@
-"""Rotations as unit quaternions w, x, y, z, which turn body axes into space axes: v_space = q
-v_body q*.
+"""Rotations as unit quaternions w, x, y, z.
+
+They turn body axes into space axes: v_space = q v_body q*.
 """
 
 from typing import NamedTuple

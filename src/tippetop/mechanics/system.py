@@ -36,9 +36,7 @@ __all__ = [
 
 
 class Momentum(NamedTuple):
-    """One of the two momenta that the effective potential takes: an axis of the landscape, a column
-    of a run.
-    """
+    """A momentum of the effective potential: an axis of the landscape, and a column of a run."""
 
     symbol: str  # of the axis: D, lambda, L3, Lz
     unit: Unit

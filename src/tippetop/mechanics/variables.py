@@ -1,5 +1,6 @@
 """Variables of an integrator: the state that moves, then the integrals, scaled.
-The one place that knows the scale.
+
+Only this module depends on the scale.
 """
 
 from collections import namedtuple
@@ -44,8 +45,7 @@ LONG_NAMES = {
 
 @dataclass(frozen=True)
 class Variables:
-    """The variables of an integrator, in order: the state record of a form, then its integrals
-    times `INTEGRAL_SCALE`.
+    """The variables of an integrator: the state of a form, then its integrals times INTEGRAL_SCALE.
 
     Parameters
     ----------

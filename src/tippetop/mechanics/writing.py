@@ -1,7 +1,7 @@
 """Formulas written as a program in another language, by an operand that records operations.
-Fed symbols, a formula gives symbols, and `Program` has a line for each sub-expression, once: so the
-C++ of the benchmarks and the JavaScript of the pages are the formulas of this package, and no
-second copy.
+
+Fed symbols, a formula gives symbols, and `Program` has a line for each sub-expression, once. So
+the C++ of the benchmarks and the JavaScript of the pages are the formulas of this package.
 """
 
 import math
@@ -12,9 +12,8 @@ from typing import Any, NamedTuple
 
 
 class Language(NamedTuple):
-    """How a program is written: the start of a line, a number, and the functions by the names that
-    numpy has.
-    """
+    """The syntax of a program: the start of a line, numbers, and functions by their names in
+    NumPy."""
 
     begin: str
     number: Callable[[float], str]

@@ -1,5 +1,4 @@
-"""The registry of systems: one line per system of the package; others come by `add` or by entry
-points.
+"""The registry of systems: those of the package, registered ones, and those of entry points.
 
 Entry points are looked for when a name is asked for that is not known (a scan takes 10 to 70 ms):
 the group `tippetop.systems` gives System records, `tippetop.friction` gives friction laws under the

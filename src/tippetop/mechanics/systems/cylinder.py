@@ -1,5 +1,6 @@
-"""The eccentric cylinder: planar motion, theta unbounded; gliding, rolling, or with the modified
-reaction. [T ch. 6]
+"""The eccentric cylinder, gliding or with the modified reaction. [T ch. 6]
+
+Its motion is planar, and theta is unbounded.
 
 It is the body of `gliding` and `rolling` with phi' = omega_3 = nu_y = 0, so their quantities serve;
 there are no poles. The state has sin(theta), cos(theta), and theta is an integral: a count of turns

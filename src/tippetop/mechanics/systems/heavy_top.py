@@ -1,5 +1,6 @@
-"""Heavy symmetric tops: mass m, distance l from the tip to the centre of mass, I1 and I3 about the
-latter; and the one whose tip is fixed. [T ch. 2]
+"""Heavy symmetric tops, and the one whose tip is fixed. [T ch. 2]
+
+Mass m, distance l from the tip to the centre of mass, I1 and I3 about the latter.
 
 They are bodies with R = 0, c = -l (see contact.body.Touch); the other one glides on a plane:
 `gliding_heavy_top`. L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x
@@ -194,9 +195,7 @@ def vertical_reaction(q, carried, b):
 
 
 class Angles(NamedTuple):
-    """What users give and read: theta, theta', phi', omega_3, phi, and the integral of the vertical
-    reaction.
-    """
+    """Angles: theta, theta', phi', omega_3, phi; and the integral of the vertical reaction."""
 
     theta: Operand
     theta_dot: Operand

@@ -1,5 +1,4 @@
-"""What theory predicts of a start, system by system: thresholds, the regime in a sentence, the
-fate.
+"""Predictions of theory for a start, by system: thresholds, the regime in a sentence, the fate.
 
 Each takes the body in SI and the quantities of the start by name.
 """

@@ -30,9 +30,7 @@ ROLLING_UNITS = RollingState(ONE, ONE, RADIAN_PER_SECOND)
 
 
 class RollingAngles(NamedTuple):
-    """theta, not wrapped, theta' and the place of the centre of mass; then the integral of the
-    normal force.
-    """
+    """theta, not wrapped, theta', x of the centre of mass, the integral of the normal force."""
 
     theta: Operand
     theta_dot: Operand

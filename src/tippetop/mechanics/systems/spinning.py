@@ -1,5 +1,4 @@
-"""The two spinning states theta = 0, pi of a tippe top, and the marked lines that they are on the
-minimal surface.
+"""The spinning states theta = 0, pi of a tippe top: marked lines on the minimal surface.
 
 In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.28]
 """

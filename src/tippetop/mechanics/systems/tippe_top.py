@@ -1,5 +1,6 @@
-"""The tippe top: a sphere of radius R, centre of mass alpha*R below its centre, that rolls and
-glides. [T ch. 3, 4]
+"""The tippe top: a sphere that rolls and glides. [T ch. 3, 4]
+
+Its radius is R, its centre of mass lies alpha*R below its centre.
 
 With alpha < 0 it is a peg: its centre of mass lies above the centre of the sphere where theta = 0.
 """
@@ -31,8 +32,7 @@ from . import outlook
 
 
 class TippeTop(Top):
-    """A tippe top: a sphere whose centre of mass lies alpha*R below its centre; with alpha < 0, a
-    peg, above it.
+    """A tippe top: a sphere whose centre of mass lies alpha*R below its centre; a peg if alpha < 0.
 
     Each number may be a text: with a unit, "20 g", which must fit; or arithmetic of the others in
     SI units, "2/5*m*R^2", whose dimension is not checked. Rutstam, N.: Study of equations for Tippe

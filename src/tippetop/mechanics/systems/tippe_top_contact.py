@@ -1,6 +1,7 @@
-"""The rolling tippe top by its angular momentum about the contact, M = L - m a x s': regular
-everywhere. No reaction enters M' = m g a x zhat - m a' x s', and omega follows from M by division,
-since lambda = -a.M and D give the rest.
+"""The rolling tippe top by its angular momentum about the contact: regular everywhere.
+
+No reaction enters M' = m g a x zhat - m a' x s' of M = L - m a x s', and omega follows from M by
+division, since lambda = -a.M and D determine the rest.
 
 The scalars take 3hat and L, not D and lambda: that D and lambda of these stay constant remains a
 check.
@@ -23,9 +24,7 @@ from .tippe_top_reduced import spin_momentum
 
 
 class ContactState(NamedTuple):
-    """3hat, M about the contact without M_z, which lambda gives, Routh's function D, Jellett's
-    integral lambda.
-    """
+    """3hat, M_x and M_y about the contact, Routh's function D, Jellett's integral lambda."""
 
     ux: Operand
     uy: Operand

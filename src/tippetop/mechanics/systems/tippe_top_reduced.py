@@ -1,5 +1,4 @@
-"""The rolling tippe top reduced by its integrals: z = cos(theta) moves, Routh's D and Jellett's
-lambda are numbers.
+"""The rolling tippe top reduced by its integrals: z moves, Routh's D and lambda are numbers.
 
 Singular at the poles, like Euler angles. Rounding reaches the energy through z and z' alone: over
 very long runs it drifts less than in vector form, in which every component of L is rounded at every

@@ -34,9 +34,10 @@ def least_energy(z, lam, b):
 
 
 class AsymptoticState(NamedTuple):
-    """A state with v_A = 0 and a vertical reaction: kind (upright, tumbling, inverted), theta
-    [rad], phi' and omega_3 [rad/s], energy [J], and whether it is stable where the contact glides.
-    phi' of a spinning state is 0.
+    """A state with v_A = 0 and a vertical reaction.
+
+    kind (upright, tumbling, inverted), theta [rad], phi' (0 of a spinning state) and omega_3
+    [rad/s], energy [J], and whether it is stable if the contact glides.
     """
 
     kind: str

@@ -49,9 +49,11 @@ CONSTANT = 1e-11
 
 
 class Reconstruction(NamedTuple):
-    """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning),
-    times of the turnings, the worst mismatch of z where pieces meet, and whether it ends early:
-    pieces do not meet, or no turning follows.
+    """A reconstructed motion.
+
+    z = cos(theta) at the given times (NaN after the last swing that ends in a turning), times of
+    the turnings, the worst mismatch of z where pieces meet, and whether it ends early: pieces do
+    not meet, or no turning follows.
     """
 
     z: np.ndarray
@@ -140,9 +142,7 @@ class _Lost(Exception):
 
 
 class _Equation:
-    """Q(z, t) = z'^2 of a body whose momenta and E~ are known at some times, and the motion that
-    follows from it.
-    """
+    """Q(z, t) = z'^2 of a body whose momenta and E~ are known at some times, and its motion."""
 
     def __init__(
         self,
@@ -342,9 +342,7 @@ class _Piece:
 
 
 class _Series(NamedTuple):
-    """z as a power series in the time since a turning, in units of its reach; neighbours leave it
-    as |t|^power.
-    """
+    """z as a power series in (t - turning)/reach; neighbours leave it as |t|^power."""
 
     t: float
     reach: float

@@ -1,6 +1,4 @@
-"""One degree of freedom: turning angles and period of E = inertia(z) theta'^2 + V(z), z =
-cos(theta).
-"""
+"""One degree of freedom: turning angles and period of E = inertia(z) theta'^2 + V(z)."""
 
 import math
 from collections.abc import Callable

@@ -26,9 +26,7 @@ class Threshold(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """|alpha|, gamma = I1/I3, sigma = m R^2/I3 of a tippe top, and beta = sqrt(m g R^3 |alpha| I3)
-    [kg m^3/s].
-    """
+    """|alpha|, gamma = I1/I3, sigma = m R^2/I3, beta = sqrt(m g R^3 |alpha| I3) of a tippe top."""
 
     alpha: Any
     gamma: Any

@@ -85,9 +85,7 @@ def tumbling_states(lam: float, b: Touch) -> np.ndarray:
 
 
 class Branch(NamedTuple):
-    """A curve of asymptotic states in the plane of lambda [kg m^3/s] and z = cos(theta), all stable
-    or all not.
-    """
+    """A curve of asymptotic states, lambda [kg m^3/s] and z = cos(theta), all stable or all not."""
 
     kind: str
     stable: bool
