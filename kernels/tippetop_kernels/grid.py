@@ -130,7 +130,7 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
     threads = threads or os.cpu_count() or 1
     size = rows if threads == 1 else -(-rows // (8 * threads))
     with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(work, (slice(k, min(k + size, rows)) for k in range(0, rows, size))))
+        list(pool.map(work, (slice(k, k + size) for k in range(0, rows, size))))
 
 
 def gradients(prepare, gradient):
