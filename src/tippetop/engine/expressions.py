@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import heyoka as hy
 
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.moment import moment
 from ..mechanics.operand import cos, refill, sin
 from ..mechanics.system import Form, System

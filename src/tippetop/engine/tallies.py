@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..mechanics.events import ON_ZERO as ON_ZERO_BELOW
-from ..mechanics.events import Event
+from ..mechanics.event import ON_ZERO as ON_ZERO_BELOW
+from ..mechanics.event import Event
 from .status import Status
 
 

@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.friction import Frictionless
 from ..mechanics.operand import refill
-from ..mechanics.potential import PotentialCoefficients, rounded
+from ..mechanics.potential_coefficients import PotentialCoefficients, rounded
 from ..mechanics.system import Landscape, System
 from ..mechanics.systems import SYSTEMS, find
 

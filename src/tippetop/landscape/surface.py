@@ -67,23 +67,6 @@ def minima(
     return F, q, status
 
 
-def heights(
-    t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None
-) -> tuple[np.ndarray, np.ndarray]:
-    """F [J] and Status alone over x x y, in four fifths of the time; F is as good as that of
-    `minima`.
-    """
-    from tippetop_kernels.grid import on_threads
-
-    from .kernels import heights
-
-    F, status = np.empty((x.size, y.size)), np.empty((x.size, y.size), np.int8)
-    on_threads(
-        lambda s: heights(t.two_wells, x[s], y, t.coefficients, F[s], status[s]), x.size, threads
-    )
-    return F, status
-
-
 def gradients(
     t: Top, x: np.ndarray, y: np.ndarray, q: np.ndarray, threads: int | None = None
 ) -> tuple[np.ndarray, ...]:

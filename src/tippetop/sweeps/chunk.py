@@ -9,7 +9,7 @@ import numpy as np
 
 from ..columns import Column
 from ..ensembles import ensemble, outcomes
-from ..ensembles.singly import Ended
+from ..ensembles.hybrid_tops import Ended
 from ..mechanics.variables import Variables
 from ..problem import Problem, derivative_faults
 from ..runs.run import run_to_end

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.status import Status
-from ..ensembles import ensemble, singly
+from ..ensembles import ensemble, hybrid_tops
 from ..errors import InputError, StoreError
 from ..store import root
 from .plan import Plan
@@ -174,6 +174,6 @@ def _faults(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
         faults += [
             (i, fault)
             for i in np.flatnonzero(tops.valid).tolist()
-            for fault in singly.faults_of(singly.problem_of(tops, i))[:1]
+            for fault in hybrid_tops.faults_of(hybrid_tops.problem_of(tops, i))[:1]
         ]
     return [f"top {some[i]}: {sentence}" for i, sentence in faults]

@@ -15,10 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..disc_friction import Drag, rolling
-from ..events import Event
+from ..event import Event
 from ..form import Form
 from ..friction import load
-from ..inlining import inlined
 from ..operand import Vector, cross, dot, plus, sqrt, times
 from ..units import ONE
 from .body import angular_velocity, arm
@@ -165,7 +164,6 @@ def new_stages(law: Any) -> dict[str, Stage]:
             )
             return Motion._make(per * rate for rate in every)
 
-        @inlined
         def slope(q, b):
             by = acts(q, b)
             return gains(by, b).z, growth(q, by, b)

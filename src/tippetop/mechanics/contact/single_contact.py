@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ..disc_friction import Region, drilling_force, rolling
-from ..events import Event
+from ..event import Event
 from ..form import Form, Integral, Phase
 from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
