@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import InputError, suggestion
 from ..mechanics.contact.restitution import ContactLaw
 from ..mechanics.friction import PARTS, SLIP, named
+from ..mechanics.inlining import inlined
 from ..mechanics.moment import moment
 from ..mechanics.system import Form, System
 from ..mechanics.units import METRE_PER_SECOND, SECOND_PER_METRE
@@ -252,7 +253,7 @@ def _evaluated(system: System, form: Form) -> Callable | None:
         state = moment(system, form, q, carried, b)
         return [formula(state, b) for formula in formulas]
 
-    return values
+    return inlined(values)
 
 
 def _owner(formula: Any) -> str:

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
+from ..inlining import inlined
 from ..number import Record
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2
@@ -108,12 +109,14 @@ def arm2(z, b):
     return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
 
 
+@inlined
 @formula
 def axis_rate(u, L, b):
     """3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
     return times(1 / b.I1, cross(L, u))
 
 
+@inlined
 @formula
 def angular_velocity(u, L, b):
     """omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
@@ -133,6 +136,7 @@ def arm_velocity(u, L, b):
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
 
 
+@inlined
 @formula
 def contact_velocity(u, L, V, b):
     """v_A = V + omega x a, (3,) [m/s], of the lowest point; V is that of the centre of mass.
@@ -141,6 +145,7 @@ def contact_velocity(u, L, V, b):
     return plus(V, arm_velocity(u, L, b))
 
 
+@inlined
 @formula
 def centre_velocity(u, L, v, b):
     """The velocity of the centre of mass, (3,) [m/s], where that of the contact point is v."""

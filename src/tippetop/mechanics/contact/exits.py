@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..form import Next
+from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from . import body as contact
 from .body import Touch
@@ -97,6 +98,7 @@ def point(x: Moving, b: Touch) -> Vector:
     return contact.contact_velocity(x.u, x.L, x.velocity, b)
 
 
+@inlined
 def rise(x: Moving, b: Touch) -> Any:
     """Return its vertical component."""
     return x.velocity.z + b.c * contact.axis_rate(x.u, x.L, b).z

@@ -9,6 +9,7 @@ stops: w falls like an exponential.
 
 from typing import NamedTuple
 
+from ..inlining import inlined
 from ..operand import Operand, Vector, dot, formula, plus, sqrt
 from .body import angular_velocity, contact_velocity
 from .response import Mobility, jumps, mobility
@@ -28,6 +29,7 @@ class Arrival(NamedTuple):
     K: Mobility
 
 
+@inlined
 @formula
 def meeting(u, L, velocity, b):
     """v_A, sin(theta), the speed of sliding, and the mobility."""
@@ -74,6 +76,7 @@ def to_frame(e, x):
     return Vector(x.x * e.x + x.y * e.y, x.y * e.x - x.x * e.y, x.z)
 
 
+@inlined
 @formula
 def after_impact(u, L, velocity, a, p, twist, b):
     """The body after an impulse at its contact and one of a torque, by components along e, 2hat,

@@ -18,6 +18,7 @@ from ..disc_friction import Drag, rolling
 from ..event import Event
 from ..form import Form
 from ..friction import load
+from ..inlining import inlined
 from ..operand import Vector, cross, dot, plus, sqrt, times
 from ..units import ONE
 from .body import angular_velocity, arm
@@ -164,6 +165,7 @@ def new_stages(law: Any) -> dict[str, Stage]:
             )
             return Motion._make(per * rate for rate in every)
 
+        @inlined
         def slope(q, b):
             by = acts(q, b)
             return gains(by, b).z, growth(q, by, b)

@@ -11,6 +11,7 @@ from typing import Any
 from ..event import Event
 from ..form import CLOCK, Exit, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
+from ..inlining import inlined
 from ..number import Number
 from ..operand import formula, leaves, refill
 from ..system import System
@@ -191,7 +192,8 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
     )
     exits = tuple(map(way_out, names))
     forms = {key: replace(form, not_normalised=("R", "c")) for key, form in phase.forms.items()}
-    return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball)
+    fast = {name: inlined(getattr(phase, name)) for name in ("enter", "leave", "reaction")}
+    return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball, **fast)
 
 
 # --- systems ------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ are not.
 
 from typing import NamedTuple
 
+from ..inlining import inlined
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from .body import angular_velocity, arm, arm2, axis_rate, height
 
@@ -21,6 +22,7 @@ class Mobility(NamedTuple):
     tt: Operand  # K_22
 
 
+@inlined
 @formula
 def mobility(s, z, b):
     """K by sin(theta), cos(theta). [contact 1]"""
@@ -86,6 +88,7 @@ def other_mobility_inverse_times(u, x, excess, b):
     )
 
 
+@inlined
 @formula
 def bias_vector(u, L, b):
     """b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat, 3hat'' of free
@@ -108,6 +111,7 @@ def contact_acceleration_vector(u, b, F, body):
     return plus(b, mobility_times(u, F, body))
 
 
+@inlined
 @formula
 def jumps(u, p, b):
     """What the impulse p, (3,), adds to the velocity of the centre of mass and to L:
