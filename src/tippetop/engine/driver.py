@@ -247,6 +247,10 @@ class Driver:
             steps, when, last[None, :n].copy(), self.sampled()[:, :n].copy(), passages, ended
         )
 
+    def begin(self) -> None:
+        """Mark the run as one that has made no step."""
+        self.status[0], self.upto[0], self.tiny[0], self.steps[0] = RUNNING, 1.0, 0, 0
+
     def forget(self) -> None:
         """Forget samples and passages."""
         self.log.filled[0] = self.samples.filled[0] = 0
@@ -258,20 +262,20 @@ class Driver:
             wanted.ask(request)
             left = most - steps if self.status[0] == RUNNING else 0
             if not len(wanted.times):
-                self._made(NO_ROWS, left)
+                self.make(NO_ROWS, left)
                 break
             rows = self._filling(wanted.times, request.steps)
             first = wanted.made
             rows.filled[0] = first
-            steps += self._made(rows, left)
+            steps += self.make(rows, left)
             wanted.made = int(rows.filled[0])
             if wanted.made > first:
                 request.take(rows.times[first : wanted.made], self._states(rows, first))
             if wanted.made == first or wanted.made < len(rows.times):
                 break
 
-    def _made(self, rows: Rows, most: int) -> int:
-        """Make at most so many steps, and write these rows. Return the number of steps."""
+    def make(self, rows: Rows, most: int) -> int:
+        """Make at most `most` steps, write these rows, and return the number of steps."""
         self.loop.fill(rows)
         return self.loop.drive(most)
 

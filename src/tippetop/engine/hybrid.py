@@ -346,7 +346,7 @@ class HybridDriver:
         self.spans.append((track, self.whole, *(counts or track.counts)))
         self.began = float(time)
         driver = track.driver
-        driver.status[0], driver.upto[0], driver.tiny[0], driver.steps[0] = RUNNING, 1.0, 0, 0
+        driver.begin()
         driver.time[0] = self.began
         self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
 

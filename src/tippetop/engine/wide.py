@@ -113,10 +113,10 @@ class WideDriver(Driver):
         """The steps of the run."""
         return cast(WideSteps, self.place.stepper)
 
-    def _made(self, rows: Rows, most: int) -> int:
+    def make(self, rows: Rows, most: int) -> int:
         self.loop.fill(rows)
         self.stepper.begin()
-        steps = super()._made(rows, most)
+        steps = super().make(rows, most)
         if self.tally["status"] == Status.NON_FINITE.code:
             self.stepper.undo()
         else:
