@@ -21,7 +21,7 @@ from ..mechanics.contact.struck import Impact, struck
 from ..mechanics.friction import PARTS, Frictionless, has_parts
 from ..mechanics.operand import Vector, refill, times
 from ..problem import PRECISIONS, Problem
-from .driver import NO_ROWS, RUNNING, STATUSES, Driver
+from .driver import NO_ROWS, STATUSES, Driver
 from .expressions import Formulas
 from .status import Status
 from .tallies import ON_ZERO, SIGN
