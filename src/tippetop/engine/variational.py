@@ -239,8 +239,8 @@ def compiled_readings(
     kind: Kind, names: tuple[str, ...] | None, timed: tuple[str, ...]
 ) -> Readings:
     """Return readings of states with derivatives, f(inputs=((order + 1) variables, n),
-    pars=(2 numbers of the body, n)): the values, their derivatives along the direction, and derivatives of the
-    `timed` ones by time.
+    pars=(2 numbers of the body, n)): the values, their derivatives along the
+    direction, and derivatives of the `timed` ones by time.
 
     `names`: None for all."""
     line, state, body = _line(kind)
