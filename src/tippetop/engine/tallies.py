@@ -67,8 +67,8 @@ _LANE: dict[str, Any] = {
 SIGN, LEAST, MOST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_MOST = range(9)
 """Rows of `Tallies.functions`, for each event function: its sign, +1 or -1; its least and
 greatest values, as it stands in the coefficients; 1 if the run starts on a zero of it, -k
-if its first k Taylor coefficients vanish where the next step begins; of the present step bounds, and 1 if it is monotone
-there; and when it was least and greatest.
+if its first k Taylor coefficients vanish where the next step begins; of the present step
+bounds, and 1 if it is monotone there; and when it was least and greatest.
 """
 
 
