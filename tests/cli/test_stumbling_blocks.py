@@ -405,7 +405,7 @@ def test_a_finished_surface_has_nothing_to_do(
     store, command = tmp_path / "s.zarr", ["surface", "inverting", "--lambda", "0:1e-6:3", "--D"]
     made_again(store, [*command, "0:1e-4:3"], capsys)
     err = printed(capsys, *command, "0:1e-4:4", "--out", str(store), code=5)[1]
-    assert "of another body or of other axes" in err
+    assert "must have the same axes to be continued, but differs in D" in err
     (tmp_path / "mine").mkdir()
     err = printed(
         capsys, *command, "0:1e-4:3", "--out", str(tmp_path / "mine"), "--overwrite", code=5

@@ -1,4 +1,4 @@
-"""The compiled kernels of the landscape, with its formulas; imported when a grid is computed."""
+"""The compiled kernels of the landscape; imported when a grid is computed."""
 
 from collections.abc import Callable
 from functools import cache
@@ -22,7 +22,6 @@ from .formulas import (
 staging.STAGES.update(STAGES)
 PROBLEM = at_momenta, guess, slopes, value, ends
 minima = grid.minima(*PROBLEM)
-heights = grid.heights(*PROBLEM)
 gradients = grid.gradients(at_momenta, surface_gradient)
 potentials = grid.potentials(at_momenta, slopes, value)
 turnings = grid.turnings(at_momenta, slopes, value, excess, curvature)

@@ -2,13 +2,10 @@
 both.
 """
 
-import contextlib
 import json
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,8 +19,9 @@ from ..errors import Interrupted
 from ..problem import Problem
 from ..store import files, ledger, provenance, zarr3
 from ..store.ledger import Ledger
-from ..store.root import finite, new_store
+from ..store.root import finite
 from ..store.table import LATE, Table
+from ..store.writer import Writer, begin
 from . import attributes, keyframes, phases, reporting, sensitivities
 from .events import EventTable, event_columns
 from .integration import Integration
@@ -44,27 +42,19 @@ FINISHED = "The run is finished and whole; only temporary files are left in it."
 Progress = Callable[[RunProgress], None]
 
 
-class Recorder:
-    """The sink of a run that writes its store.
-
-    A context; when it ends nothing is being written any more.
-
-    All writing is done in one thread of its own: it follows the integration, and no
-    KeyboardInterrupt enters it.
-    """
+class Recorder(Writer):
+    """The sink of a run that writes its store."""
 
     keeps_rows = True
 
     def __init__(self, problem: Problem, store: Ledger, stop: threading.Event | None = None):
-        self.problem, self.view = problem, Observables(problem)
-        self.store, self.stop = store, stop
+        super().__init__(store)
+        self.problem, self.view, self.stop = problem, Observables(problem), stop
         names = (name for name in store.state.header["tables"] if not name.endswith(LATE))
         self.growing = {name: Table(store, name) for name in names}
         self.begun_with: list[
             dict[str, Any]
         ] = []  # versions and processors of those that wrote it before
-        self.behind: deque[Future] = deque()
-        self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
         self.committed_at, self.asked = time.monotonic(), 0.0
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
@@ -76,24 +66,24 @@ class Recorder:
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
                 raise Interrupted
-        self._later(lambda: self.append("trajectory", self.view.columns(times, states())))
+        self.later(lambda: self.append("trajectory", self.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes rows of the event log."""
         if len(table.time):
-            self._later(lambda: self.append("events", event_columns(table)))
+            self.later(lambda: self.append("events", event_columns(table)))
         if marks:
-            self._later(lambda: self.growing["events"].mark(SIGNIFICANT, marks))
+            self.later(lambda: self.growing["events"].mark(SIGNIFICANT, marks))
 
     def keyframe(self, row: dict[str, Column]) -> None:
         """Take a keyframe."""
-        self._later(lambda: self.append("keyframes", row))
+        self.later(lambda: self.append("keyframes", row))
 
     def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
         """Takes rows of further tables."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
-                self._later(
+                self.later(
                     partial(self.append, name, phases.columns(self.problem.system, name, table))
                 )
 
@@ -108,35 +98,14 @@ class Recorder:
         problem = self.problem
         if not problem.sensitivities:
             return
-        self._now(lambda: None)
+        self.now(lambda: None)
         log, events = EventTable.empty(problem.system.kinds), self.growing["events"]
         table = EventTable(log.kinds, *(events.values(name) for name in log.columns()))
         times = problem.times[: self.growing["trajectory"].rows]
         make = partial(sensitivities.tables, problem, times, table)
         derived = awaited(make, "the derivatives of the run are being computed", self.stop)
         for name, columns in derived.items():
-            self._later(partial(self.append, name, columns))
-
-    def _later(self, work: Callable[[], None]) -> None:
-        """Queues work for the writing thread, not more than a few slices ahead; raises what went
-        wrong there.
-        """
-        while len(self.behind) > 8 or (self.behind and self.behind[0].done()):
-            self.behind.popleft().result()
-        self.behind.append(self.thread.submit(work))
-
-    def _now(self, work: Callable[[], None]) -> None:
-        """Does work in the writing thread once all that was queued is done; returns when it is
-        done. Where anything went wrong before, that is raised, and the work is not begun.
-        """
-        while self.behind:
-            self.behind.popleft().result()
-
-        def checked() -> None:
-            self.store.check()
-            work()
-
-        self.thread.submit(checked).result()
+            self.later(partial(self.append, name, columns))
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
         """Commit now and then; stop at a commit if asked to."""
@@ -157,7 +126,7 @@ class Recorder:
             self.store.commit(self.tail(snapshot), rows=self.counts(), changed=changed)
             self.derive()
 
-        self._now(work)
+        self.now(work)
         self.committed_at = time.monotonic()
 
     def tail(self, snapshot: dict[str, Any]) -> bytes:
@@ -214,14 +183,8 @@ class Recorder:
                 with files.writing(self.store.path, FINISHED if self.store.state.closing else ""):
                     raise
 
-        self._now(work)
+        self.now(work)
         return self.store.state.attributes
-
-    def __enter__(self) -> "Recorder":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.thread.shutdown(cancel_futures=True)
 
 
 def record(
@@ -261,12 +224,14 @@ def record(
     Interrupted
         `stop` was set.
     """
-    with contextlib.ExitStack() as held:
-        with new_store(target, overwrite=overwrite) as scratch:
-            integration = Integration(problem, stop)
-            store = held.enter_context(Ledger.created(scratch, header(integration), bare=True))
-        store.path = Path(target)
-        return run_into(integration, store, progress, stop)
+    begun: list[Integration] = []
+
+    def head() -> dict[str, Any]:
+        begun.append(Integration(problem, stop))
+        return header(begun[0])
+
+    store = begin(target, head, overwrite=overwrite, bare=True)
+    return run_into(begun[0], store, progress, stop)
 
 
 def header(integration: Integration) -> dict[str, Any]:
@@ -323,13 +288,13 @@ def run_into(
     store: Ledger,
     progress: Progress | None,
     stop: threading.Event | None,
-    begin: Callable[[Recorder], None] | None = None,
+    take_up: Callable[[Recorder], None] | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
-    """Integrates into an open store: from its start, or from where `begin` puts it."""
+    """Integrates into an open store: from its start, or from where `take_up` puts it."""
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
-        if begin is not None:
-            begin(recorder)
+        if take_up is not None:
+            take_up(recorder)
         if stop is not None and stop.is_set():
             raise Interrupted
         integration.run(recorder, progress)

@@ -56,7 +56,7 @@ def resume(
         integration = Integration(build.stored(attrs, known=known), stop)
         _compare(store, recording.header(integration))
 
-        def begin(recorder: Recorder) -> None:
+        def take_up(recorder: Recorder) -> None:
             recorder.begun_with = state["begun_with"]
             if tail:
                 recorder.restore(tail)
@@ -64,7 +64,7 @@ def resume(
                 _unmark(recorder, integration)
                 recorder.derive()
 
-        return run_into(integration, store, progress, stop, begin)
+        return run_into(integration, store, progress, stop, take_up)
 
 
 def opened(target: Path) -> Ledger:
@@ -230,7 +230,7 @@ def extend(
         _compare(store, header)
         put_back(target, integration, store.state.end["slice"])
 
-        def begin(recorder: Recorder) -> None:
+        def take_up(recorder: Recorder) -> None:
             recorder.begun_with = kept.get("begun_with", [])
             for name, rows in _rows(integration).items():
                 if name in recorder.growing:
@@ -242,7 +242,7 @@ def extend(
             )
             recorder.derive()
 
-        return run_into(integration, store, progress, stop, begin)
+        return run_into(integration, store, progress, stop, take_up)
 
 
 def _rows(integration: Integration) -> dict[str, int]:
