@@ -19,7 +19,7 @@ from tippetop.runs import recording, resuming
 from tippetop.runs.integration import Integration
 from tippetop.scenario import build
 from tippetop.store import provenance, root
-from tippetop.store.ledger import LEDGER, mark_of_tail
+from tippetop.store.ledger import LEDGER, digest
 
 
 UNTIL = 30.0
@@ -84,7 +84,7 @@ def test_a_damaged_ledger_or_tail_or_other_equations_are_refused(store: Path) ->
     rows = json.dumps(state).encode() + b"\n" + rows.partition(b"\n")[2]
     tail.write_bytes(rows)
     place.write_bytes(kept)
-    edited(store, lambda records: records[-1].update(tail=[tail.name, mark_of_tail(rows)]))
+    edited(store, lambda records: records[-1].update(tail=[tail.name, digest(rows)]))
     with pytest.raises(StoreError, match="equations"):
         resuming.resume(store)
 

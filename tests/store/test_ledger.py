@@ -105,7 +105,7 @@ def go(
     try:
         store = Ledger.opened(place, folder)
     except FileNotFoundError:
-        store = Ledger.created(place, header(), folder, bare=True)
+        store = Ledger.created(place, header(), folder)
     with store:
         if store.state.seal:
             return
@@ -229,7 +229,7 @@ def test_a_store_on_a_real_disk_is_that_of_the_model_and_xarray_reads_it(tmp_pat
 
 
 def test_rows_of_an_unfinished_store_are_read(tmp_path: Path) -> None:
-    with Ledger.created(tmp_path, header(), bare=True) as store:
+    with Ledger.created(tmp_path, header()) as store:
         assert ledger.read(tmp_path).attributes["status"] == "running"
         assert xr.open_zarr(tmp_path, group="trajectory").sizes["trajectory"] == 0
         toy = Toy(store)
@@ -334,7 +334,7 @@ def test_a_ledger_names_nothing_outside_its_store(tmp_path: Path) -> None:
     head = header()
     head["tables"]["trajectory"].append("../other")
     head["members"]["../other"] = head["members"]["trajectory/time"]
-    _, line = ledger._line("", head)
+    _, line = ledger.lines([head])
     (tmp_path / LEDGER).write_bytes(line)
     with pytest.raises(StoreError, match="names what cannot be in a store"):
         ledger.read(tmp_path)

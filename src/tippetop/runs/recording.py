@@ -230,7 +230,7 @@ def record(
         begun.append(Integration(problem, stop))
         return header(begun[0])
 
-    store = begin(target, head, overwrite=overwrite, bare=True)
+    store = begin(target, head, overwrite=overwrite)
     return run_into(begun[0], store, progress, stop)
 
 

@@ -55,13 +55,11 @@ class Writer:
         self.store.release()
 
 
-def begin(
-    target: Path, head: Callable[[], dict[str, Any]], *, overwrite: bool = False, bare: bool = False
-) -> Ledger:
+def begin(target: Path, head: Callable[[], dict[str, Any]], *, overwrite: bool = False) -> Ledger:
     """Create the store of a header, and lock it. Raises StoreError; see `root.new_store`."""
     with contextlib.ExitStack() as held:
         with root.new_store(target, overwrite=overwrite) as scratch:
-            store = held.enter_context(Ledger.created(scratch, head(), bare=bare))
+            store = held.enter_context(Ledger.created(scratch, head()))
         held.pop_all()
     store.path = target
     return store
@@ -76,7 +74,10 @@ def begin_or_continue(
     """
     path = files.own_folder(path)
     if not path.exists():
-        return begin(path, head)
+        store = begin(path, head)
+        with files.writing(path):
+            store.derive({})
+        return store
     stored, wanted = root.root_of(path), json.loads(json.dumps(head()["attributes"]))
     for key in same:
         if stored.get(key) != wanted[key]:

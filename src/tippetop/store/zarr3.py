@@ -94,6 +94,11 @@ def dump(document: dict[str, Any]) -> bytes:
     return json.dumps(document, allow_nan=False).encode()
 
 
+def chunk_shape(document: Mapping[str, Any]) -> list[int]:
+    """Return the shape of the chunks of an array."""
+    return document["chunk_grid"]["configuration"]["chunk_shape"]
+
+
 def chunk_name(document: Mapping[str, Any], *index: int) -> str:
     """Return the path of a chunk in the folder of its array; indices that are left out are 0."""
     separator = document["chunk_key_encoding"]["configuration"]["separator"]
@@ -104,7 +109,7 @@ def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:
     """Return a chunk as the bytes of its file. Rows that are missing at its end are filled."""
     blosc, crc32c = _codecs()
     values = np.ascontiguousarray(values, document["data_type"])
-    chunk = tuple(document["chunk_grid"]["configuration"]["chunk_shape"])
+    chunk = tuple(chunk_shape(document))
     if values.shape != chunk:
         whole = np.full(chunk, np.dtype(document["data_type"]).type(document["fill_value"]))
         whole[tuple(map(slice, values.shape))] = values
@@ -123,4 +128,4 @@ def decode(data: bytes, document: Mapping[str, Any]) -> np.ndarray:
     if not whole(data):
         raise ValueError("the checksum of a chunk is another")
     values = np.frombuffer(_codecs()[0].decompress(data[:-CHECKSUM]), document["data_type"])
-    return values.reshape(document["chunk_grid"]["configuration"]["chunk_shape"]).copy()
+    return values.reshape(chunk_shape(document)).copy()
