@@ -14,7 +14,7 @@ from tippetop.columns import Column
 from tippetop.errors import StoreError
 from tippetop.store import chunks, ledger, zarr3
 from tippetop.store.ledger import Ledger
-from tippetop.store.table import Table
+from tippetop.store.table import LATE, Table
 
 
 CHUNK, ROWS = 8, 45  # five whole chunks and a part
@@ -36,36 +36,42 @@ def columns(rows: slice = slice(None)) -> dict[str, Column]:
     }
 
 
-def new(path: Path, of: dict[str, Column], chunk: int = CHUNK) -> Table:
-    """An empty table in a new store; `flag` is a late column."""
+def new(path: Path, of: dict[str, Column], chunk: int = CHUNK) -> list[Table]:
+    """Empty tables in a new store; `flag` is a late column."""
     path.mkdir()
     arrays = {
         f"{GROUP}/{name}": zarr3.array(column, {"time": (0, chunk)}) for name, column in of.items()
     }
-    late = [name for name in arrays if name.endswith("flag")]
-    tables = {GROUP: [name for name in arrays if name not in late]} | (
-        {f"{GROUP}-late": late} if late else {}
-    )
+    tables: dict[str, list[str]] = {}
+    for name in arrays:
+        tables.setdefault(GROUP + LATE if name.endswith("flag") else GROUP, []).append(name)
     head = ledger.header({}, {GROUP: zarr3.group({}), **arrays}, tables)
-    return Table(Ledger.created(path, head), GROUP)
+    store = Ledger.created(path, head)
+    return [Table(store, name) for name in tables]
 
 
-def append(table: Table, of: dict[str, Column]) -> None:
-    table.append({name: column.values for name, column in of.items()})
+def append(tables: list[Table], of: dict[str, Column]) -> None:
+    for table in tables:
+        table.append({name: column.values for name, column in of.items()})
 
 
-def finish(table: Table) -> None:
-    table.finish()
-    table.ledger.finish({"status": "finished"}, rows=table.counts())
-    table.ledger.release()
+def counts(tables: list[Table]) -> dict[str, int]:
+    return {table.name: table.rows for table in tables}
+
+
+def finish(tables: list[Table]) -> None:
+    for table in tables:
+        table.finish()
+    tables[0].ledger.finish({"status": "finished"}, rows=counts(tables))
+    tables[0].ledger.release()
 
 
 def whole(path: Path, of: dict[str, Column] | None = None, chunk: int = CHUNK) -> Path:
     """All rows in one piece."""
     of = of or columns()
-    table = new(path, {name: c._replace(values=c.values[:0]) for name, c in of.items()}, chunk)
-    append(table, of)
-    finish(table)
+    tables = new(path, {name: c._replace(values=c.values[:0]) for name, c in of.items()}, chunk)
+    append(tables, of)
+    finish(tables)
     return path
 
 
@@ -88,27 +94,31 @@ def test_columns_are_kept_with_their_types_names_and_attributes(tmp_path: Path) 
 def test_the_files_do_not_depend_on_the_pieces_nor_on_commits(
     pieces: list[int], tmp_path: Path
 ) -> None:
-    table, start = new(tmp_path / "a", columns(slice(0, 0))), 0
+    tables, start = new(tmp_path / "a", columns(slice(0, 0))), 0
+    store = tables[0].ledger
     for count in pieces:
-        append(table, columns(slice(start, start + count)))
+        append(tables, columns(slice(start, start + count)))
         start += count
-        about, data = table.tail()
-        table.ledger.commit(data, rows=table.counts())
-        table.ledger.derive(table.derived())
-        assert len(read(tmp_path / "a")["time"]) == table.rows == start
-        again = Table(table.ledger, GROUP)
-        assert again.restore(about, data + b"rest") == b"rest"
-        np.testing.assert_array_equal(again.values("axis"), columns(slice(start))["axis"].values)
-        table = again
-    finish(table)
+        data = b"".join(map(Table.tail, tables))
+        store.commit(data, rows=counts(tables))
+        store.derive(dict(file for table in tables for file in table.derived()))
+        assert len(read(tmp_path / "a")["time"]) == tables[0].rows == start
+        again = [Table(store, table.name) for table in tables]
+        data += b"rest"
+        for table, before in zip(again, tables, strict=True):
+            data = table.restore(before.written, before.rows, data)
+        assert data == b"rest"
+        np.testing.assert_array_equal(again[0].values("axis"), columns(slice(start))["axis"].values)
+        tables = again
+    finish(tables)
     assert_same(tmp_path / "a", whole(tmp_path / "whole"))
 
 
 def test_flags_are_set_in_any_row_until_the_end(tmp_path: Path) -> None:
-    table = new(tmp_path / "a", columns(slice(0, 0)))
-    append(table, columns())
-    table.mark("flag", [0, 9, 39, 40, 44])
-    finish(table)
+    tables = new(tmp_path / "a", columns(slice(0, 0)))
+    append(tables, columns())
+    tables[1].mark("flag", [0, 9, 39, 40, 44])
+    finish(tables)
     assert np.flatnonzero(read(tmp_path / "a")["flag"]).tolist() == [0, 9, 39, 40, 44]
 
 

@@ -54,14 +54,14 @@ class Toy:
 
     def __init__(self, store: Ledger):
         self.store, self.i, self.h = store, 0, 1.0
-        self.tables = {name: Table(store, name) for name in COLUMNS}
+        self.tables = {name: Table(store, name) for name in store.state.header["tables"]}
         tail = store.tail()
         if tail is not None:
             head, _, data = tail.partition(b"\n")
             state = json.loads(head)
             self.i, self.h = state["i"], state["h"]
             for name, table in self.tables.items():
-                data = table.restore(state["tables"][name], data)
+                data = table.restore(*state["tables"][name], data)
 
     def step(self) -> None:
         self.i, self.h = self.i + 1, (self.h * 1.37 + 0.11) % 1.0
@@ -70,25 +70,23 @@ class Toy:
         events = self.tables["events"]
         if self.h > 0.4:
             event = {"time": self.i / 1000, "kind": np.int16(self.i % 3), "significant": False}
-            events.append({name: np.array([value]) for name, value in event.items()})
+            for table in (events, self.tables["events-late"]):
+                table.append({name: np.array([value]) for name, value in event.items()})
         elif events.rows:
-            events.mark("significant", [self.i % events.rows])
+            self.tables["events-late"].mark("significant", [self.i % events.rows])
 
     def commit(self) -> None:
-        parts = {name: table.tail() for name, table in self.tables.items()}
         state = {
             "i": self.i,
             "h": self.h,
-            "tables": {name: about for name, (about, _) in parts.items()},
+            "tables": {name: (table.written, table.rows) for name, table in self.tables.items()},
         }
-        tail = json.dumps(state).encode() + b"\n" + b"".join(data for _, data in parts.values())
+        tail = json.dumps(state).encode() + b"\n" + b"".join(map(Table.tail, self.tables.values()))
         self.store.commit(tail, rows=self.rows())
-        self.store.derive(
-            {name: data for table in self.tables.values() for name, data in table.derived().items()}
-        )
+        self.store.derive(dict(file for table in self.tables.values() for file in table.derived()))
 
     def rows(self) -> dict[str, int]:
-        return {key: rows for table in self.tables.values() for key, rows in table.counts().items()}
+        return {name: table.rows for name, table in self.tables.items()}
 
     def finish(self) -> None:
         for table in self.tables.values():

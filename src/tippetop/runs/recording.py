@@ -50,8 +50,7 @@ class Recorder(Writer):
     def __init__(self, problem: Problem, store: Ledger, stop: threading.Event | None = None):
         super().__init__(store)
         self.problem, self.view, self.stop = problem, Observables(problem), stop
-        names = (name for name in store.state.header["tables"] if not name.endswith(LATE))
-        self.growing = {name: Table(store, name) for name in names}
+        self.growing = {name: Table(store, name) for name in store.state.header["tables"]}
         self.begun_with: list[
             dict[str, Any]
         ] = []  # versions and processors of those that wrote it before
@@ -73,7 +72,7 @@ class Recorder(Writer):
         if len(table.time):
             self.later(lambda: self.append("events", event_columns(table)))
         if marks:
-            self.later(lambda: self.growing["events"].mark(SIGNIFICANT, marks))
+            self.later(lambda: self.mark(marks))
 
     def keyframe(self, row: dict[str, Column]) -> None:
         """Take a keyframe."""
@@ -89,7 +88,13 @@ class Recorder(Writer):
 
     def append(self, name: str, columns: dict[str, Column]) -> None:
         """Append rows to a table."""
-        self.growing[name].append({key: column.values for key, column in columns.items()})
+        values = {key: column.values for key, column in columns.items()}
+        for part in self.growing.keys() & {name, name + LATE}:
+            self.growing[part].append(values)
+
+    def mark(self, rows: list[int], value: bool = True) -> None:
+        """Set the flags of some events."""
+        self.growing["events" + LATE].mark(SIGNIFICANT, rows, value)
 
     def derivatives(self) -> None:
         """Makes the tables of derivatives, where the run has come to its end, from its rows and its
@@ -99,8 +104,10 @@ class Recorder(Writer):
         if not problem.sensitivities:
             return
         self.now(lambda: None)
-        log, events = EventTable.empty(problem.system.kinds), self.growing["events"]
-        table = EventTable(log.kinds, *(events.values(name) for name in log.columns()))
+        log = EventTable.empty(problem.system.kinds)
+        parts = [self.growing["events"], self.growing["events" + LATE]]
+        columns = {name: part.values(name) for part in parts for name in part.documents}
+        table = EventTable(log.kinds, *(columns[name] for name in log.columns()))
         times = problem.times[: self.growing["trajectory"].rows]
         make = partial(sensitivities.tables, problem, times, table)
         derived = awaited(make, "the derivatives of the run are being computed", self.stop)
@@ -131,38 +138,31 @@ class Recorder(Writer):
 
     def tail(self, snapshot: dict[str, Any]) -> bytes:
         """Return the rows that no chunk holds, and the state of the run."""
-        parts = {name: table.tail() for name, table in self.growing.items()}
         state = {
             **here(),
             "begun_with": self.begun_with,
             "integration": snapshot,
-            "tables": {name: about for name, (about, _) in parts.items()},
+            "tables": {name: [table.written, table.rows] for name, table in self.growing.items()},
         }
         head = json.dumps(state, allow_nan=False).encode() + b"\n"
-        return head + b"".join(data for _, data in parts.values())
+        return head + b"".join(table.tail() for table in self.growing.values())
 
     def restore(self, tail: bytes) -> None:
         """Take back the rows of a tail."""
         head, _, data = tail.partition(b"\n")
         state = json.loads(head)
         for name, about in state["tables"].items():
-            data = self.growing[name].restore(about, data)
+            data = self.growing[name].restore(*about, data)
 
     def derive(self) -> None:
         """Write what readers of an unfinished store need, and nobody else."""
         self.store.derive(
-            {
-                file: data
-                for table in self.growing.values()
-                for file, data in table.derived().items()
-            }
+            {file: data for table in self.growing.values() for file, data in table.derived()}
         )
 
     def counts(self) -> dict[str, int]:
         """Return the rows of all tables, by the names that the ledger has."""
-        return {
-            key: rows for table in self.growing.values() for key, rows in table.counts().items()
-        }
+        return {name: table.rows for name, table in self.growing.items()}
 
     def finish(self, attrs: dict[str, Any], ending: dict[str, Any]) -> dict[str, Any]:
         """Write waiting rows, and close the store with its last root attributes; return them."""

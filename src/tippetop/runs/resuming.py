@@ -13,6 +13,7 @@ from ..mechanics.system import System
 from ..scenario import build
 from ..store import files, ledger, root
 from ..store.ledger import Ledger
+from ..store.table import LATE
 from . import recording
 from .integration import Integration
 from .recording import Progress, Recorder, here, run_into
@@ -102,7 +103,7 @@ def _compare(store: Ledger, wanted: dict[str, Any]) -> None:
 
 def _unmark(recorder: Recorder, integration: Integration) -> None:
     """Clear the flags of events that are still open where the run is taken up."""
-    recorder.growing["events"].mark(recording.SIGNIFICANT, integration.log.open_rows(), value=False)
+    recorder.mark(integration.log.open_rows(), value=False)
 
 
 def same_here(
@@ -233,8 +234,8 @@ def extend(
         def take_up(recorder: Recorder) -> None:
             recorder.begun_with = kept.get("begun_with", [])
             for name, rows in _rows(integration).items():
-                if name in recorder.growing:
-                    recorder.growing[name].cut(rows)
+                for part in recorder.growing.keys() & {name, name + LATE}:
+                    recorder.growing[part].cut(rows)
             _unmark(recorder, integration)
             chunks = {key for table in recorder.growing.values() for key in table.chunks()}
             store.restart(
