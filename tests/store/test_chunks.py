@@ -3,11 +3,9 @@ told.
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-import zarr
 from stores import assert_same
 
 from tippetop.columns import Column
