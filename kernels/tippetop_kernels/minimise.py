@@ -22,9 +22,6 @@ SMALLEST, LARGEST = 1e-30, 1e30
 
 # a step in ln(q) after which none is needed: the next one would be of the order of its cube
 AT_REST = 1e-5
-NEARLY = (
-    1e-3  # one after which the value is at rest: its error is of the order of the cube's square
-)
 
 
 class Status(IntEnum):

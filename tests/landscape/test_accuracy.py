@@ -38,7 +38,7 @@ def pointwise(t, D, lam):
 
 
 def worst(parameters, points):
-    """The largest error of F in ulp and of q relative to its conditioning, over the points."""
+    """Return the largest errors of F in ulp and of q relative to its conditioning."""
     t, b = bodies.top(parameters), oracle.body(parameters)
     D, lam = points
     F, q, status = pointwise(t, D, lam)

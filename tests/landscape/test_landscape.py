@@ -119,9 +119,6 @@ def test_surface_does_not_know_the_grid():
         assert alone.z.item() == one.z[i, j].item()
 
 
-TWO_MINIMA = oracle.parameters(0.3, 3.0, 4.0)  # alpha, gamma, sigma: above gamma*
-
-
 def test_reflection_leaves_the_surface():
     """(D, lambda) -> (-D, -lambda): reflection in a vertical plane. [section 1]"""
     D, lam = np.linspace(-6e-4, 8e-4, 21), np.linspace(-3e-6, 7e-6, 23)

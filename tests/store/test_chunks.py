@@ -130,7 +130,7 @@ def test_a_damaged_chunk_is_named(harm: str, tmp_path: Path) -> None:
     else:
         content[len(content) // 2] ^= 1
         victim.write_bytes(content if harm == "flipped" else content[:-3])
-    with pytest.raises(StoreError, match="readable column `axis`|is missing|is another"):
+    with pytest.raises(StoreError, match=r"readable column `axis`|is missing|is another"):
         chunks.digest(tmp_path / "a", GROUP)
 
 

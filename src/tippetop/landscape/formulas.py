@@ -15,7 +15,6 @@ Squares are in joules.
 In every formula q > 0, p is a `Point` (the two momenta), c the `PotentialCoefficients` of the body.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 from ..mechanics.doubledouble import DoubleDouble, minus, plus, quotient, scaled, tidy, times
@@ -89,13 +88,6 @@ def potential(q, p, c):
     [equal to T 4.12, 2.38]
     """
     return total(motion_terms(psi(q, p, c), q, p, c), q, p, c)
-
-
-@formula
-def rounded_total(motion, q, p, c):
-    """V [J] in one double, of its motion terms."""
-    V = total(motion, q, p, c)
-    return V.head + V.tail
 
 
 @formula
@@ -255,7 +247,7 @@ def rough(p, c):
 
 
 @formula
-def sharper(k, p, c):
+def sharper(k, c):
     """One of Halley's steps in ln(q) towards the minimum for K = 0: the root of (b q)^2 + (g q/(1 +
     q))^2 = a^2.
     """
@@ -268,15 +260,9 @@ def sharper(k, p, c):
 
 
 @formula
-def sharpest(k, p, c):
-    """The last stage of the guess."""
-    return sharper(k, p, c).q
-
-
-@formula
 def guess(p, c):
     """q of the minimum to some 1e-3 where K is small."""
-    return sharpest(sharper(rough(p, c), p, c), p, c)
+    return sharper(sharper(rough(p, c), c), c).q
 
 
 @formula
@@ -290,12 +276,3 @@ def ends(first, second, p, c):
         abs(p.a.head) <= little * abs(c.a2.head * second),
         (abs(p.b.head) <= little * abs(c.b2.head * second)) & (a >= c.root_gamma_gain),
     )
-
-
-# what may be worked stage by stage: each takes the result of the one before it, then what the whole
-# takes
-STAGES: dict[Callable, tuple[Callable, ...]] = {
-    guess: (rough, sharper, sharpest),
-    slopes: (frame, slopes_in),
-    value: (psi, motion_terms, rounded_total),
-}

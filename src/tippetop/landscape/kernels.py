@@ -3,11 +3,10 @@
 from collections.abc import Callable
 from functools import cache
 
-from tippetop_kernels import grid, staging
+from tippetop_kernels import grid
 from tippetop_kernels.compilation import Entry, inlined
 
 from .formulas import (
-    STAGES,
     at_momenta,
     curvature,
     ends,
@@ -19,9 +18,7 @@ from .formulas import (
 )
 
 
-staging.STAGES.update(STAGES)
-PROBLEM = at_momenta, guess, slopes, value, ends
-minima = grid.minima(*PROBLEM)
+minima = grid.minima(at_momenta, guess, slopes, value, ends)
 gradients = grid.gradients(at_momenta, surface_gradient)
 potentials = grid.potentials(at_momenta, slopes, value)
 turnings = grid.turnings(at_momenta, slopes, value, excess, curvature)

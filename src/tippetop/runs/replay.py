@@ -223,9 +223,8 @@ def _take_up(path: Path, integration: Integration, start: float) -> None:
     """Takes a run up at its last keyframe before `start` [s], or leaves it at its start."""
     table = root.open_group(path, "keyframes")
     if table.variables.keys() != keyframes.empty(integration.problem, integration.driver).keys():
-        raise StoreError(
-            f"`{path}` must have the columns of keyframes, but has {', '.join(sorted(map(str, table.variables)))}."
-        )
+        found = ", ".join(sorted(map(str, table.variables)))
+        raise StoreError(f"`{path}` must have the columns of keyframes, but has {found}.")
     clock = root.loaded(table[["clock"]], path)["clock"].values
     at = int(np.searchsorted(clock[:, 0, 0], start / integration.second, side="left")) - 1
     if at < 0:

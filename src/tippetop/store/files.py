@@ -111,7 +111,7 @@ def _locked(folder: Path) -> int:
 
 
 def put_back(path: Path) -> None:
-    """Put back, with a warning, a store that a killed writer moved aside; or remove it if replaced."""
+    """Put back a store that a killed writer moved aside, or remove it if it was replaced."""
     old = name_aside(path)
     if not old.exists():
         return

@@ -110,7 +110,7 @@ def digest(data: bytes) -> str:
 
 
 def mark(tips: Mapping[str, tuple[int, bytes]]) -> str:
-    """Return a digest of the names, sizes and checksums (the last bytes) of the files of a chunk."""
+    """Return a digest of the names, sizes and last bytes (the checksums) of files of a chunk."""
     return digest(
         b"".join(
             f"{name} {size} {tip.hex()}\n".encode() for name, (size, tip) in sorted(tips.items())

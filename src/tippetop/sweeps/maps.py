@@ -195,7 +195,7 @@ def map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
         count = (plan.n / TOPS_PER_CELL) ** (1 / min(drawn, 2)) if axis.sampled else MOST_CELLS
         edges = np.linspace(scaled[0], scaled[-1], int(np.clip(count, 4, MOST_CELLS)) + 1)
     elif len(values) == 1:
-        edges = scaled + [-0.5, 0.5]
+        edges = scaled[0] + np.array([-0.5, 0.5])
     else:
         middles = (scaled[1:] + scaled[:-1]) / 2
         edges = np.r_[2 * scaled[0] - middles[0], middles, 2 * scaled[-1] - middles[-1]]

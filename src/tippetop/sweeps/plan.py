@@ -97,8 +97,8 @@ class PlanTable(Table, use_attribute_docstrings=True):
     sample: SampleTable | None = None
     """how axes with between are drawn"""
     keep: list[str] | None = None
-    """columns to keep; all but orientation and lyapunov. final_state, drift, orientation stand for \
-all of theirs"""
+    """columns to keep; all but orientation and lyapunov. final_state, drift, orientation stand \
+for all of theirs"""
     runs: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
     """numbers of tops to run alone as well, with rows, into runs/N"""
     chunk: Count | None = None
