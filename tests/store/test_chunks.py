@@ -37,14 +37,11 @@ def columns(rows: slice = slice(None)) -> dict[str, Column]:
 def new(path: Path, of: dict[str, Column], chunk: int = CHUNK) -> list[Table]:
     """Empty tables in a new store; `flag` is a late column."""
     path.mkdir()
-    arrays = {
-        f"{GROUP}/{name}": zarr3.array(column, {"time": (0, chunk)}) for name, column in of.items()
-    }
-    tables: dict[str, list[str]] = {}
-    for name in arrays:
-        tables.setdefault(GROUP + LATE if name.endswith("flag") else GROUP, []).append(name)
-    head = ledger.header({}, {GROUP: zarr3.group({}), **arrays}, tables)
-    store = Ledger.created(path, head)
+    tables: dict[str, dict[str, Any]] = {}
+    for name, column in of.items():
+        table = tables.setdefault(GROUP + LATE if name == "flag" else GROUP, {})
+        table[f"{GROUP}/{name}"] = zarr3.array(column, {"time": (0, chunk)})
+    store = Ledger.created(path, ledger.header({}, tables))
     return [Table(store, name) for name in tables]
 
 

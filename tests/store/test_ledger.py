@@ -34,16 +34,13 @@ COLUMNS: dict[str, dict[str, np.ndarray]] = {
 
 def header() -> dict[str, Any]:
     """The header of a toy run: two tables, one of which has a late column."""
-    members, tables = {}, {}
+    tables: dict[str, dict[str, Any]] = {}
     for group, columns in COLUMNS.items():
-        members[group] = zarr3.group({})
         for name, empty in columns.items():
             column = Column((group, *["xyz"] * (empty.ndim - 1)), empty, {"units": "1"})
-            members[f"{group}/{name}"] = zarr3.array(column, {group: (0, CHUNK)})
-            tables.setdefault("events-late" if name == "significant" else group, []).append(
-                f"{group}/{name}"
-            )
-    return ledger.header({"status": "running"}, members, tables)
+            table = tables.setdefault("events-late" if name == "significant" else group, {})
+            table[f"{group}/{name}"] = zarr3.array(column, {group: (0, CHUNK)})
+    return ledger.header({"status": "running"}, tables)
 
 
 class Toy:

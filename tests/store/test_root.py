@@ -21,10 +21,8 @@ def made(path: Path, **more: object) -> Path:
     """A small store of ours."""
     words = {"content": "potential", "title": "a top", "system": "tippe-top", "parameters": {}}
     column = Column(("time",), np.arange(3.0), {})
-    members = {"potential": zarr3.group({}), "potential/time": zarr3.array(column, {})}
-    head = ledger.header(
-        {**words, **provenance.provenance(), **more}, members, {"potential": ["potential/time"]}
-    )
+    tables = {"potential": {"potential/time": zarr3.array(column, {})}}
+    head = ledger.header({**words, **provenance.provenance(), **more}, tables)
     with root.new_store(path) as scratch, Ledger.created(scratch, head) as store:
         store.put("potential/0", {"time": column.values})
         store.finish({"status": "finished"})

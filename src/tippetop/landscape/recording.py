@@ -58,7 +58,7 @@ class Surface:
 
     def header(self) -> dict[str, Any]:
         """Return the header of the ledger: the axes, and F, z and status over them."""
-        axes, dims = self.axes(), self.top.momenta
+        axes = self.axes()
         about = {
             name: [axis.values[0], axis.values[-1], axis.values.size, _digest(axis.values)]
             for name, axis in axes.items()
@@ -75,15 +75,15 @@ class Surface:
         }
         schema = surface.variables(self.top, *np.zeros((2, 1, 1)), np.zeros((1, 1), np.int8))
         sizes = {name: (v.values.size, min(self.chunk, v.values.size)) for name, v in axes.items()}
-        members = {name: zarr3.array(axis, {}, 0) for name, axis in axes.items()}
-        columns = {name: schema[name] for name in ("F", "z", "status")}
-        for name, (_, values, attrs) in columns.items():
-            fill = -1 if name == "status" else None
-            members[name] = zarr3.array(Column(dims, values, attrs), sizes, fill)
-        arrays = {f"{GROUP}/{name}": document for name, document in members.items()}
-        tables = {"axes": [f"{GROUP}/{name}" for name in axes]}
-        tables[GROUP] = [f"{GROUP}/{name}" for name in columns]
-        return ledger.header(attributes, {GROUP: zarr3.group({}), **arrays}, tables)
+        fills = {"F": None, "z": None, "status": -1}
+        tables = {
+            "axes": {f"{GROUP}/{name}": zarr3.array(axis, {}, 0) for name, axis in axes.items()},
+            GROUP: {
+                f"{GROUP}/{name}": zarr3.array(Column(*schema[name]), sizes, fill)
+                for name, fill in fills.items()
+            },
+        }
+        return ledger.header(attributes, tables)
 
 
 def _digest(values: np.ndarray) -> str:
@@ -162,7 +162,7 @@ def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
     }
     arrays = {f"{group}/{name}": zarr3.array(column, {}) for name, column in columns.items()}
     attributes = {"content": group, **attrs, **RUNNING, **provenance()}
-    header = ledger.header(attributes, {group: zarr3.group({}), **arrays}, {group: list(arrays)})
+    header = ledger.header(attributes, {group: arrays})
     with new_store(path) as scratch, Ledger.created(scratch, header) as store:
         store.put(f"{group}/0", {name: column.values for name, column in columns.items()})
         store.finish(FINISHED)

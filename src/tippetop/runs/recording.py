@@ -249,14 +249,12 @@ def header_of(
     """Return the header of a ledger with these tables: name, columns without rows, rows
     of a chunk.
     """
-    members: dict[str, Any] = {}
-    chunked: dict[str, list[str]] = {}
+    parts: dict[str, dict[str, Any]] = {}
     for name, columns, chunk in tables:
-        members[name] = zarr3.group({})
         for key, column in columns.items():
-            members[f"{name}/{key}"] = zarr3.array(column, {column.dims[0]: (0, chunk)})
-            chunked.setdefault(name + LATE if key == late else name, []).append(f"{name}/{key}")
-    return ledger.header(attrs, members, chunked)
+            array = zarr3.array(column, {column.dims[0]: (0, chunk)})
+            parts.setdefault(name + LATE if key == late else name, {})[f"{name}/{key}"] = array
+    return ledger.header(attrs, parts)
 
 
 def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:

@@ -164,7 +164,7 @@ def acknowledged(raw: bytes) -> Acknowledged:
 
 
 def header(
-    attributes: dict[str, Any], members: dict[str, Any], tables: dict[str, list[str]]
+    attributes: dict[str, Any], tables: Mapping[str, Mapping[str, dict[str, Any]]]
 ) -> dict[str, Any]:
     """Return the header of a new store.
 
@@ -172,16 +172,18 @@ def header(
     ----------
     attributes
         Of the root group.
-    members
-        The documents of groups and arrays by path; arrays that grow have no rows.
     tables
-        Table -> the paths of the arrays whose chunks are written together.
+        Table -> path -> document of the arrays whose chunks are written together; arrays that grow
+        have no rows.
     """
+    members: dict[str, Any] = {}
+    for arrays in tables.values():
+        members |= {path.partition("/")[0]: zarr3.group({}) for path in arrays} | dict(arrays)
     return {
         "format": FORMAT_VERSION,
         "attributes": attributes,
         "members": members,
-        "tables": tables,
+        "tables": {table: list(arrays) for table, arrays in tables.items()},
     }
 
 

@@ -101,9 +101,9 @@ def _header(plan: Plan) -> dict[str, Any]:
         f"{GROUP}/{name}": zarr3.array(column, sizes)
         for name, column in {**coordinates, **columns}.items()
     }
-    runs = {RUNS: zarr3.group({})} if plan.runs else {}
-    members = {GROUP: zarr3.group({}), **arrays, **runs}
-    return ledger.header(finite(attributes), members, {GROUP: list(arrays)})
+    header = ledger.header(finite(attributes), {GROUP: arrays})
+    header["members"] |= {RUNS: zarr3.group({})} if plan.runs else {}
+    return header
 
 
 def _coordinates(plan: Plan) -> dict[str, Column]:
