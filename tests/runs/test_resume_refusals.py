@@ -150,7 +150,7 @@ def test_an_unfinished_store_can_be_looked_at(
     assert np.all(np.isfinite(trajectory["theta"]))
     assert outcome(["plot", str(store), "--out", str(tmp_path / "a.png")]) == 0
     with pytest.warns(
-        UserWarning, match="is not finished: what is written is what there is of it so far"
+        UserWarning, match="is not finished: only the rows up to its last commit are written"
     ):
         assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 0
 

@@ -281,7 +281,7 @@ def test_a_full_disk_is_said_and_costs_nothing(
 
     try:
         with pytest.raises(
-            StoreError, match=r"must be writable, but: File too large. What is stored is kept"
+            StoreError, match=r"must be writable, but: File too large. Stored chunks are kept"
         ):
             tippetop.sweep(file, store, workers=1, progress=full)
     finally:

@@ -44,8 +44,7 @@ def reconstruction(
     system = problem.system
     if problem.contact is not None:
         raise InputError(
-            "the run must be one whose contact stays what it is, but its contact may change "
-            "its phase."
+            "the run must be one whose contact keeps its phase, but its contact may change it."
         )
     if len(system.momenta) != 2:
         raise InputError(

@@ -99,7 +99,7 @@ def write(
 ) -> Path:
     """Write F [J], z and status of a surface into a store at `path`, or continue it.
 
-    What is damaged is computed again.
+    Damaged chunks are computed again.
 
     Parameters
     ----------

@@ -151,8 +151,8 @@ class Recorder(Writer):
         """Take back the rows of a tail."""
         head, _, data = tail.partition(b"\n")
         state = json.loads(head)
-        for name, about in state["tables"].items():
-            data = self.growing[name].restore(*about, data)
+        for name, (written, rows) in state["tables"].items():
+            data = self.growing[name].restore(written, rows, data)
 
     def derive(self) -> None:
         """Write what readers of an unfinished store need, and nobody else."""

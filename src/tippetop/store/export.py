@@ -43,7 +43,7 @@ def export(
         )
     if attrs["status"] == "running":
         warnings.warn(
-            f"`{store}` is not finished: what is written is what there is of it so far.",
+            f"`{store}` is not finished: only the rows up to its last commit are written.",
             stacklevel=2,
         )
     attrs = {name: _plain(value) for name, value in attrs.items() if value is not None}

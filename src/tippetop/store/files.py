@@ -7,8 +7,8 @@ replaces a link rather than its target.
 import contextlib
 import errno
 import fcntl
+import glob
 import os
-import re
 import shutil
 import stat
 import uuid
@@ -84,14 +84,9 @@ def lock_of(path: Path) -> contextlib.AbstractContextManager[Ledger | None]:
 @contextlib.contextmanager
 def scratch_folder(path: Path) -> Iterator[Path]:
     """Make a hidden folder next to `path`; remove it when the block ends. Raises OSError."""
-    while True:
-        scratch = scratch_name(path)
-        scratch.mkdir()
-        try:  # a lock that a killed writer releases
-            descriptor = _locked(scratch)
-            break
-        except (FileNotFoundError, BlockingIOError):  # another process took it for stale
-            continue
+    scratch = scratch_name(path)
+    scratch.mkdir()
+    descriptor = _locked(scratch)  # which a killed writer releases
     try:
         yield scratch
     finally:
@@ -130,11 +125,10 @@ def remove_stale(path: Path) -> None:
 
     Only folders of this user with a name by `scratch_name`, and which no process has locked.
     """
-    pattern = re.compile(re.escape(f".{path.name}.part-") + "[0-9a-f]{32}")
+    names = glob.escape(f".{path.name}.part-") + "[0-9a-f]" * 32
     with contextlib.suppress(OSError):
-        for name in sorted(os.listdir(path.parent)):
-            old = path.with_name(name)
-            if pattern.fullmatch(name) and _removed(old):
+        for old in sorted(path.parent.glob(names)):
+            if _removed(old):
                 warnings.warn(f"`{old}` is removed: a killed run left it.", stacklevel=2)
 
 
@@ -206,7 +200,7 @@ def synced(path: Path) -> None:
 def own_folder(path: str | Path) -> Path:
     """Return a path that is not a link. Raises StoreError."""
     if os.path.islink(path):
-        raise StoreError(f"`{path}` must be a folder of its own, but is a link.")
+        raise StoreError(f"`{path}` must be a folder, but is a link.")
     return Path(path)
 
 

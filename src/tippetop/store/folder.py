@@ -42,7 +42,7 @@ class Folder:
     def write(self, name: str, data: bytes, *, derived: bool = False) -> None:
         """Write a file, whole or not at all.
 
-        What is `derived` can be made again, and is not synced.
+        A `derived` file can be made again, and is not synced.
         """
         self.put(name + NEW, data)
         self.rename(name + NEW, name)

@@ -212,7 +212,7 @@ class Ledger:
         """
         self = cls(folder or Folder(path), path)
         self.state = Acknowledged.of([json.loads(json.dumps(head))])
-        with self._released_on_failure():
+        with self.released_on_failure():
             self.folder.write(DOCUMENT, zarr3.dump(self.state.documents()[""]), derived=True)
             self._compact()
         return self
@@ -236,7 +236,7 @@ class Ledger:
             The disk.
         """
         self = cls(folder or Folder(path), path)
-        with self._released_on_failure():
+        with self.released_on_failure():
             self._lock()
             with sound(path):
                 self.state = acknowledged(self.folder.read(LEDGER))
@@ -252,7 +252,8 @@ class Ledger:
         return self
 
     @contextlib.contextmanager
-    def _released_on_failure(self) -> Iterator[None]:
+    def released_on_failure(self) -> Iterator[None]:
+        """Release the lock if the block fails."""
         try:
             yield
         except BaseException:
@@ -280,8 +281,7 @@ class Ledger:
         if not self.in_place():
             raise StoreError(
                 f"`{self.path}` must stay in its place while it is written, but was moved, "
-                "removed or replaced: what was there is gone from here, and nothing more is "
-                "written."
+                "removed or replaced: nothing more is written."
             )
 
     def release(self) -> None:
@@ -556,7 +556,7 @@ def _earlier(data: bytes | None, document: dict[str, Any]) -> dict[str, Any]:
 
 
 def _found(read: Callable[[str], Any], name: str) -> Any:
-    """Return what is read of a file, or None if there is no such file."""
+    """Return the result of reading a file, or None if there is no such file."""
     with contextlib.suppress(FileNotFoundError, NotADirectoryError):
         return read(name)
     return None

@@ -1,7 +1,6 @@
 """The root attributes and the groups of a store."""
 
 import contextlib
-import json
 import math
 import shutil
 from collections.abc import Iterator, Mapping
@@ -15,7 +14,6 @@ from ..columns import with_coordinates
 from ..errors import StoreError
 from . import files, ledger
 from .ledger import Ledger
-from .provenance import FORMAT
 from .zarr3 import DOCUMENT
 
 
@@ -45,11 +43,6 @@ def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
     place = Path(path)
     if ledger.is_ledger(place):
         return ledger.read(place, chunks=whole).attributes
-    if _is_preview(place):
-        raise StoreError(
-            f"`{path}` was written by a preview of tippetop (format 1): make it again, or read "
-            "its numbers with xarray.open_zarr."
-        )
     raise StoreError(f"`{path}` {_no_store(place)}.")
 
 
@@ -60,23 +53,18 @@ def root_of(path: str | Path) -> dict[str, Any]:
 
 def refuse_foreign(path: Path) -> None:
     """Raise StoreError unless tippetop wrote a store, damaged or not."""
-    if not ledger.is_ledger(path) and not _is_preview(path):
+    if not ledger.is_ledger(path):
         attributes(path)
-
-
-def _is_preview(place: Path) -> bool:
-    """Return whether a folder is a store from before there was a ledger."""
-    try:
-        root = json.loads((place / DOCUMENT).read_text(encoding="utf-8"))
-        return root["attributes"]["format"] == FORMAT
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return False
 
 
 def _no_store(place: Path) -> str:
     """Return why a path is not a store of tippetop."""
     try:
         (place / DOCUMENT).stat()
+        return (
+            "must be a store of tippetop, but is another zarr folder or of a preview (format 1): "
+            "make it again, or read its numbers with xarray.open_zarr"
+        )
     except FileNotFoundError:
         if not place.exists():
             return "does not exist"

@@ -75,7 +75,7 @@ def begin_or_continue(
     path = files.own_folder(path)
     if not path.exists():
         store = begin(path, head)
-        with files.writing(path):
+        with store.released_on_failure(), files.writing(path):
             store.derive({})
         return store
     stored, wanted = root.root_of(path), json.loads(json.dumps(head()["attributes"]))
@@ -88,8 +88,9 @@ def begin_or_continue(
     with files.writing(path):
         files.refuse_links(path)
         store = Ledger.opened(path)
-        if unsound := store.unsound():
-            store.forget(unsound)
+        with store.released_on_failure():
+            if unsound := store.unsound():
+                store.forget(unsound)
     return store
 
 

@@ -80,7 +80,7 @@ def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
     tops = measured.tops
     q, carried = tops.variables.split(measured.final)
     values = {**q._asdict(), **carried._asdict()}
-    # the carried orientation has columns of its own
+    # the orientation has other columns
     plain = Variables(tops.base.form, orientation=False)
     return {
         f"final_{name}": Column(

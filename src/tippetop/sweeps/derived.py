@@ -87,7 +87,7 @@ def resolved(base: Problem, numbers: Numbers) -> Numbers:
 
 
 def faults(base: Problem, keys: list[str]) -> list[str]:
-    """Return what is wrong with varying these keys together."""
+    """Return the faults of varying these keys together."""
     sentences = []
     for name in [name for name in DERIVED if name in keys]:
         rule, system = DERIVED[name], base.system

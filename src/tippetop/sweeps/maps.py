@@ -61,7 +61,8 @@ class MapAxis:
     @property
     def span(self) -> np.ndarray:
         """Evenly spread points across the axis."""
-        return (np.geomspace if self.log else np.linspace)(*self.edges[[0, -1]], POINTS)
+        first, last = self.edges[[0, -1]]
+        return np.geomspace(first, last, POINTS) if self.log else np.linspace(first, last, POINTS)
 
 
 @dataclass(frozen=True)
@@ -93,7 +94,7 @@ def make_map(path: Path, kind: str) -> Map:
         )
     table = open_sweep(path)
     plan = Plan.from_tables(table.attrs["plan"])
-    alpha = plan.base.parameters.get("alpha", 1)
+    alpha: Any = plan.base.parameters.get("alpha", 1)
     alpha = plan.columns(np.zeros(1, int)).get("parameters.alpha", alpha)  # it keeps its sign
     if kind == "inversion" and np.any(np.less(alpha, 0)):
         raise InputError(

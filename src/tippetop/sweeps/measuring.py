@@ -10,13 +10,12 @@ from ..engine.status import Status
 from ..errors import InputError
 from ..runs import cost
 from . import chunk
-from .plan import MICROSECONDS_PER_STEP, Plan
+from .plan import Plan
 
 
 BUDGET = 2.0  # [s] of computing, compilation aside, after which no further top is begun
-WORTH = 0.2  # [s] from which the rest is inferred
+WORTH = 0.4  # [s] of computing, roughly, from which the rest is inferred
 SOME = 16  # tops, spread over the plan
-FIRST_STEPS = 100.0  # of a top in the first piece, roughly
 WRITING = 0.03  # [s] a chunk
 
 
@@ -34,7 +33,7 @@ def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict
     -------
     dict
         `core_seconds` of the whole sweep on one core; `compiling`, the seconds that compiling took
-        now, in addition: what was compiled is kept on disk; `tops_measured`, from how many tops
+        now, in addition: compiled code is kept on disk; `tops_measured`, from how many tops
         this is inferred: none if all were invalid.
     """
     chosen = np.unique(np.linspace(0, plan.n - 1, SOME).round().astype(int))
@@ -50,7 +49,7 @@ def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict
 def _in_lanes(
     plan: Plan, chosen: np.ndarray, clock: Callable[[], float]
 ) -> tuple[float, float, float, int]:
-    """Return seconds of a chunk, of a top and of compiling, from growing parts of some runs."""
+    """Return seconds of a chunk, of a top and of compiling, from parts of some runs."""
     numbers = plan.columns(chosen)
     until = np.broadcast_to(numbers.get("run.until", plan.base.until), chosen.shape)
 
@@ -59,13 +58,10 @@ def _in_lanes(
         outcomes = chunk.measure(plan.base, numbers | {"run.until": share * until}, plan.keep)
         return clock() - began, outcomes
 
-    share = min(1.0, FIRST_STEPS * 1e-6 * MICROSECONDS_PER_STEP / plan.seconds_per_top)
-    first, _ = piece(share / FIRST_STEPS)  # which compiles
-    fixed, _ = piece(share / FIRST_STEPS)
+    share = min(1.0, WORTH / (plan.seconds_per_top * len(chosen)))
+    first, _ = piece(share / 100)  # which compiles
+    fixed, _ = piece(share / 100)
     seconds, outcomes = piece(share)
-    while share < 1.0 and seconds - fixed < WORTH:
-        share = min(1.0, 4 * share)
-        seconds, outcomes = piece(share)
     steps = outcomes.columns["steps"]
     ran = outcomes.status != Status.INVALID.code
     whole = np.where(outcomes.status == Status.FINISHED.code, steps / share, steps)
@@ -78,7 +74,8 @@ def _one_by_one(
     plan: Plan, chosen: np.ndarray, clock: Callable[[], float]
 ) -> tuple[float, float, float, int]:
     """Return the same of tops whose contact may change its phase, which lanes cannot follow."""
-    found, begun, began = [], 0, clock()
+    found: list[dict[str, float]] = []
+    begun, began = 0, clock()
     # in an order that is spread over the plan wherever it stops
     for top in sorted(chosen.tolist(), key=lambda top: f"{top:032b}"[::-1]):
         if clock() - began - sum(each["compiling"] for each in found) > BUDGET:

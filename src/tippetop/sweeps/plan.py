@@ -29,7 +29,7 @@ from .design import Axis, Design, Sample
 
 MOST_TOPS = 10**9
 MOST_VALUES = 10**7  # of an axis, which are kept in memory
-CHUNK_SECONDS = 1.0, 5.0  # of one core: writing a chunk takes 0.03 s, whatever its size
+CHUNK_SECONDS = 1.0, 5.0  # of one core: writing a chunk of any size takes 0.03 s
 LEAST_CHUNKS = 64  # so that the last chunks leave few cores idle
 MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
 FEWEST_STEPS = 30.0  # that loading a lane and checking a top are worth
@@ -82,23 +82,23 @@ class SampleTable(Table, use_attribute_docstrings=True):
     n: Count
     """how many tops are drawn"""
     seed: Annotated[int, Field(ge=0)]
-    """what the draw begins with: the same seed, the same tops"""
+    """start of the random numbers: the same seed, the same tops"""
 
 
 class PlanTable(Table, use_attribute_docstrings=True):
     """A plan as TOML gives it."""
 
     scenario: str | dict[str, Any]
-    """the top that varies: a preset, a TOML file beside the plan, or tables"""
+    """the top that varies: a preset, a TOML file next to the plan, or tables"""
     set: dict[str, Any] = Field(default_factory=dict)
-    """what is different in it: tables as in a scenario"""
+    """changes to it: tables as in a scenario"""
     axis: Annotated[list[AxisTable], Field(min_length=1)]
     """a number that differs from top to top"""
     sample: SampleTable | None = None
     """how axes with between are drawn"""
     keep: list[str] | None = None
-    """columns to keep; all but orientation and lyapunov. final_state, drift, orientation stand \
-for all of theirs"""
+    """columns to keep; all but orientation and lyapunov. final_state, drift, orientation are \
+groups of columns"""
     runs: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
     """numbers of tops to run alone as well, with rows, into runs/N"""
     chunk: Count | None = None
@@ -183,7 +183,7 @@ class Plan:
 
     @cached_property
     def chunk(self) -> int:
-        """Tops that are computed and stored together; the same whoever computes them."""
+        """Tops that are computed and stored together; the same for any number of workers."""
         given = self.document["chunk"]
         if given is not None:
             return min(given, self.n)
@@ -339,7 +339,7 @@ def _sign_faults(base: Problem, axis: AxisTable) -> list[str]:
 
 
 def _design_faults(shape: PlanTable) -> list[str]:
-    """Return what is wrong with the axes together; no number or top is made before."""
+    """Return the faults of the axes together, before any number or top is made."""
     keys, sample = [axis.of for axis in shape.axis], shape.sample
     drawn = any(axis.between is not None for axis in shape.axis)
     # larger counts have no %g
@@ -372,7 +372,7 @@ def _design_faults(shape: PlanTable) -> list[str]:
 
 
 def _run_faults(plan: Plan) -> list[str]:
-    """Return what is wrong with `runs`."""
+    """Return the faults of `runs`."""
     sentences = []
     for top in plan.runs:
         if top >= plan.n:
@@ -388,7 +388,7 @@ def _run_faults(plan: Plan) -> list[str]:
 
 
 def _keep_faults(plan: Plan) -> list[str]:
-    """Return what is wrong with `keep`."""
+    """Return the faults of `keep`."""
     from .chunk import column_names
 
     if plan.keep is None:

@@ -21,7 +21,7 @@ from .plan import Plan
 
 GROUP = "sweep"
 FINISHED = {"status": "finished", "reason": "every top was run"}
-KEPT = "What is stored is kept: the same command continues it."
+KEPT = "Stored chunks are kept: the same command continues it."
 
 
 class SweepStore(Writer):

@@ -67,8 +67,8 @@ def report(path: str | Path) -> dict[str, Any]:
     attrs, failed = table.attrs, chunk_counts(folder, table.attrs)[1]
     status = column(path, table, "status")
     runs = sorted(int(p.name) for p in (folder / RUNS).glob("*") if p.name.isdigit())
-    for top in runs:
-        root.attributes(folder / RUNS / str(top))  # raises StoreError if it is damaged
+    for number in runs:
+        root.attributes(folder / RUNS / str(number))  # raises StoreError if it is damaged
     counts, drift = {}, {}
     for name in map(str, table):
         if name in ("status", "class"):
@@ -76,9 +76,11 @@ def report(path: str | Path) -> dict[str, Any]:
             found = np.bincount(column(path, table, name), minlength=len(meanings)).tolist()
             counts[name] = {word: n for word, n in zip(meanings, found, strict=True) if n}
         elif name.startswith("drift_"):
-            values, known = column(path, table, name), name.removeprefix("drift_")
-            top = None if np.isnan(values).all() else int(np.nanargmax(values))
-            drift[known] = None if top is None else {"worst": float(values[top]), "top": top}
+            values, worst = column(path, table, name), None
+            if not np.isnan(values).all():
+                top = int(np.nanargmax(values))
+                worst = {"worst": float(values[top]), "top": top}
+            drift[name.removeprefix("drift_")] = worst
     return {
         **{key: attrs[key] for key in ("content", "title", "status", "reason", "tops")},
         "tops_done": int((status != Status.TODO.code).sum()),

@@ -70,7 +70,7 @@ def sweep(
     Raises
     ------
     InputError
-        What is wrong with the plan or an argument.
+        The plan or an argument is wrong; every fault is listed.
     StoreError
         The store is another one's, or cannot be read or written.
     Unfinished
@@ -121,7 +121,7 @@ def _fill(
     progress: Callable[[int, int], None],
     stop: threading.Event | None,
 ) -> list[str]:
-    """Compute and write what is not done; return a sentence for each chunk that failed."""
+    """Compute and write the chunks that are todo; return a sentence for each that failed."""
     plan, todo = store.plan, store.todo()
     done = plan.n - sum(len(plan.tops(chunk)) for chunk in todo)
     progress(done, plan.n)
@@ -155,12 +155,12 @@ def _fill(
             if stop is not None and stop.is_set():
                 raise Interrupted
     except SchedulerLost:
-        sentences.append("the scheduler went away; what it gave back is stored.")
+        sentences.append("the scheduler went away; the results that it returned are stored.")
     return sentences
 
 
 def _run_alone(store: SweepStore, top: int, stop: threading.Event | None) -> None:
-    """Run one top of a plan into a store of its own, or continue it, or check it."""
+    """Run one top of a plan into its store, or continue it, or check it."""
     place = files.own_folder(store.store.path / RUNS) / str(top)
     problem = store.plan.problem(top)
     if not place.exists():

@@ -53,7 +53,7 @@ def in_process(tasks: Iterator[Task], threads: int) -> Iterator[Outcome]:
     for task in tasks:
         try:
             yield task, chunk.compute_chunk(task, threads)
-        except Exception as error:  # whatever it is, the other chunks are computed
+        except Exception as error:  # the other chunks are computed after any error
             yield task, _sentence(error)
 
 
@@ -99,7 +99,7 @@ def _flow(
                     result: Rows | str = future.result()
                 except CancelledError:
                     raise SchedulerLost from None
-                except Exception as error:  # whatever it is, the other chunks are computed
+                except Exception as error:  # the other chunks are computed after any error
                     if type(error).__name__ in ("BrokenProcessPool", "KilledWorker"):
                         suspects.append(task)
                         continue
