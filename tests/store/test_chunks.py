@@ -3,6 +3,7 @@ told.
 """
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest

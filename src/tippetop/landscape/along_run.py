@@ -48,11 +48,11 @@ def band(
     times = trajectory["time"].values
     turning &= times.size >= 4
     when, theta = events["time"].values[turning], events["theta"].values[turning]
-    states = [
+    x, y, E = (
         CubicSpline(times, trajectory[name].values)(when) if when.size else when
         for name in landscape.columns
-    ]
-    edges = turning_angles(parameters, *states, system, theta=theta)
+    )
+    edges = turning_angles(parameters, x, y, E, system, theta=theta)
     low, high = edges["theta_min"].values, edges["theta_max"].values
     edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
     logged = xr.Dataset({"theta": ("time", theta), "edge": ("time", edge)}, {"time": when})

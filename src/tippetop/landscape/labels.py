@@ -61,7 +61,7 @@ def flags(kind: type[IntEnum], long_name: str) -> dict[str, Any]:
 
 
 def cosine(q: np.ndarray, upright: int) -> np.ndarray:
-    """Return cos(theta) of q = tan(theta/2)^2, or of its inverse if `upright`, z at q = 0, is -1."""
+    """Return cos(theta) of q = tan(theta/2)^2, or of 1/that if `upright`, z at q = 0, is -1."""
     with np.errstate(invalid="ignore"):
         return upright * np.where(np.isinf(q), -1.0, (1 - q) / (1 + q))
 

@@ -22,7 +22,7 @@ from . import labels, surface
 CHUNK = 1024  # rows and columns: 8 MB a variable
 GROUP = "surface"
 AXES = "axes/0"  # the chunk of the axes in the ledger
-SAME = ("content", "system", "parameters", "axes", "chunk", "versions", "cpu")
+SAME = ("system", "parameters", "axes", "chunk", "versions", "cpu")
 RUNNING, FINISHED = {"status": "running"}, {"status": "finished"}
 
 
@@ -73,7 +73,8 @@ class Surface:
             "chunk": self.chunk,
             **provenance(),
         }
-        schema = surface.variables(self.top, *np.zeros((2, 1, 1)), np.zeros((1, 1), np.int8))
+        none = np.zeros((0, 0))
+        schema = surface.variables(self.top, none, none, none.astype(np.int8))
         sizes = {name: (v.values.size, min(self.chunk, v.values.size)) for name, v in axes.items()}
         fills = {"F": None, "z": None, "status": -1}
         tables = {

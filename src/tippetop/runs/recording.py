@@ -106,8 +106,8 @@ class Recorder(Writer):
         self.now(lambda: None)
         log = EventTable.empty(problem.system.kinds)
         parts = [self.growing["events"], self.growing["events" + LATE]]
-        columns = {name: part.values(name) for part in parts for name in part.documents}
-        table = EventTable(log.kinds, *(columns[name] for name in log.columns()))
+        stored = {name: part.values(name) for part in parts for name in part.documents}
+        table = EventTable(log.kinds, *(stored[name] for name in log.columns()))
         times = problem.times[: self.growing["trajectory"].rows]
         make = partial(sensitivities.tables, problem, times, table)
         derived = awaited(make, "the derivatives of the run are being computed", self.stop)
@@ -194,6 +194,7 @@ def record(
     overwrite: bool = False,
     progress: Progress | None = None,
     stop: threading.Event | None = None,
+    in_sweep: bool = False,
 ) -> tuple[Integration, dict[str, Any]]:
     """Integrates a problem into a new store, in any thread.
 
@@ -205,6 +206,8 @@ def record(
         The store to make.
     overwrite
         Whether a store that is there may be replaced; not while another process writes it.
+    in_sweep
+        Whether the target lies in the store of a sweep, which writes it.
     progress
         Called after every slice.
     stop
@@ -230,7 +233,7 @@ def record(
         begun.append(Integration(problem, stop))
         return header(begun[0])
 
-    store = begin(target, head, overwrite=overwrite)
+    store = begin(target, head, overwrite=overwrite, in_sweep=in_sweep)
     return run_into(begun[0], store, progress, stop)
 
 

@@ -75,7 +75,7 @@ def _netcdf(tables: dict[str, Any], attrs: dict[str, str], store: Path) -> Any:
 
 
 def _csv(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: Any) -> None:
-    heads = {}
+    heads: dict[str, str] = {}
     for name, variable in table.variables.items():
         units = variable.attrs.get("units", "1")
         bare = units in ("", "1") or "parameters" in variable.attrs  # a unit for each parameter
@@ -107,7 +107,7 @@ def _frames(table: Any, store: Path) -> Iterator[Any]:
     dim = chunks.row_dimension(table)
     names = [name for name in order if name in table and table[name].dims[0] == dim]
     for piece in chunks.blocks(table, store):
-        columns = {}
+        columns: dict[str, Any] = {}
         for name in names:
             values, meanings = piece[name].values, piece[name].attrs.get("flag_meanings", "")
             if meanings:

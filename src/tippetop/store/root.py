@@ -138,7 +138,9 @@ def loaded(table: Any, path: str | Path) -> Any:
 
 
 @contextlib.contextmanager
-def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
+def new_store(
+    target: str | Path, *, overwrite: bool = False, in_sweep: bool = False
+) -> Iterator[Path]:
     """Yield a scratch folder, which becomes `target` when the block ends well.
 
     A store that is replaced is locked first, moved aside whole, and removed last.
@@ -148,7 +150,7 @@ def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
     """
     flag("overwrite", overwrite)
     path = Path(target)
-    if not (path.parent.name == RUNS and path.name.isdigit()):  # a run in a sweep
+    if not in_sweep:
         files.refuse_inside(path)
     files.own_folder(path)
     with files.writing(path), contextlib.ExitStack() as stack:

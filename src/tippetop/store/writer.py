@@ -55,13 +55,13 @@ class Writer:
         self.store.release()
 
 
-def begin(target: Path, head: Callable[[], dict[str, Any]], *, overwrite: bool = False) -> Ledger:
+def begin(target: str | Path, head: Callable[[], dict[str, Any]], **how: bool) -> Ledger:
     """Create the store of a header, and lock it. Raises StoreError; see `root.new_store`."""
     with contextlib.ExitStack() as held:
-        with root.new_store(target, overwrite=overwrite) as scratch:
+        with root.new_store(target, **how) as scratch:
             store = held.enter_context(Ledger.created(scratch, head()))
         held.pop_all()
-    store.path = target
+    store.path = Path(target)
     return store
 
 
@@ -79,11 +79,14 @@ def begin_or_continue(
             store.derive({})
         return store
     stored, wanted = root.root_of(path), json.loads(json.dumps(head()["attributes"]))
+    content, found = wanted["content"], stored.get("content", "run")
+    if content != found:
+        raise StoreError(f"`{path}` must be a {content} to be continued, but is a {found}.")
     for key in same:
         if stored.get(key) != wanted[key]:
             raise StoreError(
                 f"`{path}` must have the same {key} to be continued, but "
-                f"{_difference(stored.get(key, 'a run'), wanted[key])}: name another store."
+                f"{_difference(stored[key], wanted[key])}: name another store."
             )
     with files.writing(path):
         files.refuse_links(path)

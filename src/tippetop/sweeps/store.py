@@ -76,7 +76,7 @@ def chunk_counts(path: Path, attrs: dict[str, Any]) -> tuple[dict[str, int], dic
 
 def opened(path: str | Path, plan: Plan) -> SweepStore:
     """Open the store of a sweep to write it, new or continued. Raises StoreError."""
-    same = ("content", "plan", "versions", "cpu", "chunk")
+    same = ("plan", "versions", "cpu", "chunk")
     return SweepStore(plan, begin_or_continue(path, lambda: _header(plan), same))
 
 

@@ -164,7 +164,7 @@ def _run_alone(store: SweepStore, top: int, stop: threading.Event | None) -> Non
     place = files.own_folder(store.store.path / RUNS) / str(top)
     problem = store.plan.problem(top)
     if not place.exists():
-        recording.record(problem, place, stop=stop)
+        recording.record(problem, place, stop=stop, in_sweep=True)
         return
     attrs = root.root_of(place)
     finished = attrs["status"] != "running"
