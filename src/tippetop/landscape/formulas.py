@@ -122,13 +122,6 @@ def momentum_slopes(q, p, c):
     )
 
 
-@formula
-def gradient(q, p, c):
-    """Return dV/dD, dV/dlambda at q (for heavy tops dV/dL3, dV/dLz)."""
-    s, per = momentum_slopes(q, p, c), 2 / (q * c.gamma.head)
-    return per * (s.first.head + s.first.tail), per * (s.second.head + s.second.tail)
-
-
 NEXT_TO = 1e-8  # of ln(q) from a minimum: one that has settled is nearer
 
 

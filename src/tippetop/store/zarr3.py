@@ -1,8 +1,7 @@
-"""Zarr v3 written directly: documents as zarr makes them, and chunks byte for byte as zarr encodes
-them.
+"""Write zarr v3 directly: documents equal those of zarr, and chunks byte for byte.
 
-Zarr itself takes 4 to 5 ms for each array, more than it takes to integrate a short run; so zarr is
-used to read only.
+Zarr itself takes 4 to 5 ms for each array, longer than it takes to integrate a short run; so zarr
+is used to read only.
 """
 
 import json
@@ -21,7 +20,7 @@ CHECKSUM = 4  # bytes at the end of a chunk: its CRC-32C
 
 @cache
 def _codecs() -> tuple[Any, Any]:
-    """Load Blosc and CRC-32C, which a run in memory does without."""
+    """Load Blosc and CRC-32C, which a run in memory does not need."""
     import google_crc32c
     from numcodecs import blosc
 
@@ -38,25 +37,21 @@ def group(attributes: dict[str, Any], members: Mapping[str, Any] | None = None) 
     return {"zarr_format": 3, "node_type": "group", "attributes": attributes, **more}
 
 
-def fill_of(dtype: np.dtype) -> Any:
-    """Return the value of elements that were not written: NaN, or 0 if the type has no NaN."""
-    return {"f": "NaN", "b": False}.get(dtype.kind, 0)
-
-
 def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None) -> dict[str, Any]:
     """Return the document of an array.
 
     Parameters
     ----------
     column
-        Gives dimensions, type and attributes.
+        Its dimensions, type and attributes are those of the array.
     sizes
         Dimension -> (length, length of a chunk). Any other dimension is as long as the column's
         values, in one chunk.
     fill
-        Value of elements that were not written; by default that of `fill_of`.
+        Value of elements that were not written; by default NaN, or 0 if the type has no NaN.
     """
     dtype = column.values.dtype
+    default = {"f": "NaN", "b": False}.get(dtype.kind, 0)
     whole = [(n, max(n, 1)) for n in column.values.shape]
     each = [sizes.get(dim, size) for dim, size in zip(column.dims, whole, strict=True)]
     endian = {"configuration": {"endian": "little"}} if dtype.itemsize > 1 else {}
@@ -77,7 +72,7 @@ def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None
             "configuration": {"chunk_shape": [chunk for _, chunk in each]},
         },
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
-        "fill_value": fill_of(dtype) if fill is None else dtype.type(fill).item(),
+        "fill_value": default if fill is None else dtype.type(fill).item(),
         "codecs": [
             {"name": "bytes", **endian},
             {"name": "blosc", "configuration": blosc},

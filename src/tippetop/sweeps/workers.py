@@ -164,11 +164,16 @@ def connect(scheduler: str) -> Iterator[Workers]:
             f"`{scheduler}`: {error}."
         ) from None
     with client:
-        yield Workers(
-            lambda again: contextlib.nullcontext(client.get_executor(pure=False)),
-            lambda: 2 * max(1, sum(client.nthreads().values())),
-            lambda: client.status == "running",
-        )
+        yield of_client(client)
+
+
+def of_client(client: Any) -> Workers:
+    """Return the workers of a dask client."""
+    return Workers(
+        lambda again: contextlib.nullcontext(client.get_executor(pure=False)),
+        lambda: 2 * max(1, sum(client.nthreads().values())),
+        lambda: client.status == "running",
+    )
 
 
 def _sentence(error: BaseException) -> str:
