@@ -16,9 +16,10 @@ Window = tuple[float | None, float | None]
 
 
 def pieces(path: str | Path, group: str, names: list[str]) -> Iterator[dict[str, np.ndarray]]:
-    """Yield columns of a group, a block of rows at a time. Raises StoreError."""
-    table = open_group(path, group)[names]
-    for piece in blocks(table, path):
+    """Yield those columns of a group that exist, a block of rows at a time. Raises StoreError."""
+    table = open_group(path, group)
+    names = [name for name in names if name in table]
+    for piece in blocks(table[names], path):
         yield {name: piece[name].values for name in names}
 
 

@@ -98,7 +98,7 @@ def _flow(
                 try:
                     result: Rows | str = future.result()
                 except CancelledError:
-                    raise SchedulerLost from None
+                    raise
                 except Exception as error:  # the other chunks are computed after any error
                     if type(error).__name__ in ("BrokenProcessPool", "KilledWorker"):
                         suspects.append(task)
@@ -169,8 +169,16 @@ def connect(scheduler: str) -> Iterator[Workers]:
 
 def of_client(client: Any) -> Workers:
     """Return the workers of a dask client."""
+
+    @contextlib.contextmanager
+    def start(again: bool) -> Iterator[Executor]:
+        try:
+            yield client.get_executor(pure=False)
+        except (CancelledError, OSError) as error:  # CommClosedError is an OSError
+            raise SchedulerLost from error
+
     return Workers(
-        lambda again: contextlib.nullcontext(client.get_executor(pure=False)),
+        start,
         lambda: 2 * max(1, sum(client.nthreads().values())),
         lambda: client.status == "running",
     )
