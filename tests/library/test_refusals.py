@@ -327,7 +327,7 @@ def test_a_page_says_which_columns_it_lacks() -> None:
     run = tt.run("inverting", until=0.05, columns=["theta", "orientation"])
     with pytest.raises(
         tt.InputError,
-        match=r"a page must have the columns `axis`, `L`, .* which this run has not kept",
+        match=r"a page needs the columns `axis`, `L`, .* but the run has not kept them",
     ):
         run.view()
     needed = [
