@@ -1,4 +1,4 @@
-"""The compiled kernels of the landscape, with its formulas; imported when a grid is computed."""
+"""The compiled kernels of the landscape; imported when a grid is computed."""
 
 from collections.abc import Callable
 from functools import cache
