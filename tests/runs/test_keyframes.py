@@ -275,7 +275,7 @@ def test_keyframes_need_a_store_and_a_picture_rows(
         "1",
     ]
     assert outcome([*words, "--figure", str(tmp_path / "a.png")]) == 2
-    assert "must keep rows" in capsys.readouterr().err
+    assert "requires rows" in capsys.readouterr().err
     assert outcome(["plot", str(kept), "theta", "--out", str(tmp_path / "a.png")]) == 2
     assert "has none: replay a part" in capsys.readouterr().err
     assert outcome(words) == 0

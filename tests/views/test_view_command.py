@@ -88,7 +88,7 @@ def test_a_part_of_what_has_no_time_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     assert outcome(["view", "--playground", "--until", "3", "--out", str(tmp_path / "P.html")]) == 2
-    assert "--from and --until are for runs" in capsys.readouterr().err
+    assert "`--from` and `--until` require a run" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..problem.one import UNTIL
+from ..problem import UNTIL
 from .headers import Heading, heading
 
 

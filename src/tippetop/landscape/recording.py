@@ -128,8 +128,7 @@ def write(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Writes F [J], z and status of a surface into the group `surface` of a store at `path`, or
-    continues it.
+    """Write F [J], z and status of a surface into a store, or continue it; check a finished one.
 
     Parameters
     ----------
@@ -150,7 +149,7 @@ def write(
     Raises
     ------
     StoreError
-        If `path` is finished, is another surface or something else, or cannot be written.
+        If `path` is another surface or something else, or cannot be written.
 
     Notes
     -----
@@ -172,7 +171,8 @@ def write(
             if progress is not None:
                 progress(done, len(blocks))
         store.check()
-        store.finish(FINISHED)
+        if not store.state.seal:
+            store.finish(FINISHED)
     return path
 
 
@@ -199,7 +199,7 @@ def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
 
 
 def _opened(path: Path, wanted: Surface) -> Ledger:
-    """The store of a surface, new or unfinished. Raises StoreError, OSError."""
+    """Open the store of a surface, new or continued. Raises StoreError, OSError."""
     axes = {name: axis.values for name, axis in wanted.axes().items()}
     if not path.exists():
         with contextlib.ExitStack() as held:
@@ -210,25 +210,22 @@ def _opened(path: Path, wanted: Surface) -> Ledger:
             held.pop_all()
         store.path = path
         return store
-    if not ledger.is_ledger(path) or ledger.read(path, chunks=False).seal:
+    if not ledger.is_ledger(path):
         raise StoreError(f"`{path}` must not exist yet, but does.")
     files.refuse_links(path)
     store, header = Ledger.opened(path), json.loads(json.dumps(wanted.header()))
     try:
         unsound, state = store.unsound(), store.state
         if any(state.header["attributes"].get(key) != header["attributes"][key] for key in SAME):
-            raise StoreError(
-                f"`{path}` must be the same surface, unfinished, but is another: remove it."
-            )
+            raise StoreError(f"`{path}` must be the same surface, but is another: remove it.")
         known = AXES in state.chunks and AXES not in unsound
         for file in state.files(AXES) if known else ():
             place = file.rpartition("/")[0]
             stored = zarr3.decode(store.folder.read(file), header["members"][place])
             if not np.array_equal(stored, axes[place.rpartition("/")[2]]):
-                raise StoreError(
-                    f"`{path}` must be the same surface, unfinished, but is another: remove it."
-                )
-        if not known or state.header != header:  # of other versions: it is begun again
+                raise StoreError(f"`{path}` must be the same surface, but is another: remove it.")
+        # one of other versions is begun again, but for a finished one
+        if not known or (state.header != header and not state.seal):
             store.restart(header, [])
         elif unsound:
             store.forget(unsound)

@@ -13,8 +13,8 @@ def plan() -> list[Section]:
             "A plan",
             "A TOML file that says how the tops of a sweep differ.",
             KEYS,
-            keys_of(_Plan, {}),
+            keys_of(_Plan),
         ),
-        Section("[[axis]]", "", KEYS, keys_of(_Axis, {})),
-        Section("[sample]", "", KEYS, keys_of(_Sample, {})),
+        Section("[[axis]]", "", KEYS, keys_of(_Axis)),
+        Section("[sample]", "", KEYS, keys_of(_Sample)),
     ]

@@ -1,7 +1,6 @@
-"""Many runs that differ in numbers only, arrays of shape (n,), and the units in which they are
-integrated.
+"""Runs that differ only in numbers, arrays of shape (n,), and their internal units.
 
-Everything that is computed of a run is computed here; a single run is the case n = 1.
+The numbers of a single run are computed here too: it is the case n = 1.
 """
 
 import math
@@ -17,43 +16,38 @@ from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.units import SECOND, Scales, Unit
 from ..mechanics.variables import Variables
-from .faults import at_start, together, variation_faults
+from .faults import contradictions, start_faults, variation_faults
 
 
 if TYPE_CHECKING:
-    from .one import Problem
+    from .problem import Problem
 
 
-ROUNDING = 1e-9  # of what a system says of its units
+ROUNDING = 1e-9  # of the numbers that a system declares to be 0 or 1
 
 
 @dataclass(frozen=True, eq=False)
 class Problems:
-    """n runs that differ in numbers only: `columns` has arrays (n,), SI, under dotted keys like
-    `friction.mu`.
+    """n runs that differ only in numbers: `columns` has arrays (n,), SI, by dotted key.
 
     A run's numbers depend on its own alone, to the bit. Units are converted in 80 bits, or in the
-    precision of the base if that is wider; what an integrator is fed is rounded once.
+    precision of the base if that is wider; the numbers of an integrator are rounded once.
     """
 
     base: "Problem"
     columns: Mapping[str, np.ndarray]
-    orientation: bool = (
-        False  # whether the turn about the axis is integrated too: of one among many, few ask
-    )
+    orientation: bool = False  # whether the turn of the body about its axis is integrated too
 
     @classmethod
     def vary(
         cls, base: "Problem", columns: Mapping[str, Any], orientation: bool = False
     ) -> "Problems":
-        """Problems of arrays or lists (n,).
-
-        Raises InputError if a key is wrong; `check` tells of single numbers.
+        """Return problems of arrays or lists (n,); `check` finds faults of single numbers.
 
         Parameters
         ----------
         base
-            What the runs have in common.
+            The problem that varies.
         columns
             Arrays (n,), SI, by dotted key.
         orientation
@@ -70,52 +64,45 @@ class Problems:
         """
         sentences = variation_faults(base, columns)
         if base.origin is not None:
-            sentences = [
-                "`initial.from` must be the start of a single run, but many are asked for."
-            ]
+            sentences = ["`initial.from` must be the start of a single run, but there are many."]
         if sentences:
             raise InputError(sentences)
-        return cls(
-            base,
-            {key: np.array(values, dtype=float) for key, values in columns.items()},
-            orientation,
-        )
+        arrays = {key: np.array(values, dtype=float) for key, values in columns.items()}
+        return cls(base, arrays, orientation)
 
     @property
     def n(self) -> int:
-        """Number of runs."""
+        """Return the number of runs."""
         return len(next(iter(self.columns.values()))) if self.columns else 1
 
     def given(self, table: str) -> dict[str, Any]:
-        """What a table gives, by name: arrays where it varies."""
-        columns = {
-            key.partition(".")[2]: v
-            for key, v in self.columns.items()
+        """Return the numbers of a table by name: arrays where they vary."""
+        varied = {
+            key.removeprefix(f"{table}."): values
+            for key, values in self.columns.items()
             if key.startswith(f"{table}.")
         }
         base = self.base.tables[table]
-        return (
-            self.base.system.replaced(base, columns) if table == "initial" else {**base, **columns}
-        )
+        if table == "initial":
+            return self.base.system.replaced(base, varied)
+        return {**base, **varied}
 
     @cached_property
     def _single(self) -> bool:
-        """Whether numbers are used instead of arrays of one: faster, and the same bits."""
+        """Whether numbers replace arrays of one: they are faster, and give the same bits."""
         return not self.columns and self.base.exact is np.longdouble
 
     def _wide(self, value: Any) -> Any:
-        """A number or a column in the type in which units are converted, (n,), or a number; a flag
-        as it is.
-        """
+        """Return a number or a column, (n,), in the type in which units are converted."""
         if isinstance(value, bool):
             return value
         if self._single:
             return np.longdouble(value)
         value = np.asarray(value, dtype=self.base.exact)
-        return value if np.ndim(value) else np.full(self.n, value, dtype=self.base.exact)
+        return value if value.ndim else np.full(self.n, value)
 
     def body(self, number: Callable) -> Any:
-        """The bodies in SI units, of what is given passed through `number`."""
+        """Return the bodies in SI units, with numbers passed through `number`."""
         friction = self.base.friction
         friction = friction._replace(**self.given("friction")) if self.columns else friction
         return self.base.system.body_of(self.given("parameters"), friction, number)
@@ -127,15 +114,15 @@ class Problems:
 
     @cached_property
     def scales(self) -> Scales:
-        """Internal units, (n,): of mass, length and time."""
+        """The internal units of mass, length and time, (n,)."""
         return Scales(*map(np.atleast_1d, self._scales))
 
     @cached_property
     def _scales(self) -> Scales:
-        """Internal units, (n,) or numbers: the system's mass and length, and the power of two
-        seconds that is nearest sqrt(length/g), or to a second without `g`.
+        """The internal units, (n,) or numbers.
 
-        A power of two, so that times convert without rounding: output and event times are exact.
+        Time is in the power of two seconds that is nearest sqrt(length/g), or in seconds without
+        `g`: times convert without rounding, so that output and event times are exact.
         """
         mass, length = map(self._wide, self.base.system.scales(self._body))
         length = length * self._wide(self.base.form.length_unit)
@@ -144,60 +131,47 @@ class Problems:
         return Scales(mass, length, (2.0 ** np.round(np.log2(ratio))).astype(self.base.exact))
 
     def unit(self, unit: Unit) -> np.ndarray:
-        """SI units in one internal unit, (n,), doubles."""
+        """Return the SI value of one internal unit, (n,), doubles."""
         return self.scales.of(unit).astype(float)
 
     @cached_property
     def weights(self) -> list:
-        """SI value of one internal unit of each integrated variable, (n,) or a number each."""
+        """The SI value of one internal unit of each integrated variable, (n,) or a number each."""
         return self.variables.weights(self._scales)
 
     @cached_property
     def variables(self) -> Variables:
-        """What is integrated."""
+        """The integrated variables."""
         return Variables(self.base.form, self.orientation)
 
     @cached_property
     def pars(self) -> np.ndarray:
-        """Leaves of the bodies in internal units, (leaves, n), in the working precision."""
-        units = leaves(self.base.system.body_units(self.base.law.units()))
-        scaled = iter(
-            [
-                value / self._scales.of(unit)
-                for value, unit in zip(leaves(self._body), units, strict=True)
-            ]
-        )
-        body, folds = refill(self._body, scaled), self.base.system.folds(self.base.form)
-        self._refuse_false(folds, body)
-        return self._rounded(leaves(body._replace(**folds)))
-
-    def _refuse_false(self, folds: dict[str, float], body: Any) -> None:
-        """Raises InputError where what the equations take for 0 or 1 is another number in internal
-        units.
-        """
-        numbers = [name for name, value in body._asdict().items() if not isinstance(value, tuple)]
-        if strange := [name for name in folds if name not in numbers]:
-            raise InputError(
-                f"`normalised_to` of `{self.base.system.name}` must name numbers of its body "
-                f"({', '.join(numbers)}), but has `{strange[0]}`."
-            )
-        for name, value in folds.items():
-            scaled = getattr(body, name).astype(float)
-            far = abs(scaled - value) > ROUNDING  # what is no number is refused elsewhere
-            if far.any():
-                wrong = np.atleast_1d(scaled)[np.atleast_1d(far)]
+        """The leaves of the bodies in internal units, (leaves, n), in the working precision."""
+        system = self.base.system
+        units = leaves(system.body_units(self.base.law.units()))
+        values = zip(leaves(self._body), units, strict=True)
+        body = refill(self._body, (value / self._scales.of(unit) for value, unit in values))
+        folds = system.folds(self.base.form)
+        names = [name for name, v in body._asdict().items() if not isinstance(v, tuple)]
+        for name, value in folds.items():  # the equations have it for 0 or 1
+            if name not in names:
                 raise InputError(
-                    f"`normalised_to` of `{self.base.system.name}` must hold in its internal "
-                    "units (`scales`; the "
-                    f"unit of time is a power of two seconds), but `{name}` is {wrong[0]:.6g} "
-                    f"there, not {value:g}."
+                    f"`normalised_to` of `{system.name}` must name numbers of its body "
+                    f"({', '.join(names)}), but has `{name}`."
                 )
+            numbers = np.atleast_1d(getattr(body, name)).astype(float)
+            far = abs(numbers - value) > ROUNDING  # NaN is refused elsewhere
+            if far.any():
+                raise InputError(
+                    f"`normalised_to` of `{system.name}` must hold in its internal units "
+                    "(`scales`; the unit of time is a power of two seconds), but "
+                    f"`{name}` is {numbers[far][0]:.6g} there, not {value:g}."
+                )
+        return self._rounded(leaves(body._replace(**folds)))
 
     @cached_property
     def parameters(self) -> np.ndarray:
-        """What the user gives of the bodies, in internal units: parameters, then friction,
-        (numbers, n).
-        """
+        """The parameters and the numbers of friction in internal units, (numbers, n)."""
         given, friction = self.given("parameters"), self.given("friction")
         units = [*(p.unit for p in self.base.system.parameters.values()), *self.base.law.units()]
         values = [*(given[name] for name in self.base.system.parameters), *friction.values()]
@@ -207,22 +181,20 @@ class Problems:
 
     @cached_property
     def internal_body(self) -> Any:
-        """The bodies in internal units, as formulas take them; what is 0 or 1 by construction is
-        exactly that.
-        """
+        """The bodies in internal units; numbers that are 0 or 1 by construction are exact."""
         return self.body_of_pars(self.pars)
 
     def body_of_pars(self, pars: np.ndarray) -> Any:
-        """The bodies of leaves (leaves, n); what is 0 or 1 by construction is exactly that."""
+        """Return the bodies of leaves (leaves, n), as `internal_body`."""
         return refill(self._body, iter(pars))._replace(**self.base.system.folds(self.base.form))
 
     @cached_property
     def start(self) -> np.ndarray:
-        """Internal states at t = 0, (variables, n), in the working precision."""
+        """The internal states at t = 0, (variables, n), in the working precision."""
         data = {name: self._wide(value) for name, value in self.given("initial").items()}
         theta = np.atleast_1d(data.get("theta", self._wide(0.0)))
         s, z = np.sin(theta), np.cos(theta)
-        pole = theta.astype(float) == math.pi  # what the user means who writes 3.141592653589793
+        pole = theta.astype(float) == math.pi  # 3.141592653589793 means the pole
         s[pole], z[pole] = 0, -1
         if self._single:
             theta, s, z = theta[0], s[0], z[0]
@@ -232,7 +204,7 @@ class Problems:
         return self._rounded([(v + 0 * theta) / weight for v, weight in values])
 
     def _rounded(self, rows: list) -> np.ndarray:
-        """Rows of numbers or arrays (n,) in the working precision, (rows, n)."""
+        """Return rows of numbers or arrays (n,) in the working precision, (rows, n)."""
         rounded = np.empty((len(rows), self.n), dtype=self.base.number)
         for i, row in enumerate(rows):
             rounded[i] = row
@@ -240,36 +212,33 @@ class Problems:
 
     @cached_property
     def end(self) -> np.ndarray:
-        """Internal times at which the runs end, (n,), doubles."""
+        """The internal times at which the runs end, (n,), doubles."""
         return np.asarray(
             np.broadcast_to(self.given("run")["until"], (self.n,)) / self.unit(SECOND), float
         )
 
     def record(self, states: np.ndarray) -> Any:
-        """The state record of states (variables, k), in internal units."""
+        """Return the state record of states (variables, k), in internal units."""
         return self.variables.split(states)[0]
 
     def moment(self, states: np.ndarray, body: Any) -> Moment:
-        """Return what formulas read of states (variables, k), in internal units."""
+        """Return the arguments of formulas for states (variables, k), in internal units."""
         return moment(self.base.system, self.base.form, *self.variables.split(states), body)
 
-    # --- which of them can be --------------------------------------------------------------------
-
     def check(self) -> tuple[np.ndarray, list[tuple[int, str]]]:
-        """Which runs are valid, (n,), and what is wrong with the others: (number, sentence),
-        ascending.
+        """Return which runs are valid, (n,), and a sentence with its number for each fault.
 
         Returns
         -------
         valid
             (n,) bool.
         faults
-            Sentences with the number of their run.
+            Pairs of the number of a run and a sentence, ascending.
 
         Notes
         -----
-        Looks at every number that varies, at what parameters break together, and at the start: all
-        that is computed of it must be finite, and the model must have a solution there.
+        Checks every number that varies, contradictions between parameters, and the start: all that
+        is computed of it must be finite, and there must be a motion.
         """
         return self._checked
 
@@ -287,24 +256,21 @@ class Problems:
             faults += [(int(i), rule.fault(key, column[i])) for i in broken]
             valid[broken] = False
         if any(key.startswith("parameters.") for key in self.columns):
-            clashes = together(self, valid)
+            clashes = contradictions(self, valid)
             valid[[i for i, _ in clashes]] = False
             faults += clashes
         with np.errstate(all="ignore"):
-            sentences = at_start(self)
+            sentences = start_faults(self)
         for sentence, bad in sentences:
-            if bad.any():
-                faults += [(int(i), sentence) for i in np.flatnonzero(valid & bad)]
-                valid &= ~bad
+            faults += [(int(i), sentence) for i in np.flatnonzero(valid & bad)]
+            valid &= ~bad
         valid.flags.writeable = False
         return valid, sorted(faults)
 
 
 @dataclass(frozen=True, eq=False)
 class StartedFrom(Problems):
-    """A run that starts in a given state, (variables, 1), internal, whatever its initial data say
-    of it.
-    """
+    """A run that starts in a given internal state, (variables, 1), not in its initial data."""
 
     state: np.ndarray = field(default_factory=lambda: np.zeros((0, 1)))
 
