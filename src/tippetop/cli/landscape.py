@@ -14,7 +14,7 @@ from ..arguments import measured
 from ..errors import InputError
 from ..figures.catalogue import PLAIN, Look
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, Unit
-from .streams import complain, print_json, report
+from .streams import complain, print_json, report, visible
 from .values import Jellett, Place, Routh, Whole
 
 
@@ -193,9 +193,9 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
     if as_json:
         return print_json(attrs)
     from .show import plain
-    from .text import heading, table
+    from .text import table
 
-    heading(attrs["title"])
+    print(visible(attrs["title"]))
     names = ("system", "parameters", "axes", "D", "lambda", "minimum", "versions")
     table((name, plain(attrs[name], {})) for name in names if name in attrs)
     return 0

@@ -9,7 +9,7 @@ from threading import Event
 from typing import Any
 
 from ..errors import InputError
-from .streams import complain, print_json, report
+from .streams import complain, print_json, report, visible
 from .values import Place, Seconds
 
 
@@ -232,13 +232,13 @@ def _print(
     from ..runs.certificate import certificate_violations, contract_violations, suggest_form
     from ..runs.results import summary_of
     from ..runs.summary import lines
-    from .text import heading, table
+    from .text import table
 
     content = summary_of(attrs)
     if as_json:
         print_json(content.to_dict())
     else:
-        heading(headline_of(attrs))
+        print(visible(headline_of(attrs)))
         files = [(name, str(place)) for name, place in places.items() if place is not None]
         table([*lines(content, seconds), *files])
     if attrs["status"] in ("non-finite", "stalled"):

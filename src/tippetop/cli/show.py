@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from .streams import print_json
+from .streams import print_json, visible
 from .values import Place, Seconds
 
 
@@ -27,7 +27,7 @@ def info(store: Place, *, as_json: bool = False, errors: bool = False) -> int:
     from ..runs.results import summary_of
     from ..runs.summary import lines
     from ..store import root
-    from .text import heading, table
+    from .text import table
 
     attrs = root.attributes(store)
     content = attrs.get("content", "run")
@@ -46,7 +46,7 @@ def info(store: Place, *, as_json: bool = False, errors: bool = False) -> int:
     growth = _growth(attrs) if errors else {}
     if as_json:
         return print_json(summary.to_dict() | ({"errors": growth} if growth else {}))
-    heading(attrs["title"])
+    print(visible(attrs["title"]))
     rows = lines(summary)
     if growth:
         rows.append(("errors", growth["sentence"]))
@@ -210,7 +210,7 @@ def systems(*, as_json: bool = False) -> int:
         Print the list as one JSON object.
     """
     from ..mechanics.systems import SYSTEMS, laws_of, load_entry_points
-    from .text import heading, table
+    from .text import table
 
     load_entry_points()
 
@@ -235,7 +235,7 @@ def systems(*, as_json: bool = False) -> int:
     if as_json:
         return print_json(listing)
     for name, listed in listing.items():
-        heading(f"{name}: {listed.pop('title')}")
+        print(f"{name}: {listed.pop('title')}")
         del listed["source"]
         table((f"  {key}", _listed(value)) for key, value in listed.items() if value)
         print()

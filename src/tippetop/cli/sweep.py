@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .streams import complain, print_json, report
+from .streams import complain, print_json, report, visible
 from .values import Place, Whole
 
 
@@ -94,11 +94,11 @@ def finished(store: Path, overwrite: bool) -> bool:
 def describe(report: dict[str, Any], as_json: bool) -> int:
     """Print the content of a sweep's store."""
     from ..sweeps.summary import lines
-    from .text import heading, table
+    from .text import table
 
     if as_json:
         return print_json(report)
-    heading(report["title"])
+    print(visible(report["title"]))
     table(lines(report))
     return 0
 

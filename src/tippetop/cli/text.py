@@ -36,14 +36,6 @@ def following() -> AbstractContextManager[Callable[[Any], None]]:
     return cost.following(lambda sentence: warn([sentence]))
 
 
-def heading(text: str) -> None:
-    """Print a line, bold on a terminal."""
-    coloured = (
-        sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
-    )
-    print(f"\x1b[1m{visible(text)}\x1b[0m" if coloured else visible(text))
-
-
 def table(rows: Iterable[tuple[str, str]]) -> None:
     """Print names and texts in two columns; long texts are wrapped."""
     rows = [(visible(name), visible(" ".join(text.split()))) for name, text in rows]

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from .problem import Problem
 
 
-EXCLUDED = ("run.", "contact.", "stem.")  # tables with numbers that a motion is not derived by
+EXCLUDED = ("run.", "contact.", "stem.")  # tables: a motion has no derivatives by their numbers
 MOST_DERIVATIVES = 1_000_000  # rows times numbers: 400 MB of states and columns
 
 
@@ -42,14 +42,9 @@ def derivative_faults(problem: "Problem") -> list[str]:
 
 def name_faults(problem: "Problem", wrt: Sequence[str]) -> list[str]:
     """Return sentences on the names of the numbers by which there are derivatives."""
-    excluded = [name for name in wrt if name.startswith(EXCLUDED)]
-    faults = [
-        f"`{name}` must be a number of the body, the friction law or the start, but is none."
-        for name in excluded
-    ]
     twice = dict.fromkeys(name for name in wrt if list(wrt).count(name) > 1)
-    faults += [f"`{name}` must be named once, but is named twice." for name in twice]
-    faults += key_faults(problem, [n for n in wrt if n not in excluded], without=EXCLUDED)
+    faults = [f"`{name}` must be named once, but is named twice." for name in twice]
+    faults += key_faults(problem, wrt, without=EXCLUDED)
     initial = [name.partition(".")[2] for name in wrt if name.startswith("initial.")]
     given = [name for name, value in problem.initial.items() if value is not False]
     return faults or problem.system.clashes([*given, *initial])

@@ -57,7 +57,7 @@ def key_faults(
     keys, known = list(keys), [*also, *(key for key in base.rules if not key.startswith(without))]
     faults = []
     for key in keys:
-        if key not in base.rules:
+        if key not in known:
             table, _, name = key.rpartition(".")
             hint = suggestion(name, [k.rpartition(".")[2] for k in known])
             if table == "friction" and name in PARTS:

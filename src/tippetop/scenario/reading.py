@@ -43,8 +43,8 @@ def presets() -> dict[str, str]:
 @cache
 def _presets() -> dict[str, str]:
     folder = files("tippetop") / "scenario" / "presets"
-    paths = sorted((p for p in folder.iterdir() if p.name.endswith(".toml")), key=lambda p: p.name)
-    return {p.name.removesuffix(".toml"): p.read_text(encoding="utf-8") for p in paths}
+    names = sorted(p.name.removesuffix(".toml") for p in folder.iterdir())
+    return {name: (folder / f"{name}.toml").read_text(encoding="utf-8") for name in names}
 
 
 @cache

@@ -134,20 +134,6 @@ def tables_of(system: System, law: str | None = None) -> dict[str, Any]:
     }
 
 
-def dotted_keys(system: System, laws: Any = None) -> list[str]:
-    """Return the keys that a scenario of a system, under any of some laws, may have."""
-    laws = system.laws if laws is None else laws
-    models = [
-        *tables_of(system).items(),
-        *(("friction", tables_of(system, law)["friction"]) for law in laws),
-    ]
-    return [
-        "system",
-        "form",
-        *(f"{table}.{key}" for table, model in models for key in model.model_fields),
-    ]
-
-
 def scenario_model(system: System) -> type[BaseModel]:
     """Return the pydantic model of a scenario of one system, made from the system's records."""
     return _model(system, tuple(system.laws.items()))

@@ -7,7 +7,7 @@ from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of
 from .law_change import law_name
-from .schema import dotted_keys, scenario_model, tables_of
+from .schema import scenario_model, tables_of
 
 
 def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str:
@@ -35,9 +35,10 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str
         if table == "friction" and place[-1] in other.parameters
     ]
     belongs = f"it belongs to law = {' or '.join(map(repr, others))}" if others else ""
-    model: Any = tables_of(system, law)[table] if rest else scenario_model(system)
-    everywhere = dotted_keys(system, [law] if law in laws else [])
-    return unknown_key(key, list(model.model_fields), everywhere, belongs)
+    models = tables_of(system, law)
+    model: Any = models[table] if rest else scenario_model(system)
+    keys = [f"{name}.{key}" for name, its in models.items() for key in its.model_fields]
+    return unknown_key(key, list(model.model_fields), ["system", "form", *keys], belongs)
 
 
 def error_sentence(error: Any, key: str, known: list[str]) -> str:
