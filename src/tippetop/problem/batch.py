@@ -262,8 +262,9 @@ class Problems:
         with np.errstate(all="ignore"):
             sentences = start_faults(self)
         for sentence, bad in sentences:
-            faults += [(int(i), sentence) for i in np.flatnonzero(valid & bad)]
-            valid &= ~bad
+            if bad.any():
+                faults += [(int(i), sentence) for i in np.flatnonzero(valid & bad)]
+                valid &= ~bad
         valid.flags.writeable = False
         return valid, sorted(faults)
 

@@ -131,8 +131,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
     finite = np.logical_and.reduce([np.isfinite(a).all(axis=0) for a in (pars, start, weights)])
     faults = [] if base.contact is not None else _law_faults(problems)
     for formula, row in zip(formulas, table, strict=True):
-        bad = finite & ~np.isfinite(row)
-        if _owner(formula) and bad.any():
+        if _owner(formula) and (bad := finite & ~np.isfinite(row)).any():
             found = f"is {row[bad][0]}"
             faults.append(
                 (f"the formula of {_owner(formula)} must be finite at the start, but {found}.", bad)
