@@ -34,44 +34,37 @@ def reconstruct(
     import numpy as np
 
     from ..awaiting import awaited
-    from ..errors import InputError
-    from ..landscape.reconstruction import reconstruction
-    from ..scenario import build
-    from ..store import files, root
+    from ..library import running, theory
+    from ..store import files
+    from .text import table
 
-    attrs = root.attributes(store)
-    if "content" in attrs:
-        raise InputError(f"a run is reconstructed, but `{store}` is a {attrs['content']}.")
-    if period is not None and period <= 0:
-        raise InputError(f"--period must be positive and finite, but is {period}.")
-    rows, events = (
-        root.loaded(root.open_group(store, name), store) for name in ("trajectory", "events")
-    )
+    run = running.open(store)
     result = awaited(
-        lambda: reconstruction(build.stored(attrs), lambda: rows, lambda: events, period),
+        lambda: theory.reconstruct(run, period=period),
         "solving the main equation, from one turning to the next",
     )
-    difference = np.abs(result["theta"].values - rows["theta"].values)
+    columns = [run.trajectory["time"], result["theta"], run.trajectory["theta"]]
+    difference = np.abs(columns[1].values - columns[2].values)
     found = difference[np.isfinite(difference)]
     report = {
         "turnings": int(result.sizes["turning"]),
         "rows": found.size,
-        "rows_of_run": int(rows.sizes["time"]),
+        "rows_of_run": difference.size,
         "difference": float(found.max()) if found.size else None,
         "mismatch": float(result.attrs["mismatch"]),
     }
     if out is not None:
-        table = np.column_stack([rows["time"].values, result["theta"].values, rows["theta"].values])
         with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
             header = "time [s],theta by the main equation [rad],theta of the run [rad]"
-            np.savetxt(scratch, table, "%.17g", ",", header=header, comments="")
+            rows = np.column_stack([column.values for column in columns])
+            np.savetxt(scratch, rows, "%.17g", ",", header=header, comments="")
     if as_json:
         return print_json(report)
-    print(f"turnings     {report['turnings']}")
-    print(f"rows         {report['rows']} of {report['rows_of_run']}")
-    if found.size:
-        print(f"difference   {report['difference']:.2g} rad at most from theta of the run")
-    print(f"mismatch     {report['mismatch']:.2g} of cos(theta) where pieces meet")
-    if out is not None:
-        print(f"file         {out}")
+    lines = [
+        ("turnings", f"{report['turnings']}"),
+        ("rows", f"{found.size} of {difference.size}"),
+        ("difference", f"{report['difference'] or 0:.2g} rad at most from theta of the run"),
+        ("mismatch", f"{report['mismatch']:.2g} of cos(theta) where pieces meet"),
+    ]
+    table(lines if out is None else [*lines, ("file", str(out))])
     return 0

@@ -32,7 +32,9 @@ def digests_of(problem: Problem) -> dict[str, dict[str, str]]:
 @lru_cache(maxsize=64)
 def _digests(system: System, form: Form, friction: Any) -> dict[str, dict[str, str]]:
     registered = registered_as(system)
-    known: list[Any] = [] if registered is None else [*registered.events, *registered.quantities]
+    known: list[Any] = []
+    if registered is not None:
+        known = [*registered.events, *registered.quantities, *registered.on_request]
     packaged = {r.name for r in known if not is_user_defined(r.formula)}
     kinds: dict[str, Any] = {"event": system.events, "column": system.quantities}
     digests = {

@@ -26,13 +26,7 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-def _described(words: str, unit: Any, **more: str) -> Any:
-    """Return the meaning and the unit of a key."""
-    unit = {"unit": unit.symbol} if unit else {}
-    return Field(description=words, json_schema_extra={**unit, **more})
-
-
-def _number(rule: Number, words: str = "") -> Any:
+def _number(rule: Number) -> Any:
     """Return the type of a number: a float in the interval of its record."""
 
     def within(value: float) -> float:
@@ -40,10 +34,9 @@ def _number(rule: Number, words: str = "") -> Any:
             raise PydanticCustomError("interval", "{must}", {"must": rule.must(value)})
         return value
 
-    described = _described(
-        words or rule.long_name, rule.unit, must=rule.must().removeprefix("must be ")
-    )
-    return Annotated[float, AfterValidator(within), described]
+    more = {"unit": rule.unit.symbol, "must": rule.must().removeprefix("must be ")}
+    words = Field(description=rule.long_name, json_schema_extra=more)  # type: ignore[arg-type]
+    return Annotated[float, AfterValidator(within), words]
 
 
 def number_table(name: str, rules: Mapping[str, Number], required: bool = True, **more: Any) -> Any:
@@ -69,14 +62,10 @@ def _run_table() -> Any:
     fields: dict[str, Any] = {}
     for name, option in OPTIONS.items():
         about = option.metadata
-        kind = (
-            _number(about["rule"], about["words"])
-            if about["rule"]
-            else Annotated[
-                _kind(HINTS[name], {BOUNDS[key]: at for key, at in about["interval"].items()}),
-                _described(about["words"], about["unit"]),
-            ]
-        )
+        kind = _kind(HINTS[name], {BOUNDS[key]: at for key, at in about["interval"].items()})
+        unit = {"unit": about["unit"].symbol} if about["unit"] else {}
+        words: Any = Field(description=about["words"], json_schema_extra=unit)
+        kind = _number(about["rule"]) if about["rule"] else Annotated[kind, words]
         fields[name] = kind, ... if option.default is MISSING else option.default
     return create_model("RunTable", __base__=Table, **fields)
 
