@@ -135,9 +135,8 @@ def fit(
     from .plot import check_picture
 
     check_picture(figure, "--figure", overwrite)
-    for words, other in (("the measurements", data), ("the figure", figure)):
-        if out and other and os.path.realpath(out) == os.path.realpath(other):
-            raise InputError(f"--out must be another file than {words}, but is `{out}`.")
+    if out and out.suffix != ".toml":
+        raise InputError(f"--out must end with .toml, but is `{out}`.")
     if out and not overwrite and os.path.lexists(out):  # now rather than after the fit
         raise StoreError(f"`{out}` must not exist yet, but does: use --overwrite to replace it.")
     result = exchanging.fit(

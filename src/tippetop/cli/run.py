@@ -57,12 +57,12 @@ def run(
     """
     from ..columns import require
     from ..runs import attributes, starting
-    from ..runs.certificate import check_window
+    from ..runs.certificate import certificate, check_window
     from ..runs.recording import record
     from ..runs.run import solve
     from ..scenario.doubts import doubts
     from ..store.chunks import for_figures
-    from ..store.root import finite
+    from ..store.root import annotate, finite
     from .text import following, warn
 
     check_window(window, "--window")
@@ -95,7 +95,9 @@ def run(
                 out,
             )
     if certify:
-        attrs["certificate"] = _certificate(problem, window, out)
+        attrs["certificate"] = finite(certificate(problem, window, following))
+        if out is not None:
+            annotate(out, {"certificate": attrs["certificate"]})
     if figure is not None:
         from ..figures import drawing
 
@@ -210,18 +212,6 @@ def _interruptible(
         else "nothing was stored."
     )
     raise SystemExit(complain([f"interrupted; {kept}"], 128 + signals[0]))
-
-
-def _certificate(problem: Any, window: float | None, store: Path | None) -> dict[str, Any]:
-    """Return the certificate of a problem; write it into the store, too."""
-    from ..runs.certificate import certificate
-    from ..store.root import annotate, finite
-    from .text import following
-
-    result = finite(certificate(problem, window, following))
-    if store is not None:
-        annotate(store, {"certificate": result})
-    return result
 
 
 def _print(

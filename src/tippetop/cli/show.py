@@ -121,11 +121,10 @@ def check(
     """
     from ..runs import forecast, starting
     from ..runs.cost import measured
-    from ..runs.summary import form_sentence, regularisation
     from ..scenario import build, reading
     from ..scenario.doubts import doubts
     from ..sweeps import plan
-    from .text import table, warn
+    from .text import warn
 
     tables = reading.override(reading.read(scenario), set_ or [])
     if plan.is_plan(tables):
@@ -133,7 +132,8 @@ def check(
 
         if until is not None:
             raise InputError("`--until` cannot be used with a plan: give `set.run.until` in it.")
-        return sweep.examine(tables, Path(scenario).parent, as_json)
+        facts, units = sweep.examine(tables, Path(scenario).parent)
+        return _print_facts(facts, units, as_json)
     if until is not None:
         tables = build.ending(tables, until)
     problem = starting.problem(tables, scenario)
@@ -143,10 +143,20 @@ def check(
         facts["expected"] |= measured(problem)
     if try_:
         facts["tried"] = forecast.tried(problem)
+    return _print_facts(facts, units_of(resolved), as_json)
+
+
+def _print_facts(facts: dict[str, Any], units: dict[str, str], as_json: bool) -> int:
+    """Print a checked scenario or plan."""
+    from ..runs.summary import form_sentence, regularisation
+    from .text import table
+
     if as_json:
         return print_json(facts)
-    sentences = {"regularisation": regularisation, "form": form_sentence}
-    units = units_of(resolved)
+    facts |= facts.pop("plan", {}).get("scenario", {})
+    sentences = {"regularisation": regularisation} | (
+        {"form": form_sentence} if "auto_form" in facts else {}
+    )
     table(
         (
             name.replace("_", " "),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shlex
 from functools import partial
 from pathlib import Path
@@ -50,10 +49,6 @@ def sweep(
     failed: list[str] = []
     try:
         sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
-    except errors.InputError as error:
-        raise errors.InputError(
-            [re.sub("^`(workers|scheduler)` must", r"--\1 must", s) for s in error.sentences]
-        ) from None
     except errors.Unfinished as unfinished:
         failed = unfinished.sentences
     except (KeyboardInterrupt, SystemExit) as stopped:  # not after the chunks under way
@@ -103,15 +98,14 @@ def describe(report: dict[str, Any], as_json: bool) -> int:
     return 0
 
 
-def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
-    """Print the axes, the size and the cost of a plan."""
+def examine(tables: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the axes, the size and the cost of a plan, and the units of its scenario."""
     from ..awaiting import awaited
     from ..scenario import build
     from ..sweeps import chunk
     from ..sweeps.measuring import measured
     from ..sweeps.plan import Plan
-    from .show import plain, units_of
-    from .text import table
+    from .show import units_of
 
     plan = Plan.from_tables(tables, folder)
     columns = chunk.column_schema(plan.base, plan.keep).values()
@@ -119,7 +113,7 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
         partial(measured, plan), "some tops are being run (their equations are compiled first)"
     )
     size = round(plan.n * sum(c.values.itemsize for c in columns) / 1e6, 3)
-    report: dict[str, Any] = {
+    facts = {
         "tops": plan.n,
         "axes": plan.design.sizes,
         "chunks": plan.chunks,
@@ -127,9 +121,4 @@ def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
         "expected": {**expected, "megabytes_at_most": size},
         "plan": plan.document,
     }
-    if as_json:
-        return print_json(report)
-    units = units_of(build.resolved(plan.base)) | {"compiling": "s"}
-    facts = report | report.pop("plan")["scenario"]
-    table((name.replace("_", " "), plain(value, units)) for name, value in facts.items())
-    return 0
+    return facts, units_of(build.resolved(plan.base)) | {"compiling": "s"}

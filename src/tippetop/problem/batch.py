@@ -5,7 +5,7 @@ The numbers of a single run are computed here too: it is the case n = 1.
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,6 +37,7 @@ class Problems:
     base: "Problem"
     columns: Mapping[str, np.ndarray]
     orientation: bool = False  # whether the turn of the body about its axis is integrated too
+    state: np.ndarray | None = None  # internal, (variables, 1): where a run starts from another
 
     @classmethod
     def vary(
@@ -170,16 +171,6 @@ class Problems:
         return self._rounded(leaves(body._replace(**folds)))
 
     @cached_property
-    def parameters(self) -> np.ndarray:
-        """The parameters and the numbers of friction in internal units, (numbers, n)."""
-        given, friction = self.given("parameters"), self.given("friction")
-        units = [*(p.unit for p in self.base.system.parameters.values()), *self.base.law.units()]
-        values = [*(given[name] for name in self.base.system.parameters), *friction.values()]
-        return self._rounded(
-            [self._wide(v) / self._scales.of(unit) for v, unit in zip(values, units, strict=True)]
-        )
-
-    @cached_property
     def internal_body(self) -> Any:
         """The bodies in internal units; numbers that are 0 or 1 by construction are exact."""
         return self.body_of_pars(self.pars)
@@ -191,6 +182,8 @@ class Problems:
     @cached_property
     def start(self) -> np.ndarray:
         """The internal states at t = 0, (variables, n), in the working precision."""
+        if self.state is not None:
+            return self.state
         data = {name: self._wide(value) for name, value in self.given("initial").items()}
         theta = np.atleast_1d(data.get("theta", self._wide(0.0)))
         s, z = np.sin(theta), np.cos(theta)
@@ -267,15 +260,3 @@ class Problems:
                 valid &= ~bad
         valid.flags.writeable = False
         return valid, sorted(faults)
-
-
-@dataclass(frozen=True, eq=False)
-class StartedFrom(Problems):
-    """A run that starts in a given internal state, (variables, 1), not in its initial data."""
-
-    state: np.ndarray = field(default_factory=lambda: np.zeros((0, 1)))
-
-    @cached_property
-    def start(self) -> np.ndarray:
-        """The state."""
-        return self.state

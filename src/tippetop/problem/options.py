@@ -149,15 +149,6 @@ class RunOptions:
         example=True,
     )
 
-    def table(self) -> dict[str, Any]:
-        """Return the options as the table [run] of a scenario."""
-        given = {f.name: getattr(self, f.name) for f in fields(RunOptions)}
-        return {
-            name: [*value] if isinstance(value, tuple) else value
-            for name, value in given.items()
-            if value is not None
-        }
-
     def rows(self) -> EvenTimes | ListedTimes:
         """Return the times of the rows; a grid always ends with `until` itself."""
         if self.output_times is not None:

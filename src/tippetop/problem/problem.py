@@ -16,8 +16,8 @@ from ..mechanics.system import Form, Number, System
 from ..mechanics.units import SECOND, Scales
 from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
-from .batch import Problems, StartedFrom
-from .options import KEYFRAME_STEPS, UNTIL, RunOptions
+from .batch import Problems
+from .options import KEYFRAME_STEPS, OPTIONS, UNTIL, RunOptions
 from .row_columns import column_names
 
 
@@ -183,20 +183,20 @@ class Problem(RunOptions):
         state = np.array(
             [[sum(map(self.number, origin["state"][name]))] for name in names], dtype=self.number
         )
-        return StartedFrom(self, {}, self.orientation, state)
+        return Problems(self, {}, self.orientation, state)
 
     def table(self) -> dict[str, Any]:
         """Return the options as the table [run] of a scenario, without those that do not apply."""
-        table = super().table()
-        without = {
-            "times": ["output", "keyframe_steps"],
-            "keyframes": ["output_step", "output_times"],
+        unused = {
+            "times": ("output", "keyframe_steps"),
+            "keyframes": ("output_step", "output_times"),
+        }.get(self.output, ("output_step", "output_times", "keyframe_steps"))
+        given = {name: getattr(self, name) for name in OPTIONS if name not in unused}
+        return {
+            name: [*value] if isinstance(value, tuple) else value
+            for name, value in given.items()
+            if value is not None and (name, value) != ("sensitivities", ())
         }
-        for name in without.get(self.output, ["output_step", "output_times", "keyframe_steps"]):
-            table.pop(name, None)
-        if not self.sensitivities:
-            del table["sensitivities"]
-        return table
 
     def body(self, number: Any = float) -> Any:
         """Return the record that formulas take, in SI units."""

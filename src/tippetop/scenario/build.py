@@ -200,15 +200,8 @@ def load(
     ------
     InputError
     """
-    return problem(tables_from(source, assignments, until))
-
-
-def tables_from(
-    source: str | Path, assignments: list[str] | None = None, until: Any = None
-) -> dict[str, Any]:
-    """Return the tables of a TOML file or a preset with assignments and another end."""
     tables = override(read(str(path_of("source", source))), assignments or [])
-    return tables if until is None else ending(tables, until)
+    return problem(tables if until is None else ending(tables, until))
 
 
 def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """Sentences on the errors that pydantic finds: what must be true, and what was found."""
 
+import re
 from typing import Any
 
 from ..errors import sentence, suggestion, unknown_key
@@ -50,22 +51,11 @@ def error_sentence(error: Any, key: str, known: list[str]) -> str:
         return unknown_key(key, known, [])
     must = {
         "interval": context.get("must"),
-        "greater_than": f"must be greater than {context.get('gt')}",
         "greater_than_equal": f"must be at least {context.get('ge')}",
-        "less_than": f"must be less than {context.get('lt')}",
-        "less_than_equal": f"must be at most {context.get('le')}",
-        "finite_number": "must be a finite number",
-        "float_type": "must be a number",
-        "float_parsing": "must be a number",
         "int_type": "must be a whole number",
         "bool_type": "must be true or false",
-        "string_type": "must be a string",
-        "list_type": "must be a list",
-        "dict_type": "must be a table",
-        "too_short": f"must have at least {context.get('min_length')} items",
-        "too_long": f"must have at most {context.get('max_length')} items",
-        "literal_error": f"must be {context.get('expected')}",
-        "model_type": "must be a table",
-        "model_attributes_type": "must be a table",
-    }.get(kind, f"must be valid ({error['msg']})")
+        **dict.fromkeys(("model_type", "model_attributes_type", "dict_type"), "must be a table"),
+    }.get(kind) or re.sub(
+        "^(Input|List) should", "must", error["msg"].partition(" after ")[0]
+    ).replace("a valid", "a")
     return sentence(key, must, error["input"])
