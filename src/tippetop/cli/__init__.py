@@ -63,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         code = complain(["interrupted while it was loaded."], _received[0])
     except SystemExit as stopped:
         if stopped.code == TERMINATED and _received:
-            complain(["terminated; what was written to disk stays."], TERMINATED)
+            complain(["terminated; data on the disk are kept."], TERMINATED)
         code = stopped.code if isinstance(stopped.code, int) else BUG
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the output is left to be written
     code = streams.flush(code)

@@ -12,7 +12,7 @@ from . import host, overview, usage
 
 
 def called(words: Sequence[str]) -> int:
-    """Call the command that the words name and return its exit code; raise what it raises."""
+    """Call the command named by the first word and return its exit code."""
     name = words[0]
     if name not in overview.COMMANDS:
         raise InputError(

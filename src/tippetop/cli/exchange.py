@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -47,7 +48,8 @@ def compare(
     as_json
         Print the result as one JSON object.
     """
-    from ..library import exchanging
+    from ..exchange.motion import Convention
+    from ..exchange.verdict import Verdict
     from ..runs.starting import load_any
     from .plot import check_picture
 
@@ -56,11 +58,13 @@ def compare(
             "a file and a reference must be given: tippetop compare OTHER.csv SCENARIO."
         )
     check_picture(figure, "--figure", overwrite)
-    *others, reference = files
-    problem = load_any(reference, set_)
-    result = exchanging.compare(others, problem, quaternion=quaternion, up=up)
+    problem = load_any(files[-1], set_)
+    result = Verdict(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up))
     if figure is not None:
-        result.plot(figure, overwrite=overwrite)
+        from ..figures import drawing
+        from ..figures.comparison import comparison
+
+        drawing.write(comparison(result.motions, result.title), figure, overwrite=overwrite)
     if as_json:
         return print_json(result.to_dict())
     print(visible(str(result)))
@@ -129,7 +133,9 @@ def fit(
     as_json
         Print the result as one JSON object.
     """
-    from ..library import exchanging
+    from ..exchange import fit_text, measured
+    from ..exchange.fitting import names_of
+    from ..exchange.motion import Convention
     from ..runs.starting import load_any
     from ..store import files
     from .plot import check_picture
@@ -139,23 +145,23 @@ def fit(
         raise InputError(f"--out must end with .toml, but is `{out}`.")
     if out and not overwrite and os.path.lexists(out):  # now rather than after the fit
         raise StoreError(f"`{out}` must not exist yet, but does: use --overwrite to replace it.")
-    result = exchanging.fit(
-        data,
-        load_any(scenario, set_),
-        free,
-        loss=loss,
-        starts=starts,
-        marker=marker,
-        quaternion=quaternion,
-        up=up,
-        noise=noise,
-        progress=True,
+    problem = load_any(scenario, set_)
+    place = fit_text.marker_of(marker)
+    observation = measured.observation_of(
+        problem, data, names_of(free), Convention(quaternion, up), place, noise
     )
+    result = measured.fitted(observation, loss, starts, progress=True)
+    text = fit_text.lines(result, observation)
     if out is not None:
-        files.write_text(out, result.to_toml(), overwrite=overwrite)
+        files.write_text(out, fit_text.toml(problem, result), overwrite=overwrite)
     if figure is not None:
-        result.plot(figure, overwrite=overwrite)
+        from ..figures import drawing
+        from ..figures.fit import fit as draw_fit
+
+        curves = measured.curves(observation, result)
+        picture = draw_fit(result.t, observation.dots(), curves, result.residuals, text)
+        drawing.write(picture, figure, overwrite=overwrite)
     if as_json:
-        return print_json(result.to_dict())
-    print(visible(str(result)))
+        return print_json(fit_text.plain(result))
+    print(visible("\n".join(text)))
     return 0

@@ -34,37 +34,45 @@ def reconstruct(
     import numpy as np
 
     from ..awaiting import awaited
-    from ..library import running, theory
-    from ..store import files
-    from .text import table
+    from ..errors import InputError
+    from ..landscape.reconstruction import reconstruction
+    from ..scenario import build
+    from ..store import files, root
+    from . import text
 
-    run = running.open(store)
+    attrs = root.attributes(store)
+    if "content" in attrs:
+        raise InputError(f"a run is reconstructed, but `{store}` is a {attrs['content']}.")
+    if period is not None and period <= 0:
+        raise InputError(f"--period must be positive and finite, but is {period}.")
+    rows, events = (
+        root.loaded(root.open_group(store, name), store) for name in ("trajectory", "events")
+    )
     result = awaited(
-        lambda: theory.reconstruct(run, period=period),
+        lambda: reconstruction(build.stored(attrs), lambda: rows, lambda: events, period),
         "solving the main equation, from one turning to the next",
     )
-    columns = [run.trajectory["time"], result["theta"], run.trajectory["theta"]]
-    difference = np.abs(columns[1].values - columns[2].values)
+    difference = np.abs(result["theta"].values - rows["theta"].values)
     found = difference[np.isfinite(difference)]
     report = {
         "turnings": int(result.sizes["turning"]),
         "rows": found.size,
-        "rows_of_run": difference.size,
+        "rows_of_run": int(rows.sizes["time"]),
         "difference": float(found.max()) if found.size else None,
         "mismatch": float(result.attrs["mismatch"]),
     }
     if out is not None:
+        table = np.column_stack([rows["time"].values, result["theta"].values, rows["theta"].values])
         with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
             header = "time [s],theta by the main equation [rad],theta of the run [rad]"
-            rows = np.column_stack([column.values for column in columns])
-            np.savetxt(scratch, rows, "%.17g", ",", header=header, comments="")
+            np.savetxt(scratch, table, "%.17g", ",", header=header, comments="")
     if as_json:
         return print_json(report)
     lines = [
         ("turnings", f"{report['turnings']}"),
-        ("rows", f"{found.size} of {difference.size}"),
+        ("rows", f"{found.size} of {report['rows_of_run']}"),
         ("difference", f"{report['difference'] or 0:.2g} rad at most from theta of the run"),
         ("mismatch", f"{report['mismatch']:.2g} of cos(theta) where pieces meet"),
     ]
-    table(lines if out is None else [*lines, ("file", str(out))])
+    text.table(lines if out is None else [*lines, ("file", str(out))])
     return 0

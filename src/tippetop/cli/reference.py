@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 EXIT_CODES = {
     0: "done",
     1: "a bug: please report it",
-    2: "usage or configuration: each sentence explains what must be true and what was found",
+    2: "usage or configuration: each sentence explains the requirement and the value that was found",
     3: "the physics stopped it: a fall, or a non-finite state; a liftoff is an ordinary end",
     4: "the accuracy contract is broken: a conserved quantity drifted by more than is promised",
     5: "the store or the disk",
     6: "some chunks of a sweep failed; the same command tries them again",
-    130: "interrupted by Ctrl-C; what was written to disk stays",
-    143: "terminated; what was written to disk stays",
+    130: "interrupted by Ctrl-C; data on the disk are kept",
+    143: "terminated; data on the disk are kept",
 }
 
 

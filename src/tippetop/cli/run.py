@@ -207,7 +207,7 @@ def _interruptible(
         except Interrupted:
             pass
     kept = (
-        f"what is done is kept. Continue with: tippetop resume {store}"
+        f"finished steps are kept. Continue with: tippetop resume {store}"
         if store.exists()
         else "nothing was stored."
     )

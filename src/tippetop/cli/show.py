@@ -154,9 +154,9 @@ def _print_facts(facts: dict[str, Any], units: dict[str, str], as_json: bool) ->
     if as_json:
         return print_json(facts)
     facts |= facts.pop("plan", {}).get("scenario", {})
-    sentences = {"regularisation": regularisation} | (
-        {"form": form_sentence} if "auto_form" in facts else {}
-    )
+    sentences = {"regularisation": regularisation, "form": form_sentence}
+    if "auto_form" not in facts:  # a plan
+        sentences = {}
     table(
         (
             name.replace("_", " "),

@@ -58,7 +58,7 @@ def option(
     given
         The type that callers may pass, where it is wider than the type of the field.
     example
-        A value for templates, where the default is none.
+        A value for templates, if there is no default.
     rule
         The record of a number that may vary.
     interval

@@ -158,7 +158,7 @@ class Problem(RunOptions):
 
     @property
     def auto_form(self) -> dict[str, str]:
-        """The form that "auto" takes, the same for every start, and because of what.
+        """The form that "auto" takes, the same for every start, and the reason.
 
         The first form of a system is, of those that are regular everywhere and keep every column
         exact, the cheapest. The motion alone is a tenth cheaper in the reduced form of a rolling

@@ -1,4 +1,4 @@
-"""The columns that the rows of a run have, by name."""
+"""The names of the columns of a run."""
 
 from collections.abc import Collection
 

@@ -24,10 +24,10 @@ UNDER = 1e-9  # of the radius: a stem that is deeper under the plane is not ther
 
 
 def system_with_contact(system: System, tables: dict[str, Any]) -> System:
-    """Return the system of a scenario, with a contact that may open where the scenario asks for it.
+    """Return the system of a scenario, with a contact that may open if the scenario requires it.
 
-    `[contact]`, `[stem]`, a Coulomb law without `eps`, and `on_liftoff = "fly"` ask for it. Raises
-    InputError where it cannot open.
+    `[contact]`, `[stem]`, a Coulomb law without `eps`, and `on_liftoff = "fly"` require it.
+    Raises InputError if it cannot open.
     """
     friction, run, initial = (
         table if isinstance(table := tables.get(name), dict) else {}
@@ -36,7 +36,7 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
     name = law_name(tables) or ""
     law = system.laws.get(name, LAWS.get(name, LAWS["none"])).given(friction)
     opening = system.opening
-    features = (  # what asks for it, and whether only a sphere has it
+    features = (  # the requirement, whether it is given, and whether only a sphere has it
         ("`contact`", "contact" in tables, False),
         ("`stem`", "stem" in tables, True),
         ('`run.on_liftoff = "fly"`', run.get("on_liftoff") == "fly", False),

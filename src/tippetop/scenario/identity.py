@@ -52,7 +52,7 @@ def changed_records(attrs: dict[str, Any], problem: Problem, known: System | Non
     attrs
         The root attributes of the store.
     problem
-        What was made of them.
+        The problem of these attributes.
     known
         The system with user-defined events and columns that was given for it.
     """
@@ -69,7 +69,7 @@ def changed_records(attrs: dict[str, Any], problem: Problem, known: System | Non
             elif before.get(name, digest) != digest:
                 faults.append(
                     f"the {kind} `{name}` must be the record that the run was made with, but its "
-                    "formula, its words or what it keeps differ."
+                    "formula, its words or its kept values differ."
                 )
     return faults
 

@@ -22,7 +22,7 @@ class Section(NamedTuple):
     rows: Sequence[tuple[str, ...]]
 
 
-KEYS = ("key", "unit", "what it must be", "meaning")
+KEYS = ("key", "unit", "must be", "meaning")
 KINDS = {
     "number": "a number",
     "integer": "a whole number",
@@ -37,7 +37,7 @@ BOUNDS = {
 
 
 def allowed(schema: Mapping[str, Any]) -> str:
-    """Return in words what a value must be, such as "a number greater than 0"."""
+    """Return the values that a schema allows in words, such as "a number greater than 0"."""
     if "anyOf" in schema:
         return " or ".join(allowed(part) for part in schema["anyOf"] if part.get("type") != "null")
     if "enum" in schema:
@@ -62,7 +62,7 @@ def keys_of(table: type[BaseModel]) -> list[tuple[str, str, str, str]]:
 
     Returns
     -------
-    list of (key, unit, what it must be, meaning)
+    list of (key, unit, must be, meaning)
     """
     rows = []
     schema = table.model_json_schema()
@@ -96,7 +96,7 @@ def scenario() -> list[Section]:
         ("[initial]", 'the start; `from = "RUN.zarr"` instead: the end of another run'),
         ("[contact]", f"a contact that may open; of {', '.join(that_open())}"),
         ("[stem]", "the ball at the end of a stem; of tippe-top"),
-        ("[run]", "how long, how accurately, and what is kept"),
+        ("[run]", "end and accuracy of the run, and the rows and columns that are kept"),
     ]
     head = (
         'A TOML file. Numbers are SI, or texts with a unit or arithmetic: "20 g", "5.7 deg", '

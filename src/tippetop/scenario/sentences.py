@@ -1,4 +1,4 @@
-"""Sentences on the errors that pydantic finds: what must be true, and what was found."""
+"""Sentences on the errors that pydantic finds: the requirement and the value that was found."""
 
 import re
 from typing import Any

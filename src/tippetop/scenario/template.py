@@ -39,7 +39,7 @@ def template(name: str) -> str:
     if name not in texts:
         if name not in SYSTEMS:
             near = suggestion(name, [*SYSTEMS, *texts])
-            raise InputError(f"a system or a preset must be named, but `{name}` is none.{near}")
+            raise InputError(f"a system or a preset must be named, but `{name}` is neither.{near}")
         of_system = [preset for preset in texts if reading.read(preset)["system"] == name]
         if not of_system:
             raise InputError(
