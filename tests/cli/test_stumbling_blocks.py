@@ -3,7 +3,6 @@ write instead.
 """
 
 import json
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -15,10 +14,8 @@ import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.cli.application import app_of
 from tippetop.cli.overview import COMMANDS
-from tippetop.errors import missing_extra
 from tippetop.figures import catalogue, drawing
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.runs.summary import lines
 from tippetop.store import root
 
 
@@ -164,43 +161,6 @@ def test_a_time_may_have_a_unit(tmp_path: Path, capsys: pytest.CaptureFixture[st
     np.testing.assert_array_equal(tt.open(b).trajectory.time, 0.01 + np.arange(11) * 0.001)
 
 
-@pytest.mark.parametrize(
-    ("times", "sentence"),
-    [
-        (("0", "0.1", "inf"), "`--step` must be a number, but is 'inf'."),
-        (
-            ("0.1", "0.05", "0.01"),
-            "the rows must end after they begin, but are from 0.1 to 0.05 s.",
-        ),
-        (("0", "0.2", "0.01"), "the rows must be within 0 and 0.1 s, but are from 0 to 0.2 s."),
-    ],
-)
-def test_times_of_a_replay(
-    times: tuple, sentence: str, stores: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = [
-        word for pair in zip(("--from", "--until", "--step"), times, strict=True) for word in pair
-    ]
-    out = stores / "part.zarr"
-    assert (
-        sentence
-        in printed(capsys, "replay", str(stores / "tippe.zarr"), *words, "--out", str(out), code=2)[
-            1
-        ]
-    )
-    assert not out.exists()
-
-
-def test_a_picture_of_a_chunk_that_is_gone_is_refused(stores: Path, tmp_path: Path) -> None:
-    shutil.copytree(stores / "tippe.zarr", tmp_path / "a.zarr")
-    run = tt.open(tmp_path / "a.zarr")
-    (tmp_path / "a.zarr/trajectory/theta/c.0").unlink()
-    with pytest.raises(
-        tt.StoreError, match="theta` must be readable in rows 0 to 101, but: a chunk is missing"
-    ):
-        run.plot("theta")
-
-
 def test_a_file_is_no_store(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "x.csv").write_text("a,b\n")
     assert (
@@ -312,29 +272,6 @@ def test_json_keys_are_names_and_units_are_values(capsys: pytest.CaptureFixture[
     assert by_eps["first_equator"]["unit"] == "s"
     assert by_eps["exponent"]["value"] < 0
 
-    def keys(value: object) -> list[str]:
-        return (
-            [*value, *(k for v in value.values() for k in keys(v))]
-            if isinstance(value, dict)
-            else []
-        )
-
-    for command in (["check", "inverting"], ["check", "leine-glocker"], ["systems"], ["presets"]):
-        assert all(
-            " " not in key for key in keys(json.loads(printed(capsys, *command, "--json")[0]))
-        )
-
-
-def test_what_eps_decides_is_a_sentence_with_times(capsys: pytest.CaptureFixture[str]) -> None:
-    sets = ["--set", "friction.eps=1e-3", "--until", "3", "--json"]
-    info = json.loads(printed(capsys, "run", "leine-glocker", *sets)[0])
-    text = dict(lines(info))["regularisation"]
-    assert (
-        "theta = pi/2 at: not in this time (eps = 0.5 mm/s), 2.7094 s (1 mm/s), 1.799 s (2 mm/s)"
-        in text
-    )
-    assert text.endswith("1.799 s (2 mm/s)")
-
 
 def test_an_empty_value_removes_a_key_or_a_table(capsys: pytest.CaptureFixture[str]) -> None:
     rolling = ["check", "inverting", "--set", "system=rolling-tippe-top"]
@@ -404,6 +341,13 @@ def test_a_finished_surface_has_nothing_to_do(
     assert {p.name for p in tmp_path.iterdir()} == {"s.zarr", "mine"}
 
 
+def test_errors_are_those_of_a_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    store = tmp_path / "V.zarr"
+    printed(capsys, "potential", "inverting", "--D", "0", "--lambda", "4e-6", "--out", str(store))
+    err = printed(capsys, "info", str(store), "--errors", code=2)[1]
+    assert err == f"tippetop: `--errors` requires a run, but `{store}` is a potential.\n"
+
+
 def test_a_finished_sweep_has_nothing_to_do(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -457,8 +401,3 @@ def test_what_an_extra_brings_is_missed_before_anything_is_made(
         f"'tippetop[{extra}]'.\n"
     )
     assert list(tmp_path.iterdir()) == []
-
-
-def test_numba_is_what_brings_llvmlite() -> None:
-    said = missing_extra(ModuleNotFoundError("No module named 'llvmlite'", name="llvmlite"))
-    assert said == "this must find numba, but it is not installed: pip install 'tippetop[grids]'."
