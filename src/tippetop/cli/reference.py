@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 EXIT_CODES = {
     0: "done",
     1: "a bug: please report it",
-    2: "usage or configuration: each sentence explains the requirement and the value that was found",
+    2: "usage or configuration: each sentence gives the requirement and the value found",
     3: "the physics stopped it: a fall, or a non-finite state; a liftoff is an ordinary end",
     4: "the accuracy contract is broken: a conserved quantity drifted by more than is promised",
     5: "the store or the disk",

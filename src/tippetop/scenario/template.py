@@ -69,9 +69,10 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
             continue
         lines += ["", f"[{table}]"]
         for key, unit, must, words in keys_of(model):
+            must = must.removesuffix("; must be given")
             text = f"{words}{f' [{unit}]' if unit not in ('', '1') else ''}; {must}"
-            default = model.model_fields[key].default
-            example = examples.get(key) or (0.0 if default is None else default)
+            values = (examples.get(key), model.model_fields[key].default, 0.0)
+            example = next(value for value in values if value is not None)
             if key in given:
                 lines.append(_line(key, given[key], laws if key == "law" else text))
             else:
