@@ -48,9 +48,7 @@ def _terminate(*_: Any) -> NoReturn:
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and exit with one of `reference.EXIT_CODES`."""
     streams.prepare()
-    gc.set_threshold(
-        100_000
-    )  # collecting what is imported a hundred times takes a tenth of a start
+    gc.set_threshold(100_000)  # a hundred collections while modules load take a tenth of a start
     signal.signal(signal.SIGTERM, _terminate)
     warnings.showwarning = _warn  # type: ignore[assignment]
     signal.signal(signal.SIGINT, _interrupt)

@@ -22,7 +22,7 @@ STATES = 16  # random states at which a formula is compared
 
 
 def digests_of(problem: Problem) -> dict[str, dict[str, str]]:
-    """Return digests of user-defined events and columns by kind and name; empty if there are none.
+    """Return digests of user-defined events and columns by kind and name.
 
     Events and columns of a system that was registered by the user are among them.
     """

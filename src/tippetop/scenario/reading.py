@@ -132,7 +132,7 @@ def _value(key: str, text: str) -> Any:
 
 
 def _remove(table: Any, key: str, name: str) -> None:
-    """Remove a key of a table, or a table. Raises InputError if there is none."""
+    """Remove a key of a table, or a table. Raises InputError if it is not there."""
     if not isinstance(table, dict) or name not in table:
         present = ", ".join(table) if isinstance(table, dict) and table else "none"
         raise InputError(
