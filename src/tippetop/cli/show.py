@@ -97,7 +97,6 @@ def check(
     *,
     until: Seconds | None = None,
     set_: list[str] | None = None,
-    try_: bool = False,
     as_json: bool = False,
 ) -> int:
     """Validate a scenario or a plan; print thresholds, expected fate, and cost by the first steps.
@@ -113,9 +112,6 @@ def check(
     set_
         Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be
         repeated.
-    try_
-        Run it, without storing anything, as far as a second of computing allows: print its end and
-        the least normal force.
     as_json
         Print the result as one JSON object.
     """
@@ -139,10 +135,8 @@ def check(
     problem = starting.problem(tables, scenario)
     resolved = build.resolved(problem)
     facts = {**resolved, **forecast.assessment(problem), "warnings": warn(doubts(problem))}
-    if try_ or problem.precision == "double":  # wider numbers compile for a minute
+    if problem.precision == "double":  # wider numbers compile for a minute
         facts["expected"] |= measured(problem)
-    if try_:
-        facts["tried"] = forecast.tried(problem)
     return _print_facts(facts, units_of(resolved), as_json)
 
 
