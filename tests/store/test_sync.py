@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from stores import Disk, assert_same, short_slices
+from stores import Disk, short_slices
 
 import tippetop
 from tippetop.cli import outcome
@@ -98,23 +98,6 @@ def test_a_store_takes_the_place_of_another_before_that_one_goes(
     assert set(late) == {False}
 
 
-def test_a_sweep_goes_on_after_a_power_failure(
-    file: Path,
-    whole: Path,
-    tmp_path: Path,
-    disk: Disk,
-) -> None:
-    def stop(done: int, _: int) -> None:
-        if done >= 14:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        tippetop.sweep(file, tmp_path / "S.zarr", workers=1, progress=stop)
-    assert disk.lose_power(tmp_path / "S.zarr") > 0
-    tippetop.sweep(file, tmp_path / "S.zarr", workers=1)
-    assert_same(tmp_path / "S.zarr", whole)
-
-
 # --- a failing disk: error messages ---
 
 
@@ -148,16 +131,3 @@ def test_an_unreadable_disk_is_not_a_damaged_store(
     monkeypatch.setattr(Folder, "tip", failing(errno.EIO))
     with pytest.raises(StoreError, match=r"S.zarr` must be readable, but: Input/output error"):
         root.attributes(whole)
-
-
-def test_a_sweep_that_cannot_be_read_is_not_said_to_be_checked(
-    file: Path,
-    whole: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    store = shutil.copytree(whole, tmp_path / "S.zarr")
-    monkeypatch.setattr("tippetop.sweeps.summary.report", failing(errno.EIO))
-    assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == 5
-    assert "was finished" not in capsys.readouterr().err

@@ -66,13 +66,6 @@ def test_only_what_a_page_can_integrate_moves() -> None:
     assert not is_movable(tt.load("modified-cylinder"))
 
 
-def test_a_map_without_motions_offers_none(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    offer = "click it for its motion"
-    assert offer in page_of_sweep(store)
-    monkeypatch.setattr("tippetop.views.sweep_page.is_movable", lambda _: False)
-    assert offer not in page_of_sweep(store)
-
-
 def test_a_sweep_becomes_one_file(store: Path, tmp_path: Path) -> None:
     assert outcome(["view", str(store), "--out", str(tmp_path / "S.html")]) == 0
     assert (tmp_path / "S.html").read_text(encoding="utf-8") == page_of_sweep(store)
