@@ -329,13 +329,3 @@ def test_the_orientation_of_lanes_is_that_of_runs_and_changes_no_other_column() 
         turn = np.array([float(full[f"orientation_{part}_end"][i]) for part in "wxyz"])
         assert turn == pytest.approx(row["orientation"].values[0], abs=1e-11)
         assert float(full["psi_end"][i]) == pytest.approx(row["psi"].values[0], abs=1e-11)
-
-
-def test_the_orientation_of_tops_that_did_not_run_is_nan() -> None:
-    found = tippetop.ensemble(
-        "inverting", {"omega3": [155.0, np.nan]}, until=0.1, threads=1, orientation=True
-    )
-    assert kinds(found, "status").tolist() == ["finished", "invalid"]
-    assert all(
-        np.isfinite(found[name].values).tolist() == [True, False] for name in outcomes.ORIENTATION
-    )

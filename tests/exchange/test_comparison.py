@@ -210,7 +210,7 @@ def test_the_command_prints_json_and_draws(
 ) -> None:
     store, figure = run.save(tmp_path / "run.zarr"), tmp_path / "figure.svg"
     other = written(tmp_path / "own.csv", columns(run))
-    assert cli.outcome(["compare", str(other), str(store), "--json", "--figure", str(figure)]) == 0
+    assert cli.outcome(f"compare {other} {store} --json --figure {figure}".split()) == 0
     assert json.loads(capsys.readouterr().out)["attitude"]["rms"] < 1e-15
     assert figure.read_text(encoding="utf-8").count("<path") > 10
 

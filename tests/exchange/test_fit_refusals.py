@@ -11,8 +11,6 @@ import tippetop as tt
 from tippetop import cli
 from tippetop.errors import InputError
 from tippetop.exchange import measured
-from tippetop.exchange.fit_text import lines
-from tippetop.exchange.fitting import Estimate, Fit
 
 
 @pytest.fixture
@@ -158,13 +156,3 @@ def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_th
     assert measured.observation_of(
         tt.load("inverting"), path, free, measured.Convention(), None
     ).start() == {"time.offset": offset}
-
-
-@pytest.mark.parametrize(("sigma", "text"), [(1e6, "0.053 +- 1e+06"), (2e-5, "0.0526494 +- 2e-05")])
-def test_a_value_has_the_digits_that_its_error_leaves(film: Path, sigma: float, text: str) -> None:
-    observation = measured.observation_of(
-        tt.load("inverting"), film, ["friction.mu"], measured.Convention(), None
-    )
-    estimates = {"friction.mu": Estimate(0.052649398, sigma, 0.0, 1.0)}
-    fit = Fit(estimates, np.eye(1), True, True, ["."], {}, {}, np.zeros(2), 1)
-    assert text in lines(fit, observation)[0]

@@ -104,15 +104,6 @@ def test_outliers_hardly_move_a_fit_with_another_loss(
         assert found.estimates[name].value == pytest.approx(estimate.value, abs=4 * estimate.sigma)
 
 
-def test_progress_ends_with_the_windows_that_were_expected(film: Path) -> None:
-    seen: list[tuple[int, int]] = []
-    problem = tt.load("inverting", SCENARIO)
-    tt.fit(film, problem, "friction.mu", progress=lambda done, of: seen.append((done, of)))
-    assert seen[0][0] == 0
-    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
-    assert seen[-1][0] == seen[-1][1]
-
-
 def test_searches_with_the_same_end_are_counted_together() -> None:
     def end(point: float, cost: float) -> Minimum:
         return Minimum(np.array([point]), np.zeros(9), np.full((9, 1), 10.0), cost, 0.01)
@@ -241,17 +232,6 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     np.testing.assert_allclose(-off, place + turned(run.orientation.values, arm), rtol=0, atol=1e-9)
 
 
-def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
-    found = tt.fit(
-        film,
-        tt.load("inverting", ["initial.theta=0.5", "initial.omega3=130.0"]),
-        "friction.mu",
-        starts=1,
-    )
-    assert not found.trustworthy
-    assert "the residuals are not noise" in found.reason
-
-
 @pytest.mark.parametrize(
     ("free", "words"),
     [
@@ -278,15 +258,7 @@ def test_the_command_prints_json_and_writes_a_scenario(
     film: Path, tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     out, figure = tmp_path / "fit.toml", tmp_path / "fit.svg"
-    arguments = [
-        "fit",
-        str(film),
-        "inverting",
-        "--set",
-        "initial.theta=0.5",
-        "--free",
-        "friction.mu",
-    ]
+    arguments = f"fit {film} inverting --set initial.theta=0.5 --free friction.mu".split()
     assert cli.outcome([*arguments, "--json", "--out", str(out), "--figure", str(figure)]) == 0
     said = json.loads(capsys.readouterr().out)
     assert abs(said["estimates"]["friction.mu"]["value"] - 0.3) < 0.03

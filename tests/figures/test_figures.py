@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from tippetop.errors import InputError
-from tippetop.figures import catalogue, drawing, labels, thinning
+from tippetop.figures import catalogue, drawing, labels
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.mechanics.friction import LAWS, FrictionLaw
 from tippetop.mechanics.number import Number, number
@@ -162,20 +162,6 @@ def test_sphere_shows_the_near_side_of_the_path(inverting: tuple) -> None:
         near = (sign * path[1:, 2] >= 0) & (sign * path[:-1, 2] >= 0)
         np.testing.assert_array_equal(segments[:, 0], path[:-1, :2][near] * (1, mirrored))
         np.testing.assert_array_equal(segments[:, 1], path[1:, :2][near] * (1, mirrored))
-
-
-@pytest.mark.parametrize(
-    "count", [thinning.MOST_POINTS, thinning.MOST_POINTS + 1, 10 * thinning.MOST_POINTS + 7]
-)
-def test_a_long_curve_is_thinned_without_losing_a_peak(
-    count: int, rng: np.random.Generator
-) -> None:
-    t, values = np.arange(float(count)), rng.normal(size=count)
-    when, thin = thinning.thinned(t, values)
-    assert len(when) <= thinning.MOST_POINTS + 20
-    assert (thin.min(), thin.max()) == (values.min(), values.max())
-    np.testing.assert_array_equal(thin, values[when.astype(int)])
-    assert when[-1] >= count - 20
 
 
 # --- in the landscape ---------------------------------------------------------------------------

@@ -35,13 +35,6 @@ def test_a_ball_is_a_disc_of_its_radius_on_the_floor() -> None:
     assert shadow[..., 0].mean() > 0  # the lamp is at the left
 
 
-def test_the_light_half_is_above_until_the_top_is_inverted() -> None:
-    for quaternion, above in (((1.0, 0, 0, 0), True), ((0.0, 1.0, 0, 0), False)):
-        facets, _, colours, _ = posed(*quaternion)
-        upper = facets[..., 1].mean(axis=1) > (film.SCREEN @ [0, 0, 1])[1]
-        assert (colours[upper].mean() > colours[~upper].mean()) == above
-
-
 def test_rows_become_poses_at_their_times() -> None:
     """Theta rises from 0 to pi between 4 and 6 s: there the poses are, and the labels say when."""
     t = np.linspace(0, 10, 1001)

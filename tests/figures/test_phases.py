@@ -112,7 +112,7 @@ def test_the_drift_of_jellett_s_integral_begins_anew_with_another_ball() -> None
 def sticking(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The store of a top that slides, and rolls from 0.0288 s on."""
     store = tmp_path_factory.mktemp("phases") / "run.zarr"
-    assert outcome(["run", "cohen-coulomb", "--until", "0.05", "--out", str(store)]) == 0
+    assert outcome(f"run cohen-coulomb --until 0.05 --out {store}".split()) == 0
     return store
 
 

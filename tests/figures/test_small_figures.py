@@ -1,6 +1,5 @@
 """Figures as wide as a journal column, panels of users' figures, line styles."""
 
-import re
 from pathlib import Path
 
 import matplotlib as mpl
@@ -44,14 +43,6 @@ def test_a_panel_of_a_users_figure_keeps_its_settings(run: tt.Run) -> None:
         assert run.plot("theta", ax=axes) is axes.figure
     assert axes.xaxis.label.get_size() == 5
     assert axes.get_legend().get_texts()[0].get_size() == 4
-
-
-def test_several_runs_differ_by_their_lines(run: tt.Run, tmp_path: Path) -> None:
-    run.plot("theta", tmp_path / "a.svg", beside=[run, run])
-    patterns = re.findall(
-        "stroke-dasharray: ([0-9., ]+)", (tmp_path / "a.svg").read_text(encoding="utf-8")
-    )
-    assert len(set(patterns)) == 2  # and a solid one
 
 
 def test_the_growth_of_a_run_of_keyframes_is_drawn(tmp_path: Path) -> None:

@@ -138,17 +138,3 @@ def test_times_and_forces_over_one_axis_are_curves() -> None:
     }
     np.testing.assert_array_equal(found["least"].get_ydata(), fields["normal_force_min"])
     np.testing.assert_array_equal(found["greatest"].get_ydata(), fields["normal_force_max"])
-
-
-@pytest.mark.parametrize("level", [120.0, 121.0])
-def test_a_border_over_one_axis_is_a_line_where_its_function_changes_sign(level: float) -> None:
-    """On a point of the scan and between two; where theory has no number there is no line."""
-    values = np.log(X.span / level)
-    values[X.span > 135.0] = np.nan
-    fields = {"inverted_at": np.ones(3), "first_equator": np.ones(3)}
-    figure = drawn(
-        a_map("inversion", (X,), fields, borders={"λ = λ_de: less energy above": values})
-    )
-    (line,) = figure.axes[0].get_lines()[2:]
-    assert line.get_label() == r"$\lambda = \lambda_{de}$: less energy above"
-    np.testing.assert_allclose(line.get_xdata(), level, rtol=0, atol=1.01 * np.diff(X.span)[0])

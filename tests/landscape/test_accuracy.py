@@ -126,12 +126,6 @@ def test_two_minima_and_the_lower_of_them():
     assert (found.status.values == Status.LOWER_OF_TWO).any()
 
 
-def test_second_minimum_appears_at_gamma_star():
-    """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
-    assert not bodies.top(oracle.parameters(0.3, 2.1212, 2.5)).two_wells
-    assert bodies.top(oracle.parameters(0.3, 2.1214, 2.5)).two_wells
-
-
 @numba.njit
 def minima_along(D, lam, r):
     """The largest number of minima of V found on 400 values of q, e^-40 to e^40, at the points (D,

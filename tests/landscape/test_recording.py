@@ -83,15 +83,7 @@ def test_another_surface_does_not_go_on(tmp_path):
 
 def test_surface_command(tmp_path, capsys):
     out, picture = tmp_path / "F.zarr", tmp_path / "F.png"
-    words = [
-        "--D=-6e-4:8e-4:21",
-        "--lambda",
-        "0:7e-6:31",
-        "--out",
-        str(out),
-        "--figure",
-        str(picture),
-    ]
+    words = f"--D=-6e-4:8e-4:21 --lambda 0:7e-6:31 --out {out} --figure {picture}".split()
     assert outcome(["surface", "inverting", *words]) == 0
     assert root.open_group(out, "surface").F.shape == (21, 31)
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -107,18 +99,7 @@ def test_surface_command(tmp_path, capsys):
 
 def test_potential_command(tmp_path, capsys):
     out = tmp_path / "V.zarr"
-    words = [
-        "--D",
-        "3e-4",
-        "--lambda",
-        "4e-6",
-        "--n",
-        "101",
-        "--out",
-        str(out),
-        "--figure",
-        str(tmp_path / "V.svg"),
-    ]
+    words = f"--D 3e-4 --lambda 4e-6 --n 101 --out {out} --figure {tmp_path / 'V.svg'}".split()
     assert outcome(["potential", "inverting", *words, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     V = root.open_group(out, "potential").V
@@ -213,13 +194,6 @@ def test_the_command_computes_on_as_many_threads_as_are_asked_for(tmp_path, monk
         lambda work, n, threads: (asked.append(threads), usual(work, n, threads)),
     )
     axes = ["--D", "-1e-4:1e-4:3", "--lambda", "0:1e-5:3"]
-    words = [
-        "--out",
-        str(tmp_path / "F.zarr"),
-        "--figure",
-        str(tmp_path / "F.png"),
-        "--threads",
-        "1",
-    ]
+    words = f"--out {tmp_path / 'F.zarr'} --figure {tmp_path / 'F.png'} --threads 1".split()
     assert outcome(["surface", "inverting", *axes, *words]) == 0
     assert set(asked) == {1}

@@ -38,7 +38,7 @@ def test_the_commands_know_a_sweep(
     file.write_text(PLAN.replace("chunk", "chnk"))
     assert outcome(["sweep", str(file), "--out", str(tmp_path / "S.zarr")]) == 2
     assert not (tmp_path / "S.zarr").exists()
-    assert outcome(["sweep", str(file), "--out", str(tmp_path / "S.zarr"), "--workers", "0"]) == 2
+    assert outcome(f"sweep {file} --out {tmp_path / 'S.zarr'} --workers 0".split()) == 2
 
 
 def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
@@ -63,19 +63,7 @@ def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
         ]
         np.testing.assert_array_equal(frame["final_Lz"].astype(float), table["final_Lz"])
     assert (
-        outcome(
-            [
-                "export",
-                str(whole),
-                "--to",
-                "csv",
-                "--out",
-                str(tmp_path / "E.csv"),
-                "--group",
-                "events",
-            ]
-        )
-        == 2
+        outcome(f"export {whole} --to csv --out {tmp_path / 'E.csv'} --group events".split()) == 2
     )
 
 

@@ -116,7 +116,7 @@ def test_damage_in_a_run_of_a_sweep_is_found_and_named(
     else:
         (column / "zarr.json").unlink()
         assert outcome(["info", str(store)]) == 5
-    assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == 5
+    assert outcome(f"sweep {file} --out {store} --workers 1".split()) == 5
     assert f"{store}/runs/5" in capsys.readouterr().err
     shutil.rmtree(store / "runs" / "5")
     tippetop.sweep(file, store, workers=1)
@@ -207,7 +207,7 @@ def test_a_chunk_that_fails_is_named_and_the_others_finish(
             raise ArithmeticError("it will not do")
 
     store = tmp_path / "S.zarr"
-    words = ["sweep", str(file), "--out", str(store), "--workers", "1", "--json"]
+    words = f"sweep {file} --out {store} --workers 1 --json".split()
     with monkeypatch.context() as patched:
         assert computed(patched, poison) == []
         assert outcome(words) == 6
@@ -238,7 +238,7 @@ def test_a_signal_waits_for_the_store_and_the_way_on_is_said(
     try:
         with monkeypatch.context() as patched:
             computed(patched, lambda chunk: signal.raise_signal(number) if chunk == 2 else None)
-            assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == code
+            assert outcome(f"sweep {file} --out {store} --workers 1".split()) == code
     finally:
         signal.signal(signal.SIGTERM, handler)
     assert (

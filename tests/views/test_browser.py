@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nightly import at_night
 
 import tippetop as tt
 from tippetop.exchange.motion import angle_between
@@ -246,24 +245,6 @@ def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
     assert tab.faults == []
 
 
-@pytest.mark.parametrize(
-    ("preset", "theme"),
-    [
-        at_night("heavy-top", "dark"),
-        at_night("gliding-cylinder", "light"),
-        at_night("leine-glocker-stem", "dark"),
-    ],
-)
-def test_every_kind_of_body_is_drawn(preset: str, theme: str, open_page: Any) -> None:
-    tab = open_page(tt.run(preset, until=0.1).view().text, color_scheme=theme)
-    tab.evaluate("tippetop.set(0.05)")
-    colours = tab.evaluate(COLOURS)
-    assert len(colours) > 100
-    assert (np.mean(colours) > 120) == (theme == "light")
-    assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    assert tab.faults == []
-
-
 STATE = """() => {
   const { yaw, pitch } = tippetop.stage.scene.camera;
   return { scroll: scrollY, time: tippetop.time, yaw, pitch };
@@ -279,12 +260,3 @@ PLAYED = """([type, film]) => new Promise((done) => {
   video.onerror = () => done(video.error.message);
   video.src = `data:video/${type};base64,${film}`;
 })"""
-COLOURS = """() => {
-  tippetop.draw();
-  const { gl, width, height } = tippetop.stage.scene;
-  const pixels = new Uint8Array(4 * width * height);
-  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-  const colours = new Set();
-  for (let i = 0; i < pixels.length; i += 4 * 7) colours.add(pixels[i] + 256 * pixels[i + 1]);
-  return [...colours].map((c) => c % 256);
-}"""

@@ -78,7 +78,7 @@ def test_what_is_wrong_is_a_sentence(
 def test_a_part_of_what_has_no_time_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
-    assert outcome(["view", "--playground", "--until", "3", "--out", str(tmp_path / "P.html")]) == 2
+    assert outcome(f"view --playground --until 3 --out {tmp_path / 'P.html'}".split()) == 2
     assert "`--from` and `--until` cannot be used with `--playground`" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
