@@ -179,6 +179,20 @@ def test_the_exported_start_is_that_of_the_run(run: tt.Run) -> None:
     np.testing.assert_allclose(body, start.omega, rtol=1e-5, atol=1e-5 * 155)
 
 
+@pytest.mark.parametrize(
+    ("slip", "velocity"),
+    [("nu_x = -0.02", -0.2715794 * 0.02), ("centre_at_rest = true", 0.0)],
+)
+def test_an_upright_top_that_slips_is_exported_with_its_velocity(
+    slip: str, velocity: float, tmp_path: Path
+) -> None:
+    """The centre of the ball is at rest: the centre of mass moves by alpha R theta_dot."""
+    text = tt.presets()["mujoco-tutorial"].replace("nu_x = -0.02\nnu_y = 0.0", slip)
+    (tmp_path / "upright.toml").write_text(text)
+    start = start_of(tt.load(tmp_path / "upright.toml"))
+    np.testing.assert_allclose(start.velocity, [velocity, 0, 0], atol=1e-15)
+
+
 @pytest.mark.parametrize("to", ["mjcf", "urdf"])
 @pytest.mark.parametrize(
     "preset", ["inverting", "gliding-heavy-top", "heavy-top", "rolling", "leine-glocker-stem"]

@@ -55,12 +55,15 @@ def start_of(problem: Problem) -> Start:
     arm = offset * u - np.array([0.0, 0.0, radius])
     slip = np.zeros(3)
     if "nu_x" in columns:
-        phi, along, across = (
-            float(np.nan_to_num(columns[name])) for name in ("phi", "nu_x", "nu_y")
+        phi, along, across = (  # at a pole the columns are NaN
+            float(value) if math.isfinite(value) else problem.initial.get(name, 0.0)
+            for name, value in ((name, columns[name]) for name in ("phi", "nu_x", "nu_y"))
         )
         e, f = math.cos(phi), math.sin(phi)
         slip = np.array([along * e - across * f, along * f + across * e, columns.get("nu_z", 0.0)])
     velocity = slip - np.cross(w, arm)
+    if problem.initial.get("centre_at_rest"):
+        velocity[:2] = 0.0
     height = columns.get("z", contact.height(u[2], body))
     place = -arm if fixed else np.array([columns.get("x", 0.0), columns.get("y", 0.0), height])
     q = np.asarray(columns["orientation"])
