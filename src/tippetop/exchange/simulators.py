@@ -143,9 +143,9 @@ def _cannot(problem: Problem) -> tuple[float, list[str]]:
 def _comment(problem: Problem, sentences: list[str]) -> str:
     lines = "\n".join(f"    - {sentence}" for sentence in sentences).replace("--", "-")
     return (
-        f"<!--\n  {problem.system.title}, from tippetop. SI units, z up; the body's frame is at "
-        "its centre of mass,\n"
-        f"  z along its axis of symmetry. Compare what comes out with: {RESULT}\n"
+        f"<!--\n  {problem.system.title}, from tippetop. SI units, z up, z of the body along its axis "
+        "of symmetry.\n"
+        f"  Compare what comes out with: {RESULT}\n"
         f"  What is not the same as in tippetop:\n{lines}\n-->\n"
     )
 
@@ -154,14 +154,15 @@ def _mjcf(problem: Problem) -> str:
     body, start = problem.body(), start_of(problem)
     mu, sentences = _cannot(problem)
     fixed = problem.system.name == "heavy-top"
+    frame = body.c  # the centre of the ball that touches, or the fixed tip
     inertia = (
-        f'<inertial pos="0 0 0" mass="{_numbers(body.m)}" '
+        f'<inertial pos="0 0 {_numbers(-frame)}" mass="{_numbers(body.m)}" '
         f'diaginertia="{_numbers(body.I1, body.I1, body.I3)}"/>'
     )
     condim = 3 if mu > 0 else 1
     geoms = "\n".join(
         f'      <geom name="{name}" type="sphere" size="{_numbers(radius)}" pos="0 0 '
-        f'{_numbers(offset)}" '
+        f'{_numbers(offset - frame)}" '
         f'condim="{condim}" friction="{_numbers(mu)} 0 0"/>'
         for name, offset, radius in _balls(problem)
     )
@@ -171,15 +172,17 @@ def _mjcf(problem: Problem) -> str:
     )
     if fixed:
         joint, geoms, floor = (
-            f'<joint name="tip" type="ball" pos="0 0 {_numbers(body.c)}" damping="0"/>',
+            '<joint name="tip" type="ball" damping="0"/>',
             "",
             "",
         )
         qpos, qvel = _numbers(start.quaternion), _numbers(start.omega)
     else:
         joint = "<freejoint/>"
-        qpos, qvel = _numbers(start.place, start.quaternion), _numbers(start.velocity, start.omega)
-    place = _numbers(0, 0, -body.c) if fixed else "0 0 0"
+        arm = frame * np.array(rotated(Quaternion(*start.quaternion), Vector(0.0, 0.0, 1.0)))
+        turning = rotated(Quaternion(*start.quaternion), Vector(*start.omega))
+        qpos = _numbers(start.place + arm, start.quaternion)
+        qvel = _numbers(start.velocity + np.cross(turning, arm), start.omega)
     default = f'<default>\n    <geom solref="{_numbers(2 * STEP)} 1"/>\n  </default>\n  '
     if fixed:
         sentences.append("the tip is held by a ball joint at the origin: there is no plane")
@@ -188,13 +191,17 @@ def _mjcf(problem: Problem) -> str:
         sentences.append(
             "the contact is as stiff as the step allows, solref = 2 timestep: change both together"
         )
+    sentences.append(
+        "the body frame is at the centre of the ball, or at a fixed tip: only there MuJoCo computes "
+        "the acceleration of the contact in full; the centre of mass is xipos"
+    )
     return f"""{_comment(problem, sentences)}<mujoco model="{problem.system.name}">
   <option timestep="{_numbers(STEP)}" gravity="0 0 {_numbers(-body.g)}" cone="elliptic"
           integrator="RK4" impratio="10"
           density="0" viscosity="0"/>
   {default}<worldbody>
     {floor}
-    <body name="top" pos="{place}">
+    <body name="top">
       {joint}
       {inertia}
 {geoms}
@@ -211,7 +218,8 @@ def _urdf(problem: Problem) -> str:
     body, start = problem.body(), start_of(problem)
     mu, sentences = _cannot(problem)
     sentences.append(
-        "URDF has no start, gravity or friction: set them in the simulator, as follows"
+        "URDF has no start, gravity or friction: set them in the simulator, as follows; "
+        "the body frame is at the centre of mass"
     )
     state = (
         f"gravity 0 0 {_numbers(-body.g)}; friction {_numbers(mu)}; restitution 0",
