@@ -59,7 +59,9 @@ def read(folder: Path) -> Case:
         scenario = tomllib.load(file)
     friction = scenario.get("friction", {})
     rows = np.genfromtxt(folder / "reference.csv", delimiter=",", names=True, deletechars="")
-    start = {name.split("_[")[0]: value for name, value in zip(rows.dtype.names, rows[0])}
+    start = {
+        name.split("_[")[0]: value for name, value in zip(rows.dtype.names, rows[0], strict=True)
+    }
 
     def vector(*names: str) -> np.ndarray:
         return np.array([float(start[name]) for name in names])

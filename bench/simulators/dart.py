@@ -69,15 +69,15 @@ def motion(case: Case, setting: dict, step: float) -> Iterator[np.ndarray]:
     if case.joint is None:
         world.addSkeleton(floor)
     axes = rotation(case.quaternion)
-    pose = engine.math.Isometry3()
-    pose.set_rotation(axes)
-    turn = dynamics.BallJoint.convertToPositions(axes)
+    # generalised velocities: of a free joint in the space frame, of a ball joint in the body's
     if case.joint is None:
+        pose = engine.math.Isometry3()
+        pose.set_rotation(axes)
         pose.set_translation(case.position)
         joint.setPositions(dynamics.FreeJoint.convertToPositions(pose))
-        top.setVelocities(np.r_[axes.T @ case.omega, axes.T @ case.velocity])
+        top.setVelocities(np.r_[case.omega, case.velocity])
     else:
-        joint.setPositions(turn)
+        joint.setPositions(dynamics.BallJoint.convertToPositions(axes))
         top.setVelocities(axes.T @ case.omega)
     while True:
         transform = body.getWorldTransform()

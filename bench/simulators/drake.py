@@ -22,6 +22,8 @@ SCAN = ("stiction", (1e-3, 1e-4, 1e-5, 1e-6, 1e-7))
 
 def cannot(case: Case, setting: dict) -> str | None:
     """Return the reason why the engine does not express a case."""
+    if case.joint is not None:
+        return "its ball constraint ends Drake 1.51 with a segmentation fault"
     if case.torsion or case.rolling:
         return "a point contact has no torsional or rolling friction"
     if case.restitution:
@@ -40,23 +42,20 @@ def motion(case: Case, setting: dict, step: float) -> Iterator[np.ndarray]:
         stiction_tolerance=setting["stiction"],
         contact_model="point",
     )
-    plant, scene = engine.AddMultibodyPlant(config, builder)
+    plant, _ = engine.AddMultibodyPlant(config, builder)
     plant.mutable_gravity_field().set_gravity_vector([0, 0, -case.gravity])
     inertia = engine.SpatialInertia(
         case.mass, np.zeros(3), engine.UnitInertia(*(case.inertia / case.mass))
     )
     body = plant.AddRigidBody("top", inertia)
     friction = engine.CoulombFriction(case.mu, case.mu)
-    if case.joint is None:
-        for i, ball in enumerate(case.balls):
-            pose = engine.RigidTransform([0, 0, ball.offset])
-            shape = engine.Sphere(ball.radius)
-            plant.RegisterCollisionGeometry(body, pose, shape, f"ball {i}", friction)
-        floor = engine.RigidTransform()
-        world = plant.world_body()
-        plant.RegisterCollisionGeometry(world, floor, engine.HalfSpace(), "floor", friction)
-    else:
-        plant.AddBallConstraint(plant.world_body(), np.zeros(3), body, np.array([0, 0, case.joint]))
+    for i, ball in enumerate(case.balls):
+        pose = engine.RigidTransform([0, 0, ball.offset])
+        shape = engine.Sphere(ball.radius)
+        plant.RegisterCollisionGeometry(body, pose, shape, f"ball {i}", friction)
+    floor = engine.RigidTransform()
+    world = plant.world_body()
+    plant.RegisterCollisionGeometry(world, floor, engine.HalfSpace(), "floor", friction)
     plant.Finalize()
     diagram = builder.Build()
     simulator = engine.Simulator(diagram)

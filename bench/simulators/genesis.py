@@ -1,9 +1,9 @@
-"""Genesis on its CPU backend, in double precision: soft contact as in MuJoCo, with its own options.
+"""Genesis on its CPU backend, in double precision: soft contact as in MuJoCo, other options.
 
-`best` follows the API reference of `gs.options.RigidOptions`: the elliptic cone with its impratio of
-100, contact_resolution = signorini (sliding does not inflate the normal force), Euler's rule,
-a short constraint_timeconst; and `morphs.MJCF(align=False)`, which leaves the body frame at the centre of
-the ball (see mujoco.py) instead of moving it to the centre of mass.
+`best` follows the API reference of `gs.options.RigidOptions`: the elliptic cone with its impratio
+of 100, contact_resolution = signorini (sliding does not inflate the normal force), Euler's rule, a
+short constraint_timeconst; and `morphs.MJCF(align=False)`, which leaves the body frame at the
+centre of the ball (see mujoco.py) instead of moving it to the centre of mass.
 """
 
 import os

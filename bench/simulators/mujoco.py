@@ -1,7 +1,7 @@
 """MuJoCo: soft contact as a convex optimisation, in the coordinates of the joints.
 
-`best` follows the manual: Modeling, "Preventing slip" (elliptic cones, a larger impratio, the Newton
-solver with a small tolerance) and "Solver parameters" (solref; dampratio below 1 for a rebound).
+`best` follows the manual: Modeling, "Preventing slip" (elliptic cones, a larger impratio, the
+Newton solver) and "Solver parameters" (solref; a dampratio below 1 for a rebound).
 """
 
 import math
@@ -88,3 +88,5 @@ def motion(case: Case, setting: dict, step: float) -> Iterator[np.ndarray]:
             place, velocity = data.qpos[:3] + arm, data.qvel[:3] + velocity
         yield np.concatenate([place, data.qpos[-4:], velocity, omega])
         mujoco.mj_step(model, data)
+        if data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number:
+            return  # MuJoCo has put the body back to its start

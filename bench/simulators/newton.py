@@ -19,6 +19,8 @@ SCAN = ("tolerance", (1e-2, 1e-3, 1e-4, 1e-5, 1e-6))
 
 def cannot(case: Case, setting: dict) -> str | None:
     """Return the reason why the engine does not express a case."""
+    if case.joint is not None:
+        return "a fixed point needs the coordinates of a joint, which differ between its solvers"
     if case.torsion or case.rolling:
         return "XPBD and Kamino have no torsional friction in metres"
     if case.restitution:
@@ -60,7 +62,6 @@ def _solver(model, setting: dict):
 
 def motion(case: Case, setting: dict, step: float) -> Iterator[np.ndarray]:
     """Yield place, quaternion, velocity and angular velocity in space, one row a step."""
-    import newton as engine
     import warp as wp
 
     wp.config.quiet = True

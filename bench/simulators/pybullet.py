@@ -28,8 +28,8 @@ def cannot(case: Case, setting: dict) -> str | None:
 def _urdf(case: Case) -> str:
     ixx, iyy, izz = case.inertia
     balls = "".join(
-        f'<collision><origin xyz="0 0 {ball.offset!r}"/><geometry><sphere radius="{ball.radius!r}"/>'
-        "</geometry></collision>"
+        f'<collision><origin xyz="0 0 {ball.offset!r}"/>'
+        f'<geometry><sphere radius="{ball.radius!r}"/></geometry></collision>'
         for ball in case.balls
     )
     return (

@@ -1,9 +1,10 @@
 """MuJoCo's soft contact as a viscous friction [s/m]: `python -m bench.simulators.soft_contact`.
 
-Within the friction cone MuJoCo solves F = -(B v + J dw/dt)/R for the force on a contact that slips with
-v. B = 2/(dmax timeconst); R = (1 - d)/(d m) of an elliptic cone, divided by impratio; that of a
-pyramid is 1 + mu^2 times larger. d is the impedance at the depth where the contact carries the weight.
-Where the slip turns with Omega, the work of F is that of a viscous friction k = (B^2 + Omega^2)/(B R).
+Within the friction cone MuJoCo solves F = -(B v + J dw/dt)/R for the force on a contact that slips
+with v. B = 2/(dmax timeconst); R = (1 - d)/(d m) of an elliptic cone, divided by impratio; that of
+a pyramid is 1 + mu^2 times larger. d is the impedance at the depth where the contact carries the
+weight. Where the slip turns with Omega, the work of F is that of a viscous friction
+k = (B^2 + Omega^2)/(B R).
 """
 
 import argparse
@@ -82,8 +83,8 @@ class SoftContact(NamedTuple):
 def growth(damping: float, inertance: float = 0.0, frame: float = 0.0) -> complex:
     """Return the rate of the growing mode of the tutorial's top while it is upright [1/s].
 
-    The force over the mass is -(damping v + inertance J dw/dt). frame is the share of the change of J
-    that J dw/dt leaves out: 1 where the body frame lies at the centre of mass, 0 at the ball's centre.
+    The force over the mass is -(damping v + inertance J dw/dt). frame is the share of the change
+    of J that this leaves out: 1 with the body frame at the centre of mass, 0 at that of the ball.
     """
     p = tt.load("mujoco-tutorial").parameters
     spin, s = 200.0, Polynomial([0, 1])
@@ -103,7 +104,7 @@ def effective(contact: SoftContact, frame: float = 0.0) -> float:
 
 
 def equator(mu: float) -> float:
-    """Return when the tutorial's top passes theta = pi/2, under a creep of mu within the cone [s]."""
+    """Return when the tutorial's top passes theta = pi/2 under a creep of mu [s]."""
     law = tt.friction.Coulomb(mu=1.0, eps=1.0 / mu)
     events = tt.run("mujoco-tutorial", law, until=12.0).events
     return float(events["time"].values[flagged(events["kind"], "equator")][0])
