@@ -12,6 +12,7 @@ from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 import tippetop as tt
 from tippetop.figures import style
@@ -126,8 +127,12 @@ def draw(results: dict[str, dict[str, list]], path: Path) -> None:
                 label=f"{engine}, {setting}",
             )
         axes.set_title(case, fontsize=9)
-        axes.set_xlabel("step [s]")
+        axes.set_xlabel("step [ms]")
         axes.set_ylabel("largest error of theta [rad]", fontsize=7)
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.set_xticks([1e-4, 2.5e-4, 5e-4, 1e-3], ["0.1", "0.25", "0.5", "1"])
+        low, high = axes.get_ylim()
+        axes.set_ylim(low / 2, high * 2)
     for axes in panels[len(results) :]:
         axes.axis("off")
     handles = {}
