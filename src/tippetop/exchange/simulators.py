@@ -143,8 +143,8 @@ def _cannot(problem: Problem) -> tuple[float, list[str]]:
 def _comment(problem: Problem, sentences: list[str]) -> str:
     lines = "\n".join(f"    - {sentence}" for sentence in sentences).replace("--", "-")
     return (
-        f"<!--\n  {problem.system.title}, from tippetop. SI units, z up, z of the body along its axis "
-        "of symmetry.\n"
+        f"<!--\n  {problem.system.title}, from tippetop. SI units, z up, z of the body along its "
+        "axis of symmetry.\n"
         f"  Compare what comes out with: {RESULT}\n"
         f"  What is not the same as in tippetop:\n{lines}\n-->\n"
     )
@@ -192,8 +192,8 @@ def _mjcf(problem: Problem) -> str:
             "the contact is as stiff as the step allows, solref = 2 timestep: change both together"
         )
     sentences.append(
-        "the body frame is at the centre of the ball, or at a fixed tip: only there MuJoCo computes "
-        "the acceleration of the contact in full; the centre of mass is xipos"
+        "the body frame is at the centre of the ball, or at a fixed tip: only there MuJoCo "
+        "computes the acceleration of the contact in full; the centre of mass is xipos"
     )
     return f"""{_comment(problem, sentences)}<mujoco model="{problem.system.name}">
   <option timestep="{_numbers(STEP)}" gravity="0 0 {_numbers(-body.g)}" cone="elliptic"
