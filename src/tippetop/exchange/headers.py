@@ -23,6 +23,7 @@ RATES = {
 }
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 SPEEDS = {"m/s": 1.0, "m s-1": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
+FORCES = {"N": 1.0, "mN": 1e-3}
 PLAIN = {"1": 1.0, "": 1.0}
 
 COLUMNS = {
@@ -35,6 +36,7 @@ COLUMNS = {
         ("x y z", LENGTHS),
         ("vx vy vz", SPEEDS),
         ("omega_x omega_y omega_z omega_body_x omega_body_y omega_body_z", RATES),
+        ("force_x force_y force_z", FORCES),
         ("marker_x marker_y marker_z", LENGTHS),
     )
     for name in names.split()
@@ -79,6 +81,9 @@ def heading(header: Sequence[str]) -> Heading:
             header[i] if "[" in header[i] else f"{bare[i]} [{next(iter(units[i] or ()))}]"
             for i in places
         ]
+    else:
+        places = [i for i, name in enumerate(bare) if name != "phase"]  # words, not numbers
+        header = [header[i] for i in places]
     columns = [_column(text) for text in header]
     names, sizes, wrong = zip(*columns, strict=True) if columns else ((), (), ())
     faults = [fault for fault in wrong if fault]
