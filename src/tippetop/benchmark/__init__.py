@@ -2,6 +2,7 @@
 
 from .export import export
 from .named_cases import Case, case, names
+from .score import Score, score
 
 
-__all__ = ["Case", "case", "export", "names"]
+__all__ = ["Case", "Score", "case", "export", "names", "score"]

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -54,7 +54,8 @@ README = """# Contact benchmark of tippetop, version {version}
 Exact motions of rigid bodies with friction, spin and impacts, for developers of contact simulators.
 Each folder is a case; `case.json` describes it (`case.schema.json` is its schema).
 
-1. Read `model.mjcf.xml`, `model.urdf` or `model.sdf`, and the first row of `reference.csv` as start.
+1. Read `model.mjcf.xml`, `model.urdf` or `model.sdf`.
+   The first row of `reference.csv` is the start.
 2. Write `ENGINE/SETTING/CASE/dt=STEP.csv` with the columns of `reference.csv`.
    `t [s]` and the quaternion `q_w,q_x,q_y,q_z` are required, the other columns are optional.
 3. Run `tippetop benchmark score ENGINE/*/*/*.csv`.
@@ -205,7 +206,7 @@ def _tables(run: Solution) -> dict[str, dict[str, Any]]:
     return result
 
 
-def _csv(columns: dict[str, Sequence[Any]]) -> str:
+def _csv(columns: Mapping[str, Any]) -> str:
     """Return columns as CSV."""
     rows = zip(*columns.values(), strict=True)
     lines = [

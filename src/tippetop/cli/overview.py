@@ -77,6 +77,11 @@ SENTENCES = {
             "browser, without a network."
         ),
     },
+    "benchmark": {
+        "benchmark": (
+            "Export reference cases for contact simulators, and score the results of an engine."
+        ),
+    },
     "exchange": {
         "compare": (
             "Hold another program's motion against the exact one: tippetop compare OTHER.csv "

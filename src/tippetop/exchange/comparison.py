@@ -119,7 +119,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         "from": float(t[0]),
         "until": float(run.times[-1]),
     }
-    numbers |= {name: _size(run.times, curve) for name, curve in curves.items()}
+    numbers |= {name: size_of(run.times, curve) for name, curve in curves.items()}
     for what, changes in (("drift", kept), ("error", errors)):
         numbers |= {
             f"{name}_{what}": float(np.nanmax(np.abs(curve))) for name, curve in changes.items()
@@ -217,7 +217,7 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
     }
 
 
-def _size(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
+def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
     """The largest and the root mean square difference, and when it first exceeds each level."""
     given = np.isfinite(curve)
     t, curve = t[given], curve[given]

@@ -85,7 +85,7 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def _gliding_start(problem: Problem) -> tuple[np.ndarray, ...]:
-    """Return position, quaternion, velocity and angular velocity of a body that stays on the plane."""
+    """Return the same, without the force, of a start on a plane that is never left."""
     columns = {
         k: c.values[0]
         for k, c in Observables(problem).columns(np.zeros(1), problem.start()[None, :]).items()
@@ -161,7 +161,7 @@ def _balls(problem: Problem) -> list[tuple[str, float, float]]:
 
 
 DRILLING = 3 * math.pi / 16
-"""The drilling torque of a disc that does not slide, per mu N and radius, under Hertz's pressure."""
+"""Drilling torque of a disc that does not slide, per mu N and radius, under Hertz's pressure."""
 
 
 class Friction(NamedTuple):

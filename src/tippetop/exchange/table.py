@@ -47,7 +47,9 @@ class Table:
         return np.stack([self.columns[name] for name in names], axis=1)
 
 
-def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) -> Table:
+def read(
+    path: str | Path, *, wrapped: bool = True, noise: float | None = None, gaps: bool = True
+) -> Table:
     """The table of a CSV or Parquet file.
 
     Parameters
@@ -59,6 +61,8 @@ def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) 
         Whether theta must lie in 0 to pi, as the inclination of an axis does.
     noise
         Standard deviation of theta [rad], which may take it beyond; None: there is none.
+    gaps
+        Whether cells may be empty or NaN.
 
     Returns
     -------
@@ -81,7 +85,7 @@ def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) 
         raise InputError([f"`{path}` must be a CSV or Parquet file, but {kind}."])
     names, values = _parquet(path) if path.suffix in (".parquet", ".pq") else _csv(path)
     columns = dict(zip(names, values.T, strict=True))
-    faults = _rows_faults(columns, wrapped, noise)
+    faults = _rows_faults(columns, wrapped, noise) or ([] if gaps else _gap_faults(columns))
     if faults:
         raise InputError([f"`{path}`: {sentence}" for sentence in faults])
     kept = np.any([np.isfinite(v) for name, v in columns.items() if name != "t"], axis=0)
@@ -140,6 +144,17 @@ def _rows_faults(columns: dict[str, np.ndarray], wrapped: bool, noise: float | N
         elif name.startswith("axis_") and (most := np.nanmax(np.abs(values))) > 1.01:
             faults.append(f"`{name}` is a component of a unit vector, but is {most:.4g} somewhere.")
     return faults
+
+
+def _gap_faults(columns: dict[str, np.ndarray]) -> list[str]:
+    """Return a sentence about the first cell that is empty or NaN."""
+    for name, values in columns.items():
+        if (lacks := np.isnan(values)).any():
+            return [
+                f"every cell must be a number, but `{name}` is missing or NaN in row "
+                f"{lacks.argmax() + 1}."
+            ]
+    return []
 
 
 def _beyond(theta: np.ndarray) -> np.ndarray:
