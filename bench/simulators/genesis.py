@@ -27,6 +27,8 @@ def cannot(case: Case, setting: dict) -> str | None:
     """Return the reason why the engine does not express a case."""
     if case.joint is not None:
         return "a floating base has no fixed point"
+    if not 0.01 <= case.mu <= 5:
+        return "friction must be 0.01 to 5"
     if case.restitution:
         return "no coefficient of restitution"
     return f"no friction law {case.law}" if case.law in ("viscous", "stribeck") else None
@@ -64,7 +66,7 @@ def _scene(engine, case: Case, setting: dict, step: float):
         rigid_options=engine.options.RigidOptions(**options),
         show_viewer=False,
     )
-    material = engine.materials.Rigid(friction=max(case.mu, 0.01), **patch)
+    material = engine.materials.Rigid(friction=case.mu, **patch)
     scene.add_entity(engine.morphs.Plane(), material=material)
     with tempfile.NamedTemporaryFile("w", suffix=".xml", delete=False) as file:
         file.write(_mjcf(case))

@@ -1,7 +1,7 @@
 """MuJoCo: soft contact as a convex optimisation, in the coordinates of the joints.
 
-`best` follows the manual: Modeling, "Preventing slip" (elliptic cones, a larger impratio, the
-Newton solver) and "Solver parameters" (solref; a dampratio below 1 for a rebound).
+`best` follows the manual: XML reference, option: impratio and cone (against slip), and Modeling,
+"Solver parameters" (solref; a dampratio below 1 for a rebound).
 """
 
 import math

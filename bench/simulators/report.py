@@ -1,73 +1,29 @@
-"""Compare the results of `python -m bench.simulators DIR OUT` with the exact motions.
+"""Tables and a figure of the score: `python -m bench.simulators.report OUT`.
 
-`python -m bench.simulators.report DIR OUT` writes OUT/results.json and OUT/results.md, and a figure
-of the error against the step.
+OUT holds the results of `python -m bench.simulators DIR OUT`. Writes results.json, results.md and
+error-against-step.png there.
 """
 
 import argparse
+import itertools
 import json
-import tempfile
 from pathlib import Path
-from typing import Any
 
-import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
-import tippetop as tt
+from tippetop import benchmark
 from tippetop.figures import style
 
 
-LOOKS = dict(
-    zip(
-        ("mujoco", "pybullet", "drake", "dart", "newton", "genesis"),
-        (style.RUN, style.UPPER, style.LOWER, style.QUIET, "tab:purple", "tab:olive"),
-        strict=True,
-    )
-)
-NUMBERS = ("attitude", "theta", "place", "spin")
-
-
-def compared(files: list[Path], scenario: Path) -> list[dict[str, Any]]:
-    """Return the numbers of each file, the largest step first."""
-    with tempfile.TemporaryDirectory() as folder:
-        moved = []
-        for file in files:
-            rows = pd.read_csv(file)
-            moved.append(Path(folder) / file.name)
-            rows.loc[:, ~rows.columns.str.startswith("force")].to_csv(moved[-1], index=False)
-        result = tt.compare(moved, scenario)
-    orders = {pair["steps"][1]: pair.get("attitude") for pair in result.orders}
-    made = []
-    for motion in sorted(result.motions, key=lambda motion: -motion.step):
-        n = motion.numbers
-        made.append(
-            {
-                "step": motion.step,
-                "until": float(motion.t[-1]),
-                "largest": {name: n[name]["max"] for name in NUMBERS if name in n},
-                "leaves": n["attitude"]["leaves"],
-                "order": orders.get(motion.step),
-                "jellett_drift": n.get("jellett_drift"),
-                "energy_drift": n.get("energy_drift"),
-            }
-        )
-    return made
-
-
-def read(exported: Path, out: Path) -> dict[str, dict[str, list]]:
-    """Return the numbers by case, and by engine and setting."""
-    results: dict[str, dict[str, list]] = {}
-    for folder in sorted(out.glob("*/*/*/")):
-        engine, setting, case = folder.relative_to(out).parts
-        files = sorted(folder.glob("dt=*.csv"))
-        scenario = exported / case / "scenario.toml"
-        try:
-            found = compared(files, scenario)
-        except tt.errors.InputError as error:
-            print(f"{folder}: {error}")
-            continue
-        results.setdefault(case, {})[f"{engine}/{setting}"] = found
-    return results
+LOOKS = {
+    "mujoco": style.RUN,
+    "pybullet": style.UPPER,
+    "drake": style.LOWER,
+    "dart": style.QUIET,
+    "newton": "tab:purple",
+    "genesis": "tab:olive",
+}
 
 
 def _markdown(rows: list[list[str]]) -> str:
@@ -75,80 +31,77 @@ def _markdown(rows: list[list[str]]) -> str:
     return "\n".join([head, "|" + " --- |" * len(rows[0]), *body])
 
 
-def _cell(steps: list[dict] | None, case: str, folder: Path) -> str:
-    """Return the largest errors of the attitude and of theta at the smallest step [rad]."""
+def _cell(steps: list[dict] | None) -> str:
+    """Return the largest errors at the smallest step, and whether the outcome is right."""
     if not steps:
         return ""
     last = steps[-1]
-    whole = tt.load(folder / case / "scenario.toml").until
-    until = "" if last["until"] > 0.99 * whole else f" (to {last['until']:.2g} s)"
-    return f"{last['largest']['attitude']:.1e}, {last['largest']['theta']:.1e}{until}"
+    largest = last["largest"]
+    errors = f"{largest['attitude']:.1g} rad, {1e3 * largest['position']:.1g} mm"
+    return errors if last["outcome_is_right"] else f"{errors} (wrong)"
 
 
-def table(results: dict[str, dict[str, list]], exported: Path) -> str:
-    """Return a Markdown table: case by engine, with the setting `best` and `default`."""
+def tables(results: dict[tuple[str, str, str], list[dict]]) -> str:
+    """Return case by engine, and the contact models varied at a fixed step, as Markdown."""
     rows = [["case", "setting", *LOOKS]]
-    for case, engines in results.items():
+    for case in dict.fromkeys(case for case, _, _ in results):
         for setting in ("best", "default"):
-            cells = [_cell(engines.get(f"{name}/{setting}"), case, exported) for name in LOOKS]
+            cells = [_cell(results.get((case, engine, setting))) for engine in LOOKS]
             rows.append([case, setting, *cells])
-    return _markdown(rows)
+    scans = [["case", "engine", "setting", "step [s]", "errors"]]
+    for (case, engine, setting), steps in results.items():
+        if "=" in setting:
+            scans.append([case, engine, setting, f"{steps[-1]['step']:g}", _cell(steps)])
+    return f"{_markdown(rows)}\n\n{_markdown(scans)}\n"
 
 
-def scans(results: dict[str, dict[str, list]], exported: Path) -> str:
-    """Return a Markdown table of the contact models at a fixed step."""
-    rows = [["case", "engine", "setting", "step [s]", "attitude, theta: largest errors [rad]"]]
-    for case, engines in results.items():
-        for name, steps in engines.items():
-            engine, _, setting = name.partition("/")
-            if "=" in setting:
-                step = f"{steps[-1]['step']:g}"
-                rows.append([case, engine, setting, step, _cell(steps, case, exported)])
-    return _markdown(rows)
-
-
-def draw(results: dict[str, dict[str, list]], path: Path) -> None:
-    """Draw the largest error of theta against the step, one panel a case."""
-    rows = -(-len(results) // 3)
-    figure = Figure(figsize=(10, 2.6 * rows), layout="constrained")
-    panels = figure.subplots(rows, 3, squeeze=False).ravel()
-    for axes, (case, engines) in zip(panels, results.items(), strict=False):
-        for name, steps in engines.items():
-            engine, _, setting = name.partition("/")
-            if setting not in ("default", "best"):
-                continue
-            axes.loglog(
-                [row["step"] for row in steps],
-                [max(row["largest"]["theta"], 1e-16) for row in steps],
-                marker="o" if setting == "best" else "x",
-                ls="-" if setting == "best" else ":",
-                color=LOOKS[engine],
-                label=f"{engine}, {setting}",
-            )
-        axes.set_title(case, fontsize=9)
-        axes.set_xlabel("step [s]")
-        axes.set_ylabel("largest error of theta [rad]", fontsize=7)
-    for axes in panels[len(results) :]:
-        axes.axis("off")
+def draw(results: dict[tuple[str, str, str], list[dict]], path: Path) -> None:
+    """Draw the largest error against the step, one panel a case: of the attitude if it turns."""
+    cases = list(dict.fromkeys(case for case, _, _ in results))
+    rows = -(-len(cases) // 3)
+    figure = Figure(figsize=(10, 2.5 * rows), layout="constrained")
+    panels = dict(itertools.zip_longest(cases, figure.subplots(rows, 3, squeeze=False).ravel()))
+    panels = {case: axes for case, axes in panels.items() if case or axes.set_axis_off()}
     handles = {}
-    for axes in panels:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
+    for (case, engine, setting), steps in results.items():
+        if "=" in setting:
+            continue
+        best = setting == "best"
+        moved = "attitude" if steps[0]["largest"]["attitude"] else "position"
+        (handles[f"{engine}, {setting}"],) = panels[case].loglog(
+            [row["step"] for row in steps],
+            [row["largest"][moved] for row in steps],
+            marker="o" if best else "x",
+            ls="-" if best else ":",
+            color=LOOKS[engine],
+        )
+    for case, axes in panels.items():
+        axes.set_title(case, fontsize=9)
+        axes.set_xlabel("step [ms]")
+        axes.set_ylabel("position [m]" if case == "bounce" else "attitude [rad]", fontsize=8)
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.set_xticks([2.5e-4, 5e-4, 1e-3], ["0.25", "0.5", "1"])
+        low, high = axes.get_ylim()
+        axes.set_ylim(low / 2, high * 2)
     figure.legend(handles.values(), handles, loc="outside lower center", ncols=6, fontsize=7)
     figure.savefig(path, dpi=110)
 
 
 def main() -> None:
-    """Write the table and the figure."""
+    """Write the tables and the figure."""
     parser = argparse.ArgumentParser(prog="python -m bench.simulators.report")
-    parser.add_argument("exported", type=Path, metavar="DIR")
     parser.add_argument("out", type=Path, metavar="OUT")
-    given = parser.parse_args()
-    results = read(given.exported, given.out)
-    (given.out / "results.json").write_text(json.dumps(results, indent=1), encoding="utf-8")
-    text = f"{table(results, given.exported)}\n\n{scans(results, given.exported)}\n"
-    (given.out / "results.md").write_text(text, encoding="utf-8")
-    draw(results, given.out / "error-against-step.png")
+    out = parser.parse_args().out
+    scored = benchmark.score(out).to_dict()
+    for row in scored:
+        del row["file"]
+    names = [(row["case"], row["engine"], row["setting"]) for row in scored]
+    results: dict[tuple[str, str, str], list[dict]] = {name: [] for name in names}
+    for name, row in zip(names, scored, strict=True):
+        results[name].append(row)
+    (out / "results.json").write_text(json.dumps(scored, indent=1) + "\n", encoding="utf-8")
+    (out / "results.md").write_text(tables(results), encoding="utf-8")
+    draw(results, out / "error-against-step.png")
 
 
 if __name__ == "__main__":
