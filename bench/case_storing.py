@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import zarr
-from tippetop.cli.memory import keep_memory
+from tippetop.cli.host import keep_memory
 
 from tippetop.problem import Problem
 from tippetop.runs import recording
