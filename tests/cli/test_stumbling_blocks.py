@@ -318,9 +318,8 @@ def test_json_keys_are_names_and_units_are_values(capsys: pytest.CaptureFixture[
     assert found["at_start"]["jellett"]["value"] == pytest.approx(6.8944413e-06)
     assert found["thresholds"]["lambda_s"]["unit"] == "kg m3 s-1"
     by_eps = json.loads(printed(capsys, "check", "leine-glocker", "--json")[0])["inversion_by_eps"]
-    assert by_eps["eps"] == {"value": [0.005, 0.01, 0.02], "unit": "m s-1"}
+    assert by_eps["eps"] == {"value": [0.005, 0.01], "unit": "m s-1"}
     assert by_eps["first_equator"]["unit"] == "s"
-    assert by_eps["exponent"]["value"] < 0
 
     def keys(value: object) -> list[str]:
         return (
@@ -339,11 +338,8 @@ def test_what_eps_decides_is_a_sentence_with_times(capsys: pytest.CaptureFixture
     sets = ["--set", "friction.eps=1e-3", "--until", "3", "--json"]
     info = json.loads(printed(capsys, "run", "leine-glocker", *sets)[0])
     text = dict(lines(info))["regularisation"]
-    assert (
-        "theta = pi/2 at: not in this time (eps = 0.5 mm/s), 2.7094 s (1 mm/s), 1.799 s (2 mm/s)"
-        in text
-    )
-    assert text.endswith("1.799 s (2 mm/s)")
+    times = "not in this time (eps = 0.5 mm/s), 2.7094 s (eps = 1 mm/s)"
+    assert text.endswith(f"theta = pi/2 at: {times}")
 
 
 def test_an_empty_value_removes_a_key_or_a_table(capsys: pytest.CaptureFixture[str]) -> None:

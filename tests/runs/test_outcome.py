@@ -2,19 +2,17 @@
 and lanes alike.
 """
 
-import json
-
 import numpy as np
 import pytest
 
 import tippetop
-from tippetop.cli import main
+from tippetop.engine.status import Status
 from tippetop.ensembles.ensemble import measure
 from tippetop.ensembles.outcomes import CLASSES
 from tippetop.problem import Problems
 from tippetop.runs import forecast
 from tippetop.runs.run import solve
-from tippetop.runs.summary import lines, regularisation
+from tippetop.runs.summary import lines
 from tippetop.scenario import build
 
 
@@ -67,17 +65,14 @@ def test_a_settled_that_does_not_last_is_no_time_in_a_lane() -> None:
     assert np.isnan(lane.columns["settled_at"][0])
 
 
-def test_a_fate_knows_liftoff(capsys: pytest.CaptureFixture) -> None:
+def test_a_fate_knows_liftoff() -> None:
     problem = build.load("inverting", ["initial.omega3=300.0"])
     assert forecast.assessment(problem)["fate"] == "ends in the inverted spin, unless it lifts off"
-    with pytest.raises(SystemExit) as end:
-        main(["check", "inverting", "--set", "initial.omega3=300.0", "--try", "--json"])
-    assert end.value.code in (0, None)
-    tried = json.loads(capsys.readouterr().out)["tried"]
-    assert tried["status"] == "liftoff"
-    assert "4.96" in tried["reason"]
-    assert tried["outcome"] == "lifted-off"
-    assert abs(tried["normal_force_min"]["value"]) < 1e-9
+    done = solve(problem, keep=False)
+    assert done.status is Status.LIFTOFF
+    assert "4.96" in done.reason
+    assert done.report["outcome"] == "lifted-off"
+    assert abs(done.report["normal_force"]["min"]) < 1e-9
     assert "unless it lifts off" in forecast.assessment(build.load("rolling"))["fate"]
 
 
@@ -117,17 +112,3 @@ def test_a_top_at_a_pole_stays_there() -> None:
     assert forecast.assessment(build.load("inverting", ["initial.theta=1e-9"]))["fate"].startswith(
         "ends in"
     )
-
-
-def test_what_eps_decides_knows_liftoff() -> None:
-    """A top that lifts off before it lies on its side is not one that would never do so."""
-    sets = ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=0.01"]
-    found = forecast.assessment(build.load("inverting", sets, until=1.5))
-    by_eps = found["inversion_by_eps"]
-    assert by_eps["first_equator"]["value"] == [None, None, None]
-    logs = [
-        solve(build.load("inverting", [*sets[:2], f"friction.eps={eps}"], until=1.5))
-        for eps in (5e-3, 1e-2, 2e-2)
-    ]
-    assert by_eps["lifted_at"]["value"] == [log.events.of("liftoff").time[0] for log in logs]
-    assert regularisation(found).count("lifts off before, at ") == 3

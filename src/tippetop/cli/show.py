@@ -94,7 +94,6 @@ def check(
     *,
     until: Seconds | None = None,
     set_: list[str] | None = None,
-    try_: bool = False,
     as_json: bool = False,
 ) -> int:
     """Validate a scenario: invariants at the start, thresholds, expected fate; cost, by the first
@@ -111,9 +110,6 @@ def check(
     set_
         Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be
         repeated.
-    try_
-        Run it, without storing anything, as far as a second of computing goes: its end, and the
-        least normal force.
     as_json
         Print the result as one JSON object.
     """
@@ -138,10 +134,8 @@ def check(
     problem = starting.problem(tables, scenario)
     facts = {**build.resolved(problem), **forecast.assessment(problem)}
     facts["warnings"] = warn(doubts(problem))
-    if try_ or problem.precision == "double":  # wider numbers compile for a minute
+    if problem.precision == "double":  # wider numbers compile for a minute
         facts["expected"] |= measured(problem)
-    if try_:
-        facts["tried"] = forecast.tried(problem)
     if as_json:
         return print_json(facts)
     units = units_of(problem)

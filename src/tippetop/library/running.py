@@ -46,14 +46,13 @@ def run(
         A law such as `Viscous(mu=0.3)`, or the record of a registered one; or numbers that replace
         those of the source, `dict(mu=0.2)`. Or assignments `"table.key=value"`, as the command
         line's `--set` takes them.
-    start, initial : mapping, optional
+    start : mapping or path, optional
         The start, over that of the source: theta, phi, psi [rad], theta_dot, phi_dot, omega3
-        [rad/s], nu_x, nu_y [m/s], x, y [m]; what is not named is zero. psi_dot [rad/s] may stand
-        for omega3, centre_at_rest (a bool) for nu_x and nu_y. psi turns the body about its axis: of
-        the motion it changes the columns psi and orientation alone. A cylinder has theta,
-        theta_dot, x and, where it glides, nu_x. The two arguments are the same. `start` may also be
-        the store of a finished run of the same body: this one starts at t = 0 where that ended,
-        exactly.
+        [rad/s], nu_x, nu_y [m/s], x, y [m]; numbers that are not named are zero. psi_dot [rad/s]
+        may be given instead of omega3, centre_at_rest (a bool) instead of nu_x and nu_y. psi turns
+        the body about its axis: of the motion it changes the columns psi and orientation alone. A
+        cylinder has theta, theta_dot, x and, where it glides, nu_x. `start` may also be the store
+        of a finished run of the same body: this one starts at t = 0 where that ended, exactly.
     parameters : mapping, optional
         Numbers of the body that replace those of the source, SI units.
     system : str or System, optional
@@ -221,7 +220,7 @@ def resume(
     Interrupted
         If `stop` was set.
     """
-    from ..runs.resuming import continued
+    from ..runs.resuming import resume as resumed
 
     end = seconds("until", until)
     place = path_of("path", path)
@@ -229,10 +228,10 @@ def resume(
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     with in_python(), _resumable(place):
-        continued(
+        resumed(
             place,
-            end,
             Patience(warn),
+            until=end,
             stop=stop,
             accept_other_version=accept_other_version,
             known=own,

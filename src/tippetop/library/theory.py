@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import instance, measured, seconds, within
+from ..arguments import finite, instance, measured, seconds, within
 from ..errors import InputError
 from ..landscape.reconstruction import reconstruction
 from ..mechanics.contact.body import Top
@@ -23,8 +23,9 @@ from ..mechanics.theory import thresholds as limits
 from ..mechanics.theory.nutation import Nutation
 from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
-from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND
+from ..mechanics.units import JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND
 from ..problem import Problem
+from .landscapes import momenta_of
 from .run import Run
 from .scenarios import record_of
 from .sources import problem_behind, top_of
@@ -170,10 +171,7 @@ def nutation(
     *,
     energy: float | str,
     theta: float | str,
-    D: float | str | None = None,
-    lam: float | str | None = None,
-    L3: float | str | None = None,
-    Lz: float | str | None = None,
+    **momenta: float | str,
 ) -> Nutation:
     """The nutation between two turning angles, by quadrature in 80 bits.
 
@@ -211,22 +209,15 @@ def nutation(
     One point; `turning_angles` takes whole arrays. Rutstam (2010), eqs. 4.21, 2.38.
     """
     body = top_of(top, TippeTop, HeavyTop)
-    given = (("D", D), ("lam", lam)) if isinstance(body, TippeTop) else (("Lz", Lz), ("L3", L3))
-    missing = [f"`{name}` must be given, but is missing." for name, value in given if value is None]
-    if missing:
-        raise InputError(missing)
     system, b = SYSTEMS[body.gliding], body.body()
-    momenta = [
-        measured(name, value, JELLETT if name == "lam" else ANGULAR_MOMENTUM)
-        for name, value in given
-    ]
+    letters = {name: finite(name, value) for name, value in momenta_of(system, momenta).items()}
     energy, theta = measured("energy", energy, JOULE), measured("theta", theta, RADIAN)
     within("theta", theta, 0, math.pi, "[0, pi]")
     assert system.potential is not None
     assert system.theta_inertia is not None
     inertia, potential = system.theta_inertia, system.potential
     result = one_dimensional.nutation(
-        lambda z: inertia(z, b), lambda z: potential(z, *momenta, b), energy, theta
+        lambda z: inertia(z, b), lambda z: potential(z, b=b, **letters), energy, theta
     )
     if math.isnan(result.period):
         warnings.warn(

@@ -4,7 +4,7 @@ it.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -59,7 +59,7 @@ class Kept(NamedTuple):
     """
 
     name: str
-    what: str
+    what: Literal["first", "last", "count"]
     long_name: str
     direction: int = 0
 

@@ -1,13 +1,11 @@
-"""A run becomes a store as it goes: full chunks, a tail of what waits, and records that acknowledge
-both.
-"""
+"""A run becomes a store as it goes: full chunks, a tail of waiting rows, acknowledging records."""
 
 import contextlib
 import json
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -28,29 +26,28 @@ from . import attributes, keyframes, phases, reporting, sensitivities
 from .events import EventTable, event_columns
 from .integration import Integration
 from .reporting import RunProgress
+from .run import Solution
+from .sinks import Sink
 
 
-ROWS_PER_CHUNK = 1 << 16  # of the trajectory: 512 KiB a column
+# Rows per chunk of the trajectory: 512 KiB a column.
+ROWS_PER_CHUNK = 1 << 16
 EVENTS_PER_CHUNK = 1 << 14
-SIGNIFICANT = "significant"  # a column of events that may change in any row until the end of a run
-# [s] of the clock: what an interruption can cost; when commits happen does not show in the store
+# A column of events that may change in any row until the end of a run.
+SIGNIFICANT = "significant"
+# What an interruption can cost [s]; the times of commits do not show in the store.
 COMMIT_EVERY = 5.0
-PATIENCE = (
-    2.0  # [s] after which a stop does not wait for the end of a slice: its rows are made again
-)
-
+# After this time [s] a stop does not wait for the end of a slice: its rows are made again.
+PATIENCE = 2.0
 FINISHED = "The run is finished and whole; only temporary files are left in it."
-
 Progress = Callable[[RunProgress], None]
 
 
-class Recorder:
-    """The sink of a run that writes its store.
+class Recorder(Sink):
+    """The sink of a run that writes its store: a context, which waits for the writing at its end.
 
-    A context; when it ends nothing is being written any more.
-
-    All writing is done in one thread of its own: it follows the integration, and no
-    KeyboardInterrupt enters it.
+    All writing is done in one thread: it overlaps the integration, and no KeyboardInterrupt
+    enters it.
     """
 
     keeps_rows = True
@@ -60,83 +57,44 @@ class Recorder:
         self.store, self.stop = store, stop
         names = (name for name in store.state.header["tables"] if not name.endswith(LATE))
         self.growing = {name: Table(store, name) for name in names}
-        self.begun_with: list[
-            dict[str, Any]
-        ] = []  # versions and processors of those that wrote it before
-        self.behind: deque[Future] = deque()
+        # Versions and processors that wrote the store before.
+        self.begun_with: list[dict[str, Any]] = []
+        self.queued: deque[Future] = deque()
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
         self.committed_at, self.asked = time.monotonic(), 0.0
 
-    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Takes rows.
+    def __enter__(self) -> "Recorder":
+        return self
 
-        Raises Interrupted where a slice has so many that its end cannot be waited for.
-        """
+    def __exit__(self, *_: object) -> None:
+        self.thread.shutdown(cancel_futures=True)
+
+    # --- a sink ----------------------------------------------------------------------------------
+
+    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
+        """Take rows. Raises Interrupted if a stop has waited too long for the end of a slice."""
         if self.stop is not None and self.stop.is_set():
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
                 raise Interrupted
-        self._later(lambda: self.append("trajectory", self.view.columns(times, states())))
+        self._later(lambda: self._append("trajectory", self.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
-        """Takes rows of the event log."""
+        """Take rows of the event log."""
         if len(table.time):
-            self._later(lambda: self.append("events", event_columns(table)))
+            self._later(lambda: self._append("events", event_columns(table)))
         if marks:
             self._later(lambda: self.growing["events"].mark(SIGNIFICANT, marks))
 
     def keyframe(self, row: dict[str, Column]) -> None:
         """Take a keyframe."""
-        self._later(lambda: self.append("keyframes", row))
+        self._later(lambda: self._append("keyframes", row))
 
     def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
-        """Takes rows of further tables."""
+        """Take rows of further tables."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
-                self._later(
-                    partial(self.append, name, phases.columns(self.problem.system, name, table))
-                )
-
-    def append(self, name: str, columns: dict[str, Column]) -> None:
-        """Append rows to a table."""
-        self.growing[name].append({key: column.values for key, column in columns.items()})
-
-    def derivatives(self) -> None:
-        """Makes the tables of derivatives, where the run has come to its end, from its rows and its
-        log there.
-        """
-        problem = self.problem
-        if not problem.sensitivities:
-            return
-        self._now(lambda: None)
-        log, events = EventTable.empty(problem.system.kinds), self.growing["events"]
-        table = EventTable(log.kinds, *(events.values(name) for name in log.columns()))
-        times = problem.times[: self.growing["trajectory"].rows]
-        make = partial(sensitivities.tables, problem, times, table)
-        derived = awaited(make, "the derivatives of the run are being computed", self.stop)
-        for name, columns in derived.items():
-            self._later(partial(self.append, name, columns))
-
-    def _later(self, work: Callable[[], None]) -> None:
-        """Queues work for the writing thread, not more than a few slices ahead; raises what went
-        wrong there.
-        """
-        while len(self.behind) > 8 or (self.behind and self.behind[0].done()):
-            self.behind.popleft().result()
-        self.behind.append(self.thread.submit(work))
-
-    def _now(self, work: Callable[[], None]) -> None:
-        """Does work in the writing thread once all that was queued is done; returns when it is
-        done. Where anything went wrong before, that is raised, and the work is not begun.
-        """
-        while self.behind:
-            self.behind.popleft().result()
-
-        def checked() -> None:
-            self.store.check()
-            work()
-
-        self.thread.submit(checked).result()
+                self._later(partial(self.growing[name].append, table))
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
         """Commit now and then; stop at a commit if asked to."""
@@ -145,6 +103,47 @@ class Recorder:
             self.commit(progress, snapshot())
         if asked:
             raise Interrupted
+
+    def derived(self, tables: Mapping[str, dict[str, Column]]) -> None:
+        """Take the tables of derivatives."""
+        for name, columns in tables.items():
+            self._later(partial(self._append, name, columns))
+
+    def differentiate(self) -> None:
+        """Make the tables of derivatives of a finished run, from its rows and its log."""
+        problem = self.problem
+        if not problem.sensitivities:
+            return
+        self._now(lambda: None)
+        log, events = EventTable.empty(problem.system.kinds), self.growing["events"]
+        table = EventTable(log.kinds, *(events.values(name) for name in log.columns()))
+        times = problem.times[: self.growing["trajectory"].rows]
+        make = partial(sensitivities.tables, problem, times, table)
+        self.derived(awaited(make, "the derivatives of the run are being computed", self.stop))
+
+    # --- the writing thread ----------------------------------------------------------------------
+
+    def _append(self, name: str, columns: Mapping[str, Column]) -> None:
+        self.growing[name].append({key: column.values for key, column in columns.items()})
+
+    def _later(self, work: Callable[[], None]) -> None:
+        """Queue work, at most a few slices ahead; raise what went wrong in the thread."""
+        while len(self.queued) > 8 or (self.queued and self.queued[0].done()):
+            self.queued.popleft().result()
+        self.queued.append(self.thread.submit(work))
+
+    def _now(self, work: Callable[[], None]) -> None:
+        """Do work after all that was queued, unless something went wrong, which is raised."""
+        while self.queued:
+            self.queued.popleft().result()
+
+        def checked() -> None:
+            self.store.check()
+            work()
+
+        self.thread.submit(checked).result()
+
+    # --- commits ---------------------------------------------------------------------------------
 
     def commit(self, progress: RunProgress, snapshot: dict[str, Any]) -> None:
         """Acknowledge all rows, and the state from which the run can be continued."""
@@ -161,7 +160,7 @@ class Recorder:
         self.committed_at = time.monotonic()
 
     def tail(self, snapshot: dict[str, Any]) -> bytes:
-        """Return the rows that no chunk holds, and the state of the run."""
+        """Return the rows that no chunk contains, and the state of the run."""
         parts = {name: table.tail() for name, table in self.growing.items()}
         state = {
             **here(),
@@ -175,27 +174,22 @@ class Recorder:
     def restore(self, tail: bytes) -> None:
         """Take back the rows of a tail."""
         head, _, data = tail.partition(b"\n")
-        state = json.loads(head)
-        for name, about in state["tables"].items():
+        for name, about in json.loads(head)["tables"].items():
             data = self.growing[name].restore(about, data)
 
     def derive(self) -> None:
-        """Write what readers of an unfinished store need, and nobody else."""
-        self.store.derive(
-            {
-                file: data
-                for table in self.growing.values()
-                for file, data in table.derived().items()
-            }
-        )
+        """Write the files that only readers of an unfinished store need."""
+        files_of = (table.derived().items() for table in self.growing.values())
+        self.store.derive({file: data for some in files_of for file, data in some})
 
     def counts(self) -> dict[str, int]:
-        """Return the rows of all tables, by the names that the ledger has."""
-        return {
-            key: rows for table in self.growing.values() for key, rows in table.counts().items()
-        }
+        """Return the rows of all tables, by their names in the ledger."""
+        counts: dict[str, int] = {}
+        for table in self.growing.values():
+            counts |= table.counts()
+        return counts
 
-    def finish(self, attrs: dict[str, Any], ending: dict[str, Any]) -> dict[str, Any]:
+    def finish(self, attrs: dict[str, Any], ending: dict[str, Any] | None) -> dict[str, Any]:
         """Write waiting rows, and close the store with its last root attributes; return them."""
         attrs = finite(attrs) | ({"begun_with": self.begun_with} if self.begun_with else {})
 
@@ -203,11 +197,7 @@ class Recorder:
             for table in self.growing.values():
                 table.finish()
             begun = self.store.state.header["attributes"]
-            changed = {
-                key: value
-                for key, value in attrs.items()
-                if key not in begun or begun[key] != value
-            }
+            changed = {k: v for k, v in attrs.items() if k not in begun or begun[k] != v}
             try:
                 self.store.finish(changed, rows=self.counts(), end=ending)
             except OSError:
@@ -216,12 +206,6 @@ class Recorder:
 
         self._now(work)
         return self.store.state.attributes
-
-    def __enter__(self) -> "Recorder":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.thread.shutdown(cancel_futures=True)
 
 
 def record(
@@ -232,16 +216,16 @@ def record(
     progress: Progress | None = None,
     stop: threading.Event | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
-    """Integrates a problem into a new store, in any thread.
+    """Integrate a problem into a new store, in any thread.
 
     Parameters
     ----------
     problem
-        What to integrate.
+        The run.
     target
         The store to make.
     overwrite
-        Whether a store that is there may be replaced; not while another process writes it.
+        Whether an existing store may be replaced; not while another process writes it.
     progress
         Called after every slice.
     stop
@@ -269,70 +253,83 @@ def record(
         return run_into(integration, store, progress, stop)
 
 
-def header(integration: Integration) -> dict[str, Any]:
-    """Return the header of the ledger of a run, from an integration at its start."""
-    return header_of(
-        finite(attributes.attributes(integration.progress())), tables_of_run(integration)
-    )
-
-
-def header_of(
-    attrs: dict[str, Any],
-    tables: Iterable[tuple[str, dict[str, Column], int]],
-    late: str = SIGNIFICANT,
-) -> dict[str, Any]:
-    """Return the header of a ledger with these tables: name, columns without rows, rows
-    of a chunk.
-    """
-    members: dict[str, Any] = {}
-    chunked: dict[str, list[str]] = {}
-    for name, columns, chunk in tables:
-        members[name] = zarr3.group({})
-        for key, column in columns.items():
-            members[f"{name}/{key}"] = zarr3.array(column, {column.dims[0]: (0, chunk)})
-            chunked.setdefault(name + LATE if key == late else name, []).append(f"{name}/{key}")
-    return ledger.header(attrs, members, chunked)
-
-
-def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
-    """The groups of a run: name, columns without rows, rows of a chunk."""
-    empty = integration.view.columns(np.zeros(0), integration.first[:0])
-    yield "trajectory", empty, ROWS_PER_CHUNK
-    yield "events", event_columns(integration.log.empty), EVENTS_PER_CHUNK
-    for name, columns in phases.empty(integration.problem.system).items():
-        yield name, columns, phases.PER_CHUNK
-    for name, columns in sensitivities.no_rows(
-        integration.problem, integration.log.empty.kinds
-    ).items():
-        yield name, columns, sensitivities.PER_CHUNK
-    if integration.problem.output == "keyframes":
-        yield (
-            "keyframes",
-            keyframes.empty(integration.problem, integration.driver),
-            keyframes.PER_CHUNK,
-        )
-
-
-def here() -> dict[str, Any]:
-    """What the bits of a run depend on beside its scenario."""
-    return {"versions": provenance.versions(), "cpu": provenance.cpu()}
-
-
 def run_into(
     integration: Integration,
     store: Ledger,
     progress: Progress | None,
     stop: threading.Event | None,
-    begin: Callable[[Recorder], None] | None = None,
+    begin: Callable[[Recorder], None] = lambda _: None,
 ) -> tuple[Integration, dict[str, Any]]:
-    """Integrates into an open store: from its start, or from where `begin` puts it."""
+    """Integrate into an open store: from its start, or from where `begin` puts it."""
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
-        if begin is not None:
-            begin(recorder)
+        begin(recorder)
         if stop is not None and stop.is_set():
             raise Interrupted
         integration.run(recorder, progress)
-        recorder.derivatives()
+        recorder.differentiate()
         attrs = attributes.attributes(integration.progress())
         return integration, recorder.finish(attrs, integration.ending())
+
+
+def save(
+    solution: Solution, attrs: dict[str, Any], target: str | Path, *, overwrite: bool = False
+) -> None:
+    """Write a run in memory as the store that `record` makes, whole or not at all.
+
+    `attrs` are its root attributes. Raises StoreError.
+    """
+    integration = Integration(solution.problem)
+    head = header(integration)
+    integration.last_slice, integration.last = solution.last_slice, solution.final[None, :]
+    integration.t_end = solution.report["t_end"]
+    with (
+        new_store(target, overwrite=overwrite) as scratch,
+        Ledger.created(scratch, head) as store,
+        Recorder(solution.problem, store) as recorder,
+    ):
+        for first in range(0, len(solution.times), ROWS_PER_CHUNK):
+            some = slice(first, first + ROWS_PER_CHUNK)
+            recorder.rows(solution.times[some], partial(solution.rows.__getitem__, some))
+        recorder.events(solution.events, [])
+        for name, parts in solution.others.items():
+            for part in parts:
+                recorder.tables({name: part})
+        recorder.derived(solution.sensitivities)
+        recorder.finish(attrs, integration.ending())
+
+
+def header(integration: Integration, attrs: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return the header of the ledger of a run, from an integration at its start.
+
+    `attrs` are root attributes other than its own.
+    """
+    members: dict[str, Any] = {}
+    chunked: dict[str, list[str]] = {}
+    for name, columns, chunk in _tables_of(integration):
+        members[name] = zarr3.group({})
+        for key, column in columns.items():
+            members[f"{name}/{key}"] = zarr3.array(column, {column.dims[0]: (0, chunk)})
+            table = name + LATE if key == SIGNIFICANT else name
+            chunked.setdefault(table, []).append(f"{name}/{key}")
+    attrs = attrs or finite(attributes.attributes(integration.progress()))
+    return ledger.header(attrs, members, chunked)
+
+
+def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
+    """Yield the groups of a run: name, columns without rows, rows per chunk."""
+    problem, log = integration.problem, integration.log.empty
+    empty = integration.view.columns(np.zeros(0), integration.first[:0])
+    yield "trajectory", empty, ROWS_PER_CHUNK
+    yield "events", event_columns(log), EVENTS_PER_CHUNK
+    for name, columns in phases.joined(problem.system, {}).items():
+        yield name, columns, phases.PER_CHUNK
+    for name, columns in sensitivities.no_rows(problem, log.kinds).items():
+        yield name, columns, sensitivities.PER_CHUNK
+    if problem.output == "keyframes":
+        yield "keyframes", keyframes.empty(problem, integration.driver), keyframes.PER_CHUNK
+
+
+def here() -> dict[str, Any]:
+    """Return what the bits of a run depend on in addition to its scenario."""
+    return {"versions": provenance.versions(), "cpu": provenance.cpu()}
