@@ -128,8 +128,8 @@ def turning_angles(
         The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is
         that of `system`.
     **momenta
-        D and lam, or L3 and Lz, as for `minimal_surface`, but of any shape: they are broadcast against one another and
-        against the energy.
+        D and lam, or L3 and Lz, as for `minimal_surface`, but of any shape: they are broadcast
+        against one another and against the energy.
     energy : float or array
         The modified energy E~ [J].
     theta : float or array, optional

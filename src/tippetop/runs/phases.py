@@ -91,7 +91,7 @@ def columns(system: System, name: str, table: dict[str, np.ndarray]) -> dict[str
     """Return rows of a table as columns of the store's group of this name."""
     dims = (DIMENSIONS[name],)
     return {
-        key: column(values, *MEASURED[key], dims=dims)
+        key: column(values, MEASURED[key][0], MEASURED[key][1], dims)
         if key in MEASURED
         else Column(dims, values, flag_attributes(system.tables[name][key], NAMED[key]))
         for key, values in table.items()
