@@ -1,7 +1,7 @@
-"""Runs the benchmarks: python -m bench [--quick] [--case NAME]...
+"""Run the benchmarks: python -m bench [--quick] [--case NAME]...
 
-Each case writes bench/results/NAME.json (quick ones bench/results/quick/NAME.json); then the goals
-are told. `python -m bench.report` makes tables and figures of the results.
+Each case writes bench/results/NAME.json (with --quick, bench/results/quick/NAME.json).
+`python -m bench.report` makes tables and figures from the results.
 """
 
 import argparse
@@ -10,8 +10,7 @@ import sys
 from pathlib import Path
 
 from .cases import CASES, carry_out
-from .goals import goals
-from .report import RESULTS, read
+from .report import RESULTS
 
 
 def main() -> None:
@@ -37,9 +36,6 @@ def main() -> None:
         process.join()
         if process.exitcode:
             sys.exit(process.exitcode)
-    for goal in goals(read(folder)):
-        met = {True: "met", False: "not met", None: ""}[goal.met]
-        print(f"{goal.what}\n    {goal.goal or 'no goal':32}{met:10}{goal.measured}")
 
 
 if __name__ == "__main__":

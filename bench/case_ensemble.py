@@ -32,7 +32,7 @@ CHECKED = 8  # tops that are held against 80-bit runs
 MIDST, END = 6.0, 10.0  # [s]
 FEW = "tippetop, lanes, class and inverted_at"
 PYTHON = "DOP853, SciPy, formulas in Python"
-PEERS = ("DOP853, C++", "DOP853, numbalsoda", "LSODA, numbalsoda")
+PEERS = ("DOP853, C++", "DOP853, numbalsoda")
 
 
 def tops_at(spins: np.ndarray, until: float, tolerance: float = 0.0) -> Problems:

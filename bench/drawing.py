@@ -23,13 +23,8 @@ LOOKS = {  # colour, marker, line
     "heyoka by hand, events on": (style.LOWER, "s", "--"),
     "DOP853, C++": (style.UPPER, "o", "-"),
     "DOP853, numbalsoda": (style.UPPER, "s", "--"),
-    "LSODA, numbalsoda": (style.UPPER, "v", "-."),
     "Dopri8, diffrax": (style.UPPER, "^", ":"),
-    "DOP853, CyRK": (style.QUIET, "o", "-"),
-    "DOP853, JiTCODE": (style.QUIET, "s", "--"),
     "DOP853, SciPy": (style.QUIET, "D", "-"),
-    "LSODA, SciPy": (style.QUIET, "v", "-."),
-    "CVODE Adams, scikit-sundae": (style.QUIET, "^", ":"),
 }
 
 

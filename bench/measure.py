@@ -20,9 +20,6 @@ PACKAGES = (
     "numbalsoda",
     "diffrax",
     "jax",
-    "CyRK",
-    "jitcode",
-    "scikit-sundae",
     "xarray",
     "zarr",
 )

@@ -3,10 +3,8 @@ it ready once and then gives a solver for a tolerance. A peer that is not instal
 missing.
 """
 
-import contextlib
 import ctypes
 import importlib.util
-import tempfile
 import warnings
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -91,15 +89,14 @@ def dop853_cpp(minimal: Minimal) -> Callable[[float], Solver]:
     return lambda tolerance: rows_solver(minimal, partial(solve, tolerance))
 
 
-def numbalsoda(method: str, minimal: Minimal) -> Callable[[float], Solver]:
-    """The compiled LSODA and DOP853 of numbalsoda, on a C function."""
+def numbalsoda(minimal: Minimal) -> Callable[[float], Solver]:
+    """Return the compiled DOP853 of numbalsoda, on a C function."""
     import numbalsoda as package
 
     address = ctypes.cast(minimal.built.rhs, ctypes.c_void_p).value
-    function = getattr(package, method)
 
     def rows(tolerance: float) -> np.ndarray:
-        found, success = function(
+        found, success = package.dop853(
             address, minimal.start, minimal.times, rtol=tolerance, atol=tolerance, mxstep=MOST_STEPS
         )
         if not success:
@@ -223,107 +220,9 @@ def scipy_formulas(minimal: Minimal) -> Callable[[float], Solver]:
     return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
 
 
-def scipy_lsoda(minimal: Minimal) -> Callable[[float], Solver]:
-    """solve_ivp's LSODA."""
-    from scipy.integrate import solve_ivp
-
-    rates, _ = _jitted(minimal)
-    span = (0.0, minimal.times[-1])
-
-    def rows(tolerance: float) -> np.ndarray:
-        return solve_ivp(
-            rates,
-            span,
-            minimal.start,
-            method="LSODA",
-            rtol=tolerance,
-            atol=tolerance,
-            t_eval=minimal.times,
-        ).y.T
-
-    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
-
-
-def cvode(minimal: Minimal) -> Callable[[float], Solver]:
-    """SUNDIALS' CVODE, Adams of order up to 12, by scikit-sundae."""
-    from sksundae.cvode import CVODE
-
-    _, rates = _jitted(minimal)
-
-    def rhs(t, y, d):  # scikit-sundae reads the signature, which a jitted function hides
-        rates(t, y, d)
-
-    def rows(tolerance: float) -> np.ndarray:
-        solver = CVODE(
-            rhs, method="Adams", rtol=tolerance, atol=tolerance, max_num_steps=MOST_STEPS
-        )
-        return solver.solve(minimal.times, minimal.start).y
-
-    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
-
-
-def jitcode(minimal: Minimal) -> Callable[[float], Solver]:
-    """JiTCODE: the right-hand side in C, SciPy's DOP853 around it."""
-    from jitcode import jitcode as package
-    from jitcode import y
-
-    n = len(minimal.names)
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        contextlib.chdir(folder),
-        warnings.catch_warnings(action="ignore"),
-    ):
-        made = package(minimal.rates([y(i) for i in range(n)]), n=n, verbose=False)
-        made.generate_f_C(simplify=False, do_cse=False)
-        made.compile_C(extra_compile_args=["-O3", "-march=native", "-g0"])
-
-    def rows(tolerance: float) -> np.ndarray:
-        made.set_integrator("dop853", rtol=tolerance, atol=tolerance, nsteps=MOST_STEPS)
-        made.set_initial_value(minimal.start, 0.0)
-        return np.array([minimal.start, *(made.integrate(t) for t in minimal.times[1:])])
-
-    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
-
-
-def cyrk(minimal: Minimal) -> Callable[[float], Solver]:
-    """CyRK's DOP853 in C++, which calls a jitted function."""
-    from CyRK import pysolve_ivp
-
-    _, rates = _jitted(minimal)
-
-    def rhs(d, t, y):
-        rates(t, y, d)
-
-    span = (0.0, minimal.times[-1])
-
-    def rows(tolerance: float) -> np.ndarray:
-        return pysolve_ivp(
-            rhs,
-            span,
-            minimal.start,
-            method="DOP853",
-            rtol=tolerance,
-            atol=tolerance,
-            t_eval=minimal.times,
-            pass_dy_as_arg=True,
-            max_num_steps=MOST_STEPS,
-        ).y.T
-
-    return lambda tolerance: rows_solver(minimal, partial(rows, tolerance))
-
-
 FIELD = (
     Peer("DOP853, C++", COMPILED, dop853_cpp, "c++"),
-    Peer("DOP853, numbalsoda", COMPILED, partial(numbalsoda, "dop853"), "numbalsoda"),
-    Peer(
-        "LSODA, numbalsoda", COMPILED, partial(numbalsoda, "lsoda"), "numbalsoda", tolerances=ADAMS
-    ),
+    Peer("DOP853, numbalsoda", COMPILED, numbalsoda, "numbalsoda"),
     Peer("Dopri8, diffrax", COMPILED, diffrax, "diffrax", tolerances=FEW),
-    Peer("DOP853, CyRK", CALLING, cyrk, "CyRK", tolerances=FEW),
-    Peer("DOP853, JiTCODE", CALLING, jitcode, "jitcode", tolerances=FEW),
     Peer("DOP853, SciPy", CALLING, scipy_dop853, "scipy", tolerances=FEW),
-    Peer("LSODA, SciPy", CALLING, scipy_lsoda, "scipy", tolerances=ADAMS),
-    Peer(
-        "CVODE Adams, scikit-sundae", CALLING, cvode, "sksundae", "scikit-sundae", tolerances=ADAMS
-    ),
 )

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from .equal import common, least, ratio, seconds
-from .goals import BARE, ERROR, goals
 
 
 HERE = Path(__file__).parent
@@ -25,9 +24,8 @@ RESULTS, PAGE, FRONT, FIGURES = (
     HERE.parent / "README.md",
     HERE / "figures",
 )
-OTHERS = (
-    RESULTS / "intel"
-)  # for the table of the goals: what is measured differs from maker to maker
+BARE, ERROR = "tippetop, motion alone", 1e-13
+FIVE = (BARE, "heyoka by hand", "DOP853, C++", "DOP853, numbalsoda", "DOP853, SciPy")
 COMPARISONS = ("inversion", "rolling", "heavy-top", "cylinder", "ensemble")
 ENGINE = (
     "equations only",
@@ -89,28 +87,6 @@ def machine(results: dict[str, Any]) -> str:
     return f"{said}\n\n" + table(["case", "", "took [s]", "load average before", "processor"], rows)
 
 
-def goal_table(results: dict[str, Any], others: dict[str, Any]) -> str:
-    """Goal, measured, met or not; and what was measured on a processor of another maker."""
-    words = {True: "yes", False: "**no**", None: "-"}
-    rows = [
-        [
-            here.what,
-            here.goal,
-            here.measured,
-            words[here.met],
-            *([there.measured, words[there.met]] if others else []),
-        ]
-        for here, there in zip(goals(results), goals(others), strict=True)
-    ]
-    processors = [
-        "measured on "
-        + max(found.values(), key=lambda result: result["took"])["machine"]["processor"]
-        for found in (results, others)
-        if found
-    ]
-    return table(["what", "goal", *(word for name in processors for word in (name, "met"))], rows)
-
-
 def comparison(result: dict[str, Any]) -> str:
     """Every contestant: milliseconds at three errors, its smallest error, and its time relative to
     ours.
@@ -151,24 +127,16 @@ def _milliseconds(x: float) -> str:
 
 
 def front(results: dict[str, Any]) -> str:
-    """For the README: how many times faster one canonical inversion is than that of each peer, at
-    equal error.
-    """
+    """Return the table of the README: one canonical inversion by five solvers, at equal error."""
     if "inversion" not in results:
         return "Not run."
     contestants = results["inversion"]["contestants"]
     ours, rows = contestants[BARE], []
-    for name, entry in contestants.items():
-        if name != BARE and "points" in entry:
+    for name, entry in ((name, contestants[name]) for name in FIVE):
+        if "points" in entry:
             at = common(ERROR, entry, ours)
-            rows.append(
-                [
-                    name,
-                    f"{at:.1e}",
-                    _milliseconds(seconds(entry, at)),
-                    number(ratio(entry, ours, at)),
-                ]
-            )
+            time = _milliseconds(seconds(entry, at))
+            rows.append([name, f"{at:.1e}", time, number(ratio(entry, ours, at))])
     return table(
         ["solver", "error of theta [rad]", "CPU time [ms]", "time relative to tippetop"], rows
     )
@@ -380,11 +348,8 @@ def scaling(result: dict[str, Any]) -> str:
     return "\n\n".join(parts)
 
 
-def sections(results: dict[str, Any], others: dict[str, Any]) -> dict[str, str]:
-    """Every table, by the name of its place; of cases that were not run, a sentence.
-
-    `others`: of another machine.
-    """
+def sections(results: dict[str, Any]) -> dict[str, str]:
+    """Return every table by the name of its place; "Not run." for a case without results."""
     ways: dict[str, Callable[[dict[str, Any]], str]] = {
         **dict.fromkeys(COMPARISONS, comparison),
         "formulations": formulations,
@@ -400,7 +365,6 @@ def sections(results: dict[str, Any], others: dict[str, Any]) -> dict[str, str]:
     }
     return made | {
         "machine": machine(results),
-        "goals": goal_table(results, others),
         "events": events(results),
         "front": front(results),
     }
@@ -425,14 +389,11 @@ def main() -> None:
     parser.add_argument(
         "--results", type=Path, default=RESULTS, metavar="FOLDER", help="where the JSON files are"
     )
-    parser.add_argument(
-        "--others", type=Path, default=OTHERS, metavar="FOLDER", help="those of another machine"
-    )
     options = parser.parse_args()
     results = read(options.results)
     if not results:
         parser.error("--results must hold what `python -m bench` wrote, but holds nothing of it.")
-    made = sections(results, read(options.others))
+    made = sections(results)
     for page in (PAGE, FRONT):
         page.write_text(filled(page.read_text(encoding="utf-8"), made), encoding="utf-8")
     draw(results, FIGURES)
