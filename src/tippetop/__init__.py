@@ -1,5 +1,4 @@
-"""tippetop: tops that roll and glide, integrated to rounding, with their events, potentials and
-surfaces.
+"""tippetop: tops that roll and glide, integrated to machine precision.
 
 >>> import tippetop as tt
 >>> top = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
@@ -32,7 +31,7 @@ __all__ = sorted([*_PLACES, *_MODULES, "__version__"])
 
 
 def __getattr__(name: str) -> Any:
-    """Public names, imported when first used: `tippetop --help` must not wait for LLVM."""
+    """Import public names when first used: `tippetop --help` must not wait for LLVM."""
     if name == "__version__":
         from importlib.metadata import version
 

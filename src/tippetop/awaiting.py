@@ -1,6 +1,4 @@
-"""Long work of a library that cannot be interrupted, such as a compilation: done in a thread, and
-waited for.
-"""
+"""Long work that cannot be interrupted, such as a compilation: done in a thread."""
 
 from __future__ import annotations
 
@@ -16,7 +14,7 @@ from .errors import Interrupted
 
 
 Result = TypeVar("Result")
-SILENT = 2.0  # [s] after which a terminal shows what is waited for
+SILENT = 2.0  # [s] after which a terminal shows the reason
 LOOK = 0.05  # [s] between two looks at the signals and at `stop`
 
 _abandoned: list[
@@ -25,15 +23,15 @@ _abandoned: list[
 
 
 def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None = None) -> Result:
-    """What `work` returns or raises.
+    """Return the result of `work`, or raise its exception.
 
     Signals are handled while it is done: neither LLVM nor heyoka looks for them.
 
     Parameters
     ----------
     work
-        What is done, in a thread of its own with the context of this one (what numpy does about
-        errors is in there); in any thread but the main one, which has the signals, just here.
+        A function that is called in a new thread with the context of this one (it contains the
+        error state of numpy); in any thread but the main one, which has the signals, just here.
     doing
         The line on stderr, if that is a terminal, about work that takes longer than 2 s.
     stop
@@ -77,5 +75,5 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
 
 
 def abandoned() -> bool:
-    """Whether work that was not waited for is still done: only `os._exit` ends the process then."""
+    """Return whether abandoned work is still running: only `os._exit` ends the process then."""
     return not all(finished.is_set() for finished in _abandoned)

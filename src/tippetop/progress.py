@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 
-# Times [s]: shorter work needs no bar; nobody reads faster.
+# Times [s]: before the first drawing, and between two.
 FIRST_AFTER, AGAIN_AFTER = 0.4, 0.1
 
 

@@ -110,7 +110,7 @@ def test_a_longer_end_gives_the_run_that_would_have_been_made_at_once(tmp_path: 
     )
     recording.record(short, tmp_path / "a")
     assert solve(short).report["contact_phases"]["last"]["phase"] == "flight"
-    resuming.extend(tmp_path / "a", 0.3)
+    resuming.resume(tmp_path / "a", until=0.3)
     recording.record(long, tmp_path / "b")
     assert_same(tmp_path / "a", tmp_path / "b")
 

@@ -1,4 +1,4 @@
-"""The calls about how a motion answers to a change of its numbers."""
+"""Derivatives of a motion by its numbers, and the growth of small errors."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -127,7 +127,7 @@ def sensitivities(
 def lyapunov(
     source: Any, friction: Any = None, *, rows: int = 201, **arguments: Any
 ) -> "xr.Dataset":
-    """How fast small errors of the start of a run grow, and from when on a double says nothing.
+    """Compute how fast small errors of the start grow, and when a double no longer predicts.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def lyapunov(
 
 
 def _names(wrt: Any) -> tuple[str, ...]:
-    """The names as a tuple of texts. Raises InputError."""
+    """Return the names as a tuple of texts. Raises InputError."""
     if isinstance(wrt, str):
         return (wrt,)
     listed = hasattr(wrt, "__iter__") and not isinstance(wrt, Path) and getattr(wrt, "ndim", 1) == 1

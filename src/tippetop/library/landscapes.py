@@ -34,7 +34,7 @@ def minimal_surface(
     threads: int | None = None,
     **momenta: Any,
 ) -> "xr.Dataset":
-    """The minimal surface F = inf V over a grid of the two momenta, with where and how it is taken.
+    """Compute the minimal surface F = inf V over a grid of the two momenta.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def potential(
     system: str | System | None = None,
     **momenta: Any,
 ) -> "xr.Dataset":
-    """The effective potential V(z) [J] and its derivatives by z, over a grid.
+    """Compute the effective potential V(z) [J] and its derivatives by z, over a grid.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def turning_angles(
     xarray.Dataset
         theta_min <= theta_star <= theta_max [rad], F [J], period and small_period [s], level
         (above, touching, below, undefined), of the broadcast shape; other_theta_min,
-        other_theta_max [rad] of the band in the other well, NaN where there is none.
+        other_theta_max [rad] of the band in the other well, NaN without one.
 
     Raises
     ------
@@ -207,7 +207,7 @@ def band(
 
 
 def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
-    """The spinning states theta = 0, pi of a tippe top, as lines on the minimal surface.
+    """Compute the spinning states theta = 0, pi of a tippe top, as lines on the minimal surface.
 
     Parameters
     ----------
@@ -235,7 +235,7 @@ def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
 
 
 def _body(top: Body, system: str | System | None) -> tuple[Mapping[str, float], str | System]:
-    """Parameters and system."""
+    """Return parameters and system."""
     if isinstance(top, Top):
         return top._asdict(), system or SYSTEMS[top.gliding]
     if isinstance(top, Mapping) and "parameters" not in top:

@@ -57,7 +57,7 @@ class Run:
     final : xarray.Dataset
         The integrated variables at the end, SI units.
     problem : Problem
-        What was integrated.
+        The problem.
     attributes : dict
         The root attributes of its store.
     solution : Solution

@@ -1,4 +1,4 @@
-"""The calls that make a run, and the one that opens what was stored."""
+"""Make, open and resume runs."""
 
 import contextlib
 import threading
@@ -34,7 +34,7 @@ def run(
     stop: threading.Event | None = None,
     **scenario: Any,
 ) -> Run:
-    """Integrates one top.
+    """Integrate one top.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def run(
 
 @contextlib.contextmanager
 def _resumable(place: Path) -> Iterator[None]:
-    """A block that may be interrupted; then it says what is kept, and how it is continued."""
+    """Report how an interrupted run is continued."""
     try:
         yield
     except Interrupted:
@@ -140,7 +140,7 @@ def open(
     events: Iterable[Event] | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = None,
 ) -> Any:
-    """Opens a store of any kind; nothing is read before it is needed.
+    """Open a store of any kind; nothing is read before it is needed.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def open(
     gridded : bool
         Whether the axes of a sweep are dimensions of its table, which is read into memory.
     events, columns : iterable of Event and of Quantity, optional
-        The records of your own that a run was made with. What is stored is read without them;
+        Your records that a run was made with. Stored rows are read without them;
         `problem`, `certify` and `replay` need them.
 
     Returns

@@ -142,7 +142,7 @@ def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tupl
 
 
 def _merge(tables: dict[str, Any], name: str, given: dict[str, Any]) -> None:
-    """Add numbers to a table; the check of the scenario reports what is not a table."""
+    """Add numbers to a table; the check of the scenario reports other values."""
     base = tables.get(name, {})
     if isinstance(base, dict):
         tables[name] = {**base, **given}

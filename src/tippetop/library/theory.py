@@ -1,6 +1,4 @@
-"""What theory says of a top: thresholds, regimes, modes, nutation, and the main equation solved
-along a run.
-"""
+"""Thresholds, regimes, modes and nutation of a top, and the main equation along a run."""
 
 import math
 import warnings
@@ -45,7 +43,7 @@ class Thresholds(dict):
 
 
 def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Threshold]:
-    """The numbers that separate the regimes of a top.
+    """Compute the numbers that separate the regimes of a top.
 
     Parameters
     ----------
@@ -78,14 +76,14 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
 
 
 def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
-    """Which asymptotic states of a gliding tippe top are stable for a value of Jellett's integral.
+    """Return which asymptotic states of a gliding tippe top are stable for a Jellett integral.
 
     Parameters
     ----------
     top : TippeTop, Run, Problem or str
         The body, or what has one, as for `thresholds`.
     lam : float or str
-        Jellett's integral lambda [kg m^3/s]; a text has a unit of its own: "7e-6 kg m^3/s".
+        Jellett's integral lambda [kg m^3/s]; a text has a unit: "7e-6 kg m^3/s".
 
     Returns
     -------
@@ -108,7 +106,7 @@ def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
 def linear_modes(
     top: Top | Run | Problem | str, law: Any = None, *, omega3: float | str, inverted: bool = False
 ) -> np.ndarray:
-    """The rates p of u_x + i u_y ~ exp(p t) near a spinning state.
+    """Compute the rates p of u_x + i u_y ~ exp(p t) near a spinning state.
 
     Parameters
     ----------
@@ -173,7 +171,7 @@ def nutation(
     theta: float | str,
     **momenta: float | str,
 ) -> Nutation:
-    """The nutation between two turning angles, by quadrature in 80 bits.
+    """Compute the nutation between two turning angles, by quadrature in 80 bits.
 
     Parameters
     ----------
@@ -232,7 +230,7 @@ def nutation(
 
 
 def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
-    """theta(t) of a run from D(t) and E~(t) alone: the main equation as an equation of motion.
+    """Compute theta(t) of a run from D(t) and E~(t) alone, by the main equation.
 
     Parameters
     ----------

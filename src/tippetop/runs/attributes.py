@@ -73,7 +73,7 @@ def info(attrs: dict[str, Any]) -> dict[str, Any]:
 
 
 def headline_of(attrs: dict[str, Any]) -> str:
-    """Return in one line what was integrated."""
+    """Return the title, form, precision and law of a run in one line."""
     words = [attrs["title"], f"{attrs['form']} form", attrs["precision"]]
     if "friction" in attrs:
         law, *numbers = attrs["friction"].items()

@@ -115,7 +115,7 @@ def _timed(
 
 # --- a warning ----------------------------------------------------------------------------------
 
-# Time left [s] from which a sentence says so, and that after WAITED seconds of computing.
+# Time left [s] from which a sentence reports it, and that after WAITED seconds of computing.
 LONG, WAITED = 600.0, 30.0
 # Computing [s] from which the rest is inferred.
 AGAIN_AFTER = 3.0

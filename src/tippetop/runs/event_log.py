@@ -211,7 +211,7 @@ class EventLog:
         self.tallies.kept[[name in names for name, _ in self.known.kept], 0] = 0.0
 
     def summary(self) -> LogReport:
-        """Return what is known so far of all events."""
+        """Return the events so far."""
         tally, numbers = self.tallies.lane[0].copy(), self.tallies.kept[:, 0].copy()
         return LogReport(self.view.problem, dict(self.counts), tally, numbers)
 

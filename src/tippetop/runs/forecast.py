@@ -1,4 +1,4 @@
-"""What is known of a scenario before it is run: its invariants, its regime, its fate."""
+"""Facts about a scenario before it is run: invariants, regime, fate."""
 
 import math
 from dataclasses import replace
