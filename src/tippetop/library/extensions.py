@@ -6,8 +6,6 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
-
 from ..engine.status import Status
 from ..ensembles.outcomes import columns_of
 from ..errors import InputError, names_its_faults
@@ -15,6 +13,7 @@ from ..mechanics.consistency import rivals
 from ..mechanics.events import NUMBERED, Event
 from ..mechanics.system import Quantity, System
 from ..scenario import build
+from ..scenario.sentences import type_faults
 
 
 NAME = r"[A-Za-z_][A-Za-z0-9_]*"
@@ -98,9 +97,9 @@ def _extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity
 
 def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> list[str]:
     """Return a sentence for each fault of user-defined events and columns."""
-    faults = [fault for column in columns for fault in _wrong("column", column)]
+    faults = [fault for column in columns for fault in type_faults("column", column)]
     for event in events:
-        faults += _wrong("event", event) or _event_faults(event)
+        faults += type_faults("event", event) or _event_faults(event)
     if faults:
         return faults
     known = {*ALWAYS, *NUMBERED, *system.angles._fields, *system.vectors}
@@ -137,19 +136,6 @@ def _names(
             seen.add(name)
         faults += [f"{subject} must {must}"] if must else []
     return faults
-
-
-def _wrong(kind: str, record: Event | Quantity) -> list[str]:
-    """Return a sentence for each field of a wrong type."""
-    try:
-        TypeAdapter(type(record)).validate_python(vars(record))
-    except ValidationError as error:
-        return [
-            f"`{'.'.join(map(str, wrong['loc']))}` of the {kind} `{record.name}` must be "
-            f"{wrong['msg'].removeprefix('Input should be ')}, but is {wrong['input']!r:.60}."
-            for wrong in error.errors()
-        ]
-    return []
 
 
 def _event_faults(event: Event) -> list[str]:

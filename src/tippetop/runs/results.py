@@ -95,34 +95,6 @@ class Summary(Record):
         names = ", ".join(name for name in self if name != "reason")
         return f"<Summary: {self.reason}; {numbers}; {names}>"
 
-    status: str
-    reason: str
-    t_end: float
-    steps: int
-    drift: Record
-    normal_force: Record
-    event_counts: Record
-    inversion: Record
-    nutational_band: Record
-    theta_end: float
-    outcome: str
-    system: str
-    form: str
-    parameters: Record
-    friction: Record
-    initial: Record
-    run: Record
-    auto_form: Record
-    certificate: Record
-    tolerance: float
-    precision: str
-    final_state: Record
-    versions: Record
-    cpu: str
-    motion: str
-    regularisation: str
-    inversion_by_eps: Record
-
 
 def summary_of(attrs: Mapping[str, Any], problem: Problem | None = None) -> Summary:
     """Return the summary of a run, from root attributes and, where it is known, its problem."""

@@ -2,7 +2,7 @@
 
 from typing import Any, get_args
 
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from ..errors import sentence, suggestion, unknown_key
 from ..mechanics.contact.restitution import CONTACT, STEM
@@ -107,3 +107,16 @@ def error_sentence(error: Any, key: str, known: list[str]) -> str:
         "model_attributes_type": "must be a table",
     }.get(kind, f"must be valid ({error['msg']})")
     return sentence(key, must, error["input"])
+
+
+def type_faults(kind: str, record: Any) -> list[str]:
+    """Return a sentence for each field of a wrong type in a record with a name."""
+    try:
+        TypeAdapter(type(record)).validate_python(vars(record))
+    except ValidationError as error:
+        return [
+            f"`{'.'.join(map(str, wrong['loc']))}` of the {kind} `{record.name}` must be "
+            f"{wrong['msg'].removeprefix('Input should be ')}, but is {wrong['input']!r:.60}."
+            for wrong in error.errors()
+        ]
+    return []
