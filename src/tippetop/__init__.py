@@ -32,20 +32,21 @@ __all__ = sorted([*_PLACES, *_MODULES, "__version__"])
 
 def __getattr__(name: str) -> Any:
     """Import public names when first used: `tippetop --help` must not wait for LLVM."""
+    from importlib import import_module
+
     if name == "__version__":
         from importlib.metadata import version
 
         public: Any = version("tippetop")
     elif name in _PLACES:
-        from importlib import import_module
-
         public = getattr(import_module(f".{_PLACES[name]}", __name__), name)
     elif name in _MODULES:
-        from importlib import import_module
-
         public = import_module(f".{name}", __name__)
     else:
-        raise AttributeError(f"module 'tippetop' has no attribute {name!r}")
+        modules = [] if name.startswith("_") else _MODULES
+        found = [m for m in modules if name in import_module(f".{m}", __name__).__all__]
+        hint = f": see tippetop.{found[0]}.{name}" if found else ""
+        raise AttributeError(f"module 'tippetop' has no attribute {name!r}{hint}")
     globals()[name] = public
     return public
 

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, Any
 
 from ..columns import Column, with_coordinates
 from ..engine.status import Status
-from ..mechanics.systems import find
 from ..problem import ROUNDING
 from ..scenario.build import resolved, tables_of
 from ..scenario.own_records import OWN, own_of
@@ -35,7 +34,7 @@ def attributes(progress: RunProgress) -> dict[str, Any]:
     """Return the root attributes of a store: scenario, measurements, provenance; no clock times."""
     problem, names = progress.problem, progress.problem.variables.names
     values = [float(v) * float(w) for v, w in zip(progress.last[0], problem.weights(), strict=True)]
-    parameters = {**problem.system.parameters, **problem.system.initial}
+    numbers = {**problem.law.parameters, **problem.system.parameters, **problem.system.initial}
     return {
         "title": problem.system.title,
         "source": problem.system.source,
@@ -47,7 +46,7 @@ def attributes(progress: RunProgress) -> dict[str, Any]:
         "tolerance": problem.tolerance or ROUNDING[problem.precision],
         "precision": problem.precision,
         "auto_form": {"form": problem.choice.form.name, "because": problem.choice.because},
-        "units": {name: parameter.unit.symbol for name, parameter in parameters.items()},
+        "units": {name: number.unit.symbol for name, number in numbers.items()},
         "final_state": dict(zip(names, values, strict=True)),
         "report": report(progress),
         **provenance(),
@@ -77,10 +76,7 @@ def headline_of(attrs: dict[str, Any]) -> str:
     words = [attrs["title"], f"{attrs['form']} form", attrs["precision"]]
     if "friction" in attrs:
         law, *numbers = attrs["friction"].items()
-        system = find(attrs["system"])
-        known = system.laws.get(law[1]) if system else None  # None: of another package
-        rules = known.given(dict(numbers)).parameters if known else {}
-        units = {name: f" {rule.unit.symbol}".removesuffix(" 1") for name, rule in rules.items()}
-        parts = [f"{name} = {value:g}{units.get(name, '')}" for name, value in numbers]
+        units = attrs["units"]
+        parts = [f"{name} = {value:g} {units[name]}".removesuffix(" 1") for name, value in numbers]
         words.append(", ".join([f"{law[1]} friction", *parts]) if numbers else "no friction")
     return " · ".join(words)
