@@ -164,9 +164,7 @@ def followed(minimal: Minimal) -> Callable[[float], Solver]:
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
-        return Solver(
-            lambda _: Integration(problem).run(Sink()), lambda: _solved(problem)
-        )
+        return Solver(lambda _: Integration(problem).run(Sink()), lambda: _solved(problem))
 
     return solver
 
