@@ -1,6 +1,4 @@
-"""A body with its start and friction as a file for a simulator; what the format cannot express is
-in the file.
-"""
+"""A body with its start and friction as a file for a simulator, with remarks on differences."""
 
 import math
 from typing import Any, NamedTuple
@@ -17,18 +15,14 @@ from ..problem import Problem
 
 
 FORMATS = ("mjcf", "urdf")
-TIP = (
-    1e-3  # radius of the ball that stands for a tip, in lengths from the tip to the centre of mass
-)
+TIP = 1e-3  # radius of the ball for a tip, in lengths from the tip to the centre of mass
 # [s]. A soft contact is as stiff as the step allows; see docs/how-to/compare-a-simulator.md.
 STEP = 1e-4
 RESULT = "tippetop compare OTHER.csv SCENARIO"
 
 
 class Start(NamedTuple):
-    """The state at t = 0, SI: of the centre of mass, quaternion wxyz, angular velocity in body
-    axes.
-    """
+    """The state at t = 0, SI: place, quaternion wxyz, velocity, angular velocity in body axes."""
 
     place: np.ndarray
     quaternion: np.ndarray
@@ -37,7 +31,7 @@ class Start(NamedTuple):
 
 
 def start_of(problem: Problem) -> Start:
-    """The start of a body on the plane, whatever the form in which it is integrated."""
+    """Return the start of a body on the plane, in any form."""
     columns = {
         k: c.values[0]
         for k, c in Observables(problem).columns(np.zeros(1), problem.start()[None, :]).items()
@@ -68,20 +62,18 @@ def start_of(problem: Problem) -> Start:
 
 
 def text_of(problem: Problem, to: str) -> str:
-    """The file.
+    """Return the text of the file.
 
-    Raises InputError for a body that is none of three dimensions, or another format.
+    Raises InputError for a planar body, or another format.
     """
     if to not in FORMATS:
-        raise InputError(
-            [f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`."]
-        )
+        raise InputError(f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`.")
     if not isinstance(problem.body(), contact.Touch) or "axis" not in problem.system.vectors:
         raise InputError(
-            [f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."]
+            f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."
         )
     if not problem.orientation:
-        raise InputError(["`run.orientation` must be true for a simulator, but is false."])
+        raise InputError("`run.orientation` must be true for a simulator, but is false.")
     return (_mjcf if to == "mjcf" else _urdf)(problem)
 
 
@@ -90,9 +82,7 @@ def _numbers(*values: Any) -> str:
 
 
 def _balls(problem: Problem) -> list[tuple[str, float, float]]:
-    """Name, offset along the axis from the centre of mass and radius of each ball that touches the
-    plane.
-    """
+    """Return name, offset along the axis and radius of each ball that touches the plane."""
     body = problem.body()
     if body.R == 0:
         return [("tip", body.c, TIP * abs(body.c))]
@@ -103,7 +93,7 @@ def _balls(problem: Problem) -> list[tuple[str, float, float]]:
 
 
 def _cannot(problem: Problem) -> tuple[float, list[str]]:
-    """The friction coefficient, and sentences on what is not the same in a simulator."""
+    """Return the friction coefficient, and the differences of a simulator in sentences."""
     law, body = problem.friction, problem.body()
     sentences = [
         "contacts in simulators are soft, or solved once a step: refine step and stiffness"
@@ -142,8 +132,8 @@ def _comment(problem: Problem, sentences: list[str]) -> str:
     return (
         f"<!--\n  {problem.system.title}, from tippetop. SI units, z up; the body's frame is at "
         "its centre of mass,\n"
-        f"  z along its axis of symmetry. Compare what comes out with: {RESULT}\n"
-        f"  What is not the same as in tippetop:\n{lines}\n-->\n"
+        f"  z along its axis of symmetry. Compare the output with: {RESULT}\n"
+        f"  Differences from tippetop:\n{lines}\n-->\n"
     )
 
 

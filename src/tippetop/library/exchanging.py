@@ -37,7 +37,7 @@ class Comparison(Verdict):
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """Draw it as a figure, and save that where a path is given."""
-        from ..figures.comparison import comparison
+        from ..figures.motions import comparison
 
         return _saved(comparison(self.motions, self.title), path, overwrite)
 

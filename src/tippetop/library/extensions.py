@@ -8,9 +8,9 @@ from typing import Any
 
 from ..engine.status import Status
 from ..ensembles.outcomes import columns_of
-from ..errors import InputError, names_its_faults
+from ..errors import InputError
 from ..mechanics.consistency import rivals
-from ..mechanics.events import NUMBERED, Event
+from ..mechanics.event import NUMBERED, Event
 from ..mechanics.system import Quantity, System
 from ..scenario import build
 from ..scenario.sentences import type_faults
@@ -83,15 +83,8 @@ def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity,
 
 @lru_cache(maxsize=64)
 def _extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
-    def named(records: tuple[Any, ...], kind: str) -> list[Any]:
-        return [
-            dataclasses.replace(r, formula=names_its_faults(r.formula, f"the {kind} `{r.name}`"))
-            for r in records
-        ]
-
     return system.replace(
-        events=(*system.events, *named(events, "event")),
-        quantities=(*system.quantities, *named(columns, "column")),
+        events=(*system.events, *events), quantities=(*system.quantities, *columns)
     )
 
 

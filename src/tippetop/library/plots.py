@@ -86,7 +86,7 @@ class Plots:
         """
         flag("overwrite", overwrite)
         kind = kind.replace("_", "-") if isinstance(kind, str) else kind  # as the methods are named
-        catalogue.kind_of(kind)
+        catalogue.check_kind(kind)
         file = None if path is None else path_of("path", path)
         if file is not None:
             catalogue.check_format(file)

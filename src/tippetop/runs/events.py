@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..columns import Column, column, flag_attributes
-from ..mechanics.events import NUMBERED
+from ..mechanics.event import NUMBERED
 from ..mechanics.units import RADIAN, SECOND
 
 

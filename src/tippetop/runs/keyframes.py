@@ -72,12 +72,12 @@ def empty(problem: Problem, driver: Driver) -> dict[str, Column]:
 
 def rows(path: Path, problem: Problem) -> dict[str, Column]:
     """Return the start and the keyframes of a stored run as rows. Raises StoreError."""
-    from ..store import chunks
+    from ..store.root import loaded, open_group
 
-    arrays = chunks.read_member(path, "keyframes")
+    table = loaded(open_group(path, "keyframes"), path)
     driver, states = driver_of(problem), [problem.start()[None, :]]
-    for state in arrays["state"][:]:
+    for state in table["state"].values:
         restore(driver, {"state": state})
         states.append(driver.present())
-    times = np.concatenate([[0.0], arrays["time"][:]])
+    times = np.concatenate([[0.0], table["time"].values])
     return Observables(problem).columns(times, np.concatenate(states))

@@ -1,12 +1,9 @@
 """A run becomes a store as it goes: full chunks, a tail of waiting rows, acknowledging records."""
 
-import contextlib
 import json
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,6 +19,7 @@ from ..store import files, ledger, provenance, zarr3
 from ..store.ledger import Ledger
 from ..store.root import finite, new_store
 from ..store.table import LATE, Table
+from ..store.writer import Writer, begin
 from . import attributes, keyframes, phases, reporting, sensitivities
 from .events import EventTable, event_columns
 from .integration import Integration
@@ -43,33 +41,18 @@ FINISHED = "The run is finished and whole; only temporary files are left in it."
 Progress = Callable[[RunProgress], None]
 
 
-class Recorder(Sink):
-    """The sink of a run that writes its store: a context, which waits for the writing at its end.
-
-    All writing is done in one thread: it overlaps the integration, and no KeyboardInterrupt
-    enters it.
-    """
+class Recorder(Writer, Sink):
+    """The sink of a run that writes its store."""
 
     keeps_rows = True
 
     def __init__(self, problem: Problem, store: Ledger, stop: threading.Event | None = None):
-        self.problem, self.view = problem, Observables(problem)
-        self.store, self.stop = store, stop
-        names = (name for name in store.state.header["tables"] if not name.endswith(LATE))
-        self.growing = {name: Table(store, name) for name in names}
+        super().__init__(store)
+        self.problem, self.view, self.stop = problem, Observables(problem), stop
+        self.growing = {name: Table(store, name) for name in store.state.header["tables"]}
         # Versions and processors that wrote the store before.
         self.begun_with: list[dict[str, Any]] = []
-        self.queued: deque[Future] = deque()
-        self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
         self.committed_at, self.asked = time.monotonic(), 0.0
-
-    def __enter__(self) -> "Recorder":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.thread.shutdown(cancel_futures=True)
-
-    # --- a sink ----------------------------------------------------------------------------------
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Take rows. Raises Interrupted if a stop has waited too long for the end of a slice."""
@@ -77,24 +60,24 @@ class Recorder(Sink):
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
                 raise Interrupted
-        self._later(lambda: self._append("trajectory", self.view.columns(times, states())))
+        self.later(lambda: self._append("trajectory", self.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Take rows of the event log."""
         if len(table.time):
-            self._later(lambda: self._append("events", event_columns(table)))
+            self.later(lambda: self._append("events", event_columns(table)))
         if marks:
-            self._later(lambda: self.growing["events"].mark(SIGNIFICANT, marks))
+            self.later(lambda: self.mark(marks))
 
     def keyframe(self, row: dict[str, Column]) -> None:
         """Take a keyframe."""
-        self._later(lambda: self._append("keyframes", row))
+        self.later(lambda: self._append("keyframes", row))
 
     def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
         """Take rows of further tables."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
-                self._later(partial(self.growing[name].append, table))
+                self.later(partial(self.growing[name].append, table))
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
         """Commit now and then; stop at a commit if asked to."""
@@ -107,43 +90,30 @@ class Recorder(Sink):
     def derived(self, tables: Mapping[str, dict[str, Column]]) -> None:
         """Take the tables of derivatives."""
         for name, columns in tables.items():
-            self._later(partial(self._append, name, columns))
+            self.later(partial(self._append, name, columns))
 
     def differentiate(self) -> None:
         """Make the tables of derivatives of a finished run, from its rows and its log."""
         problem = self.problem
         if not problem.sensitivities:
             return
-        self._now(lambda: None)
-        log, events = EventTable.empty(problem.system.kinds), self.growing["events"]
-        table = EventTable(log.kinds, *(events.values(name) for name in log.columns()))
+        self.now(lambda: None)
+        log = EventTable.empty(problem.system.kinds)
+        parts = [self.growing["events"], self.growing["events" + LATE]]
+        stored = {name: part.values(name) for part in parts for name in part.documents}
+        table = EventTable(log.kinds, *(stored[name] for name in log.columns()))
         times = problem.times[: self.growing["trajectory"].rows]
         make = partial(sensitivities.tables, problem, times, table)
         self.derived(awaited(make, "the derivatives of the run are being computed", self.stop))
 
-    # --- the writing thread ----------------------------------------------------------------------
-
     def _append(self, name: str, columns: Mapping[str, Column]) -> None:
-        self.growing[name].append({key: column.values for key, column in columns.items()})
+        values = {key: column.values for key, column in columns.items()}
+        for part in self.growing.keys() & {name, name + LATE}:
+            self.growing[part].append(values)
 
-    def _later(self, work: Callable[[], None]) -> None:
-        """Queue work, at most a few slices ahead; raise what went wrong in the thread."""
-        while len(self.queued) > 8 or (self.queued and self.queued[0].done()):
-            self.queued.popleft().result()
-        self.queued.append(self.thread.submit(work))
-
-    def _now(self, work: Callable[[], None]) -> None:
-        """Do work after all that was queued, unless something went wrong, which is raised."""
-        while self.queued:
-            self.queued.popleft().result()
-
-        def checked() -> None:
-            self.store.check()
-            work()
-
-        self.thread.submit(checked).result()
-
-    # --- commits ---------------------------------------------------------------------------------
+    def mark(self, rows: list[int], value: bool = True) -> None:
+        """Set the flags of some events."""
+        self.growing["events" + LATE].mark(SIGNIFICANT, rows, value)
 
     def commit(self, progress: RunProgress, snapshot: dict[str, Any]) -> None:
         """Acknowledge all rows, and the state from which the run can be continued."""
@@ -156,38 +126,35 @@ class Recorder(Sink):
             self.store.commit(self.tail(snapshot), rows=self.counts(), changed=changed)
             self.derive()
 
-        self._now(work)
+        self.now(work)
         self.committed_at = time.monotonic()
 
     def tail(self, snapshot: dict[str, Any]) -> bytes:
         """Return the rows that no chunk contains, and the state of the run."""
-        parts = {name: table.tail() for name, table in self.growing.items()}
         state = {
             **here(),
             "begun_with": self.begun_with,
             "integration": snapshot,
-            "tables": {name: about for name, (about, _) in parts.items()},
+            "tables": {name: [table.written, table.rows] for name, table in self.growing.items()},
         }
         head = json.dumps(state, allow_nan=False).encode() + b"\n"
-        return head + b"".join(data for _, data in parts.values())
+        return head + b"".join(table.tail() for table in self.growing.values())
 
     def restore(self, tail: bytes) -> None:
         """Take back the rows of a tail."""
         head, _, data = tail.partition(b"\n")
-        for name, about in json.loads(head)["tables"].items():
-            data = self.growing[name].restore(about, data)
+        for name, (written, rows) in json.loads(head)["tables"].items():
+            data = self.growing[name].restore(written, rows, data)
 
     def derive(self) -> None:
         """Write the files that only readers of an unfinished store need."""
-        files_of = (table.derived().items() for table in self.growing.values())
-        self.store.derive({file: data for some in files_of for file, data in some})
+        self.store.derive(
+            {file: data for table in self.growing.values() for file, data in table.derived()}
+        )
 
     def counts(self) -> dict[str, int]:
         """Return the rows of all tables, by their names in the ledger."""
-        counts: dict[str, int] = {}
-        for table in self.growing.values():
-            counts |= table.counts()
-        return counts
+        return {name: table.rows for name, table in self.growing.items()}
 
     def finish(self, attrs: dict[str, Any], ending: dict[str, Any] | None) -> dict[str, Any]:
         """Write waiting rows, and close the store with its last root attributes; return them."""
@@ -204,7 +171,7 @@ class Recorder(Sink):
                 with files.writing(self.store.path, FINISHED if self.store.state.closing else ""):
                     raise
 
-        self._now(work)
+        self.now(work)
         return self.store.state.attributes
 
 
@@ -215,6 +182,7 @@ def record(
     overwrite: bool = False,
     progress: Progress | None = None,
     stop: threading.Event | None = None,
+    in_sweep: bool = False,
 ) -> tuple[Integration, dict[str, Any]]:
     """Integrate a problem into a new store, in any thread.
 
@@ -226,6 +194,8 @@ def record(
         The store to make.
     overwrite
         Whether an existing store may be replaced; not while another process writes it.
+    in_sweep
+        Whether the target lies in the store of a sweep, which writes it.
     progress
         Called after every slice.
     stop
@@ -245,12 +215,14 @@ def record(
     Interrupted
         `stop` was set.
     """
-    with contextlib.ExitStack() as held:
-        with new_store(target, overwrite=overwrite) as scratch:
-            integration = Integration(problem, stop)
-            store = held.enter_context(Ledger.created(scratch, header(integration), bare=True))
-        store.path = Path(target)
-        return run_into(integration, store, progress, stop)
+    begun: list[Integration] = []
+
+    def head() -> dict[str, Any]:
+        begun.append(Integration(problem, stop))
+        return header(begun[0])
+
+    store = begin(target, head, overwrite=overwrite, in_sweep=in_sweep)
+    return run_into(begun[0], store, progress, stop)
 
 
 def run_into(
@@ -258,12 +230,12 @@ def run_into(
     store: Ledger,
     progress: Progress | None,
     stop: threading.Event | None,
-    begin: Callable[[Recorder], None] = lambda _: None,
+    take_up: Callable[[Recorder], None] = lambda _: None,
 ) -> tuple[Integration, dict[str, Any]]:
-    """Integrate into an open store: from its start, or from where `begin` puts it."""
+    """Integrate into an open store: from its start, or from where `take_up` puts it."""
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
-        begin(recorder)
+        take_up(recorder)
         if stop is not None and stop.is_set():
             raise Interrupted
         integration.run(recorder, progress)
@@ -285,8 +257,7 @@ def save(
     integration.t_end = solution.report["t_end"]
     with (
         new_store(target, overwrite=overwrite) as scratch,
-        Ledger.created(scratch, head) as store,
-        Recorder(solution.problem, store) as recorder,
+        Recorder(solution.problem, Ledger.created(scratch, head)) as recorder,
     ):
         for first in range(0, len(solution.times), ROWS_PER_CHUNK):
             some = slice(first, first + ROWS_PER_CHUNK)
@@ -304,16 +275,14 @@ def header(integration: Integration, attrs: dict[str, Any] | None = None) -> dic
 
     `attrs` are root attributes other than its own.
     """
-    members: dict[str, Any] = {}
-    chunked: dict[str, list[str]] = {}
+    tables: dict[str, dict[str, Any]] = {}
     for name, columns, chunk in _tables_of(integration):
-        members[name] = zarr3.group({})
         for key, column in columns.items():
-            members[f"{name}/{key}"] = zarr3.array(column, {column.dims[0]: (0, chunk)})
             table = name + LATE if key == SIGNIFICANT else name
-            chunked.setdefault(table, []).append(f"{name}/{key}")
+            array = zarr3.array(column, {column.dims[0]: (0, chunk)})
+            tables.setdefault(table, {})[f"{name}/{key}"] = array
     attrs = attrs or finite(attributes.attributes(integration.progress()))
-    return ledger.header(attrs, members, chunked)
+    return ledger.header(attrs, tables)
 
 
 def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:

@@ -88,16 +88,14 @@ def into_store(
     head = recording.header(integration, root.attributes(path) | {"replay": about})
     with (
         root.new_store(out, overwrite=overwrite) as scratch,
-        Ledger.created(scratch, head) as store,
-        _Rows(integration.problem, store) as recorder,
+        _Rows(integration.problem, Ledger.created(scratch, head)) as recorder,
     ):
         _make(integration, recorder)
         for name, table in recorder.growing.items():
             if name == "trajectory":
                 continue
-            names = [column.rpartition("/")[2] for column in table.documents]
-            for piece in chunks.pieces(path, name, names):
-                first, last = ("start", "end") if name == "phases" else ("time", "time")
+            first, last = ("start", "end") if name == "phases" else ("time", "time")
+            for piece in chunks.pieces(path, table.group, [*table.documents, first, last]):
                 within = (piece[last] >= times.start) & (piece[first] <= times.until)
                 table.append({key: values[within] for key, values in piece.items()})
         recorder.finish({}, None)
@@ -174,24 +172,21 @@ def _refuse(times: EvenTimes, end: float) -> None:
 
 def _take_up(path: Path, integration: Integration, start: float) -> None:
     """Put a run at its last keyframe before `start` [s], or leave it at its start."""
-    arrays = chunks.read_member(path, "keyframes")
-    names = keyframes.empty(integration.problem, integration.driver).keys()
-    if arrays.keys() != names:
-        raise StoreError(
-            f"`{path}` must have the columns of keyframes, but has {', '.join(sorted(arrays))}."
-        )
+    table = root.open_group(path, "keyframes")
+    if table.variables.keys() != keyframes.empty(integration.problem, integration.driver).keys():
+        found = ", ".join(sorted(map(str, table.variables)))
+        raise StoreError(f"`{path}` must have the columns of keyframes, but has {found}.")
     before = start * (1 - 2**-50)  # the exact time is not that of the column to the last bit
-    at = int(np.searchsorted(arrays["time"][:], before)) - 1
+    at = int(np.searchsorted(root.loaded(table[["time"]], path)["time"].values, before)) - 1
     if at < 0:
         return
-    if arrays["state"].attrs.get("equations") != fingerprint(integration.driver):
+    if table["state"].attrs.get("equations") != fingerprint(integration.driver):
         raise StoreError(
             f"`{path}` must be of the equations that are installed to be replayed, but is of "
             "others."
         )
     try:
-        integration.take_up(
-            {name: chunks.rows(array, at, at + 1)[0] for name, array in arrays.items()}
-        )
+        row = root.loaded(table.isel(keyframe=at), path)
+        integration.take_up({str(name): value.values for name, value in row.variables.items()})
     except (ValueError, IndexError, TypeError) as error:
         raise StoreError(f"`{path}` must have whole keyframes, but: {error}.") from None

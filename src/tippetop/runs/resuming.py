@@ -83,7 +83,7 @@ def resume(
         _compare(store, header)
         state = kept["integration"] if tail else (store.state.end or {}).get("slice")
 
-        def begin(recorder: Recorder) -> None:
+        def take_up(recorder: Recorder) -> None:
             recorder.begun_with = kept.get("begun_with", [])
             if state is None:  # it was killed before its first commit
                 return
@@ -91,12 +91,11 @@ def resume(
             if tail:
                 recorder.restore(tail)
             else:
-                for name, rows in _rows(integration).items():
-                    if name in recorder.growing:
-                        recorder.growing[name].cut(rows)
+                rows = _rows(integration)
+                for table in recorder.growing.values():
+                    table.cut(rows[table.group])
             # events that are still open here
-            marks = integration.log.open_rows()
-            recorder.growing["events"].mark(recording.SIGNIFICANT, marks, value=False)
+            recorder.mark(integration.log.open_rows(), value=False)
             if not tail:
                 chunks = {key for table in recorder.growing.values() for key in table.chunks()}
                 store.restart(
@@ -104,7 +103,7 @@ def resume(
                 )
             recorder.derive()
 
-        return run_into(integration, store, progress, stop, begin)
+        return run_into(integration, store, progress, stop, take_up)
 
 
 def opened(target: Path) -> Ledger:
