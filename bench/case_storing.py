@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import zarr
-
 from tippetop.cli.memory import keep_memory
+
 from tippetop.problem import Problem
 from tippetop.runs import recording
 from tippetop.runs.integration import Integration

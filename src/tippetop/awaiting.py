@@ -8,10 +8,13 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future, wait
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from .errors import Interrupted
+
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 
 Result = TypeVar("Result")
@@ -39,6 +42,8 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     """
     if threading.current_thread() is not threading.main_thread():
         return work()
+    from concurrent.futures import Future, wait  # imports logging: late
+
     context, result = contextvars.copy_context(), Future[Result]()
 
     def done() -> None:

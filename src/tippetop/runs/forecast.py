@@ -28,7 +28,7 @@ def assessment(problem: Problem) -> dict[str, Any]:
         if q.is_column
     }
     return {
-        "auto_form": {"form": problem.choice.form.name, "because": problem.choice.because},
+        "auto_form": problem.auto_form,
         "at_start": quantities,
         **_outlook(problem, start),
         **regularisation(problem, expected),

@@ -15,7 +15,7 @@ from ..errors import InputError, StoreError
 from ..mechanics.system import System
 from ..problem import Problem
 from ..scenario import build, reading
-from ..scenario.own_records import OWN
+from ..scenario.identity import DIGESTS
 from ..store import ledger, root
 
 
@@ -137,7 +137,7 @@ def _without_own(attrs: dict[str, Any]) -> dict[str, Any]:
     """Return the root attributes of a run without its user-defined events and columns."""
     run = {**attrs["run"], "events": []}
     run.pop("columns", None)
-    return {key: value for key, value in attrs.items() if key != OWN} | {"run": run}
+    return {key: value for key, value in attrs.items() if key != DIGESTS} | {"run": run}
 
 
 def _ended(path: Path) -> dict[str, Any]:
