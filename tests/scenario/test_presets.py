@@ -30,6 +30,7 @@ def test_preset_runs_and_cites(name: str) -> None:
     [
         ("cohen-coulomb", 0.02878761568, 0.0528961411),
         ("leine-glocker-stem", 0.0361449219, 0.0363789785),
+        ("mujoco-tutorial", 0.00106575846, 0.00071159046),
     ],
 )
 def test_coulomb_friction_sticks_when_the_literature_s_tops_do(
@@ -49,6 +50,11 @@ def test_coulomb_friction_sticks_when_the_literature_s_tops_do(
     assert events["theta"].values[at] == pytest.approx([theta], abs=1e-10)
     energy = made["trajectory"]["energy"].values[made["trajectory"]["time"].values > stick]
     assert np.ptp(energy) < 1e-13 * energy[0]
+
+
+def test_mujoco_tutorial_stays_upright_under_exact_coulomb_friction() -> None:
+    events = datasets(solve(load("mujoco-tutorial")))["events"]
+    assert events["theta"].max() == pytest.approx(0.002943501, abs=1e-9)
 
 
 def test_flying_lifts_off_when_the_top_that_stops_there_does() -> None:
