@@ -19,7 +19,7 @@ from tippetop.problem import Problem
 from tippetop.runs import recording
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
-from tippetop.runs.sinks import Memory
+from tippetop.runs.sinks import Sink
 from tippetop.sampling import EvenTimes
 from tippetop.scenario import build
 
@@ -46,7 +46,7 @@ def bare(problem: Problem) -> Seconds:
 def followed(problem: Problem) -> Seconds:
     """Seconds of the run without rows."""
     integration = Integration(problem)
-    return spent(lambda: integration.run(Memory(keeps_rows=False)))
+    return spent(lambda: integration.run(Sink()))
 
 
 def stored(problem: Problem) -> Seconds:
