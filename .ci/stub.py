@@ -23,7 +23,7 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from .mechanics.events import Event
+from .mechanics.event import Event
 from .mechanics.system import Quantity
 """
 NAMED = re.compile(r"\b((?:[a-z_]\w*\.)+)([A-Z]\w*)")

@@ -91,7 +91,7 @@ def grid(points: float) -> float:
     t, n = bodies.top(FIGURE), round(math.sqrt(points))
     D = 6 * math.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
     x, y = np.linspace(-D, D, n), np.linspace(-D * FIGURE["R"], D * FIGURE["R"], round(points / n))
-    return timed(lambda: surface.heights(t, x, y, 1))
+    return timed(lambda: surface.minima(t, x, y, 1))
 
 
 def tolerance(every: int) -> dict[str, Any]:

@@ -12,12 +12,10 @@ import numpy as np
 import scipy.optimize
 
 from tippetop.landscape import body as bodies
-from tippetop.landscape import formulas, kernels
+from tippetop.landscape import kernels
 from tippetop.landscape.surface import minimal_surface
 from tippetop.mechanics.systems import tippe_top
 from tippetop_kernels import grid
-from tippetop_kernels.minimise import NEARLY, clipped, factor
-from tippetop_kernels.staging import BLOCK
 
 from .measure import elapsed, ratio
 
@@ -113,14 +111,11 @@ def compete(n, repeats):
     F, q, status = buffers(n)
     zs = np.linspace(-0.999, 0.999, n)
 
-    def alone(s):
-        kernels.heights(t.two_wells, xs[s], ys, r, F[s], status[s])
-
-    def full(s):
+    def rows(s):
         kernels.minima(t.two_wells, xs[s], ys, r, F[s], q[s], status[s])
 
-    def surface(threads, work=alone):
-        return lambda: grid.on_threads(work, n, threads)
+    def surface(threads):
+        return lambda: grid.on_threads(rows, n, threads)
 
     small = {
         "golden section, jitted": max(50, n // 5),
@@ -133,8 +128,6 @@ def compete(n, repeats):
         "V": (n, lambda: tabulate(potential, zs, xs, ys, b, F)),
         "F, 1 thread": (n, surface(1)),
         "F, 2 threads": (n, surface(2)),
-        "F and argmin, 1 thread": (n, surface(1, full)),
-        "F and argmin, 2 threads": (n, surface(2, full)),
     }
     for name, work in (
         ("golden section, jitted", lambda *a: golden(potential, *a)),
@@ -151,70 +144,13 @@ def compete(n, repeats):
     for name, table in tables.items():
         exact = minimal_surface(FIGURE, *axes[name]).F.values
         errors[name] = float(np.max(np.abs(table / exact - 1)))
-    looked = count_closer(t, xs, ys)
-    return out, errors, looked
-
-
-def count_closer(t, xs, ys):
-    """The share of points that one step of Halley does not bring so near that F is at rest."""
-    return count(xs, ys, t.coefficients) / (xs.size * ys.size)
-
-
-@compiled
-def count(xs, ys, r):
-    """How many points one step of Halley does not bring so near that F is at rest."""
-    n = 0
-    for x in xs:
-        for y in ys:
-            p = formulas.at_momenta(x, y, r)
-            g1, g2, g3 = formulas.slopes(clipped(formulas.guess(p, r)), p, r)
-            n += not abs(factor(g1, g2, g3) - 1) <= NEARLY
-    return n
-
-
-def pieces(n, repeats):
-    """Where the time of a point goes [ns]: each part of a row by itself, on one block that stays in
-    the cache.
-    """
-    t = bodies.top(FIGURE)
-    f, r, many = formulas, t.coefficients, n * n // BLOCK
-    D = 6 * np.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
-    x, ys = 0.3 * D, np.linspace(0.3 * D, 0.4 * D, BLOCK) * FIGURE["R"]
-    like = f.at_momenta(x, ys[0], r)
-    F, q, last, status = np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK), np.empty(BLOCK, np.int8)
-    points, stages = np.empty(16 * BLOCK), np.empty(grid.STAGED * BLOCK)
-    loops = {
-        "terms of the point": (grid.prepared, f.at_momenta, (x, ys, r, points)),
-        "guess": (grid.guesses, f.guess, (like, r, q, points, stages)),
-        "one step of Halley": (grid.steps, f.slopes, (like, r, q, last, points, stages, 1, 1e-3)),
-        "F in double-double arithmetic": (grid.values, f.value, (like, r, q, F, points, stages)),
-        "status": (grid.judged, f.ends, (like, x, ys, r, last, status, points, 1e-3)),
-    }
-
-    out = {}
-    for name, (part, formula, arguments) in loops.items():
-        again = repeated(part, formula)
-        again(1, arguments)
-        times = (elapsed(lambda a=again, given=arguments: a(many, given)) for _ in range(repeats))
-        out[name] = statistics.median(1e9 * time / (many * BLOCK) for time in times)
-    return out
-
-
-def repeated(part, formula):
-    """A loop that calls a part of a row many times."""
-
-    @compiled
-    def again(many, arguments):
-        for _ in range(many):
-            part(formula, *arguments)
-
-    return again
+    return out, errors
 
 
 def compare(quick: bool) -> dict:
-    """Nanoseconds per point of V, F and the peers, and what they are made of."""
+    """Return the nanoseconds per point of V, F and the peers."""
     n, repeats = (400, 3) if quick else (2000, 9)
-    (times, errors, looked), parts = compete(n, repeats), pieces(n, repeats)
+    times, errors = compete(n, repeats)
     one, two = times["F, 1 thread"], times["F, 2 threads"]
     return {
         "title": "V and the minimal surface F over a grid",
@@ -223,9 +159,6 @@ def compare(quick: bool) -> dict:
         "ns_per_point": {name: statistics.median(v) for name, v in times.items()},
         "best_ns_per_point": {name: min(v) for name, v in times.items()},
         "F_in_V": ratio(one, times["V"]),
-        "evaluations": "1 guess, 1 slopes, 1 value",
-        "ns_of_the_pieces": parts,
-        "closer_looks": looked,
         "scaling_1_to_2_threads": ratio(one, two),
         "times_faster_than": {
             name: {"1 thread": ratio(times[name], one), "2 threads": ratio(times[name], two)}

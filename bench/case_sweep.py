@@ -17,6 +17,7 @@ import numpy as np
 from tippetop.ensembles import ensemble
 from tippetop.sweeps import sweep
 from tippetop.sweeps.plan import Plan
+from tippetop.sweeps.workers import of_client
 
 
 def plain(document: dict[str, Any]) -> tuple[float, float]:
@@ -34,7 +35,7 @@ def swept(made: Plan, client: Any) -> tuple[float, float]:
     writer.
     """
     its_own = mock.patch.object(
-        sweep, "connect", return_value=contextlib.nullcontext(client)
+        sweep, "connect", return_value=contextlib.nullcontext(of_client(client))
     )  # only it has the keys
     with tempfile.TemporaryDirectory() as folder, its_own:
         before, clock = used(client), time.perf_counter()

@@ -13,7 +13,7 @@ import numpy as np
 from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.engine.taylor import driver_of
-from tippetop.mechanics.events import Event
+from tippetop.mechanics.event import Event
 from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.units import SECOND
 from tippetop.problem import Problem

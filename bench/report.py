@@ -280,9 +280,7 @@ def surface(result: dict[str, Any]) -> str:
         [name, number(ns), number(best[name]), f"{errors[name]:.1e}" if name in errors else ""]
         for name, ns in result["ns_per_point"].items()
     ]
-    parts = [[name, number(ns)] for name, ns in result["ns_of_the_pieces"].items()]
-    first = table(["", "ns a point, median", "best", "largest relative error"], rows)
-    return f"{first}\n\n{table(['part of F', 'ns a point'], parts)}"
+    return table(["", "ns a point, median", "best", "largest relative error"], rows)
 
 
 def startup(result: dict[str, Any]) -> str:

@@ -26,8 +26,8 @@ PACKAGES = ("tippetop", "tippetop_kernels")
 KEPT = 8
 """Folders of machine code, one for each state of the sources; the most recently used are kept."""
 
-EDIT_MARGIN = 0.05
-"""Seconds by which the clocks of files and processes may differ."""
+IMPORTED = time.time()
+"""When this process began to import our sources, in seconds since 1970."""
 
 
 # --- kernels ------------------------------------------------------------------------------------
@@ -83,7 +83,7 @@ class Entry:
         compiled = functools.partial(numba.njit, types, error_model="numpy", nogil=True)
         if (folder := self._folder(arguments, types)) is not None:
             try:
-                with _checked(folder), _numba_cache(folder):
+                with _numba_cache(folder):
                     return compiled(cache=True)(self.function)
             except Exception:  # the disk is full, or two processes compile at the same time
                 shutil.rmtree(folder, ignore_errors=True)
@@ -127,9 +127,7 @@ def _records(arguments: tuple) -> Iterator[type]:
 
 
 def _is_ours(thing: Any) -> bool:
-    """Return whether a class or function is defined in the sources of our packages, or
-    is built in.
-    """
+    """Return whether a class or function belongs to our packages, or is built in."""
     return thing.__module__.partition(".")[0] in (*PACKAGES, "builtins")
 
 
@@ -137,7 +135,7 @@ def _is_ours(thing: Any) -> bool:
 
 
 def cache_folder() -> Path | None:
-    """Return the folder of compiled code, or None if there is none.
+    """Return the folder of compiled code, or None without one.
 
     It is TIPPETOP_CACHE_DIR (none if empty), or `tippetop/kernels` in the user's folder of caches.
     """
@@ -184,55 +182,23 @@ def code_folder() -> Path | None:
 def sources_digest() -> str | None:
     """Return a digest of our source files and of the versions of the compiler.
 
-    None if a file was changed after this process began, which may have loaded the text before.
+    None if a file was changed after this process imported it.
     """
     import llvmlite
     import numba
 
     versions = numba.__version__, llvmlite.__version__, np.__version__
     total = hashlib.sha256(repr(versions).encode())
-    began = _process_start()
     for package in PACKAGES:
         spec = importlib.util.find_spec(package)
         for root in spec.submodule_search_locations or () if spec else ():
             for path in sorted(Path(root).rglob("*.py")):
-                if path.stat().st_ctime > began - EDIT_MARGIN:
+                if path.stat().st_ctime > IMPORTED:
                     return None
                 text = path.read_bytes()
                 name = f"\0{package}/{path.relative_to(root)} {len(text)}\0"
                 total.update(name.encode() + text)
     return total.hexdigest()[:16]
-
-
-def _process_start() -> float:
-    """Return when this process began, in seconds since 1970; the present time if not on Linux."""
-    try:
-        ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
-        booted = time.time() - time.clock_gettime(time.CLOCK_BOOTTIME)
-        return booted + ticks / os.sysconf("SC_CLK_TCK")
-    except (OSError, AttributeError):
-        return time.time()
-
-
-@contextlib.contextmanager
-def _checked(folder: Path) -> Iterator[None]:
-    """Remove the files of a folder before the block if their checksum is wrong; store it after the
-    block.
-    """
-    checksum = folder / "sha256"
-    whole = checksum.exists() and checksum.read_bytes() == _digest_of(folder)
-    if not whole:
-        shutil.rmtree(folder, ignore_errors=True)
-    yield
-    if not whole:
-        checksum.write_bytes(_digest_of(folder))
-
-
-def _digest_of(folder: Path) -> bytes:
-    total = hashlib.sha256()
-    for path in sorted(folder.rglob("*.nb?")):
-        total.update(path.read_bytes())
-    return total.digest()
 
 
 @contextlib.contextmanager

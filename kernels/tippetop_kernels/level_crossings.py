@@ -1,6 +1,4 @@
-"""Where a function of one positive variable q takes a given level, on both sides of its minimum;
-the swing between.
-"""
+"""Crossings of a level by a function of q > 0 around its minimum, and the swing between."""
 
 from enum import IntEnum
 
@@ -21,37 +19,25 @@ class Level(IntEnum):
 
 @kernel
 def crossing(excess, inside, outside, level, p, r):
-    """q between `inside`, where excess < 0, and `outside`, where it is > 0 (Chandrupatla 1997)."""
-    a, b = outside, inside
-    fa, fb = excess(a, level, p, r), excess(b, level, p, r)
-    c, fc, t = a, fa, 0.5
-    for _ in range(200):
-        x = a + t * (b - a)
-        fx = excess(x, level, p, r)
-        if (fx > 0) == (fa > 0):
-            c, fc = a, fa
+    """Return q between `inside`, where excess <= 0, and `outside`, where it is > 0.
+
+    By bisection of ln(q) to the last bit.
+    """
+    while True:
+        q = np.sqrt(inside) * np.sqrt(outside)
+        if not min(inside, outside) < q < max(inside, outside):
+            return inside
+        if excess(q, level, p, r) > 0:
+            outside = q
         else:
-            c, fc, b, fb = b, fb, a, fa
-        a, fa = x, fx
-        best = a if abs(fa) < abs(fb) else b
-        if fa == 0 or abs(b - a) <= 4e-16 * abs(best):
-            return best
-        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
-        if phi * phi < xi and (1 - phi) * (1 - phi) < 1 - xi:
-            t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (
-                fc - fb
-            )
-        else:
-            t = 0.5
-        least = 2e-16 * abs(best) / abs(b - a)
-        t = min(max(t, least), 1 - least)
-    return best
+            inside = q
 
 
 @kernel
 def beyond(excess, inside, bound, level, p, r):
-    """The first crossing on the way from `inside`, where excess < 0, to `bound`; `bound` where
-    there is none.
+    """Return the first crossing on the way from `inside`, where excess < 0, to `bound`.
+
+    Return `bound` if there is none.
     """
     step, before, here = 1.1, inside, inside
     while here != bound:
@@ -65,9 +51,10 @@ def beyond(excess, inside, bound, level, p, r):
 
 @kernel
 def band_of(excess, q, count, well, level, allowance, p, r):
-    """The two q where excess(q, level, p, r), a function less the level, is 0 around the minimum
-    `well`; a Level; and the first and last minimum that the band holds: those that no maximum above
-    the level parts from it.
+    """Return the crossings of a level around the minimum `well`, a Level, and the minima inside.
+
+    The crossings are the two q where excess(q, level, p, r), a function less the level, is 0. The
+    minima are the first and the last that no maximum above the level separates from `well`.
 
     q (count,) are minima and maxima in turn. A level less than `allowance` (relative) from the
     minimum touches it. An end of the range (SMALLEST, LARGEST) stands for a function that stays
@@ -94,8 +81,9 @@ def band_of(excess, q, count, well, level, allowance, p, r):
 
 @kernel
 def swing(excess, inertia, low, high, level, p, r, b):
-    """Period of the swing between the crossings low and high: 2 integral of sqrt(inertia/-excess)
-    dtheta.
+    """Return the period of the swing between the crossings low and high.
+
+    It is 2 integral of sqrt(inertia/-excess) dtheta.
 
     With y = q/(1 + q) = y_low cos^2 + y_high sin^2 of beta/2 the integrand is smooth and periodic:
     the midpoint rule converges geometrically. NaN where 4096 nodes do not settle to 1e-11 (next to

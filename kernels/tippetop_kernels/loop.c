@@ -42,21 +42,21 @@ enum {
 /* Internal time of a step that goes nowhere. */
 static const real TINY = 1e-10;
 
-/* --- what the caller provides: `tippetop.engine.loop` makes the same structures --- */
+/* --- structures of the caller: `tippetop.engine.loop` makes the same --- */
 
 /* Codes of `engine.status.Status`. */
 enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
 
-/* What is known of an event function: its sign, +1 or -1; its least and greatest values; 1 if the
+/* The state of an event function: its sign, +1 or -1; its least and greatest values; 1 if the
    run starts on a zero of it, -k if its first k Taylor coefficients vanish where the next step
    begins; in the present step its bounds, and 1 if it is monotone; the times of its least and
    greatest values. */
 enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST, KNOWN };
 
-/* What an event keeps of its passages: the time of the first or the last one, or their number. */
+/* The number that an event keeps of its passages: the time of the first or the last one, or their number. */
 enum { FIRST, LAST, COUNT };
 
-/* What a passage does to the turning of theta that waits to be counted. */
+/* Effects of a passage on the turning of theta that waits to be counted. */
 enum { CONFIRMS = 1, WAITS = 2 };
 
 typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc);
@@ -583,7 +583,7 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
     return theta_of(u);
 }
 
-/* Keep what the event asks for of its zero at x of a step, and log it. */
+/* Keep the numbers of an event at its zero, the time x of a step, and log it. */
 static void take_passage(const Loop *l, integer e, integer lane, real t, real h, real x) {
     const Event *event = l->rows.events + e;
     Tally *tally = l->tallies.lane + lane;

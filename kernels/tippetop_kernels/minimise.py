@@ -1,9 +1,8 @@
-"""The minimum of a function of one positive variable q, stepped in ln(q), where its slope changes
-sign.
+"""The minimum of a function of q > 0: where its slope by ln(q) changes sign.
 
 A problem is three functions of opaque records p (the point) and r (what all points share):
 
-    guess(p, r)         a first q, good to a factor of a few; 0, inf or NaN if there is none
+    guess(p, r)         a first q, good to a factor of a few; 0, inf or NaN if unknown
     slopes(q, p, r)     a common positive factor times the first three derivatives by ln(q)
     value(q, p, r)      the function itself
 
@@ -22,9 +21,6 @@ SMALLEST, LARGEST = 1e-30, 1e30
 
 # a step in ln(q) after which none is needed: the next one would be of the order of its cube
 AT_REST = 1e-5
-NEARLY = (
-    1e-3  # one after which the value is at rest: its error is of the order of the cube's square
-)
 
 
 class Status(IntEnum):
@@ -40,7 +36,7 @@ class Status(IntEnum):
 
 @inlined
 def factor(g1, g2, g3):
-    """Halley's step in ln(q) as a factor on q, between 1/8 and 8.
+    """Return Halley's step in ln(q) as a factor on q, between 1/8 and 8.
 
     The Pade form of exp keeps its third order.
     """
@@ -52,58 +48,33 @@ def factor(g1, g2, g3):
 
 @inlined
 def clipped(q):
-    """q within the range where nothing overflows; NaN becomes its lower end."""
+    """Return q within the range where nothing overflows; NaN becomes its lower end."""
     q = q if q > SMALLEST else SMALLEST
     return q if q < LARGEST else LARGEST
 
 
 @kernel
-def settled(slopes, q, p, r):
-    """q after as many of Halley's steps as it takes, NaN if ten are not enough: for points next to
-    their minimum.
+def root_of_slope(slopes, low, high, p, r):
+    """Return the q in (low, high) where the slope, of opposite signs at both, vanishes.
+
+    By bisection of ln(q) to the last bit.
     """
-    for _ in range(10):
-        g1, g2, g3 = slopes(q, p, r)
-        f = factor(g1, g2, g3)
-        q *= f
-        if abs(f - 1) <= AT_REST:
-            return q if g2 > 0 and SMALLEST < q < LARGEST else np.nan
-    return np.nan
-
-
-@kernel
-def between(slopes, low, high, p, r):
-    """The q in (low, high) where the slope, negative at low and positive at high, vanishes; NaN if
-    unsettled.
-
-    Halley's step where it stays inside the bracket, else the geometric mean: it cannot fail to
-    close.
-    """
-    q = np.sqrt(low) * np.sqrt(high)
-    for _ in range(200):
-        g1, g2, g3 = slopes(q, p, r)
-        if g1 < 0:
+    falling = slopes(low, p, r)[0] < 0
+    while True:
+        q = np.sqrt(low) * np.sqrt(high)
+        if not low < q < high:
+            return low
+        if (slopes(q, p, r)[0] < 0) == falling:
             low = q
-        elif g1 > 0:
-            high = q
         else:
-            return q
-        n, m = g1 * g2, 2 * g2 * g2 - g1 * g3
-        trial = q * (m - n) / (m + n)
-        if not (low < trial < high):
-            trial = np.sqrt(low) * np.sqrt(high)
-        if abs(trial - q) <= 4e-16 * q or high - low <= 4e-16 * low:
-            return trial
-        q = trial
-    return np.nan
+            high = q
 
 
 @kernel
 def minimise(slopes, guess, p, r):
-    """The only minimum, from any guess: brackets it by ever longer steps, then closes the bracket.
+    """Return the q of the only minimum: bracket it by ever longer steps, then close the bracket.
 
-    Returns q; SMALLEST or LARGEST where the slope has one sign down to (up to) there; NaN if
-    unsettled.
+    SMALLEST or LARGEST if the slope has one sign down to (up to) there; NaN if it is not finite.
     """
     q = clipped(guess(p, r))
     g1 = slopes(q, p, r)[0]
@@ -114,11 +85,7 @@ def minimise(slopes, guess, p, r):
         previous = other
         other = clipped(other / step if g1 > 0 else other * step)
         if slopes(other, p, r)[0] * g1 <= 0:
-            return (
-                between(slopes, other, previous, p, r)
-                if g1 > 0
-                else between(slopes, previous, other, p, r)
-            )
+            return root_of_slope(slopes, min(other, previous), max(other, previous), p, r)
         if other in (SMALLEST, LARGEST):
             return other
         step *= step
@@ -129,8 +96,9 @@ MOST_EXTREMES = 7  # that `extremes` gives room for: two minima are the most tha
 
 @kernel
 def extremes(slopes, p, r, q):
-    """Minima and maxima in turn, ascending: fills q (7,) with minimum, maximum, minimum, ...; how
-    many there are.
+    """Fill q with minima and maxima in turn, ascending; return their number.
+
+    q (7,) gets minimum, maximum, minimum, ...
 
     Scans ln(q) in steps of one half, 280 slopes. A pair of minimum and maximum closer than the scan
     can escape the count; it is shallow, hence never the lowest. An end of the range counts as a
@@ -143,11 +111,8 @@ def extremes(slopes, p, r, q):
     while low < LARGEST and count < q.size:
         high = clipped(low * ratio)
         g_high = slopes(high, p, r)[0]
-        if g_low < 0 <= g_high:
-            q[count] = between(slopes, low, high, p, r)
-            count += 1
-        elif g_low >= 0 > g_high:
-            q[count] = summit(slopes, low, high, p, r)
+        if (g_low < 0) != (g_high < 0):
+            q[count] = root_of_slope(slopes, low, high, p, r)
             count += 1
         if high == LARGEST and g_high < 0 and count < q.size:
             q[count] = high
@@ -157,24 +122,11 @@ def extremes(slopes, p, r, q):
 
 
 @kernel
-def summit(slopes, low, high, p, r):
-    """The q in (low, high) where the slope, positive at low and negative at high, vanishes: by
-    bisection of ln(q).
-    """
-    for _ in range(80):
-        q = np.sqrt(low) * np.sqrt(high)
-        if not low < q < high:
-            break
-        if slopes(q, p, r)[0] >= 0:
-            low = q
-        else:
-            high = q
-    return low
-
-
-@kernel
 def lowest(value, turns, first, last, p, r):
-    """Which of the minima from `first` to `last` among minima and maxima in turn is the lowest."""
+    """Return the number of the lowest of the minima from `first` to `last`.
+
+    `turns` contains minima and maxima in turn.
+    """
     best, least = first, np.inf
     for k in range(first, last + 1):
         V = value(turns[2 * k], p, r)

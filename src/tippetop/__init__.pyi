@@ -22,7 +22,7 @@ from .library.running import open as open
 from .library.running import resume as resume
 from .library.stored_run import StoredRun as StoredRun
 from .mechanics.contact.body import Top
-from .mechanics.events import Event
+from .mechanics.event import Event
 from .mechanics.friction import FrictionLaw
 from .mechanics.system import Quantity, System
 from .mechanics.systems.cylinder import Cylinder as Cylinder

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from .library.derivatives import Sensitivities as Sensitivities
-from .mechanics.events import Event
+from .mechanics.event import Event
 from .mechanics.system import Quantity, System
 
 def lyapunov(

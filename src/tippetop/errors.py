@@ -182,32 +182,45 @@ def _is_complex(value: Any) -> bool:
     return isinstance(value, complex) or getattr(getattr(value, "dtype", None), "kind", "") == "c"
 
 
+class NamedFormula:
+    """A formula of the user whose faults become an InputError that contains its name, `of`."""
+
+    def __init__(self, formula: Callable, of: str):
+        functools.update_wrapper(self, formula)
+        self.formula, self.of = formula, of
+
+    def __call__(self, *arguments: Any) -> Any:
+        try:
+            value = self.formula(*arguments)
+        except Exception as error:
+            raise InputError(
+                f"the formula of {self.of} fails: {type(error).__name__}: {error}"
+            ) from error
+        if not _is_one_number(value, arguments):
+            raise InputError(
+                f"the formula of {self.of} must return one number, but returns {value!r:.60}."
+            )
+        return value
+
+    def __reduce__(self) -> tuple:
+        return names_its_faults, (self.formula, self.of)
+
+
+@functools.lru_cache(maxsize=256)
 def names_its_faults(formula: Callable, words: str) -> Callable:
-    """A formula of the user, whose exceptions become an InputError that names it, with the
-    exception as its cause; and so does what is not one number, such as None of a function without
-    `return`. `of` is what it is of.
+    """Return a formula of the user whose faults become an InputError that names it.
+
+    Faults are exceptions, and values that are not one number, such as None of a function without
+    `return`. Formulas of this package are returned as they are.
 
     Parameters
     ----------
     formula
-        A function; `__wrapped__` of what is returned.
+        A function.
     words
-        What it is of: "the event `mine`".
+        What it computes: "the event `mine`".
     """
-
-    @functools.wraps(formula)
-    def named(*arguments: Any) -> Any:
-        try:
-            value = formula(*arguments)
-        except Exception as error:
-            raise InputError(
-                f"the formula of {words} fails: {type(error).__name__}: {error}"
-            ) from error
-        if not _is_one_number(value, arguments):
-            raise InputError(
-                f"the formula of {words} must return one number, but returns {value!r:.60}."
-            )
-        return value
-
-    named.of = words  # type: ignore[attr-defined]
-    return named
+    module = str(getattr(formula, "__module__", ""))
+    if module.startswith("tippetop.") or isinstance(formula, NamedFormula):
+        return formula
+    return NamedFormula(formula, words)

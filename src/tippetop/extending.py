@@ -2,7 +2,7 @@
 
 from .library.registering import LAWS, SYSTEMS, register
 from .mechanics import units
-from .mechanics.events import Event, Kept
+from .mechanics.event import Event, Kept
 from .mechanics.form import Exit, Form, Integral, Next, Phase
 from .mechanics.friction import FrictionLaw
 from .mechanics.number import Number, number

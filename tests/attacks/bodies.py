@@ -95,9 +95,9 @@ def opening(tables: dict[str, Any], rng: np.random.Generator) -> dict[str, Any]:
     where the system has no such contact.
     """
     from tippetop.mechanics.friction import LAWS
-    from tippetop.mechanics.systems import that_open
+    from tippetop.mechanics.systems import opening_systems
 
-    if tables["system"] not in that_open():
+    if tables["system"] not in opening_systems():
         return tables
     round_body = tables["system"] == "tippe-top"
     opened = {key: value for key, value in tables.items() if key != "form"} | {

@@ -25,7 +25,7 @@ from tippetop.engine.opt_level import opt_level
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import reset, signs_of
 from tippetop.engine.taylor import driver_of
-from tippetop.mechanics.events import ON_ZERO_FOR, Event
+from tippetop.mechanics.event import ON_ZERO_FOR, Event
 from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.variables import Variables
 from tippetop.problem import Problem

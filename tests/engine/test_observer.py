@@ -26,7 +26,7 @@ from tippetop.engine.tallies import (
     new_tallies,
     reset,
 )
-from tippetop.mechanics.events import Event, Kept
+from tippetop.mechanics.event import Event, Kept
 
 
 ORDER, LANES, STEPS = 12, 4, 40

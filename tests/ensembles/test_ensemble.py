@@ -14,7 +14,7 @@ from tippetop.ensembles import lanes, outcomes
 from tippetop.ensembles.ensemble import measure, vary
 from tippetop.ensembles.outcomes import CLASSES
 from tippetop.errors import InputError
-from tippetop.mechanics.events import Event, Kept
+from tippetop.mechanics.event import Event, Kept
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.run import solve

@@ -10,7 +10,7 @@ import xarray as xr
 
 import tippetop as tt
 from tippetop.errors import InputError
-from tippetop.figures.sweep import draw_map
+from tippetop.figures.sweep_map import draw_map
 from tippetop.sweeps import chunk, maps
 from tippetop.sweeps.plan import Plan
 

@@ -59,7 +59,7 @@ def fit(film: Path) -> Fitted:
 
 
 def test_numbers_are_recovered_within_their_errors(fit: Fitted) -> None:
-    assert fit.reason == "the numbers fit: what is left is noise."
+    assert fit.reason == "the numbers fit: the residuals are noise."
     assert fit.converged
     assert fit.trustworthy
     for name, true in TRUE.items():
@@ -215,10 +215,8 @@ def test_a_fit_is_a_scenario_that_runs(fit: Fitted, tmp_path: Path) -> None:
     path.write_text(fit.to_toml(), encoding="utf-8")
     assert tomllib.loads(fit.to_toml())["friction"]["mu"] == fit.estimates["friction.mu"].value
     assert tt.load(path).initial == fit.problem.initial
-    dots, curve = fit.plot(tmp_path / "fit.png").axes[0].lines[:2]
-    assert len(curve.get_xdata()) > 50 * len(
-        dots.get_xdata()
-    )  # the motion, not a line from dot to dot
+    dots, *_, curve = fit.plot(tmp_path / "fit.png").axes[0].lines
+    assert len(curve.get_xdata()) > 50 * len(dots.get_xdata())  # not a line from dot to dot
 
 
 def predicted(
@@ -335,7 +333,7 @@ def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
         starts=1,
     )
     assert not found.trustworthy
-    assert "the residuals are no noise" in found.reason
+    assert "the residuals are not noise" in found.reason
 
 
 @pytest.mark.slow
@@ -353,7 +351,7 @@ def test_starts_far_off_lead_to_the_same_numbers(film: Path, fit: Fitted) -> Non
     ("free", "words"),
     [
         ("friction.nu", "friction.mu"),
-        ("initial.x", "must change what was measured, but does nothing to it"),
+        ("initial.x", "must change the measurements, but has no effect on them"),
         ("time.of", "time.offset"),
         (",", "must be names such as"),
     ],
@@ -387,7 +385,7 @@ def test_the_command_prints_json_and_writes_a_scenario(
     assert cli.outcome([*arguments, "--json", "--out", str(out), "--figure", str(figure)]) == 0
     said = json.loads(capsys.readouterr().out)
     assert abs(said["estimates"]["friction.mu"]["value"] - 0.3) < 0.03
-    assert said["reason"] == "the numbers fit: what is left is noise."
+    assert said["reason"] == "the numbers fit: the residuals are noise."
     assert (said["converged"], said["trustworthy"]) == (True, True)
     assert said["correlations"]["friction.mu"]["friction.mu"] == pytest.approx(1.0)
     assert out.is_file()

@@ -13,7 +13,7 @@ import xarray as xr
 
 from tippetop.cli import outcome
 from tippetop.errors import InputError
-from tippetop.figures import catalogue, comparison, drawing, labels, overlay
+from tippetop.figures import catalogue, drawing, labels, motions, overlay
 from tippetop.figures.style import figure, legend, save
 from tippetop.figures.window import in_window
 
@@ -109,7 +109,7 @@ def test_a_comparison_is_labelled_as_the_other_figures_are() -> None:
     zeros not drawn.
     """
     t = np.linspace(0, 1, 50)
-    motions = [
+    compared = [
         SimpleNamespace(
             path=Path(f"dt=${i}.csv"),
             t=t,
@@ -119,7 +119,7 @@ def test_a_comparison_is_labelled_as_the_other_figures_are() -> None:
         )
         for i in (1, 2)
     ]
-    fig = comparison.comparison(motions, "tippe top, vector form")
+    fig = motions.comparison(compared, "tippe top, vector form")
     fig.canvas.draw()
     assert [axes.get_ylabel() for axes in fig.axes] == [
         "inclination θ (rad)",
@@ -127,7 +127,7 @@ def test_a_comparison_is_labelled_as_the_other_figures_are() -> None:
         "relative change",
     ]
     assert fig.axes[0].get_title(loc="left") == "Tippe top, vector form"
-    assert fig.axes[1].get_title(loc="left") == "How far it is off: solid axis, dotted θ alone"
+    assert fig.axes[1].get_title(loc="left") == "Error: solid axis, dotted θ alone"
     assert fig.axes[0].get_legend() is None
     assert [text.get_text() for text in fig.legends[0].get_texts()] == [
         "reference",

@@ -69,8 +69,7 @@ def test_theta_with_its_band(dark: bool) -> Figure:
 
 
 @SAME
-def test_the_film_strip(monkeypatch: pytest.MonkeyPatch) -> Figure:
-    monkeypatch.setattr(film, "PIXELS", 100)  # more than the picture shows
+def test_the_film_strip() -> Figure:
     with styled():
         figure: Any = film.film(swinging()[0], ATTRS, BALL).get_figure(root=True)
     return figure

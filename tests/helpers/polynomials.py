@@ -19,7 +19,7 @@ from tippetop.engine.tallies import (
     new_samples,
     new_tallies,
 )
-from tippetop.mechanics.events import Event
+from tippetop.mechanics.event import Event
 
 
 _TABLES = filled(TABLES)

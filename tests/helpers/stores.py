@@ -106,7 +106,7 @@ def edited(store: Path, edit: Callable[[list[dict[str, Any]]], Any]) -> None:
     edit(records)
     before, whole = "", b""
     for record in records:
-        before, line = ledger._line(before, record)
+        before, line = ledger.lines([record], before)
         whole += line
     place.write_bytes(whole)
     for path, document in ledger.Acknowledged.of(records).documents().items():

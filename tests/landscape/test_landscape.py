@@ -113,44 +113,10 @@ def test_surface_does_not_know_the_grid():
     D, lam = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
     one, two = (surface.minimal_surface(CANONICAL, D, lam, threads=n) for n in (1, 2))
     xr.testing.assert_identical(one, two)
-    t = bodies.top(CANONICAL)
-    F, status = surface.heights(t, D, lam, 1)
-    np.testing.assert_array_equal(F, surface.heights(t, D, lam, 2)[0])
-    np.testing.assert_allclose(F, one.F, rtol=3e-16)
-    np.testing.assert_array_equal(status, one.status)
     for i, j in ((0, 0), (17, 30), (36, 52)):
         alone = surface.minimal_surface(CANONICAL, D[i], lam[j])
         assert alone.F.item() == one.F[i, j].item()
         assert alone.z.item() == one.z[i, j].item()
-
-
-TWO_MINIMA = oracle.parameters(0.3, 3.0, 4.0)  # alpha, gamma, sigma: above gamma*
-
-
-@pytest.mark.parametrize(
-    ("parameters", "system", "box"),
-    [
-        (CANONICAL, "tippe-top", (-6e-4, 8e-4, 0, 7e-6)),
-        (TWO_MINIMA, "tippe-top", (-6e-4, 8e-4, 0, 7e-6)),
-        (HEAVY, "heavy-top", (-0.02, 0.02, -0.02, 0.02)),
-    ],
-)
-@pytest.mark.parametrize("even", [True, False])
-def test_rows_that_start_from_rows_before_them_end_at_the_same_surface(
-    parameters, system, box, even
-):
-    """F alone, whose rows are carried on from one to the next over both marked lines, against F
-    with its minimum.
-    """
-    t = bodies.top(parameters, system)
-    assert t.two_wells == (parameters is TWO_MINIMA)
-    x = np.linspace(-1, 1, 201) if even else np.sort(np.random.default_rng(3).uniform(-1, 1, 201))
-    x, y = (box[1] + box[0] + x * (box[1] - box[0])) / 2, np.linspace(box[2], box[3], 67)
-    exact, q, known = surface.minima(t, x, y)
-    F, status = surface.heights(t, x, y)
-    np.testing.assert_array_equal(status, known)
-    np.testing.assert_allclose(F, exact, rtol=3e-16)
-    assert q.min() < 1e-2 < 1e2 < q.max()
 
 
 def test_reflection_leaves_the_surface():

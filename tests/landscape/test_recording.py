@@ -114,13 +114,13 @@ def test_a_surface_killed_at_its_end_computes_nothing_again(moment, whole, tmp_p
 
 def test_another_surface_does_not_go_on(tmp_path):
     stopped(tmp_path / "F.zarr", after=1)
-    with pytest.raises(errors.StoreError, match="must be the same surface"):
+    with pytest.raises(errors.StoreError, match="must have the same axes to be continued"):
         recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM * 2, chunk=16))
 
 
 def test_existing_store_is_left_alone(tmp_path):
     (tmp_path / "F.zarr").mkdir()
-    with pytest.raises(errors.StoreError, match="must not exist yet"):
+    with pytest.raises(errors.StoreError, match="must be a store of tippetop"):
         recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM))
 
 
@@ -147,7 +147,7 @@ def test_surface_command(tmp_path, capsys):
         f"`{picture}` exists: name another picture, or say --overwrite." in capsys.readouterr().err
     )
     assert outcome(["surface", "inverting", *words[:-2]]) == 0
-    assert "is finished: nothing to do" in "".join(capsys.readouterr())
+    assert "was finished: its chunks are checked" in "".join(capsys.readouterr())
 
 
 def test_potential_command(tmp_path, capsys):

@@ -424,7 +424,7 @@ for arguments in (
     ["plot", "run.zarr", "theta", "--out", "theta.png"],
     *(
         [
-            ["plot", "run.zarr", "phase", "--out", "phase.png"],
+            ["plot", "run.zarr", "states", "--out", "phase.png"],
             ["check", "plan.toml", "--json"],
             ["sweep", "plan.toml", "--out", "sweep.zarr", "--json"],
         ]

@@ -47,6 +47,19 @@ def registered(**changes: Any) -> str:
     return "own-top"
 
 
+@pytest.mark.parametrize("formula", [lambda s, b: 1 / 0, lambda s, b: s.z if s.z < 2 else s.s2])
+@pytest.mark.parametrize("field", ["quantities", "events"])
+def test_a_formula_that_fails_is_named(field: str, formula: Any) -> None:
+    """One raises with numbers, the other branches, which symbols cannot."""
+    what = {
+        "quantities": tt.extending.Quantity("mine", "q", ONE, "a number", formula),
+        "events": tt.extending.Event("mine", "something happens", formula),
+    }[field]
+    name = registered(**{field: (*getattr(BASE, field), what)})
+    with pytest.raises(tt.InputError, match=r"the formula of the .* `mine` fails: "):
+        tt.run("inverting", system=name, until=0.1)
+
+
 @pytest.mark.parametrize("wrong", [{"g": 1.0}, {"I1": 1.0}, {"c": 0.0}])
 def test_what_is_folded_must_hold(wrong: dict) -> None:
     """Another body was integrated, and every check of the run passed."""
@@ -104,7 +117,7 @@ def test_tops_without_a_spin_have_a_class(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_a_field_that_is_none_is_named() -> None:
-    with pytest.raises(TypeError, match=r"has no field `outlok`\. Did you mean `outlook`"):
+    with pytest.raises(TypeError, match=r"has no argument `outlok`\. Did you mean `outlook`"):
         BASE.replace(outlok=None)
 
 

@@ -1,6 +1,8 @@
 """Bodies and laws are the records that formulas take: plain numbers are checked, operands pass."""
 
+import copy
 import pickle
+from typing import Any
 
 import heyoka as hy
 import numpy as np
@@ -10,6 +12,7 @@ import tippetop as tt
 from tippetop.errors import InputError
 from tippetop.friction import Contensou, Coulomb, Viscous
 from tippetop.mechanics.friction import LAWS
+from tippetop.mechanics.units import ONE
 
 
 @pytest.mark.parametrize(
@@ -52,6 +55,16 @@ def test_every_record_is_pickled_with_its_bits() -> None:
             again = pickle.loads(pickle.dumps(record))
             assert again == record
             assert type(again) is kind
+
+
+def height(s: Any, b: Any) -> Any:
+    """Return a number of a state."""
+    return s.z
+
+
+def test_a_column_of_the_user_is_pickled_and_compiled_once() -> None:
+    column, again = (tt.extending.Quantity("mine", "q", ONE, "a number", height) for _ in range(2))
+    assert column == again == pickle.loads(pickle.dumps(column)) == copy.deepcopy(column)
 
 
 def test_records_of_different_classes_differ() -> None:

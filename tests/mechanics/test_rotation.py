@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from tippetop.mechanics import rotation
 from tippetop.mechanics.operand import Vector
 from tippetop.mechanics.rotation import Quaternion
-from tippetop.views import rotations
+from tippetop.views.javascript import rotations
 
 
 NODE = shutil.which("node")
@@ -103,7 +103,7 @@ def test_the_pages_compute_the_same(rng: np.random.Generator) -> None:
     _, q = random(rng, 1)
     p, q = (Quaternion(*(float(v[0]) for v in r)) for r in (p, q))
     w, o = Vector(*rng.normal(size=3)), Vector(*rng.normal(size=3))
-    script = rotations.module().replace("export ", "")
+    script = rotations().replace("export ", "")
     calls = (
         f"[between({[*p]}, {[*map(float, w)]}, {[*q]}, {[*map(float, o)]}, 0.3, 0.4), "
         f"axes({[*p]}), "

@@ -53,14 +53,6 @@ def test_a_marked_line_is_where_the_potential_has_an_end(name: str, z: int) -> N
 
 
 @every_body
-@every_end
-def test_end_slope_is_that_of_the_potential(name: str, z: int) -> None:
-    b = oracle.body(BODIES[name])
-    for lam in (mp.mpf("-5e-6"), mp.mpf("1e-7"), mp.mpf("3e-6")):
-        assert abs(end_slope(z, lam, b) / spinning.end_slope(z, lam, b) - 1) < 1e-15
-
-
-@every_body
 def test_at_lambda_pi_the_potential_is_level_at_the_inverted_end(name: str) -> None:
     b = oracle.body(BODIES[name])
     lam = spinning.lambda_pi(b)

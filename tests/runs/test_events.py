@@ -8,7 +8,7 @@ import tippetop
 from tippetop.engine.loop import count_turnings
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import Tallies, event_rows, new_tallies
-from tippetop.mechanics.events import NOISE_FLOOR
+from tippetop.mechanics.event import NOISE_FLOOR
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 

@@ -14,7 +14,7 @@ from stores import assert_same
 import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.errors import InputError
-from tippetop.figures import catalogue, drawing, film
+from tippetop.figures import catalogue, drawing
 from tippetop.problem import column_names
 from tippetop.runs import attributes, recording
 from tippetop.runs.run import solve
@@ -176,7 +176,6 @@ def test_a_figure_needs_no_more_than_it_names(preset: str, monkeypatch: pytest.M
     """Of a run that keeps what the catalogue says alone, each figure shows what it shows of the
     whole run.
     """
-    monkeypatch.setattr(film, "PIXELS", 20)
 
     def shown(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> list[Any]:
         picture = drawing.figure_of(kind, groups, attrs)

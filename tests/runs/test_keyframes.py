@@ -202,7 +202,7 @@ def test_damaged_keyframes_are_said(tmp_path: Path) -> None:
     chunk = store / "keyframes" / "state" / "c.0.0.0"
     whole = chunk.read_bytes()
     chunk.write_bytes(whole[:-20] + b"\x00" + whole[-19:])
-    with pytest.raises(StoreError, match=r"state` must be readable"):
+    with pytest.raises(StoreError, match=r"readable column `state`, but: Stored and computed"):
         tt.open(store).replay(9.0, 10.0, 0.1)
     chunk.unlink()
     with pytest.raises(StoreError, match="is missing"):

@@ -19,7 +19,7 @@ from tippetop.runs import recording, resuming
 from tippetop.runs.integration import Integration
 from tippetop.scenario import build
 from tippetop.store import provenance, root
-from tippetop.store.ledger import LEDGER, mark_of_tail
+from tippetop.store.ledger import LEDGER, digest
 
 
 UNTIL = 30.0
@@ -84,7 +84,7 @@ def test_a_damaged_ledger_or_tail_or_other_equations_are_refused(store: Path) ->
     rows = json.dumps(state).encode() + b"\n" + rows.partition(b"\n")[2]
     tail.write_bytes(rows)
     place.write_bytes(kept)
-    edited(store, lambda records: records[-1].update(tail=[tail.name, mark_of_tail(rows)]))
+    edited(store, lambda records: records[-1].update(tail=[tail.name, digest(rows)]))
     with pytest.raises(StoreError, match="equations"):
         resuming.resume(store)
 
@@ -150,7 +150,7 @@ def test_an_unfinished_store_can_be_looked_at(
     assert np.all(np.isfinite(trajectory["theta"]))
     assert outcome(["plot", str(store), "--out", str(tmp_path / "a.png")]) == 0
     with pytest.warns(
-        UserWarning, match="is not finished: what is written is what there is of it so far"
+        UserWarning, match="is not finished: only the rows up to its last commit are written"
     ):
         assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 0
 

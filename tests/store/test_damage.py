@@ -75,7 +75,7 @@ def test_a_ledger_that_cannot_be_ours_is_refused(forged: str, store: Path) -> No
     records = ledger.records_of(place.read_bytes())
     FORGED[forged](records)
     for record in records:
-        before, line = ledger._line(before, record)
+        before, line = ledger.lines([record], before)
         whole += line
     place.write_bytes(whole)
     with pytest.raises(StoreError, match="must be a whole store, but is damaged"):

@@ -26,7 +26,7 @@ def made_store(path: Path, title: str = "old") -> Path:
     """A store of ours with nothing in it."""
     with new_store(path) as scratch:
         Ledger.created(
-            scratch, ledger.header({**provenance.provenance(), "title": title}, {}, {})
+            scratch, ledger.header({**provenance.provenance(), "title": title}, {})
         ).release()
     return path
 

@@ -34,16 +34,13 @@ COLUMNS: dict[str, dict[str, np.ndarray]] = {
 
 def header() -> dict[str, Any]:
     """The header of a toy run: two tables, one of which has a late column."""
-    members, tables = {}, {}
+    tables: dict[str, dict[str, Any]] = {}
     for group, columns in COLUMNS.items():
-        members[group] = zarr3.group({})
         for name, empty in columns.items():
             column = Column((group, *["xyz"] * (empty.ndim - 1)), empty, {"units": "1"})
-            members[f"{group}/{name}"] = zarr3.array(column, {group: (0, CHUNK)})
-            tables.setdefault("events-late" if name == "significant" else group, []).append(
-                f"{group}/{name}"
-            )
-    return ledger.header({"status": "running"}, members, tables)
+            table = tables.setdefault("events-late" if name == "significant" else group, {})
+            table[f"{group}/{name}"] = zarr3.array(column, {group: (0, CHUNK)})
+    return ledger.header({"status": "running"}, tables)
 
 
 class Toy:
@@ -54,14 +51,14 @@ class Toy:
 
     def __init__(self, store: Ledger):
         self.store, self.i, self.h = store, 0, 1.0
-        self.tables = {name: Table(store, name) for name in COLUMNS}
+        self.tables = {name: Table(store, name) for name in store.state.header["tables"]}
         tail = store.tail()
         if tail is not None:
             head, _, data = tail.partition(b"\n")
             state = json.loads(head)
             self.i, self.h = state["i"], state["h"]
             for name, table in self.tables.items():
-                data = table.restore(state["tables"][name], data)
+                data = table.restore(*state["tables"][name], data)
 
     def step(self) -> None:
         self.i, self.h = self.i + 1, (self.h * 1.37 + 0.11) % 1.0
@@ -70,25 +67,23 @@ class Toy:
         events = self.tables["events"]
         if self.h > 0.4:
             event = {"time": self.i / 1000, "kind": np.int16(self.i % 3), "significant": False}
-            events.append({name: np.array([value]) for name, value in event.items()})
+            for table in (events, self.tables["events-late"]):
+                table.append({name: np.array([value]) for name, value in event.items()})
         elif events.rows:
-            events.mark("significant", [self.i % events.rows])
+            self.tables["events-late"].mark("significant", [self.i % events.rows])
 
     def commit(self) -> None:
-        parts = {name: table.tail() for name, table in self.tables.items()}
         state = {
             "i": self.i,
             "h": self.h,
-            "tables": {name: about for name, (about, _) in parts.items()},
+            "tables": {name: (table.written, table.rows) for name, table in self.tables.items()},
         }
-        tail = json.dumps(state).encode() + b"\n" + b"".join(data for _, data in parts.values())
+        tail = json.dumps(state).encode() + b"\n" + b"".join(map(Table.tail, self.tables.values()))
         self.store.commit(tail, rows=self.rows())
-        self.store.derive(
-            {name: data for table in self.tables.values() for name, data in table.derived().items()}
-        )
+        self.store.derive(dict(file for table in self.tables.values() for file in table.derived()))
 
     def rows(self) -> dict[str, int]:
-        return {key: rows for table in self.tables.values() for key, rows in table.counts().items()}
+        return {name: table.rows for name, table in self.tables.items()}
 
     def finish(self) -> None:
         for table in self.tables.values():
@@ -105,7 +100,7 @@ def go(
     try:
         store = Ledger.opened(place, folder)
     except FileNotFoundError:
-        store = Ledger.created(place, header(), folder, bare=True)
+        store = Ledger.created(place, header(), folder)
     with store:
         if store.state.seal:
             return
@@ -229,7 +224,7 @@ def test_a_store_on_a_real_disk_is_that_of_the_model_and_xarray_reads_it(tmp_pat
 
 
 def test_rows_of_an_unfinished_store_are_read(tmp_path: Path) -> None:
-    with Ledger.created(tmp_path, header(), bare=True) as store:
+    with Ledger.created(tmp_path, header()) as store:
         assert ledger.read(tmp_path).attributes["status"] == "running"
         assert xr.open_zarr(tmp_path, group="trajectory").sizes["trajectory"] == 0
         toy = Toy(store)
@@ -334,7 +329,7 @@ def test_a_ledger_names_nothing_outside_its_store(tmp_path: Path) -> None:
     head = header()
     head["tables"]["trajectory"].append("../other")
     head["members"]["../other"] = head["members"]["trajectory/time"]
-    _, line = ledger._line("", head)
+    _, line = ledger.lines([head])
     (tmp_path / LEDGER).write_bytes(line)
     with pytest.raises(StoreError, match="names what cannot be in a store"):
         ledger.read(tmp_path)

@@ -15,7 +15,7 @@ from stores import Disk, assert_same, short_slices
 import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import StoreError
-from tippetop.store import export, files, root
+from tippetop.store import files, root
 from tippetop.store.folder import Folder
 
 
@@ -139,12 +139,6 @@ def test_a_disk_without_room_for_a_folder_is_full(
     monkeypatch.setattr(os, "mkdir", mkdir)
     assert outcome([*RUN.split(), str(tmp_path / "S.zarr")]) == 5
     assert "S.zarr` must be writable, but: No space left on device." in capsys.readouterr().err
-
-
-def test_a_netcdf_file_fails_in_the_words_of_the_system(whole: Path, tmp_path: Path) -> None:
-    """Before, in some 300 characters of HDF5, with addresses."""
-    with pytest.raises(OSError, match=r"^No such file or directory$"):
-        export._netcdf_apart(whole, ["sweep"], {}, tmp_path / "nowhere" / "a.nc")
 
 
 def test_an_unreadable_disk_is_not_a_damaged_store(

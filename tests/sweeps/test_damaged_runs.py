@@ -49,3 +49,10 @@ def test_what_a_kill_leaves_in_a_finished_run_goes(file: Path, whole: Path, tmp_
         (store / RUNS / "5" / left).write_text("{}")
     tippetop.sweep(file, store, workers=1)
     assert_same(store, whole)
+
+
+def test_no_other_run_is_written_into_a_sweep(whole: Path, tmp_path: Path) -> None:
+    """Before, a folder with a number in `runs` was accepted."""
+    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
+    with pytest.raises(StoreError, match="must lie outside of every store"):
+        tippetop.run("inverting", until=0.1, out=store / "runs" / "7")

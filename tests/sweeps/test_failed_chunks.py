@@ -9,17 +9,12 @@ from tippetop.sweeps import chunk, workers
 from tippetop.sweeps.workers import in_process
 
 
-class KilledWorker(Exception):
-    """As dask's: known by its name, for dask may be absent."""
-
-
 @pytest.mark.parametrize(
     ("error", "sentence"),
     [
         (ArithmeticError("it will not do"), "ArithmeticError: it will not do"),
         (ValueError("one sentence."), "ValueError: one sentence"),
         (MemoryError(), "MemoryError"),
-        (KilledWorker("task-1", "tcp://somewhere"), "every worker that tried it died"),
     ],
 )
 def test_an_error_is_one_sentence_without_its_end(error: Exception, sentence: str) -> None:

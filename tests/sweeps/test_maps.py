@@ -203,7 +203,7 @@ def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.Mo
 def test_a_million_tops_are_mapped_in_seconds(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rng: Any
 ) -> None:
-    from tippetop.figures import sweep
+    from tippetop.figures import sweep_map
     from tippetop.figures.style import save, styled
 
     axes = [{"of": "initial.omega3", "linspace": [100, 175], "n": 1000}, {**AXIS, "n": 1000}]
@@ -213,7 +213,7 @@ def test_a_million_tops_are_mapped_in_seconds(
     )
     assert found.fields["class"].shape == (1000, 1000)
     with styled():
-        save(sweep.draw_map(found).get_figure(root=True), tmp_path / "a.png")
+        save(sweep_map.draw_map(found).get_figure(root=True), tmp_path / "a.png")
 
 
 def test_what_cannot_be_drawn_is_said(

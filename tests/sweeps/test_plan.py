@@ -216,12 +216,12 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
             {"axis": [{"of": "friction.mu", "linspace": [1, 2], "n": 0}]},
             ["`axis.1.n` must be at least 1"],
         ),
-        ({"axis": [{**OMEGA, "n": 3}]}, ["`axis.1.n` must stand beside"]),
-        ({"axis": [{**OMEGA, "log": True}]}, ["`axis.1.log` must stand beside between"]),
+        ({"axis": [{**OMEGA, "n": 3}]}, ["`axis.1.n` requires linspace or geomspace"]),
+        ({"axis": [{**OMEGA, "log": True}]}, ["`axis.1.log` requires between"]),
         ({"axis": [{"of": "friction.mu", "geomspace": [0, 2], "n": 3}]}, ["two ends of one sign"]),
         (
             {"axis": [{**DRAWN, "between": [2, 1]}]},
-            ["`axis.1.between` must ascend", "`sample` must say method"],
+            ["`axis.1.between` must ascend", "`sample` must give method"],
         ),
         ({"axis": [DRAWN], "sample": {"method": "sobol", "n": 8}}, ["`sample.seed` must be given"]),
         ({"axis": [DRAWN], "sample": {"method": "sobol", "n": 9, "seed": 1}}, ["power of two"]),
@@ -240,7 +240,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
         ),
         (
             {"axis": [OMEGA, {"of": "lambda", "values": [1]}]},
-            ["`lambda` must stand alone, but `initial.omega3`"],
+            ["`lambda` must vary alone, but `initial.omega3`"],
         ),
         (
             {"axis": [{"of": "lambda", "values": [1]}], "scenario": "gliding-heavy-top"},

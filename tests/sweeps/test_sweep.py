@@ -281,7 +281,7 @@ def test_a_full_disk_is_said_and_costs_nothing(
 
     try:
         with pytest.raises(
-            StoreError, match=r"must be writable, but: File too large. What is stored is kept"
+            StoreError, match=r"must be writable, but: File too large. Stored chunks are kept"
         ):
             tippetop.sweep(file, store, workers=1, progress=full)
     finally:
@@ -347,7 +347,7 @@ def test_a_signal_waits_for_the_store_and_the_way_on_is_said(
 def test_another_plan_is_refused(whole: Path, file: Path) -> None:
     file.write_text(PLAN.replace("175", "170"))
     with pytest.raises(
-        StoreError, match="must be of the same plan to be continued, but differs in axis"
+        StoreError, match="must have the same plan to be continued, but differs in axis"
     ):
         tippetop.sweep(file, whole)
 
@@ -357,7 +357,9 @@ def test_other_versions_are_refused(
 ) -> None:
     found = {**provenance.versions(), "heyoka": "0"}
     monkeypatch.setattr(provenance, "versions", lambda: found)
-    with pytest.raises(StoreError, match="must be continued by the same versions"):
+    with pytest.raises(
+        StoreError, match="must have the same versions to be continued, but differs in heyoka"
+    ):
         tippetop.sweep(file, whole)
 
 

@@ -197,7 +197,7 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
         scheduler.kill()
         code, err = ended(process)
         assert code == 6
-        assert "tippetop: the scheduler went away; what it gave back is stored." in err
+        assert "tippetop: the scheduler went away; the results that it returned are stored." in err
     finally:
         for other in (scheduler, *workers):
             other.kill()

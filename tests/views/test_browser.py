@@ -8,7 +8,8 @@ import pytest
 from nightly import at_night
 
 import tippetop as tt
-from tippetop.views import samples, thinning
+from tippetop.exchange.motion import angle_between
+from tippetop.views import samples
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,7 @@ def test_a_page_shows_the_poses_of_its_run(inverting: tt.Run, tab: Any) -> None:
     exact = tt.run("inverting", until=6.5, output_times=at).trajectory.isel(time=slice(len(at)))
     poses = tab.evaluate("times => times.map(t => tippetop.pose(t))", at.tolist())
     drawn = np.array([pose["orientation"] for pose in poses])
-    assert np.degrees(thinning.apart(drawn, exact.orientation.values)).max() < 0.02
+    assert np.degrees(angle_between(drawn, exact.orientation.values)).max() < 0.02
     np.testing.assert_allclose([pose["theta"] for pose in poses], exact.theta.values, atol=2e-5)
     np.testing.assert_allclose([pose["position"][0] for pose in poses], exact.x.values, atol=1e-6)
     row = 5900

@@ -10,7 +10,7 @@ import pytest
 
 import tippetop as tt
 from tippetop.cli import outcome
-from tippetop.views.given import given
+from tippetop.views.encoding import problem_data
 from tippetop.views.playground import playground
 
 
@@ -37,7 +37,7 @@ def tab(open_page: Any) -> Any:
 
 def in_page(tab: Any, problem: tt.Problem, times: np.ndarray) -> np.ndarray:
     """theta at some times, integrated in the page."""
-    about = given(problem)
+    about = problem_data(problem)
     start = {name: float(value) for name, value in about["initial"].items()}
     numbers = {**about["parameters"], **about["friction"]}
     top = {"law": about["law"], "parameters": numbers, "initial": start, "atRest": about["atRest"]}

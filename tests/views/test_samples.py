@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 import tippetop as tt
+from tippetop.exchange.motion import angle_between
 from tippetop.mechanics.rotation import Quaternion, axes
-from tippetop.views import samples, thinning
-from tippetop.views.run import gathered
+from tippetop.views import samples, spacing
+from tippetop.views.run_page import read
 
 
 TENTH, FIFTH = np.radians(0.1), np.radians(0.2)
@@ -34,7 +35,7 @@ def attitudes(times: np.ndarray, kept: np.ndarray, at: np.ndarray) -> np.ndarray
     i = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
     h = times[i + 1] - times[i]
     ends = (kept[i, :4], kept[i, 4:7], kept[i + 1, :4], kept[i + 1, 4:7])
-    return thinning.attitude(*ends, h, (at - times[i]) / h)
+    return spacing.attitude(*ends, h, (at - times[i]) / h)
 
 
 def test_between_samples_the_attitude_is_that_of_the_run(inverting: tt.Run) -> None:
@@ -44,21 +45,19 @@ def test_between_samples_the_attitude_is_that_of_the_run(inverting: tt.Run) -> N
     table, at = rows(inverting), np.sort(np.random.default_rng(1).uniform(0, 6.5, 400))
     exact = tt.run("inverting", until=6.5, output_times=at).trajectory.orientation.values[: len(at)]
     whole = samples.samples(table, inverting.attributes)
-    assert thinning.apart(attitudes(table["time"], whole, at), exact).max() < np.radians(0.01)
-    keep = thinning.kept(table["time"], whole, 300)
-    assert 300 < len(keep) < 1200
-    assert thinning.apart(attitudes(table["time"][keep], whole[keep], at), exact).max() < FIFTH
+    assert angle_between(attitudes(table["time"], whole, at), exact).max() < np.radians(0.01)
+    keep = spacing.chosen(table["time"], whole, 300)
+    assert 300 < len(keep) < 2500
+    assert angle_between(attitudes(table["time"][keep], whole[keep], at), exact).max() < FIFTH
 
 
 def test_few_samples_are_kept_only_where_few_suffice(inverting: tt.Run) -> None:
     table = rows(inverting)
     whole = samples.samples(table, inverting.attributes)
-    keep = thinning.kept(table["time"], whole, 50)
-    assert thinning.missed(table["time"], whole, keep).max() <= TENTH
+    keep = spacing.chosen(table["time"], whole, 50)
+    assert spacing.missed(table["time"], whole, keep) <= TENTH
     coarse = np.arange(0, len(whole), 100)
-    assert (
-        thinning.missed(table["time"], whole, np.append(coarse, len(whole) - 1)).max() > 10 * TENTH
-    )
+    assert spacing.missed(table["time"], whole, np.append(coarse, len(whole) - 1)) > 10 * TENTH
 
 
 def test_rows_that_are_too_far_apart_are_named() -> None:
@@ -95,7 +94,7 @@ def test_the_angular_velocity_turns_the_attitude() -> None:
     table = rows(run)
     assert set(np.unique(table["ball"])) == {0, 1}
     s = samples.samples(table, run.attributes)
-    turned = thinning.apart(s[1:, :4], s[:-1, :4]) / np.diff(table["time"])
+    turned = angle_between(s[1:, :4], s[:-1, :4]) / np.diff(table["time"])
     rate = np.linalg.norm(s[1:, 4:7] + s[:-1, 4:7], axis=1) / 2
     usual = np.abs(np.diff(s[:, 4:7], axis=0)).max(axis=1) < 2  # not across the impact
     assert usual.mean() > 0.99
@@ -118,14 +117,14 @@ def test_a_part_of_a_run_is_shown_alone(inverting: tt.Run) -> None:
 def test_many_rows_are_read_until_a_page_is_full(
     inverting: tt.Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tippetop.views.run.MOST", 800)
-    monkeypatch.setattr(thinning, "FEW", 500)
+    monkeypatch.setattr("tippetop.views.run_page.MOST", 800)
+    monkeypatch.setattr(spacing, "FEW", 500)
     table = rows(inverting)
     halves = [
         {k: v[part] for k, v in table.items() if np.ndim(v) and len(v) == 6501}
         for part in (slice(0, 3000), slice(3000, 6501))
     ]
-    times, _, _, notes = gathered(iter([*halves, *halves]), inverting.attributes, None, None)
+    times, _, _, notes = read(iter([*halves, *halves]), inverting.attributes, None, None)
     assert len(times) > 800
     assert times[-1] == 6.5
     assert "up to 6.5 s" in notes[0]
@@ -135,15 +134,15 @@ def test_samples_of_many_rows_are_spread_evenly_over_the_time_that_is_shown(
     inverting: tt.Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """However many pieces they are read in: 10^7 rows are no larger a page than 10^5."""
-    monkeypatch.setattr(thinning, "FEW", 2000)
+    monkeypatch.setattr(spacing, "FEW", 2000)
     table = {k: v for k, v in rows(inverting).items() if np.ndim(v) and len(v) == 6501}
     pieces = [
         {k: v[first : first + 650] for k, v in table.items()} for first in range(0, 6501, 650)
     ]
-    times, *_ = gathered(iter(pieces), inverting.attributes, None, None)
+    times, *_ = read(iter(pieces), inverting.attributes, None, None)
     assert len(times) < 1.15 * 2000
     assert np.diff(times).max() < 0.0041
-    part, *_ = gathered(iter(pieces), inverting.attributes, 2.0, 3.0)
+    part, *_ = read(iter(pieces), inverting.attributes, 2.0, 3.0)
     np.testing.assert_allclose(np.diff(part), 1e-3)  # fewer rows than samples: all
 
 

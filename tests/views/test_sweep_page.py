@@ -13,7 +13,7 @@ import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.sweeps import maps
 from tippetop.sweeps.plan import Plan
-from tippetop.views.sweep import changes, is_movable, page_of_sweep
+from tippetop.views.sweep_page import changes, is_movable, page_of_sweep
 
 
 PLAN = {
@@ -69,7 +69,7 @@ def test_only_what_a_page_can_integrate_moves() -> None:
 def test_a_map_without_motions_offers_none(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     offer = "click it for its motion"
     assert offer in page_of_sweep(store)
-    monkeypatch.setattr("tippetop.views.sweep.is_movable", lambda _: False)
+    monkeypatch.setattr("tippetop.views.sweep_page.is_movable", lambda _: False)
     assert offer not in page_of_sweep(store)
 
 

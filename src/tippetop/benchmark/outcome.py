@@ -8,8 +8,8 @@ from ..problem import Problem
 from .truth import Truth, axis_of, theta_of
 
 
-TOUCH = 1e-3
-"""Largest gap of a ball that touches, in radii."""
+TOUCH = 0.01
+"""Largest gap of a ball that touches, in radii; a body that lifts off rises by more."""
 
 STICKS = 0.02
 """Sliding speed of a contact that sticks, in sqrt(g R)."""
@@ -28,12 +28,14 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
     balls = [(body.c, body.R)] + ([(body.c + rules.h, rules.r)] if rules.stem else [])
     axis = axis_of(motion.quaternion)
     gaps = np.array([motion.position[:, 2] + c * axis[:, 2] - R for c, R in balls])
-    touches = gaps.min(axis=0) < TOUCH * body.R
-    result["lifts off"] = bool((~touches[np.argmax(touches) :]).any() and touches.any())
-    lowest = gaps.argmin(axis=0)
+    gap, lowest = gaps.min(axis=0), gaps.argmin(axis=0)
+    least, touches = np.minimum.accumulate(gap), gap < TOUCH * body.R
+    near = least < 10 * TOUCH * body.R
+    result["lifts off"] = bool((gap - least)[near].max(initial=0.0) > TOUCH * body.R)
     if rules.stem:
         result["lands on the stem"] = bool((touches & (lowest == 1)).any())
-    if np.isfinite(motion.velocity).all() and np.isfinite(motion.omega).all():
+    moves = np.isfinite(motion.velocity).all() and np.isfinite(motion.omega).all()
+    if problem.law.set_valued and moves:
         offset, radius = np.array(balls)[lowest[-1]]
         arm = offset * axis[-1] - [0.0, 0.0, radius]
         slip = motion.velocity[-1] + np.cross(motion.omega[-1], arm)

@@ -182,7 +182,7 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
         path, float(match[1]) if match else None, t[within], curves, *thetas, numbers
     )
     seen, whole_outcome = (outcome(each.problem, each_motion) for each_motion in (there, exact))
-    engine, setting = ([*path.resolve().parts[:-2]][-2:] + ["-", "-"])[:2]
+    *_, engine, setting = ("-", "-", *path.resolve().parts[:-2])
     return Result(each.name, engine, setting, compared, seen, whole_outcome)
 
 

@@ -62,7 +62,7 @@ def compare(
     result = Verdict(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up))
     if figure is not None:
         from ..figures import drawing
-        from ..figures.comparison import comparison
+        from ..figures.motions import comparison
 
         drawing.write(comparison(result.motions, result.title), figure, overwrite=overwrite)
     if as_json:

@@ -62,6 +62,7 @@ def surface(
     from ..awaiting import awaited
     from ..landscape import marked_lines, recording, surface
     from ..progress import Bar
+    from ..store import root
     from .overwrite import remove_store
     from .plot import check_picture
     from .text import warn
@@ -83,12 +84,8 @@ def surface(
     )
     if out is not None and overwrite:
         remove_store(out)
-    if out is not None and _is_finished(out, parameters, Ds, lambdas):
-        print(
-            f"tippetop: `{out}` is finished: nothing to do (--overwrite makes it anew).",
-            file=sys.stderr,
-        )
-    elif out is not None:
+    if out is not None:
+        finished = out.exists() and root.root_of(out)["status"] == "finished"
         corners = (Ds[:: max(1, Ds.size - 1)], lambdas[:: max(1, lambdas.size - 1)])
         try:
             if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
@@ -102,6 +99,12 @@ def surface(
         except KeyboardInterrupt:
             print("tippetop: interrupted; the same command continues from here.", file=sys.stderr)
             return 130
+        if finished:
+            print(
+                f"tippetop: `{out}` was finished: its chunks are checked (--overwrite makes it "
+                "anew).",
+                file=sys.stderr,
+            )
     if figure is not None:
         few = tuple(
             v[np.unique(np.linspace(0, v.size - 1, 401).astype(int))] for v in (Ds, lambdas)
@@ -126,49 +129,6 @@ def _far(parameters: dict[str, float], lam: float) -> list[str]:
         f"lambda = {lam:g} kg m^3/s is far from lambda_pi = {limit:.3g} kg m^3/s: it looks like "
         "another unit."
     ]
-
-
-def _is_finished(out: Path, parameters: dict[str, float], Ds: Any, lambdas: Any) -> bool:
-    """Whether `out` is this very surface, whole.
-
-    Raises StoreError if it is another, or something else.
-    """
-    import numpy as np
-
-    from ..errors import StoreError
-    from ..store import files, ledger, root
-
-    if not out.exists():
-        return False
-    if ledger.is_ledger(out):
-        with (
-            files.writing(out),
-            ledger.Ledger.opened(out) as store,
-        ):  # which ends what was interrupted at its end
-            unsound = store.unsound()
-    attrs = root.attributes(out)
-    if attrs.get("content") != "surface":
-        raise StoreError(
-            f"`{out}` exists and is not a surface: name another store, or say --overwrite."
-        )
-    finished = attrs["status"] == "finished"
-    stored = root.loaded(root.open_group(out, "surface")[["D", "lambda"]], out)
-    same = attrs["parameters"] == parameters
-    same = (
-        same
-        and np.array_equal(stored["D"].values, Ds)
-        and np.array_equal(stored["lambda"].values, lambdas)
-    )
-    if not same:
-        raise StoreError(
-            f"`{out}` is the surface of another body or of other axes: name another store, or "
-            "say --overwrite."
-        )
-    if finished and unsound:
-        raise StoreError(
-            f"`{out}` must be a whole store, but is damaged: its chunk `{unsound[0]}` is."
-        )
-    return finished
 
 
 def potential(

@@ -84,7 +84,7 @@ def _drawn(
     from ..scenario import build
     from ..store import chunks, root
 
-    if len(stores) == 1 and kind in ("states", "phase") and not stores[0].is_dir():
+    if len(stores) == 1 and kind == "states" and not stores[0].is_dir():
         return _states(str(stores[0]), look)
     attributes = [root.attributes(store) for store in stores]
     contents = [attrs.get("content", "run") for attrs in attributes]
@@ -105,7 +105,8 @@ def _drawn(
 
         catalogue.check_kind(kind or contents[0], [contents[0]])
         return picture(stores[0], attributes[0], look)
-    kind = catalogue.kind_of(kind or "theta")
+    kind = kind or "theta"
+    catalogue.check_kind(kind)
     parts = []
     for store, attrs in zip(stores, attributes, strict=True):
         groups = chunks.for_figures(store, window)

@@ -64,11 +64,11 @@ def _text(store: Path | None, start: float | None, until: float | None) -> str:
 
         return playground()
     from ..store import root
-    from ..views.run import page_of_store
+    from ..views.run_page import page_of_store
 
     attrs = root.attributes(store)
     if attrs.get("content") == "sweep":
-        from ..views.sweep import page_of_sweep
+        from ..views.sweep_page import page_of_sweep
 
         if (start, until) != (None, None):
             raise InputError(f"--from and --until are for runs, but `{store}` is a sweep.")

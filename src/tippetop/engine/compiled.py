@@ -24,7 +24,7 @@ from .tallies import EventRows, event_rows
 
 
 class Compiled(NamedTuple):
-    """An integrator and what is read of its Taylor coefficients.
+    """An integrator, and the places of event functions among its Taylor coefficients.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class Compiled(NamedTuple):
     rows
         Where the event functions stand among the variables.
     lasting, way
-        The number of the event that must last, -1 if there is none; the sign of its function beyond
+        The number of the event that must last, -1 without one; the sign of its function beyond
         its zero.
     machine
         Its step as machine code; None where that cannot be had: then heyoka makes the steps, with
@@ -65,7 +65,7 @@ def awaited_once(make: Callable, key: tuple, text: str, stop: threading.Event | 
     key
         Its arguments.
     text
-        What is waited for.
+        Words for the progress report.
     stop
         Set it to give up.
 

@@ -79,8 +79,8 @@ class Request(Protocol):
     steps: bool  # at the ends of steps, rather than at given times
 
     def wanted(self) -> np.ndarray:
-        """Return the internal times of the rows that are wanted next, (k,) doubles; of steps, room
-        for so many. None are left where k = 0.
+        """Return the internal times of the rows that are wanted next, (k,) doubles; for steps, an
+        array with room for k. Empty at the end.
         """
 
     def take(self, times: np.ndarray, states: np.ndarray) -> None:
@@ -124,7 +124,7 @@ class Place:
     rows, tallies
         The events, and tallies for them.
     lasting
-        The number of the event that must last; -1: there is none.
+        The number of the event that must last; -1 without one.
     """
 
     def __init__(
@@ -225,7 +225,7 @@ class Driver:
         self.end_at(end)
 
     def _stepper(self) -> Stepper:
-        """Return new steps of the integrator, in a place of its own."""
+        """Return a new stepper of the integrator."""
         return stepper_of(self.compiled)
 
     def take(self, pars: Sequence[Any]) -> None:
@@ -235,7 +235,7 @@ class Driver:
     # --- steps -----------------------------------------------------------------------------------
 
     def advance(self, request: Request, most: int) -> Slice:
-        """Make at most so many steps; rows go to the request as they come."""
+        """Make at most `most` steps; rows go to the request."""
         self.forget()
         before, n = int(self.steps[0]), self.variables
         self.drive(request, most)
@@ -246,6 +246,10 @@ class Driver:
         return Slice(
             steps, when, last[None, :n].copy(), self.sampled()[:, :n].copy(), passages, ended
         )
+
+    def begin(self) -> None:
+        """Mark the run as one that has made no step."""
+        self.status[0], self.upto[0], self.tiny[0], self.steps[0] = RUNNING, 1.0, 0, 0
 
     def forget(self) -> None:
         """Forget samples and passages."""
@@ -258,20 +262,20 @@ class Driver:
             wanted.ask(request)
             left = most - steps if self.status[0] == RUNNING else 0
             if not len(wanted.times):
-                self._made(NO_ROWS, left)
+                self.make(NO_ROWS, left)
                 break
             rows = self._filling(wanted.times, request.steps)
             first = wanted.made
             rows.filled[0] = first
-            steps += self._made(rows, left)
+            steps += self.make(rows, left)
             wanted.made = int(rows.filled[0])
             if wanted.made > first:
                 request.take(rows.times[first : wanted.made], self._states(rows, first))
             if wanted.made == first or wanted.made < len(rows.times):
                 break
 
-    def _made(self, rows: Rows, most: int) -> int:
-        """Make at most so many steps, and write these rows. Return the number of steps."""
+    def make(self, rows: Rows, most: int) -> int:
+        """Make at most `most` steps, write these rows, and return the number of steps."""
         self.loop.fill(rows)
         return self.loop.drive(most)
 
@@ -322,7 +326,7 @@ class Driver:
 
     @property
     def tally(self) -> Any:
-        """What the observer knows of the run."""
+        """The tally of the run."""
         return self.tallies.lane[0]
 
     @property

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import heyoka as hy
 
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.moment import moment
 from ..mechanics.operand import cos, refill, sin
 from ..mechanics.system import Form, System
@@ -46,12 +46,12 @@ class Formulas:
     form
         The equations of motion.
     events
-        What is looked for.
+        The events that are detected.
     functions
         functions(q, carried, b) -> the event functions, in the order of the events.
     body
-        body(values) -> the body, of an iterator over its leaves; what is 0 or 1 by construction is
-        a number.
+        body(values) -> the body, of an iterator over its leaves; a parameter that is always 0 or 1
+        is a number.
     """
 
     form: Form
@@ -112,7 +112,7 @@ def integrated(variable: str) -> str:
 
 
 def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
-    """All that a row says, by name, in internal units: angles, vectors, quantities; of arrays or of
+    """Return angles, vectors and quantities of a row by name, internal units; arrays or
     expressions.
     """
     whole, angles = moment(system, form, q, carried, body), form.to_angles(q, carried, body)
@@ -153,8 +153,8 @@ def near_poles(form: Form, q: Any, body: Any) -> list:
 
 
 def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
-    """Axes 1 and 3 of the body, three components each, and psi if the form knows it; of arrays or
-    of expressions.
+    """Return axes 1 and 3 of the body, three components each, and psi if the form has it; arrays
+    or expressions.
     """
     orientation = form.orientation
     assert orientation is not None

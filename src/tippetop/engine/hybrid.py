@@ -1,8 +1,8 @@
 """One run of a system of several phases: an ordinary driver for each, and jumps from one to
 another.
 
-Jumps are functions of the common state, which every phase can be read as; the driver knows neither
-balls nor laws.
+Jumps are functions of the common state, which every phase can be read as; the driver does not
+depend on balls or laws.
 """
 
 import math
@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..mechanics.events import ON_ZERO as BELOW
-from ..mechanics.events import Event
+from ..mechanics.event import ON_ZERO as BELOW
+from ..mechanics.event import Event
 from ..mechanics.form import CLOCK, Exit, Next, Phase
 from ..mechanics.inlining import inlined
 from ..mechanics.moment import moment
@@ -45,7 +45,7 @@ from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bou
 
 
 MOST_CHANGES = 10_000  # of phase in a run
-# changes: a slice ends after them, so that nobody waits for it; by no clock, for stores say where
+# End a slice after this many changes. A fixed count, not a time limit, keeps stores reproducible.
 PER_SLICE = 256
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
 ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
@@ -346,7 +346,7 @@ class HybridDriver:
         self.spans.append((track, self.whole, *(counts or track.counts)))
         self.began = float(time)
         driver = track.driver
-        driver.status[0], driver.upto[0], driver.tiny[0], driver.steps[0] = RUNNING, 1.0, 0, 0
+        driver.begin()
         driver.time[0] = self.began
         self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
 
@@ -423,7 +423,7 @@ class HybridDriver:
 
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
-        """Make at most so many steps, through as many phases as they take."""
+        """Make at most `most` steps, through as many phases as they take."""
         self.request, self.steps = request, request.steps
         self.asked: list[tuple[Track, Sequence, np.ndarray, np.ndarray]] = []
         for track in self.tracks.values():
@@ -566,7 +566,7 @@ class HybridDriver:
     # --- rows ------------------------------------------------------------------------------------
 
     def wanted(self) -> np.ndarray:
-        """Internal times of the next rows, or room for so many."""
+        """Return internal times of the next rows, or an array with room for them."""
         return self.request.wanted()
 
     def take(self, times: np.ndarray, states: np.ndarray) -> None:
@@ -697,7 +697,7 @@ class HybridDriver:
 
     @property
     def tally(self) -> Any:
-        """What the observer knows of the run."""
+        """The tally of the run."""
         return self.tallies.lane[0]
 
     @property

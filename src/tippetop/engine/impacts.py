@@ -21,7 +21,7 @@ from ..mechanics.contact.struck import Impact, struck
 from ..mechanics.friction import PARTS, Frictionless, has_parts
 from ..mechanics.operand import Vector, refill, times
 from ..problem import PRECISIONS, Problem
-from .driver import RUNNING, Driver
+from .driver import NO_ROWS, STATUSES, Driver
 from .expressions import Formulas
 from .status import Status
 from .tallies import ON_ZERO, SIGN
@@ -42,22 +42,6 @@ LONGEST, REST_SPAN, SHORTEST = 64.0, 0.25, 2.0**-40
 """Of the clock of an impact: a piece of it; one at rest; and one in which a contact at rest gives
 way.
 """
-
-
-class NoRows:
-    """Asks for no rows."""
-
-    steps = False
-
-    def wanted(self) -> np.ndarray:
-        """Return no times."""
-        return np.zeros(0)
-
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Take nothing."""
-
-
-NO_ROWS = NoRows()
 
 
 @lru_cache(maxsize=64)
@@ -92,14 +76,17 @@ def driver_of(formulas: Formulas, precision: str, stop: threading.Event | None) 
     return (WideDriver if wide else Driver)(code, code.rows, pars, start, functions, 0.0)
 
 
-def piece_of(driver: Driver, q: Any, signs: list, zeros: list, end: Any, most: int) -> Any:
-    """Return the steps of a motion from q on, until its clock reaches `end` or an event happens."""
+def piece_of(driver: Driver, q: Any, signs: list, zeros: list, end: Any, most: int) -> int:
+    """Follow a motion from q until its clock reaches `end` or an event happens, and return the
+    number of steps.
+    """
     known, none = driver.tallies.functions, driver.number(0)
     known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
-    driver.status[0], driver.upto[0], driver.tiny[0], driver.steps[0] = RUNNING, 1.0, 0, 0
+    driver.begin()
     driver.put([*q, *[none] * (driver.width - len(q))], (none, none))
     driver.end_at(end)
-    return driver.advance(NO_ROWS, most)
+    driver.forget()
+    return driver.make(NO_ROWS, most)
 
 
 class ImpactMotions:
@@ -230,15 +217,16 @@ class ImpactMotions:
             lift, growth = stage.slope(q, b)
             if not 0 < lift < np.inf:
                 raise ArithmeticError(UNSOLVED)
-            piece = self._piece(stage, q, growth, passed, span if rests else LONGEST)
-            after, passed = motion.Motion(*piece.last[0].tolist()), ""
-            self.left -= piece.steps + 1
+            driver, steps = self._piece(stage, q, growth, passed, span if rests else LONGEST)
+            after, passed = motion.Motion(*driver.reached()[1][: len(q)].tolist()), ""
+            status = STATUSES[int(driver.status[0])]
+            self.left -= steps + 1
             if rests and motion.left(law, stage.acts(after, b), b) < 0:  # it gives way on the way
                 span /= 2
                 q = q if span > SHORTEST else self._slid(after, stage.acts(after, b))
                 continue
-            if piece.status is Status.ENDED:
-                passed = stage.events[int(piece.passages.events[-1])].name
+            if status is Status.ENDED:
+                passed = stage.events[int(driver.log.event[driver.log.filled[0] - 1])].name
                 if passed == "reached":
                     return after
                 if passed in stage.follows:
@@ -248,9 +236,9 @@ class ImpactMotions:
                         for way in law.regions[self.region].borders
                         if way.follows == before
                     )
-            elif piece.status is Status.NON_FINITE:
+            elif status is Status.NON_FINITE:
                 raise ArithmeticError(UNSOLVED)
-            elif piece.status is Status.STALLED and not self._slows(q, after):
+            elif status is Status.STALLED and not self._slows(q, after):
                 break
             q = after
         raise ArithmeticError(ENDLESS if law.regions else STIFF)
@@ -268,9 +256,10 @@ class ImpactMotions:
         self.region, self.mode = motion.region_at(self.law, q, self.b), "slip"
         return q
 
-    def _piece(self, stage: Any, q: Any, growth: Any, passed: str, end: Any) -> Any:
-        """Return the steps of a motion from q on, until the clock has run so far or an event
-        happens.
+    def _piece(self, stage: Any, q: Any, growth: Any, passed: str, end: Any) -> tuple:
+        """Follow the motion until its clock reaches `end` or an event happens.
+
+        Return its driver and the number of steps.
         """
         if self.region not in self.drivers:
             formulas = formulas_of_impact(self.law, self.region, self.has_torques)
@@ -282,7 +271,7 @@ class ImpactMotions:
             signs.append(event.direction if is_beyond or grows else -event.direction)
         zeros = [-float(event.name == passed) for event in stage.events]
         driver.take(self.pars[: len(driver.motion.pars)])
-        return piece_of(driver, q, signs, zeros, CLOCK_RATE * end, self.left)
+        return driver, piece_of(driver, q, signs, zeros, CLOCK_RATE * end, self.left)
 
 
 class Impacts:

@@ -46,7 +46,7 @@ def taken(name: str) -> str:
     return f"{name}_taken"
 
 
-CANCELS = 0.1  # of what it is made of: below, an invariant is small because its parts cancel
+CANCELS = 0.1  # of its parts: a smaller invariant is small because its parts cancel
 
 
 def sizes(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

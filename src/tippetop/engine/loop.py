@@ -18,7 +18,7 @@ import numpy as np
 import tippetop_kernels
 
 from ..errors import BuildError
-from ..mechanics.events import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
+from ..mechanics.event import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
 from .stepper import Called, Stepper
 from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules, Tallies
 

@@ -38,7 +38,7 @@ class Observables:
         self._last: tuple[bytes, dict[str, np.ndarray]] = (
             b"",
             {},
-        )  # the row that was read last, and what it says
+        )  # the row that was read last, and its values
 
     def __reduce__(self) -> tuple:
         """Pickle the problem alone: formulas of a form have no names."""
@@ -279,8 +279,8 @@ def _whole_batches(columns: np.ndarray, size: int) -> np.ndarray:
 
 
 def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """Quaternions (n, 4), and psi (n,) where the form knows it, of what `orientation_of` gives, (6
-    or 7, n).
+    """Return quaternions (n, 4), and psi (n,) if the form has it, of outputs of `orientation_of`,
+    (6 or 7, n).
     """
     assert form.orientation is not None
     if form.orientation.psi:

@@ -14,7 +14,7 @@ DEFAULT = 3
 def opt_level() -> int:
     """LLVM's level, 0 to 3: 0 compiles ten times faster and runs 1.3 to 1.8 times slower.
 
-    What is fused there is other than at 3, and may differ from four lanes to eight: a run is not
+    Other operations are fused than at 3, and four lanes may differ from eight: a run is not
     resumed under another level. Raises InputError.
     """
     text = os.environ.get(OPT_LEVEL, str(DEFAULT))

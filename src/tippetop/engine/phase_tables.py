@@ -1,4 +1,4 @@
-"""The phases of a run and what happens between them, as tables that grow: groups of its store."""
+"""Tables of the phases of a run and of occurrences between them: groups of its store."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -4,7 +4,7 @@ import copy
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from .driver import Driver
 
 

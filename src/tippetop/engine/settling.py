@@ -20,8 +20,7 @@ SETTLED_FOR = 200.0
 
 
 def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
-    """Whether a motion in which nothing slides stays what it is; a top near a pole that is unstable
-    will leave it.
+    """Return whether a motion without sliding lasts; a top near an unstable pole will leave it.
 
     Parameters
     ----------
@@ -35,7 +34,7 @@ def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
     Returns
     -------
     bool
-        True also where the body is none that this knows of.
+        True also for a body whose stability is unknown.
 
     Notes
     -----
@@ -143,8 +142,8 @@ def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) ->
     kinds
         As `classes_of` gives them.
     theta
-        At the end, (n,) [rad]: what rolls there is no steady spin, unless it is at a pole; what is
-        in the air is none.
+        At the end, (n,) [rad]: a body that rolls is in steady spin only at a pole, and
+        never in the air.
     values
         The quantities `phase` and `ball` at the end by name, (n,) each, where the system has them.
     """

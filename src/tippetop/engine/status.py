@@ -24,7 +24,7 @@ class Status(Enum):
     INVALID
         A top of an ensemble whose numbers allow no motion.
     ENDED
-        An event ended it whose `ends` has no name of its own here.
+        An event ended it whose `ends` is not the name of another status.
     RUNNING
         A store that is being written, or waits for `resume`.
     """
@@ -68,7 +68,7 @@ class Status(Enum):
         Returns
         -------
         Status
-            ENDED for a word that has no status of its own.
+            ENDED for any other word.
         """
         return cls(ends) if ends in {status.value for status in cls} else cls.ENDED
 

@@ -1,6 +1,4 @@
-"""What is kept of every run while its steps pass, and where the event functions stand in the Taylor
-coefficients.
-"""
+"""Tallies of runs, and the places of event functions among the Taylor coefficients."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -8,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..mechanics.events import ON_ZERO as ON_ZERO_BELOW
-from ..mechanics.events import Event
+from ..mechanics.event import ON_ZERO as ON_ZERO_BELOW
+from ..mechanics.event import Event
 from .status import Status
 
 
@@ -22,11 +20,11 @@ class EventRows(NamedTuple):
 
     `events`: where a function stands among the kept coefficients (`row`): it is a variable plus
     `offset` (`shift` 0), or the rate of one (`shift` 1), times `scale`, a power of two. A variable
-    whose rate is another event function (`leader`; -1: none) needs no sums of its own: that rate
+    whose rate is another event function (`leader`, or -1) needs no sums of its own: that rate
     bounds it. `direction`, `sense`, `extremes` are those of the event; `ends` the code of the
-    status of a top that it ends, 0 if it ends none; what it keeps are the `numbers` from `first` to
-    `last`, this one excluded. What is not `watched` has no zeros that anybody wants, what is not
-    `ranged` no least and greatest values; what is not `bounded` is neither, nor leads any that is.
+    status of a top that it ends, or 0; it keeps the `numbers` from `first` to
+    `last`, this one excluded. Zeros are detected of `watched` events only, least and
+    greatest values of `ranged` ones; `bounded` events are either, or lead one.
     """
 
     events: np.ndarray  # (events,)
@@ -46,7 +44,7 @@ class StopRules(NamedTuple):
     settled_for: float  # internal time that it must have lasted
     most_steps: int
     every: int  # steps between two samples, a power of two
-    first: int  # so many steps at the start are all sampled
+    first: int  # number of steps at the start that are all sampled
 
 
 _LANE: dict[str, Any] = {
@@ -67,18 +65,18 @@ _LANE: dict[str, Any] = {
 
 
 SIGN, LEAST, MOST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_MOST = range(9)
-"""What is known of an event function in a lane: its sign, +1 or -1; its least and greatest values,
-as it stands in the coefficients; 1 if the run starts on a zero of it, -k if its first k Taylor
-coefficients vanish where the next step begins; of the present step bounds, and 1 if it is monotone
-there; and when it was least and greatest.
+"""Rows of `Tallies.functions`, for each event function: its sign, +1 or -1; its least and
+greatest values, as it stands in the coefficients; 1 if the run starts on a zero of it, -k
+if its first k Taylor coefficients vanish where the next step begins; of the present step
+bounds, and 1 if it is monotone there; and when it was least and greatest.
 """
 
 
 class Tallies(NamedTuple):
-    """What is kept of the tops in the lanes, step by step; times are internal."""
+    """Tallies of the tops in the lanes; times are internal."""
 
     lane: np.ndarray  # (lanes,) records: how far each has come, and its turnings
-    functions: np.ndarray  # (9, events, lanes) what is known of the event functions: SIGN to T_MOST
+    functions: np.ndarray  # (9, events, lanes) event functions: SIGN to T_MOST
     kept: np.ndarray  # (numbers, lanes) times, NaN: did not happen; or counts
 
 
@@ -95,7 +93,7 @@ NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
 def event_rows(
     events: Sequence[Event], sources: Sequence[tuple[int, int, float, float]], axis: Sequence[int]
 ) -> EventRows:
-    """The events as arrays.
+    """Return events as arrays of records.
 
     `sources` are variable, shift, scale and offset of each function; `axis` are the variables of
     3hat, none in a form without it.
@@ -124,9 +122,7 @@ def event_rows(
 
 
 def mark_bounded(records: np.ndarray) -> None:
-    """Says of events that are watched and ranged as somebody asks for them which must
-    be bounded.
-    """
+    """Mark the events whose range in a step must be bounded."""
     records["bounded"] = records["watched"] | records["ranged"] | (records["ends"] != 0)
     leaders = records["leader"][records["bounded"]]
     records["bounded"][leaders[leaders >= 0]] = True
@@ -154,7 +150,7 @@ def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def new_tallies(rows: EventRows, lanes: int) -> Tallies:
-    """Tallies of so many lanes."""
+    """Return new tallies."""
     n = len(rows.events)
     tallies = Tallies(
         np.empty(lanes, LANE_RECORD), np.zeros((9, n, lanes)), np.empty((len(rows.numbers), lanes))
@@ -167,9 +163,7 @@ def new_tallies(rows: EventRows, lanes: int) -> Tallies:
 def reset(
     tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_zero: np.ndarray
 ) -> None:
-    """A new top in a lane: its event functions have these signs at its start, or are on
-    their zero.
-    """
+    """Reset the tally of a lane for a new top, with signs of its event functions at its start."""
     tallies.lane[lane] = tuple(_LANE.values())
     functions = tallies.functions[:, :, lane]
     functions[SIGN], functions[ON_ZERO] = signs, on_zero
@@ -186,9 +180,7 @@ from now on.
 
 
 class PassageLog(NamedTuple):
-    """Zeros of event functions as they are found, in one lane; of length 0 where nobody
-    wants them.
-    """
+    """Zeros of event functions in one lane, in the order of detection; of length 0 if unused."""
 
     filled: np.ndarray  # (1,) how many there are
     time: np.ndarray  # (n,) internal
@@ -199,7 +191,7 @@ class PassageLog(NamedTuple):
 
 
 def new_log(length: int, variables: int) -> PassageLog:
-    """A log with room for so many passages."""
+    """Return an empty log with room for `length` passages."""
     event, sign = np.zeros((2, length), np.int64)
     at_pole, states = np.zeros(length, np.bool_), np.zeros((length, variables))
     return PassageLog(np.zeros(1, np.int64), np.zeros(length), event, sign, at_pole, states)
@@ -215,6 +207,6 @@ class Samples(NamedTuple):
 
 
 def new_samples(length: int, variables: int, lanes: int = 1) -> Samples:
-    """Room for so many samples."""
+    """Return empty samples with room for `length` states."""
     filled, in_lane, top = (np.zeros(n, np.int64) for n in (1, lanes, length))
     return Samples(filled, in_lane, top, np.zeros((length, variables)))

@@ -23,9 +23,9 @@ LONG = 1e5  # internal time beyond which 6 s (longdouble) or 25 s (quad) of comp
 
 
 def silence() -> None:
-    """Stops heyoka's warnings for the whole process: they go to standard output, and every outcome
-    that they are about has a status here. For whoever owns the process: the command line, and the
-    workers that a sweep starts.
+    """Stop heyoka's warnings for the whole process: they go to standard output, and every outcome
+    that they are about has a status here. Call it in processes of this package only: the
+    command line, and the workers of a sweep.
     """
     hy.set_logger_level_critical()
 
@@ -95,9 +95,7 @@ def compiled_when(key: tuple, stop: threading.Event | None = None) -> Compiled:
 
 
 def fingerprint(driver: Driver) -> str:
-    """Says which equations a driver was made of: a digest of their expressions, and of how they
-    were compiled.
-    """
+    """Return a digest of the equations of a driver and of the compiler options."""
     known, level = _fingerprints.setdefault(driver, {}), opt_level()
     if level not in known:  # 1 ms, and there is one in every keyframe
         lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())

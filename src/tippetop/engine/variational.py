@@ -1,5 +1,5 @@
-"""The variational equations: what is compiled for derivatives of motions along directions in the
-space of all numbers that a user gives.
+"""The variational equations: derivatives of motions along directions in the space of all numbers
+that a user gives.
 
 Everything is a function of one number `along`: the user's numbers p + along v, the state y + along
 s + along^2 t/2. The equations of motion, the start, columns and event functions are differentiated
@@ -61,7 +61,7 @@ class Kind(NamedTuple):
 
     @property
     def variables(self) -> Variables:
-        """What is integrated."""
+        """The integrated variables."""
         return Variables(self.form, self.orientation)
 
     @property
@@ -238,9 +238,9 @@ def _own_units(kind: Kind, q: Any, carried: Any, body: Any) -> tuple[Any, Any, A
 def compiled_readings(
     kind: Kind, names: tuple[str, ...] | None, timed: tuple[str, ...]
 ) -> Readings:
-    """What is read of states with derivatives, f(inputs=((order + 1) variables, n), pars=(2 numbers
-    of the body, n)): the values, their derivatives along the direction, and derivatives of the
-    `timed` ones by time.
+    """Return readings of states with derivatives, f(inputs=((order + 1) variables, n),
+    pars=(2 numbers of the body, n)): the values, their derivatives along the
+    direction, and derivatives of the `timed` ones by time.
 
     `names`: None for all."""
     line, state, body = _line(kind)

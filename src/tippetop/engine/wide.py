@@ -113,10 +113,10 @@ class WideDriver(Driver):
         """The steps of the run."""
         return cast(WideSteps, self.place.stepper)
 
-    def _made(self, rows: Rows, most: int) -> int:
+    def make(self, rows: Rows, most: int) -> int:
         self.loop.fill(rows)
         self.stepper.begin()
-        steps = super()._made(rows, most)
+        steps = super().make(rows, most)
         if self.tally["status"] == Status.NON_FINITE.code:
             self.stepper.undo()
         else:
@@ -178,7 +178,7 @@ class WideDriver(Driver):
 
 def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:
     """Return the coefficients of an event function in a step, from those of all variables,
-    (variables, order + 1), without so many zeros where the step begins.
+    (variables, order + 1), without the leading `roots` coefficients.
     """
     whole = tc[event["row"]]
     if event["shift"] == 1:  # the rate of the variable

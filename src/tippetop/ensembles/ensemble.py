@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..engine.derivatives.growth import growth
 from ..engine.invariants import invariants, sizes
 from ..engine.loop import Tops
 from ..engine.observables import event_functions, values_of
@@ -20,9 +21,9 @@ from ..engine.tallies import EventRows, signs_of
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults, variation_faults
 from ..progress import reporting
+from .hybrid_tops import Alone, problem_of, run_each
 from .lanes import LANES, SWINGS, Lanes, new_tops
 from .outcomes import Outcomes, _conclude, dataset
-from .singly import Alone, one_by_one
 
 
 if TYPE_CHECKING:
@@ -32,27 +33,6 @@ if TYPE_CHECKING:
 Starts = dict[
     str, tuple[np.ndarray, np.ndarray]
 ]  # of invariants by name: at the start, what drifts are relative to
-
-
-class _Queue:
-    """Numbers of tops, each given to one thread."""
-
-    def __init__(self, numbers: np.ndarray, lanes: int, threads: int):
-        self._numbers, self._lock, self.stopped = numbers, threading.Lock(), False
-        self._lanes, self._threads = lanes, threads
-
-    def take(self, empty: int) -> np.ndarray:
-        """As many as are empty of a thread's lanes, and what they may take next: nothing at the
-        end, so that none has tops that wait and another empty lanes.
-        """
-        with self._lock:
-            left, others = len(self._numbers), self._threads - 1
-            waiting = min(
-                self._lanes - empty, left // (4 * self._lanes * others) if others else left
-            )
-            most = 0 if self.stopped else empty + waiting
-            taken, self._numbers = self._numbers[:most], self._numbers[most:]
-            return taken
 
 
 def measure(
@@ -65,7 +45,7 @@ def measure(
     alone: Alone | None = None,
     lyapunov: bool = False,
 ) -> Outcomes:
-    """Integrates every valid top to its end; `progress(done, n)` is called now and then.
+    """Integrate every valid top to its end; `progress(done, n)` is called now and then.
 
     Parameters
     ----------
@@ -78,7 +58,7 @@ def measure(
     lanes
         Tops that one integrator advances at a time. It changes no bit.
     wanted
-        Names of the columns that somebody reads, None: all. The others may be empty; these have the
+        Names of the columns that are read, None: all. The others may be empty; these have the
         same bits.
     alone
         What runs one top whose contact may change its phase: lanes cannot.
@@ -107,24 +87,21 @@ def measure(
     clock = time.perf_counter()
     if len(numbers) and tops.base.system.is_hybrid:
         if alone is None:
-            raise ValueError(
-                "a contact that may change its phase is followed by a driver of its own"
-            )
-        one_by_one(measured, numbers, alone, progress)
+            raise ValueError("`alone` is required for a contact that may change its phase")
+        run_each(measured, numbers, alone, progress)
     elif len(numbers):
         _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
     _conclude(measured)
     if lyapunov:
-        from .lyapunov import exponents
-
-        measured.lyapunov = exponents(tops, measured.columns["t_end"])
+        measured.lyapunov = _exponents(tops, measured.columns["t_end"])
     measured.seconds = time.perf_counter() - clock
     return measured
 
 
 def _ended_at_start(measured: Outcomes, functions: np.ndarray) -> np.ndarray:
-    """Which tops end before their first step, (n,): an event function that must not fall below zero
-    has done so.
+    """Return which tops end before their first step, (n,).
+
+    Those are the tops with an event function that is below zero, where it must not fall.
     """
     tops, ended = measured.tops, np.zeros(measured.tops.n, bool)
     for e, event in enumerate(tops.base.system.events):
@@ -140,6 +117,19 @@ def _ended_at_start(measured: Outcomes, functions: np.ndarray) -> np.ndarray:
     return ended
 
 
+def _exponents(tops: Problems, ends: np.ndarray) -> np.ndarray:
+    """Return the finite-time Lyapunov exponent of each top up to its end [1/s], (n,).
+
+    That of a top that is invalid, or ends at its start, is NaN.
+    """
+    rates = np.full(tops.n, np.nan)
+    going = np.flatnonzero(tops.valid & (ends > 0))
+    for top in going.tolist():
+        times = np.array([0.0, ends[top]])
+        rates[top] = growth(problem_of(tops, top), times, uses=len(going)).exponents[-1]
+    return rates
+
+
 def _run(
     measured: Outcomes,
     numbers: np.ndarray,
@@ -150,7 +140,20 @@ def _run(
     lanes: int,
     wanted: Collection[str] | None,
 ) -> None:
-    lock, counted, every = threading.Lock(), itertools.count(1), measured.tops
+    """Run tops in lanes, on threads that take them from one queue."""
+    lock, counted, every, left = threading.Lock(), itertools.count(1), measured.tops, numbers
+    n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
+
+    def take(empty: int) -> np.ndarray:
+        """Return tops for the empty lanes of a thread, and some to wait for its next empty ones.
+
+        Towards the end none wait, because another thread may have empty lanes.
+        """
+        nonlocal left
+        with lock:
+            count = empty + min(lanes - empty, len(left) // (4 * lanes * n))
+            taken, left = left[:count], left[count:]
+            return taken
 
     def ended(count: int) -> None:
         if progress is not None:
@@ -168,33 +171,27 @@ def _run(
 
     def work(worker: Lanes) -> float:
         """Run tops from the queue until none is left. Return the processor time."""
+        nonlocal left
         clock = time.thread_time()
         try:
-            worker.run(tops, queue.take, look, ended)
+            worker.run(tops, take, look, ended)
         except BaseException:
-            queue.stopped = True
+            left = left[:0]
             raise
         return time.thread_time() - clock
 
-    n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
     workers = [Lanes(every, lanes, wanted) for _ in range(n)]
-    first, queue = workers[0], _Queue(numbers, lanes, n)
-    tops = new_tops(
-        every.start,
-        every.pars[: len(first.motion.pars)],
-        every.end,
-        *signs_of(functions),
-        first.rows,
-    )
-    if n == 1:
+    first, signs = workers[0], signs_of(functions)
+    pars = every.pars[: len(first.motion.pars)]
+    tops = new_tops(every.start, pars, every.end, *signs, first.rows)
+    if n == 1:  # Ctrl-C ends the work immediately
         measured.processor = work(first)
     else:
         with ThreadPoolExecutor(n) as pool:
-            tasks = [pool.submit(work, worker) for worker in workers]
             try:
-                measured.processor = sum(task.result() for task in tasks)
+                measured.processor = sum(pool.map(work, workers))
             except BaseException:  # Ctrl-C too: the others must stop
-                queue.stopped = True
+                left = left[:0]
                 raise
     if isinstance(first.stepper, Called):
         measured.steps_by = "heyoka"
@@ -204,7 +201,7 @@ def _run(
 
 
 def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows) -> None:
-    """The rows of tops that ran in lanes."""
+    """Write the rows of tops that ran in lanes."""
     columns, lane, kept = measured.columns, tops.lane[numbers], iter(tops.kept[:, numbers])
     sign, least, most = tops.functions[:, :, numbers]
     measured.status[numbers], measured.final[:, numbers] = lane["status"], tops.final[:, numbers]
@@ -217,7 +214,7 @@ def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows)
             lasts = measured.settled[numbers] = measured.settled[numbers] & (
                 event.direction * sign[e] > 0
             )
-        for number in event.kept:  # a time of what did not last to the end is none
+        for number in event.kept:  # NaN for the time of an event that did not last to the end
             values = next(kept)
             columns[number.name][numbers] = (
                 values if number.what == "count" else np.where(lasts, values, np.nan)
@@ -228,7 +225,7 @@ def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows)
 
 
 def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = False) -> Problems:
-    """The tops of a problem and its variations, for lanes.
+    """Return the tops of a problem and its variations, for lanes.
 
     Parameters
     ----------
@@ -258,7 +255,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
 
 
 def base_faults(base: Problem) -> list[str]:
-    """Why a problem cannot run in lanes, in sentences; empty if it can.
+    """Return why a problem cannot run in lanes, in sentences; empty if it can.
 
     Parameters
     ----------
@@ -275,17 +272,13 @@ def base_faults(base: Problem) -> list[str]:
         sentences.append(
             f"the system of an ensemble must have an event, but `{base.system.name}` has none."
         )
-    if missing := [name for name in ("ux", "uy", "uz") if name not in base.form.units._fields]:
-        able = [
-            name
-            for name, form in base.system.forms.items()
-            if {"ux", "uy", "uz"} <= set(form.units._fields)
-        ]
+    forms = base.system.forms.items()
+    able = [name for name, form in forms if {"ux", "uy", "uz"} <= set(form.units._fields)]
+    if base.form.name not in able:
         others = " or ".join(f'"{name}"' for name in able) or "none of this system"
         sentences.append(
             "`form` must be one in an ensemble that integrates the axis, as ux, uy, uz: "
-            f"{others}, but is "
-            f'"{base.form.name}", which has no {missing[0]}.'
+            f'{others}, but is "{base.form.name}".'
         )
     if base.sensitivities:
         sentences.append("`run.sensitivities` must not be given in an ensemble: it keeps no rows.")
@@ -306,8 +299,9 @@ def of_problem(
     alone: Alone | None = None,
     lyapunov: bool = False,
 ) -> "xr.Dataset":
-    """How each of many tops goes: a problem with other numbers, (n,) each, under dotted keys like
-    `friction.mu`.
+    """Return a Dataset with one row per top.
+
+    The tops are a problem with other numbers, (n,) each, under dotted keys like `friction.mu`.
 
     Parameters
     ----------
@@ -338,8 +332,8 @@ def of_problem(
 
     Notes
     -----
-    `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; what is
-    wrong with the first of them stands in the attributes. Raises InputError if a key is wrong.
+    `progress(done, of)` counts tops; True draws a bar. Invalid tops are marked `invalid`; the
+    attributes contain the faults of the first of them.
     """
     if lyapunov and (sentences := derivative_faults(base)):
         raise InputError(sentences)

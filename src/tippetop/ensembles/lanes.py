@@ -23,15 +23,14 @@ from ..engine.tallies import (
     new_tallies,
 )
 from ..engine.taylor import compiled_when
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
 
 
 LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
-SAMPLES = (
-    64  # of a lane, between two looks at the invariants: a look takes 0.2 ms whatever its length
-)
+# of a lane, between two looks at the invariants: a look takes 0.2 ms whatever its length
+SAMPLES = 64
 EVERY = 32  # steps between two samples
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
 MOST_DRIVEN = 8192  # steps between two looks of Python: 70 ms
@@ -104,12 +103,12 @@ class Lanes:
         tops
             All of them.
         take
-            take(empty) -> numbers of some, for so many empty lanes, and not more than all lanes.
+            take(empty) -> numbers of tops for `empty` lanes, at most as many as there are lanes.
         look
             look(states, tops) takes states (variables, k) that were sampled on the way, and whose
             they are, (k,).
         ended
-            ended(count): so many more tops have ended.
+            ended(count): `count` more tops have ended.
         """
         self.loop.take(tops, self.queue, self.fresh)
         samples, status = self.samples, self.tallies.lane["status"]
@@ -134,7 +133,7 @@ class Lanes:
             self.queue.ended[0] = 0
 
     def _stays(self, lane: int) -> bool:
-        """Whether a top that has settled stays what it is."""
+        """Return whether a top that has settled stays as it is."""
         every, top = self.problems, self.top[[lane]]
         body = every.body(lambda given: float(np.broadcast_to(given, (every.n,))[top[0]]))
         state = self.motion.state[: len(every.start), [lane]]
@@ -151,7 +150,7 @@ def new_tops(
     on_zero: np.ndarray,
     rows: EventRows,
 ) -> Tops:
-    """Tops that have not yet begun."""
+    """Return tops that have not begun."""
     start, pars, until = (np.ascontiguousarray(column, float) for column in (start, pars, until))
     signs, on_zero = (np.ascontiguousarray(column, np.int8) for column in (signs, on_zero))
     functions, kept = (
@@ -163,8 +162,9 @@ def new_tops(
 
 
 def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> EventRows:
-    """The events that columns named `wanted` need, None: all; what ends a top or settles it is
-    always looked for.
+    """Return the events that the wanted columns need.
+
+    All if `wanted` is None. Events that end or settle a top are always included.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> E
     Returns
     -------
     EventRows
-        What is found of the others is the same, to the bit.
+        These events are found with the same bits.
     """
     events, stops = base.system.events, base.on_liftoff == "stop"  # else no event ends a run
     if wanted is None:

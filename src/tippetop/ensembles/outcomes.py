@@ -1,4 +1,4 @@
-"""What is kept of each top of an ensemble: status, class, times, angles, forces, drift."""
+"""The outcome of each top of an ensemble: status, class, times, angles, forces, drift."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -10,9 +10,9 @@ from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of, with_phases
 from ..engine.status import Status
 from ..mechanics.contact.gliding.catalogue import EVENTS
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.system import System
-from ..mechanics.units import NEWTON, ONE, RADIAN, SECOND, Unit
+from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit
 from ..problem import PSI, Problems
 from ..scenario import build
 
@@ -36,51 +36,43 @@ ORIENTATION = {  # columns of the orientation at the end, where it is wanted: un
 
 
 def _kept_columns(events: Sequence[Event]) -> dict[str, Form]:
-    """The columns of what events keep: times, then counts."""
+    """Return the columns of the numbers that events keep: times, then counts."""
     kept = [kept for event in events for kept in event.kept]
     times = {k.name: (np.float64, SECOND, k.long_name) for k in kept if k.what != "count"}
     return times | {k.name: (np.int32, ONE, k.long_name) for k in kept if k.what == "count"}
 
 
 def columns_of(system: System) -> dict[str, Form]:
-    """The columns of ensembles of a system: those of a gliding body, whether it has these events or
-    not; then what its own events keep.
+    """Return the columns of ensembles of a system.
+
+    First those of a gliding body, whether it has these events or not; then those of other events.
     """
     names = {event.name: event for event in EVENTS}
-    order = [names[name] for name in ("equator", "inverted", "liftoff", "settled")]
+    watched = {event.extremes for event in system.events} - {"", "normal_force"}
     return {
         "t_end": (np.float64, SECOND, "end of the run"),
         "theta_end": (np.float64, RADIAN, "inclination at the end"),
-        **_kept_columns(order),
+        **_kept_columns([names[n] for n in ("equator", "inverted", "liftoff", "settled")]),
         "turnings": (np.int32, ONE, "turning angles that are more than rounding"),
         "theta_min": (np.float64, RADIAN, "lowest turning angle"),
         "theta_max": (np.float64, RADIAN, "highest turning angle"),
         "normal_force_min": (np.float64, NEWTON, "least normal force"),
         "normal_force_max": (np.float64, NEWTON, "greatest normal force"),
         "steps": (np.int32, ONE, "steps of the integrator"),
-        **_extremes(system),
         **{
-            name: form
-            for name, form in _kept_columns(system.events).items()
-            if name not in _kept_columns(order)
+            f"{q.name}_{end}": (np.float64, q.unit, f"{word} {q.long_name}")
+            for q in system.quantities
+            if q.name in watched
+            for end, word in (("min", "least"), ("max", "greatest"))
         },
-    }
-
-
-def _extremes(system: System) -> dict[str, Form]:
-    """The columns of extremes of event functions other than the normal force."""
-    watched = {event.extremes for event in system.events} - {"", "normal_force"}
-    return {
-        f"{q.name}_{end}": (np.float64, q.unit, f"{word} {q.long_name}")
-        for q in system.quantities
-        if q.name in watched
-        for end, word in (("min", "least"), ("max", "greatest"))
+        **_kept_columns(system.events),
     }
 
 
 def statuses_of(system: System) -> tuple[str, ...]:
-    """The words of the column `status`, by number; ENDED only where an event or the contact needs
-    it.
+    """Return the words of the column `status`, by number.
+
+    ENDED is included only if an event or the contact needs it.
     """
     own = system.contact is not None or any(
         event.ends and Status.of_event(event.ends) is Status.ENDED for event in system.events
@@ -111,19 +103,18 @@ class Outcomes:
         self.steps_made = self.steps_possible = 0
         # "heyoka" where its own loop made steps, because the machine code could not be called
         self.steps_by = ""
-        self.faults: list[
-            tuple[int, str]
-        ] = []  # of tops that showed to be invalid when they were begun
+        # of tops that turned out to be invalid when they were begun
+        self.faults: list[tuple[int, str]] = []
         self.seconds = self.processor = 0.0  # by the wall clock, and by the clocks of the threads
 
     @property
     def occupancy(self) -> float:
-        """Steps that tops made, over the steps that the lanes could have made."""
+        """Return the steps that tops made, over those that the lanes could have made."""
         return self.steps_made / max(1, self.steps_possible)
 
 
 def _conclude(outcomes: Outcomes) -> None:
-    """What follows from the ends: SI units, theta at the end, the class."""
+    """Compute what follows from the ends: SI units, theta at the end, the class."""
     tops, columns = outcomes.tops, outcomes.columns
     for name, (dtype, unit, _) in outcomes.forms.items():
         if dtype is np.float64:
@@ -155,7 +146,7 @@ def _conclude(outcomes: Outcomes) -> None:
 
 
 def dataset(outcomes: Outcomes, faults: list[tuple[int, str]]) -> "xr.Dataset":
-    """The rows as a labelled Dataset, dimension `top`."""
+    """Return the rows as a labelled Dataset, dimension `top`."""
     import xarray as xr
 
     columns, tops = table(outcomes), outcomes.tops
@@ -177,7 +168,7 @@ def dataset(outcomes: Outcomes, faults: list[tuple[int, str]]) -> "xr.Dataset":
 
 
 def table(outcomes: Outcomes) -> dict[str, Column]:
-    """The rows as columns along `top`, by name."""
+    """Return the rows as columns along `top`, by name."""
     words = statuses_of(outcomes.tops.base.system)
     columns: dict[str, Column] = {
         "status": Column(("top",), outcomes.status, flag_attributes(words, "how the run ended")),
@@ -185,18 +176,16 @@ def table(outcomes: Outcomes) -> dict[str, Column]:
             ("top",), outcomes.kind, flag_attributes(CLASSES, "what became of the top")
         ),
     }
-    for name, (_, unit, text) in outcomes.forms.items():
-        columns[name] = Column(
-            ("top",), outcomes.columns[name], {"units": unit.symbol, "long_name": text}
-        )
-    for name, values in outcomes.orientation.items():
-        unit, text = ORIENTATION[name]
+
+    def add(name: str, values: np.ndarray, unit: Unit, text: str) -> None:
         columns[name] = Column(("top",), values, {"units": unit.symbol, "long_name": text})
+
+    for name, (_, unit, text) in outcomes.forms.items():
+        add(name, outcomes.columns[name], unit, text)
+    for name, values in outcomes.orientation.items():
+        add(name, values, *ORIENTATION[name])
     for name, worst in outcomes.drift.items():
-        columns[f"drift_{name}"] = Column(
-            ("top",), worst, {"units": "1", "long_name": f"worst relative drift: {name}"}
-        )
+        add(f"drift_{name}", worst, ONE, f"worst relative drift: {name}")
     if outcomes.lyapunov is not None:
-        about = {"units": "s-1", "long_name": "finite-time Lyapunov exponent of the run"}
-        columns[LYAPUNOV] = Column(("top",), outcomes.lyapunov, about)
+        add(LYAPUNOV, outcomes.lyapunov, PER_SECOND, "finite-time Lyapunov exponent of the run")
     return columns

@@ -1,3 +1,1 @@
-"""Motions and bodies of others: tables of what was measured or computed elsewhere, and files for
-other programs.
-"""
+"""Motions and bodies of other programs: tables to compare and to fit, files for simulators."""

@@ -1,6 +1,4 @@
-"""Another program's motion beside ours: the exact reference at its own times, how far it is off,
-and from when on.
-"""
+"""Comparison of the motion of another program with the exact reference at its own times."""
 
 import dataclasses
 import itertools
@@ -25,27 +23,27 @@ from .table import read
 
 LEVELS = (1e-3, 1e-2, 1e-1)
 STEP = re.compile(r"(?:^|[^a-zA-Z])(?:dt|h|step)[=_-]?([0-9.]+(?:e-?[0-9]+)?)", re.IGNORECASE)
-ROUNDING = 1e-13  # a smaller difference says nothing of an order
-TOUCH = 1e-6  # of the radius: a gap that is smaller is none
+ROUNDING = 1e-13  # smaller differences have no order of convergence
+TOUCH = 1e-6  # [radius] largest gap of a contact
 
 
 class Compared(NamedTuple):
-    """One motion beside its reference.
+    """One motion with its reference.
 
     Parameters
     ----------
     path
-        Where it was read.
+        The file.
     step
-        Its time step [s], of its name; None where that says none.
+        Its time step [s] from the name of the file, or None.
     t
-        Times that were compared [s], (rows,).
+        Times [s], (rows,).
     curves
         Differences, (rows,) each; of energy and Jellett's integral relative to the first value.
     theta, reference
-        theta of both [rad], (rows,); of the other NaN where it has none.
+        theta of both [rad], (rows,); NaN if unknown.
     numbers
-        What is printed: plain data.
+        The result as plain data.
     """
 
     path: Path
@@ -58,7 +56,7 @@ class Compared(NamedTuple):
 
 
 def compare(problem: Problem, path: str | Path, convention: Convention = Convention()) -> Compared:  # noqa: B008
-    """One table beside the exact motion of a problem.
+    """Compare one table with the exact motion of a problem.
 
     Parameters
     ----------
@@ -67,7 +65,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     path
         A table, as `table.read` takes it.
     convention
-        How its frames are to be read.
+        The conventions of its frames.
 
     Returns
     -------
@@ -76,37 +74,28 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     Raises
     ------
     InputError
-        If the table is wrong, or says nothing that can be compared.
+        If the table is wrong, or has no quantity that can be compared.
     """
-    table = read(path, wrapped=bool(problem.system.vectors))
-    given = motion(table, convention)
+    given = motion(read(path, wrapped=bool(problem.system.vectors)), convention)
     t = given.t
-    if len(t) < 2:
-        raise InputError(
-            [f"`{path}`: at least two rows must have a number to compare, but {len(t)} has."]
-        )
     if t[0] < 0 or t[-1] <= 0:
         raise InputError(
-            [
-                f"`{path}`: times must begin at 0, the start of the reference, or later, but "
-                f"begin at {t[0]:g} s."
-            ]
+            f"`{path}`: times must begin at 0, the start of the reference, or later, but "
+            f"begin at {t[0]:g} s."
         )
     run = reference(problem, t)
     rows = len(run.times)
     if rows < 2:
         raise InputError(
-            [f"the reference must reach the times of `{path}`, but ends before: {run.reason}."]
+            f"the reference must reach the times of `{path}`, but ends before: {run.reason}."
         )
     columns = {name: column.values for name, column in run.columns().items()}
     there = Motion(*(part if part is None else part[:rows] for part in given))  # type: ignore[arg-type]
     curves = differences(there, columns)
     if not curves:
         raise InputError(
-            [
-                f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
-                "but has none."
-            ]
+            f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
+            "but has none."
         )
     body = problem.system.body_of(problem.parameters, Frictionless())
     kept, touching = {}, {}
@@ -121,22 +110,28 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
     }
     numbers |= {name: size_of(run.times, curve) for name, curve in curves.items()}
     for what, changes in (("drift", kept), ("error", errors)):
-        numbers |= {
-            f"{name}_{what}": float(np.nanmax(np.abs(curve))) for name, curve in changes.items()
-        }
+        for name, curve in changes.items():
+            numbers[f"{name}_{what}"] = float(np.nanmax(np.abs(curve)))
     numbers |= touching
     if rows < len(t):
         numbers["reference_ended"] = run.reason
-    theta = np.full(rows, np.nan) if there.theta is None else there.theta
     if faults := _start_faults(numbers, curves, convention):
         numbers["suspicion"] = faults
-    match = STEP.search(Path(path).name.removesuffix(Path(path).suffix))
-    step = float(match[1]) if match else None
-    return Compared(Path(path), step, run.times, curves | errors, theta, columns["theta"], numbers)
+    theta = np.full(rows, np.nan) if there.theta is None else there.theta
+    step = STEP.search(Path(path).stem)
+    return Compared(
+        Path(path),
+        float(step[1]) if step else None,
+        run.times,
+        curves | errors,
+        theta,
+        columns["theta"],
+        numbers,
+    )
 
 
 def reference(problem: Problem, times: np.ndarray) -> Solution:
-    """The motion of a problem at given times [s], ascending, as far as it goes."""
+    """Return the motion of a problem at given times [s], ascending, as far as it goes."""
     at, until = ListedTimes(times), float(times[-1])
     whole = dataclasses.replace(
         problem, times=at, until=until, output="times", stop_when="until", columns=None
@@ -145,7 +140,7 @@ def reference(problem: Problem, times: np.ndarray) -> Solution:
 
 
 def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """How far a motion is off, by what is compared, (rows,) each; NaN in gaps."""
+    """Return the differences of two motions by quantity, (rows,) each; NaN in gaps."""
     result: dict[str, np.ndarray] = {}
     if there.theta is not None:
         result["theta"] = np.abs(there.theta - columns["theta"])
@@ -166,9 +161,7 @@ def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, n
 
 
 def conserved(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, np.ndarray]:
-    """Energy and Jellett's integral of the other program's own motion, relative to their first
-    values, less 1.
-    """
+    """Return the relative changes of energy and Jellett's integral of the other motion itself."""
     u: Any = there.axis
     w = there.omega
     if w is None:
@@ -196,7 +189,7 @@ def _relative(values: np.ndarray) -> np.ndarray:
 
 
 def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, Any]:
-    """How deep the other's body is in the floor, and when it leaves it."""
+    """Return the penetration of the floor by the other motion, and the times when it leaves it."""
     axis: Any = there.axis
     if (
         there.place is None
@@ -218,7 +211,7 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
 
 
 def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
-    """The largest and the root mean square difference, and when it first exceeds each level."""
+    """Return the largest and the root mean square difference, and when it exceeds each level."""
     given = np.isfinite(curve)
     t, curve = t[given], curve[given]
     beyond = {f"{level:g}": np.flatnonzero(curve > level) for level in LEVELS}
@@ -234,25 +227,22 @@ def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
 def _start_faults(
     numbers: dict[str, Any], curves: dict[str, np.ndarray], convention: Convention
 ) -> str:
-    """A sentence where the first row is not the reference's start: a convention may be wrong."""
+    """Return a message if the first row differs from the start of the reference."""
     known = "--up y: their z, x, y are our x, y, z" if convention.up == "y" else "z up"
     for name in ("attitude", "axis", "theta"):
         if name in curves and numbers["from"] == 0.0 and curves[name][0] > 0.01:
             return (
                 f"the first row must be the start of the reference, but its {name} differs by "
-                f"{curves[name][0]:.3g} "
-                f"rad: is the start another, are the frames others ({known}), or is the order "
-                "of the quaternion?"
+                f"{curves[name][0]:.3g} rad: check the start, the frames ({known}) and the order "
+                "of the quaternion."
             )
     return ""
 
 
 def orders(compared: Sequence[Compared]) -> list[dict[str, Any]]:
-    """The order of convergence between motions of different steps: d log(error)/d log(step), by
-    what is compared.
+    """Return the orders of convergence d log(error)/d log(step) between different steps.
 
-    Over the time in which the coarsest of them is within 0.1 rad: beyond that errors are as large
-    as can be.
+    They are those of the time in which the coarser motion is within 0.1 rad.
     """
     stepped = sorted((c for c in compared if c.step), key=lambda c: -(c.step or 0))
     result = []
@@ -281,7 +271,7 @@ def main_quantity(numbers: dict[str, Any]) -> tuple[str, str]:
 
 
 def verdict(compared: Compared) -> list[str]:
-    """What a comparison says, in sentences."""
+    """Return the result of a comparison in sentences."""
     numbers, sentences = compared.numbers, []
     name, unit = main_quantity(numbers)
     leaves = [(level, t) for level, t in numbers[name]["leaves"].items() if t is not None]

@@ -1,4 +1,4 @@
-"""What a fit says: as plain data, as text, and as a scenario that runs."""
+"""The result of a fit as plain data, as text, and as a scenario."""
 
 import json
 import math
@@ -18,7 +18,7 @@ WIDEST = 1e6
 
 
 def plain(fit: Fit) -> dict[str, Any]:
-    """The object that `tippetop fit --json` prints."""
+    """Return the object that `tippetop fit --json` prints."""
     names = list(fit.estimates)
     rows = zip(names, fit.correlations.tolist(), strict=True)
     correlations = {name: dict(zip(names, row, strict=True)) for name, row in rows}
@@ -35,9 +35,7 @@ def plain(fit: Fit) -> dict[str, Any]:
 
 
 def lines(fit: Fit, observation: Observation) -> list[str]:
-    """Return the result in lines: each number with its standard error and 95 % interval, and the
-    reasons: first if they are doubts.
-    """
+    """Return the result in lines: numbers with errors and intervals, and reasons; doubts first."""
     width = max(len(name) for name in fit.estimates)
     rows = []
     for name, e in fit.estimates.items():
@@ -51,19 +49,19 @@ def lines(fit: Fit, observation: Observation) -> list[str]:
     noise = ", ".join(
         f"{name} {size:.3g} {units.get(name, 'rad')}" for name, size in fit.noise.items()
     )
-    rows.append(f"what is left: {noise} (root mean square)")
+    rows.append(f"residuals: {noise} (root mean square)")
     return [*rows, *fit.reason] if fit.trustworthy else [*fit.reason, *rows]
 
 
 def _digits(estimate: Estimate) -> int:
-    """How many digits of a value its standard error leaves, and two more."""
+    """Return the number of significant digits of a value, two more than its error leaves."""
     if not (estimate.value and math.isfinite(estimate.sigma) and estimate.sigma > 0):
         return 8
     return min(max(round(math.log10(abs(estimate.value) / estimate.sigma)) + 3, 2), 12)
 
 
 def fitted_problem(problem: Problem, fit: Fit) -> Problem:
-    """The scenario with the numbers that were fitted.
+    """Return the scenario with the fitted numbers.
 
     Raises InputError where they break together.
     """
@@ -71,7 +69,7 @@ def fitted_problem(problem: Problem, fit: Fit) -> Problem:
 
 
 def tables(problem: Problem, fit: Fit) -> dict[str, Any]:
-    """The tables of the scenario with the numbers that were fitted."""
+    """Return the tables of the scenario with the fitted numbers."""
     changed = build.resolved(problem)
     for name, estimate in fit.estimates.items():
         if name not in TIMES:
@@ -81,7 +79,7 @@ def tables(problem: Problem, fit: Fit) -> dict[str, Any]:
 
 
 def toml(problem: Problem, fit: Fit) -> str:
-    """A scenario that runs, as TOML, with the standard errors as comments."""
+    """Return the scenario with the fitted numbers as TOML, standard errors as comments."""
     notes = {name: f"  # +- {e.sigma:.2g}" for name, e in fit.estimates.items()}
     clock = [
         f"# {name} = {e.value:.9g} +- {e.sigma:.2g}"

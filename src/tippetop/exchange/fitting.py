@@ -1,6 +1,4 @@
-"""A fit: the numbers of a scenario that fit a measured motion best, and what the measurements say
-of them.
-"""
+"""A fit of the numbers of a scenario to a measured motion, and how far the data decide them."""
 
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
@@ -22,7 +20,7 @@ NOISY = 5.0
 # Lags of that sum
 LAGS = 12
 # Correlation, and one standard error, of numbers that cannot be distinguished
-ALIKE, ROUGH = 0.99, 0.05
+CORRELATED, ROUGH = 0.99, 0.05
 QUANTILE = 0.975
 # Standard errors from a bound, and at most this coordinate, within which a number is at it
 AT_BOUND = 0.01
@@ -53,9 +51,9 @@ class Fit(NamedTuple):
     converged
         Whether enough independent searches ended in the same best minimum.
     trustworthy
-        Whether, besides, the residuals are noise, and the data decide every number.
+        Whether also the residuals are noise, and the data decide every number.
     reason
-        A sentence for each thing that must be known; the first says how it ended.
+        Sentences; the first one is the outcome.
     residuals
         Name of each kind of measurement -> (rows, parts), measured less predicted, SI; of an axis
         two parts, across it.
@@ -64,7 +62,7 @@ class Fit(NamedTuple):
     t
         (rows,).
     evaluations
-        How many motions were computed.
+        The number of motions that were computed.
     """
 
     estimates: dict[str, Estimate]
@@ -141,26 +139,22 @@ def fit(
 
 
 def _refuse(misfit: Misfit) -> None:
-    """Raises InputError where there is nothing to fit, and for a number that does nothing to what
-    was measured.
-    """
+    """Raise InputError for too few measurements, or a number without effect on them."""
     observation, space = misfit.observation, misfit.space
     count = sum(int(np.isfinite(rows).sum()) for rows in observation.groups.values())
     if count <= len(space.names):
         raise InputError(
-            [
-                f"more measurements than free numbers must be there, but are {count} for "
-                f"{len(space.names)}."
-            ]
+            f"more measurements than free numbers must be there, but are {count} for "
+            f"{len(space.names)}."
         )
     start = np.zeros(len(space.names))
     values = space.values(start)
     predictions = observation.predictions([values])
     if values.get(CLOCK, 1.0) * observation.t[0] + values.get(OFFSET, 0.0) < 0:
         first = f"but begin at {observation.t[0]:.6g} s: shift them, or let `{OFFSET}` be free"
-        raise InputError([f"times must begin at 0, the start of the motion, or later, {first}."])
+        raise InputError(f"times must begin at 0, the start of the motion, or later, {first}.")
     if not any(np.isfinite(off).any() for off, _ in predictions.values()):
-        raise InputError(["the scenario must move over the time of the table, but cannot."])
+        raise InputError("the scenario must move over the time of the table, but cannot.")
     moves = np.concatenate(
         [moves.reshape(-1, len(space.names)) for _, moves in predictions.values()]
     )
@@ -173,14 +167,12 @@ def _refuse(misfit: Misfit) -> None:
     ]
     if idle:
         raise InputError(
-            [f"`{name}` must change what was measured, but does nothing to it." for name in idle]
+            [f"`{name}` must change the measurements, but has no effect on them." for name in idle]
         )
 
 
 def _excess(parts: dict[str, np.ndarray]) -> float:
-    """How far residuals are from noise: their squared autocorrelations, in standard deviations of
-    that of noise.
-    """
+    """Return the excess of squared autocorrelations over those of noise, in standard deviations."""
     worst = 0.0
     for off in parts.values():
         for part in off.T:
@@ -240,7 +232,7 @@ def judged(misfit: Misfit, ends: Sequence[Minimum], met: int, searches: int) -> 
     trustworthy = not reasons
     reasons.insert(
         0,
-        "the numbers fit: what is left is noise."
+        "the numbers fit: the residuals are noise."
         if trustworthy
         else "the fit must be read with care:",
     )
@@ -263,7 +255,7 @@ def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, fl
     excess = _excess(parts)
     if excess > NOISY:
         reasons.append(
-            f"the residuals are no noise (their autocorrelations are {excess:.0f} standard "
+            f"the residuals are not noise (their autocorrelations are {excess:.0f} standard "
             "deviations too large): the "
             "model, or a start, is missing something."
         )
@@ -289,9 +281,7 @@ def _not_noise(misfit: Misfit, parts: dict[str, np.ndarray], noise: dict[str, fl
 
 
 def _within(scale: Scale, u: float) -> float:
-    """A coordinate, but no further than the interval of its number; that of a logarithm is all that
-    is positive.
-    """
+    """Return a coordinate limited to the interval of its number; logarithms are unlimited."""
     return u if scale.logarithmic else min(max(u, scale.low), scale.high)
 
 
@@ -311,9 +301,11 @@ def _undecided(
             )
     for i, name in enumerate(space.names):
         for j, other in enumerate(space.names[:i]):
-            if abs(correlations[i, j]) > ALIKE and max(sigma[i], sigma[j]) > ROUGH:
-                alike = f"`{other}` and `{name}` cannot be distinguished"
-                reasons.append(f"{alike}: correlation {correlations[i, j]:.4f}.")
+            if abs(correlations[i, j]) > CORRELATED and max(sigma[i], sigma[j]) > ROUGH:
+                reasons.append(
+                    f"`{other}` and `{name}` cannot be distinguished: correlation "
+                    f"{correlations[i, j]:.4f}."
+                )
     return reasons
 
 
@@ -331,13 +323,10 @@ def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
 
 
 def names_of(text: str | Sequence[str]) -> tuple[str, ...]:
-    """Names of free numbers, of a text with commas or a list. Raises InputError."""
+    """Return the names of free numbers from a text with commas or a list. Raises InputError."""
     names = [part.strip() for part in text.split(",")] if isinstance(text, str) else list(text)
     if not names or not all(isinstance(name, str) and name for name in names):
         raise InputError(
-            [
-                "the free numbers must be names such as friction.mu, parameters.I1, but none is "
-                "given."
-            ]
+            "the free numbers must be names such as friction.mu, parameters.I1, but none is given."
         )
     return tuple(names)

@@ -1,4 +1,4 @@
-"""A table of measurements and a scenario become a fit."""
+"""Fits from a table of measurements and a scenario."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -18,7 +18,7 @@ from .table import Table, read
 
 
 Progress = Callable[[int, int], None] | bool
-MOST_ROWS = 100_000  # that a fit takes
+MOST_ROWS = 100_000
 DRAWN = 4001  # times of a curve: fifteen in a period of the canonical top filmed for ten seconds
 
 
@@ -41,14 +41,11 @@ def observation_of(
     """
     noise = number_of(noise, "noise", RADIAN) if isinstance(noise, str) else noise
     if noise is not None and not 0 < noise < np.pi:
-        raise InputError([f"`noise` must be an angle between 0 and pi, but is {noise} rad."])
+        raise InputError(f"`noise` must be an angle between 0 and pi, but is {noise} rad.")
     table = read(data, wrapped=bool(problem.system.vectors), noise=noise or 0.0)
     if len(table.t) > MOST_ROWS:
         raise InputError(
-            [
-                f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has "
-                f"{len(table.t):,}."
-            ]
+            f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."
         )
     names = dotted_keys(free, problem.rules)
     return Observation(
@@ -59,30 +56,15 @@ def observation_of(
 def _marker(
     table: Table, convention: Convention, marker: tuple[float, float, float] | None
 ) -> tuple[np.ndarray | None, np.ndarray | None]:
-    """Where a marker is on the body, and where it was."""
+    """Return the place of a marker on the body, and its measured places."""
     names = [f"marker_{c}" for c in "xyz"]
-    if not any(table.has(name) for name in names):
-        if marker is not None:
-            raise InputError(
-                [
-                    f"`{table.path}` must have the columns {', '.join(names)} for a marker, but "
-                    "has none."
-                ]
-            )
+    present = [table.has(name) for name in names]
+    if marker is None and not any(present):
         return None, None
-    if not table.has(*names):
+    if marker is None or not all(present):
         raise InputError(
-            [
-                f"`{table.path}` must have the columns {', '.join(names)}, all of them, but "
-                "lacks some."
-            ]
-        )
-    if marker is None:
-        raise InputError(
-            [
-                "the place of the marker on the body must be given (--marker x,y,z, metres in "
-                "body axes)."
-            ]
+            f"a marker must have the columns {', '.join(names)} in `{table.path}` and a place on "
+            "the body (--marker x,y,z, metres in body axes), but one of them is missing."
         )
     rows = table.stacked(*names)
     return np.array(marker), rows if convention.up == "z" else rows[:, [2, 0, 1]]
@@ -95,8 +77,6 @@ def fitted(observation: Observation, loss: str, starts: int, progress: Progress 
 
 
 def curves(observation: Observation, result: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """What is predicted by a fit, between the measurements too: times [s], (n,), and curves by
-    kind, (n, parts).
-    """
+    """Return the predictions of a fit, also between measurements: times [s], curves by kind."""
     times = np.linspace(observation.t[0], observation.t[-1], DRAWN)
     return times, observation.curves({name: e.value for name, e in result.estimates.items()}, times)

@@ -10,7 +10,7 @@ from .observation import Observation
 from .scales import Space
 
 
-# Residual of what cannot be computed
+# Residual of a motion that cannot be computed
 WORST = 10.0
 # Medians of the noise beyond which a residual is an outlier
 OUTLIER = 5.0
@@ -31,7 +31,7 @@ class Misfit:
     Parameters
     ----------
     observation
-        Measurements, and what is predicted for them.
+        Measurements and predictions.
     space
         The free numbers.
     loss
@@ -40,18 +40,16 @@ class Misfit:
 
     def __init__(self, observation: Observation, space: Space, loss: str):
         if loss not in WEIGHTS:
-            raise InputError(
-                [f"the loss must be one of {', '.join(WEIGHTS)}, but is {loss!r:.40}."]
-            )
+            raise InputError(f"the loss must be one of {', '.join(WEIGHTS)}, but is {loss!r:.40}.")
         self.observation, self.space, self.loss = observation, space, loss
         self.weights = dict.fromkeys(observation.groups, 1.0)
         self.evaluations = 0
 
     def at(self, points: np.ndarray, rows: int, *, slopes: bool = True) -> tuple[np.ndarray, Any]:
-        """Return residuals of the first rows, (points, numbers), and their Jacobians, (points,
-        numbers, free), or None.
+        """Return residuals (points, numbers) of the first rows, and their Jacobians or None.
 
-        Gaps are left out; a motion that cannot be computed leaves `WORST`, constant."""
+        Gaps are left out; a motion that cannot be computed leaves `WORST`, constant.
+        """
         self.evaluations += len(points)
         parts = self.observation.predictions(
             [self.space.values(p) for p in points], slice(0, rows), slopes=slopes
@@ -84,10 +82,10 @@ class Misfit:
         return max(float(np.median(np.abs(residuals))), 1e-12)
 
     def costs(self, residuals: np.ndarray, like: np.ndarray) -> np.ndarray:
-        """Return sums of squares (points,) of residuals (points, numbers), outliers cut off unless
-        the loss is linear.
+        """Return sums of squares (points,) of residuals, with outliers cut off for a robust loss.
 
-        `like`: residuals of the noise, which have the scale of outliers."""
+        `like`: residuals of the noise, which have the scale of outliers.
+        """
         most = np.inf if self.loss == "linear" else OUTLIER * self.size(like)
         return (np.minimum(np.abs(residuals), most) ** 2).sum(axis=1)
 

@@ -1,6 +1,4 @@
-"""What a table says of a motion, in our conventions: z up, body axis 3 along the axis of symmetry,
-quaternions wxyz.
-"""
+"""Motions of tables in our conventions: z up, axis 3 along the symmetry axis, quaternions wxyz."""
 
 from typing import NamedTuple
 
@@ -18,7 +16,7 @@ UNIT = 0.02  # by which the length of a quaternion or an axis may differ from 1
 
 
 class Convention(NamedTuple):
-    """How a table's frames are to be read.
+    """The conventions of the frames of a table.
 
     Parameters
     ----------
@@ -34,7 +32,7 @@ class Convention(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """A motion in our conventions; None for what the table does not say. SI.
+    """A motion in our conventions, SI; None for quantities that the table lacks.
 
     Parameters
     ----------
@@ -63,18 +61,12 @@ class Motion(NamedTuple):
 
 
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
-    """The motion of a table.
-
-    Raises InputError where its conventions are not named, or what it has is no rotation.
-    """
+    """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
     if convention.up not in UPS:
-        raise InputError([f"the vertical must be z or y, but is {convention.up!r:.20} (--up)."])
+        raise InputError(f"the vertical must be z or y, but is {convention.up!r:.20} (--up).")
     if convention.quaternion not in (None, *ORDERS):
         raise InputError(
-            [
-                "the order of a quaternion must be wxyz or xyzw, but is "
-                f"{convention.quaternion!r:.20}."
-            ]
+            f"the order of a quaternion must be wxyz or xyzw, but is {convention.quaternion!r:.20}."
         )
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
@@ -111,7 +103,7 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
 
 
 def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
-    """Unit quaternions wxyz, (rows, 4); NaN in gaps."""
+    """Return unit quaternions wxyz, (rows, 4); NaN in gaps."""
     numbered, lettered = [f"q_{i}" for i in range(4)], [f"q_{c}" for c in "wxyz"]
     order = convention.quaternion
     names = next((names for names in (numbered, lettered) if any(map(table.has, names))), None)
@@ -119,22 +111,20 @@ def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> 
         if order is None:
             return None
         raise InputError(
-            [f"`{table.path}` must have the columns q_0 ... q_3 for --quaternion, but has none."]
+            f"`{table.path}` must have the columns q_0 ... q_3 for --quaternion, but has none."
         )
     if not table.has(*names):
         raise InputError(
-            [f"`{table.path}`: a quaternion must have the columns {', '.join(names)}, all of them."]
+            f"`{table.path}`: a quaternion must have the columns {', '.join(names)}, all of them."
         )
     if names is numbered and order is None:
         raise InputError(
-            [
-                f"`{table.path}`: the order of the quaternion q_0 ... q_3 must be named "
-                "(--quaternion wxyz or xyzw)."
-            ]
+            f"`{table.path}`: the order of the quaternion q_0 ... q_3 must be named "
+            "(--quaternion wxyz or xyzw)."
         )
     if names is lettered and order is not None:
         raise InputError(
-            ["--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."]
+            "--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."
         )
     q = table.stacked(*names)[:, ORDERS[order or "wxyz"]]
     q = np.concatenate([q[:, :1], q[:, 1:][:, turn]], axis=1)
@@ -147,10 +137,7 @@ def _axis(table: Table, turn: tuple[int, ...]) -> np.ndarray | None:
         return None
     if np.isnan(axis).all(axis=0).any():
         raise InputError(
-            [
-                f"`{table.path}`: an axis must have the columns axis_x, axis_y and axis_z, all "
-                "of them."
-            ]
+            f"`{table.path}`: an axis must have the columns axis_x, axis_y and axis_z, all of them."
         )
     return _unit(table, axis, "axis")
 
@@ -160,16 +147,14 @@ def _unit(table: Table, rows: np.ndarray, what: str) -> np.ndarray:
     off = np.nanmax(np.abs(size - 1), initial=0.0)
     if off > UNIT:
         raise InputError(
-            [
-                f"`{table.path}`: the length of the {what} must be 1, but differs by {off:.2g} "
-                "somewhere."
-            ]
+            f"`{table.path}`: the length of the {what} must be 1, but differs by {off:.2g} "
+            "somewhere."
         )
     return rows / size[:, None]
 
 
 def _vector(table: Table, pattern: str, turn: tuple[int, ...]) -> np.ndarray | None:
-    """Components in our frame, (rows, 3), NaN for one that is not given; None if there are none."""
+    """Return components in our frame, (rows, 3), NaN if not given; None if all are missing."""
     names = [pattern.format(c) for c in "xyz"]
     if not any(table.has(name) for name in names):
         return None
@@ -179,11 +164,11 @@ def _vector(table: Table, pattern: str, turn: tuple[int, ...]) -> np.ndarray | N
 
 
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Vectors v, (3,) or (n, 3), turned by unit quaternions (n, 4)."""
+    """Return vectors v, (3,) or (n, 3), rotated by unit quaternions (n, 4)."""
     return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=1)
 
 
 def angle_between(q: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """The angle of the rotation from one orientation to the other [rad], (n,), in 0 to pi."""
+    """Return the angles of rotation between orientations [rad], (n,), in 0 to pi."""
     near = np.minimum(np.linalg.norm(q - p, axis=1), np.linalg.norm(q + p, axis=1))
     return 4 * np.arcsin(np.clip(near / 2, 0, 1))

@@ -1,6 +1,4 @@
-"""What a scenario predicts for a table of measurements, and how that moves with the numbers that
-are free.
-"""
+"""The predictions of a scenario for a table of measurements, and their derivatives."""
 
 from collections.abc import Sequence
 
@@ -23,11 +21,11 @@ TIMES = {
     CLOCK: Number(ONE, "seconds of the motion per second of the table's clock", above=0),
 }
 """Numbers of the clock of a table: the motion's time is scale t + offset."""
-# Part of the duration within which the time of a clock is searched
+# Fraction of the duration within which the time of a clock is searched
 REACH = 1 / 8
 TOLERANCE = 1e-9  # of the integrator: data are never better
 USES = 50  # of motions with derivatives over all of the data, in a fit
-MORE = 10  # so many times as many without
+MORE = 10  # times as many uses without derivatives
 # Internal units of time of the longest motion of a fit: half an hour of computing
 LONGEST = 3e4
 UNSUPPORTED = (
@@ -42,35 +40,32 @@ NAMES = {
     "marker": ("x", "y", "height"),
     "orientation": (),
 }
-"""What each kind of measurement reads of a motion, where that is not its own name; axes of the body
-beside.
-"""
+"""Columns of a motion for each kind of measurement, unless they have its name."""
 AXES = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
 
 
 class Observation:
-    """Measurements beside what the numbers of a problem predict.
+    """Measurements, and their predictions by a problem.
 
     Parameters
     ----------
     problem
-        The scenario: what is not free is as it stands there.
+        The scenario.
     free
-        Dotted names of what is free, `time.offset` and `time.scale` among them.
+        Dotted names of the free numbers, which may include `time.offset` and `time.scale`.
     seen
-        The motion that was measured.
+        The measured motion.
     marker
-        Where the marker is on the body, body axes, from the centre of mass [m], (3,); with columns
-        `marker_`.
+        The place of the marker in body axes, from the centre of mass [m], (3,).
     places
-        Where the marker was, space frame, (rows, 3).
+        The measured places of the marker, space frame, (rows, 3).
     noise
         Standard deviation of measured angles and directions [rad]; None: unknown.
 
     Attributes
     ----------
     groups
-        Name of each kind of measurement -> (rows, parts) of what was measured; NaN in gaps.
+        Name of each kind of measurement -> (rows, parts); NaN in gaps.
     """
 
     def __init__(
@@ -84,16 +79,14 @@ class Observation:
     ):
         self.free, self.t, self.noise = tuple(free), seen.t, noise
         if problem.contact is not None:
-            raise InputError([UNSUPPORTED])
+            raise InputError(UNSUPPORTED)
         self.second, self.metre = (float(problem.scales.of(unit)) for unit in (SECOND, METRE))
         longest = LONGEST * self.second
         if self.t[-1] > longest:
             raise InputError(
-                [
-                    f"the last time must be at most {longest:.3g} s in a fit, but is "
-                    f"{self.t[-1]:.6g} s "
-                    f"({self.t[-1] / 3600:.2g} hours): is `t` in ms?"
-                ]
+                f"the last time must be at most {longest:.3g} s in a fit, but is "
+                f"{self.t[-1]:.6g} s "
+                f"({self.t[-1] / 3600:.2g} hours): is `t` in ms?"
             )
         faults = [
             f"`{name}` must be {' or '.join(TIMES)}, but is not.{suggestion(name, TIMES)}"
@@ -108,7 +101,7 @@ class Observation:
         self.groups = _groups(problem, seen, places)
         if not self.groups:
             raise InputError(
-                ["the table must have theta, an axis, a quaternion, omega3, a place or a marker."]
+                "the table must have theta, an axis, a quaternion, omega3, a place or a marker."
             )
         self.turning = bool({"orientation", "marker"} & self.groups.keys())
         self.tangents, self.motions = (
@@ -130,11 +123,11 @@ class Observation:
         self.ways = self.numbers.directions(self.own)
 
     def rule(self, name: str) -> Number:
-        """Unit and interval of a number that is free."""
+        """Return unit and interval of a free number."""
         return TIMES.get(name) or self.numbers.rule(name)
 
     def start(self) -> dict[str, float]:
-        """The values of the free numbers in the scenario."""
+        """Return the values of the free numbers in the scenario."""
         first, last = float(self.t[0]), float(self.t[-1])
         late = first < 0 or first > REACH * (
             last - first
@@ -145,9 +138,10 @@ class Observation:
     def predictions(
         self, points: Sequence[dict[str, float]], rows: slice = slice(None), *, slopes: bool = True
     ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Compute for each group what was measured less what is predicted, (points, rows, parts),
-        and how the prediction moves with each free number, (points, rows, parts, free), SI; without
-        `slopes` free is 0. NaN where nothing was measured, or the motion cannot be computed.
+        """Compute residuals and the derivatives of the predictions, for each group.
+
+        The residuals are (points, rows, parts), the derivatives (points, rows, parts, free), SI;
+        without `slopes` free is 0. NaN in gaps, and where the motion cannot be computed.
         """
         t, k = self.t[rows], len(points)
         jets = self._read(points, t, slopes=slopes)
@@ -158,9 +152,7 @@ class Observation:
         return parts
 
     def dots(self) -> dict[str, np.ndarray]:
-        """What was measured, as a figure shows it, by group, (rows, parts): of an orientation
-        theta.
-        """
+        """Return the measurements for a figure, by group, (rows, parts); theta for orientations."""
         rows = dict(self.groups)
         if "orientation" in rows:
             w, x, y, z = rows["orientation"].T
@@ -168,9 +160,7 @@ class Observation:
         return rows
 
     def curves(self, values: dict[str, float], t: np.ndarray) -> dict[str, np.ndarray]:
-        """What is predicted of `dots` at times [s] of the table's clock, by group,
-        (times, parts).
-        """
+        """Return the predictions of `dots` at times [s] of the table's clock, by group."""
         jets = self._read([values], t, slopes=False)
         curves = {
             group: self._model(group, jets)[..., 0]
@@ -185,8 +175,9 @@ class Observation:
     def _read(
         self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool
     ) -> dict[str, np.ndarray]:
-        """Read the motions of sets of values, by name, (points rows, 1 + free), in internal units:
-        the value, then how it moves with each free number in its SI unit, if slopes are asked for.
+        """Read the motions of sets of values, by name, (points rows, 1 + free), internal units.
+
+        The first column is the value, the others its derivatives by the free numbers in SI units.
         """
         k, tangents = len(points), self.tangents if slopes else self.motions
         lanes = max(1, len(self.own)) if slopes else 1
@@ -233,7 +224,7 @@ class Observation:
         return (np.remainder(off + np.pi, 2 * np.pi) - np.pi if group == "phi" else off), moves
 
     def _model(self, group: str, jets: dict[str, np.ndarray]) -> np.ndarray:
-        """What is predicted for a group, and how it moves, (rows, parts, 1 + free)."""
+        """Return the predictions of a group and their derivatives, (rows, parts, 1 + free)."""
         size = (
             self.metre
             if group in ("place", "marker")
@@ -249,7 +240,7 @@ class Observation:
         return model
 
     def _axes(self, jets: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """The axes of the body (rows, space, axes), and how they turn."""
+        """Return the axes of the body (rows, space, axes), and their rotation vectors."""
         first, third = (
             np.stack([jets[name] for name in names], axis=1) for names in (AXES[:3], AXES[3:])
         )
@@ -259,9 +250,7 @@ class Observation:
 
 
 def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[str, np.ndarray]:
-    """What was measured, by kind, (rows, parts); what says the same in another way is
-    taken once.
-    """
+    """Return the measurements by kind, (rows, parts), each quantity once."""
     groups: dict[str, np.ndarray] = {}
     top = "axis" in problem.system.vectors
     if seen.orientation is not None and top:

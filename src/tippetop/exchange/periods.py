@@ -49,8 +49,8 @@ def walk(misfit: Misfit, first: Minimum, clock: int) -> list[Minimum]:
                 local_minimum(misfit, misfit.space.clipped(2 * here.point - before.point), total),
             )
     least = min(s.cost for s in known)
-    alike = [s for s in known if s.cost < least + SAME * first.variance]
-    best = min(alike, key=lambda s: abs(s.point[clock] - first.point[clock]))
+    equal = [s for s in known if s.cost < least + SAME * first.variance]
+    best = min(equal, key=lambda s: abs(s.point[clock] - first.point[clock]))
     others = [s for s in sorted(known, key=lambda s: s.cost) if not best.met(s)]
     return [best._replace(searches=1), *(s._replace(searches=0) for s in others)]
 

@@ -1,6 +1,4 @@
-"""How far measured attitudes are from predicted ones, in as many numbers as noise has
-directions.
-"""
+"""Residuals of measured attitudes, in as many numbers as noise has directions."""
 
 import numpy as np
 
@@ -12,9 +10,10 @@ from ..mechanics.rotation import Quaternion
 def of_axis(
     seen: np.ndarray, third: np.ndarray, moves: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Of unit vectors (rows, 3): the chord between them, split along two axes across the measured
-    one, (rows, 2); and how it moves where `third` moves so, (rows, 3, free), less the sign. Noise
-    of an axis has two directions, not three.
+    """Return the chords between unit vectors (rows, 3), across the measured one, (rows, 2).
+
+    Also return their derivatives, less the sign, for the derivatives `moves` of `third`,
+    (rows, 3, free). The noise of an axis has two directions, not three.
     """
     pole = np.where(seen[:, 2:] < 0, -1.0, 1.0) * [[0.0, 0.0, 1.0]]
     swing = rotation.swing(Vector(*pole.T), Vector(*seen.T))
@@ -33,8 +32,9 @@ def of_axis(
 
 
 def of_orientation(seen: np.ndarray, axes: np.ndarray) -> np.ndarray:
-    """The rotation vector from predicted axes (rows, space, axes) to measured quaternions (rows,
-    4), (rows, 3).
+    """Return the rotation vectors (rows, 3) from predicted axes to measured quaternions.
+
+    The axes are (rows, space, axes), the quaternions (rows, 4).
     """
     there = np.array(rotation.axes(Quaternion(*seen.T)))  # (axes, space, rows)
     between = there.transpose(2, 1, 0) @ axes.transpose(0, 2, 1)
@@ -48,8 +48,9 @@ def of_orientation(seen: np.ndarray, axes: np.ndarray) -> np.ndarray:
 def turning(
     first: np.ndarray, third: np.ndarray, first_moves: np.ndarray, third_moves: np.ndarray
 ) -> np.ndarray:
-    """The rotation vector by which axes (rows, 3) turn where they move so, (rows, 3, free): half
-    the sum of axis x change.
+    """Return the rotation vector of axes (rows, 3) for their derivatives, (rows, 3, free).
+
+    It is half the sum of axis x change.
     """
     a, c = first[:, :, None], third[:, :, None]
     b, moved = (

@@ -26,9 +26,7 @@ POLAR = (
 
 
 class Scale(NamedTuple):
-    """The coordinate of a free number: its logarithm where it must be positive, else itself in
-    units of `size`.
-    """
+    """The coordinate of a free number: its logarithm if positive, else the number over `size`."""
 
     logarithmic: bool
     size: float

@@ -41,8 +41,10 @@ FEW, MOST = 12, 60
 
 
 class Minimum(NamedTuple):
-    """A minimum over a window: its point (free,), residuals and Jacobian, cost, variance of the
-    residuals, and the number of searches that ended there."""
+    """A minimum over a window, with residuals, Jacobian, cost and variance.
+
+    `searches` is the number of searches that ended there.
+    """
 
     point: np.ndarray
     residual: np.ndarray
@@ -118,8 +120,10 @@ def search(
 
 
 def widen(misfit: Misfit) -> None:
-    """Widen the plausible distances of numbers that start at 0, and of vectors, as far as residuals
-    of the start require over the first window; that of the clock to where it is searched."""
+    """Widen the distances of numbers that start at 0 as the first residuals require.
+
+    This holds for vectors too; the distance of the clock is that within which it is searched.
+    """
     space, t = misfit.space, misfit.observation.t
     (residual,), (jacobian,) = misfit.at(np.zeros((1, len(space.names))), windows(misfit)[0])
     need = (

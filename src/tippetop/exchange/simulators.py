@@ -1,6 +1,4 @@
-"""A body with its start and friction as a file for a simulator; what the format cannot express is
-in the file.
-"""
+"""A body with its start and friction as a file for a simulator, with remarks on differences."""
 
 import math
 from typing import Any, NamedTuple
@@ -18,18 +16,14 @@ from ..problem import Problem
 
 
 FORMATS = ("mjcf", "urdf", "sdf")
-TIP = (
-    1e-3  # radius of the ball that stands for a tip, in lengths from the tip to the centre of mass
-)
+TIP = 1e-3  # radius of the ball for a tip, in lengths from the tip to the centre of mass
 # [s]. A soft contact is as stiff as the step allows; see docs/how-to/compare-a-simulator.md.
 STEP = 1e-4
 RESULT = "tippetop compare OTHER.csv SCENARIO"
 
 
 class Start(NamedTuple):
-    """The state at t = 0, SI: of the centre of mass, quaternion wxyz, angular velocity in body
-    axes.
-    """
+    """The state at t = 0, SI: place, quaternion wxyz, velocity, angular velocity in body axes."""
 
     place: np.ndarray
     quaternion: np.ndarray
@@ -38,7 +32,7 @@ class Start(NamedTuple):
 
 
 def start_of(problem: Problem) -> Start:
-    """Return the start of a body on the plane, whatever the form in which it is integrated."""
+    """Return the start of a body on the plane, in any form."""
     if problem.contact is not None or problem.system.name == "heavy-top":
         place, q, velocity, w, _ = (part[0] for part in motion_of(problem, problem.start()[None]))
     else:
@@ -110,21 +104,19 @@ def _gliding_start(problem: Problem) -> tuple[np.ndarray, ...]:
 
 
 def text_of(problem: Problem, to: str) -> str:
-    """The file.
+    """Return the text of the file.
 
-    Raises InputError for a body that is none of three dimensions, or another format.
+    Raises InputError for a planar body whose contact never opens, or another format.
     """
     if to not in FORMATS:
-        raise InputError(
-            [f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`."]
-        )
+        raise InputError(f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`.")
     planar = "axis" not in problem.system.vectors and problem.contact is None
     if planar or not isinstance(problem.body(), contact.Touch):
         raise InputError(
-            [f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."]
+            f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."
         )
     if not problem.orientation:
-        raise InputError(["`run.orientation` must be true for a simulator, but is false."])
+        raise InputError("`run.orientation` must be true for a simulator, but is false.")
     return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](problem)
 
 
@@ -148,9 +140,7 @@ def _numbers(*values: Any) -> str:
 
 
 def _balls(problem: Problem) -> list[tuple[str, float, float]]:
-    """Name, offset along the axis from the centre of mass and radius of each ball that touches the
-    plane.
-    """
+    """Return name, offset along the axis and radius of each ball that touches the plane."""
     body = problem.body()
     if body.R == 0:
         return [("tip", body.c, TIP * abs(body.c))]
@@ -173,7 +163,7 @@ class Friction(NamedTuple):
 
 
 def _cannot(problem: Problem) -> tuple[Friction, list[str]]:
-    """Return the friction coefficients, and sentences on what is not the same in a simulator."""
+    """Return the friction coefficients, and the differences of a simulator in sentences."""
     law, body = problem.friction, problem.body()
     sentences = [
         "contacts in simulators are soft, or solved once a step: refine step and stiffness"
@@ -216,8 +206,8 @@ def _comment(problem: Problem, sentences: list[str]) -> str:
     return (
         f"<!--\n  {problem.system.title}, from tippetop. SI units, z up, z of the body along its "
         "axis of symmetry.\n"
-        f"  Compare what comes out with: {RESULT}\n"
-        f"  What is not the same as in tippetop:\n{lines}\n-->\n"
+        f"  Compare the output with: {RESULT}\n"
+        f"  Differences from tippetop:\n{lines}\n-->\n"
     )
 
 

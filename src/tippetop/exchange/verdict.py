@@ -1,4 +1,4 @@
-"""What a comparison of several files says, as plain data and as text."""
+"""The result of a comparison of several files, as plain data and as text."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,7 +10,7 @@ from .motion import Convention
 
 
 class Verdict:
-    """Motions of another program beside the exact one; it prints what it says.
+    """Motions of another program compared with the exact one.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Verdict:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain data, as `tippetop compare --json` prints it."""
+        """Return the result as plain data, as `tippetop compare --json` prints it."""
         files = [{"step": m.step, **m.numbers} for m in self.motions]
         plain = files[0] if len(files) == 1 else {"files": files}
         return plain | {"orders": self.orders} if self.orders else plain

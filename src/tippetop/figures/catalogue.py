@@ -1,6 +1,6 @@
-"""The figures of a run and of a sweep: what each shows, and the columns that it is made from.
+"""The figures of runs and of sweeps with the columns that they need.
 
-`drawing` draws them: without matplotlib, `tippetop plot --help` lists the kinds quickly.
+This module does not import matplotlib, so that `tippetop plot --help` is fast.
 """
 
 from collections.abc import Iterable
@@ -14,28 +14,37 @@ from ..errors import InputError, suggestion
 class RunFigure:
     """A figure of a run.
 
-    Where the x axis is the time, the phases of the run's contact are shaded behind it.
+    Parameters
+    ----------
+    shows
+        One line for the help.
+    needs
+        The column without which it cannot be drawn.
+    drawn_for
+        The systems that have that column, in words.
+    uses
+        The columns that it is made from, where the system has them; "integrals" and "landscape"
+        are those of the system.
+    over_time
+        Whether the x axis of every panel is the time; the phases of the contact are shaded then.
+    compares
+        Whether several runs can be drawn in one panel.
+    in_landscape
+        Whether it is drawn from the function of `landscape.along_run` of its name.
     """
 
-    shows: str  # one line for people
-    needs: str = "time"  # the column of the trajectory without which there is nothing to show
-    uses: tuple[str, ...] = (
-        "theta",
-    )  # the columns that it is made from, where the system has them; "integrals" and
-    # "landscape" stand for those of the system
-    drawn_for: str = ""  # the systems that have that column, in words
-    over_time: bool = False  # whether the x axis of every panel is the time
-    compares: bool = False  # whether several runs can be axes in one panel
-    in_landscape: bool = (
-        False  # whether it is drawn from the function of `landscape.along_run` of its name
-    )
+    shows: str
+    needs: str = "time"
+    drawn_for: str = ""
+    uses: tuple[str, ...] = ("theta",)
+    over_time: bool = False
+    compares: bool = False
+    in_landscape: bool = False
 
 
 @dataclass(frozen=True)
 class Look:
-    """How a figure looks: its title instead of its own, width and height [inches], dots per inch,
-    light on dark.
-    """
+    """The look of a figure: another title, width and height [inches], dots per inch, colours."""
 
     title: str | None = None
     size: tuple[float, float] | None = None
@@ -54,59 +63,50 @@ WITH_ENERGY = "systems with an energy"
 
 
 def _of_tippe_tops(shows: str) -> RunFigure:
-    """A figure over the spinning states of a tippe top."""
-    return RunFigure(
-        shows, needs="routh", uses=OF_LANDSCAPES, drawn_for="tippe tops", in_landscape=True
-    )
+    """Return a figure over the spinning states of a tippe top."""
+    return RunFigure(shows, "routh", "tippe tops", OF_LANDSCAPES, in_landscape=True)
+
+
+def _over_time(shows: str, needs: str, drawn_for: str, *uses: str) -> RunFigure:
+    """Return a figure of curves over time, of one or of several runs."""
+    return RunFigure(shows, needs, drawn_for, uses, over_time=True, compares=True)
 
 
 FIGURES: dict[str, RunFigure] = {
-    "theta": RunFigure(
+    "theta": _over_time(
         "theta(t), turning angles, nutational band (default)",
-        needs="theta",
-        drawn_for="systems with an inclination theta",
-        over_time=True,
-        compares=True,
+        "theta",
+        "systems with an inclination theta",
+        "theta",
     ),
-    "normal-force": RunFigure(
+    "normal-force": _over_time(
         "normal force g_n(t) in units of the weight",
-        needs="normal_force",
-        uses=("normal_force",),
-        drawn_for="systems with a normal force",
-        over_time=True,
-        compares=True,
+        "normal_force",
+        "systems with a normal force",
+        "normal_force",
     ),
-    "drift": RunFigure(
-        "relative change of what must be conserved",
-        needs="energy",
-        uses=OF_DRIFT,
-        drawn_for=WITH_ENERGY,
-        over_time=True,
-        compares=True,
+    "drift": _over_time(
+        "relative change of the conserved quantities", "energy", WITH_ENERGY, *OF_DRIFT
     ),
     "growth": RunFigure(
-        "growth of the worst drift with t, beside sqrt(t)",
-        needs="energy",
-        uses=OF_DRIFT,
-        drawn_for=WITH_ENERGY,
+        "growth of the worst drift with t, and sqrt(t)",
+        "energy",
+        WITH_ENERGY,
+        OF_DRIFT,
         compares=True,
     ),
-    "sphere": RunFigure(
-        "path of the axis on the sphere", needs="axis", uses=("axis",), drawn_for="tops"
-    ),
-    "energy": RunFigure(
+    "sphere": RunFigure("path of the axis on the sphere", "axis", "tops", ("axis",)),
+    "energy": _over_time(
         "energy, modified energy, energy taken by friction",
-        needs="energy",
-        uses=("energy", "modified_energy", "work", "phase", "ball"),
-        drawn_for=WITH_ENERGY,
-        over_time=True,
-        compares=True,
+        "energy",
+        WITH_ENERGY,
+        *("energy", "modified_energy", "work", "phase", "ball"),
     ),
     "film": RunFigure(
         "eight poses of the body on one line, by their times",
-        needs="orientation",
-        uses=("theta", "axis", "orientation", "z"),
-        drawn_for="runs that keep the orientation",
+        "orientation",
+        "runs that keep the orientation",
+        ("theta", "axis", "orientation", "z"),
     ),
     "states": _of_tippe_tops(
         "asymptotic states over lambda, and the run among them; also of a scenario"
@@ -121,8 +121,6 @@ FIGURES: dict[str, RunFigure] = {
     "inversion": _of_tippe_tops("the run on the section of F at its lambda"),
 }
 """The figures of a run, by name."""
-FORMER = {"phase": "states"}
-"""Names that figures had."""
 
 SWEEP_KINDS = {
     "class": "fate of each top over two axes (default)",
@@ -130,58 +128,48 @@ SWEEP_KINDS = {
     "normal-force": "least normal force",
     "lyapunov": "finite-time Lyapunov exponent, of a plan that keeps it",
 }
-"""The figures of a sweep, and what each shows."""
+"""The figures of a sweep."""
 ENDINGS = (".png", ".svg", ".pdf")
 MOST_PIXELS = 20_000  # along a side
 
 
 def described() -> str:
-    """What `plot --help` says of the kinds."""
+    """Return the kinds of figures for the help of `plot`."""
     runs = "".join(f"\n- {name}: {figure.shows}" for name, figure in FIGURES.items())
     several = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
     sweeps = "".join(f"\n- {name}: {shows}" for name, shows in SWEEP_KINDS.items())
     return (
-        f"Further runs, to be axes beside the first ({several}); and, last, the kind of "
+        f"Further runs, to be drawn in the same panel ({several}); and, last, the kind of "
         f"figure.\n\nOf a run:\n{runs}"
         f"\n\nOf a sweep:\n{sweeps}\n\nA surface and a potential have one figure each."
     )
 
 
-def kind_of(word: str) -> str:
-    """The name of a kind of figure, by that name or by one that it had. Raises InputError."""
-    check_kind(word, [*FIGURES, *FORMER])
-    return FORMER.get(word, word)
-
-
-def check_kind(kind: str, known: Iterable[str]) -> None:
-    """Raises InputError if there is no such figure."""
+def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
+    """Raise InputError if there is no such figure."""
     known = list(known)
-    if not isinstance(kind, str) or kind not in known:
-        kind = str(kind)
-        listed = ", ".join(name for name in known if name not in FORMER)
+    if kind not in known:
         raise InputError(
-            [
-                f"the kind of figure must be one of {listed}, but is "
-                f"`{kind}`.{suggestion(kind, known)}"
-            ]
+            f"the kind of figure must be one of {', '.join(known)}, but is "
+            f"`{kind}`.{suggestion(str(kind), known)}"
         )
 
 
 def check_format(path: Path) -> None:
-    """Raises InputError if the ending of a path names no format of figures."""
+    """Raise InputError if the ending of a path is not a format of figures."""
     if path.suffix.lower() not in ENDINGS:
         raise InputError(
-            [f"`{path}` must end with the format of a figure: .png, .svg or .pdf, but does not."]
+            f"`{path}` must end with the format of a figure: .png, .svg or .pdf, but does not."
         )
 
 
 def check_look(look: Look) -> None:
-    """Raises InputError if a figure could not look so."""
-    if not 10 <= look.dpi <= 2400:
-        raise InputError([f"`dpi` must be between 10 and 2400, but is {look.dpi:g}."])
-    if look.size is not None and not all(1 <= side <= MOST_PIXELS / look.dpi for side in look.size):
+    """Raise InputError if a figure cannot have this look."""
+    most = MOST_PIXELS / look.dpi if 10 <= look.dpi <= 2400 else 0
+    if not most:
+        raise InputError(f"`dpi` must be between 10 and 2400, but is {look.dpi:g}.")
+    if look.size is not None and not all(1 <= side <= most for side in look.size):
         given = " x ".join(f"{side:g}" for side in look.size)
-        most = MOST_PIXELS / look.dpi
         raise InputError(
-            [f"`size` must be between 1 and {most:g} inches at {look.dpi:g} dpi, but is {given}."]
+            f"`size` must be between 1 and {most:g} inches at {look.dpi:g} dpi, but is {given}."
         )

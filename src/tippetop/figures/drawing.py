@@ -1,6 +1,6 @@
-"""Draws the figures of the catalogue, of a run, of several and of a sweep.
+"""Draw the figures of the catalogue: of a run, of several runs and of a sweep.
 
-Here only are figures fed: a drawing imports nothing but the style, and takes what it is given.
+Only this module passes data to figures: a drawing imports nothing but the style.
 """
 
 from collections.abc import Callable
@@ -9,12 +9,12 @@ from typing import Any
 
 from ..columns import symbol
 from ..errors import InputError, a_system
-from .catalogue import FIGURES, PLAIN, Look, kind_of
+from .catalogue import FIGURES, PLAIN, Look, check_kind
 
 
 def _drawings() -> dict[str, Callable]:
-    """Return what draws each kind of figure of a run; importing it imports matplotlib."""
-    from . import conserved, energetics, film, landscape, potential, sphere, stability, theta
+    """Return the function for each kind of figure of a run; this imports matplotlib."""
+    from . import conserved, energetics, film, landscape, sphere, stability, theta, well
 
     return {
         "theta": theta.theta,
@@ -27,7 +27,7 @@ def _drawings() -> dict[str, Callable]:
         "states": stability.states,
         "band": landscape.band,
         "surface": landscape.surface,
-        "potential": potential.potential,
+        "potential": well.potential,
         "inversion": landscape.inversion,
     }
 
@@ -62,15 +62,15 @@ def axes_of(
         For another kind, and where the run lacks what the figure shows.
     """
     from .style import styled
-    from .window import handed_over
+    from .window import datasets, handed_over
 
-    kind = kind_of(kind)
+    check_kind(kind)
+    groups = datasets(groups)
     chosen = FIGURES[kind]
     _refuse(kind, groups["trajectory"], attrs)
     if ax is not None and (kind == "surface") != (getattr(ax, "name", "") == "3d"):
-        raise InputError(
-            [f"`ax` of `{kind}` must be {'in 3-D' if kind == 'surface' else 'flat'}, but is not."]
-        )
+        shape = "in 3-D" if kind == "surface" else "flat"
+        raise InputError(f"`ax` of `{kind}` must be {shape}, but is not.")
     attrs = with_records(attrs) | {"handed_over": handed_over(groups)}
     given: Any = (groups["trajectory"], groups["events"], attrs)
     if kind == "film":
@@ -80,18 +80,18 @@ def axes_of(
     elif chosen.in_landscape:
         from ..landscape import along_run
 
-        given = getattr(along_run, kind)(*map(along_run.table, given[:2]), attrs)
+        given = getattr(along_run, kind)(*given)
     with styled(dark=look.dark, size=look.size, ax=ax):
         axes = _drawings()[kind](*given, ax=ax)
         if chosen.over_time and "impacts" in groups:
-            from .phases import mark
+            from .shading import mark
 
             panels = [axes] if ax is not None else axes.get_figure(root=True).axes
             mark(panels, groups["phases"], groups["impacts"])
         return _finished(axes, look)
 
 
-def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any], *, several: bool = False) -> None:
+def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
     """Raise InputError if a run lacks rows or columns that a figure uses."""
     from ..columns import require
     from ..mechanics.systems import find
@@ -105,16 +105,14 @@ def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any], *, several: bool 
         if "landscape" in uses and system.landscape is not None:
             uses |= {*system.landscape.columns}
         require(sorted(uses & has), trajectory, f"the figure `{kind}`")
-    this, rowless = "this", "this run has none: replay a part of it, or resume it"
-    if several:
-        this, rowless = "one of these", "one of these runs has none: replay or resume it"
     if chosen.needs not in trajectory:
-        system_words = a_system(attrs["system"])
         raise InputError(
-            [f"`{kind}` is drawn for {chosen.drawn_for} only; {this} is {system_words}."]
+            f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."
         )
-    if not len(trajectory["time"].values):
-        raise InputError([f"`{kind}` is drawn of rows, and {rowless}."])
+    if not trajectory["time"].size:
+        raise InputError(
+            f"`{kind}` is drawn of rows, but a run has none: replay a part of it, or resume it."
+        )
 
 
 def several(
@@ -124,18 +122,20 @@ def several(
     look: Look = PLAIN,
     ax: Any = None,
 ) -> Any:
-    """The same curve of several runs in one panel, the Axes; `runs` are trajectories and root
-    attributes, `names` what they are called where nothing else tells them apart. Raises InputError.
+    """Draw the same curve of several runs in one panel; return the Axes.
+
+    `runs` are trajectories and root attributes, `names` the labels of equal runs. Raises
+    InputError.
     """
     from .overlay import overlay
     from .style import literal, styled
 
-    kind = kind_of(kind)
+    check_kind(kind)
     if not FIGURES[kind].compares:
         known = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
-        raise InputError([f"several runs are drawn together as {known}; `{kind}` is drawn of one."])
+        raise InputError(f"several runs are drawn together as {known}; `{kind}` is drawn of one.")
     for trajectory, attrs in runs:
-        _refuse(kind, trajectory, attrs, several=True)
+        _refuse(kind, trajectory, attrs)
     with styled(dark=look.dark, size=look.size, ax=ax):
         axes = overlay(
             kind, [(run, with_records(attrs)) for run, attrs in runs], [*map(literal, names)], ax
@@ -146,7 +146,7 @@ def several(
 def states_of(
     system: str, parameters: dict[str, float], lam: float, look: Look = PLAIN, title: str = ""
 ) -> Any:
-    """The diagram of the asymptotic states of a body with the |lambda| of its start [kg m^3/s].
+    """Draw the asymptotic states of a body with the |lambda| of its start [kg m^3/s].
 
     Raises InputError for a system that has none.
     """
@@ -160,9 +160,7 @@ def states_of(
 
 
 def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return the attributes of a run with what the records of its system and its friction law add:
-    the units of the numbers of the law, the `symbols` of all numbers, and the words for the `law`.
-    """
+    """Return the attributes with units, `symbols` and the name of the `law` from the records."""
     from ..mechanics.contact.opening import ABOVE
     from ..mechanics.contact.restitution import CONTACT
     from ..mechanics.systems import find
@@ -184,15 +182,15 @@ def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
 
 
 def _finished(axes: Any, look: Look) -> Any:
-    """Return the Axes with the requested title; of a figure of the user it is that of the panel."""
+    """Return the Axes with the requested title."""
     from .style import as_given, is_ours
 
     figure = axes.get_figure(root=True)
     if look.title is not None:
-        if any(
-            "\ud800" <= letter <= "\udfff" for letter in look.title
-        ):  # bytes of a command line that are no text
-            raise InputError([f"the title must be text in UTF-8, but is {look.title!r}."])
+        try:
+            look.title.encode()
+        except UnicodeEncodeError:  # bytes of a command line
+            raise InputError(f"the title must be text in UTF-8, but is {look.title!r}.") from None
         if is_ours() and figure.get_suptitle():
             figure.suptitle(as_given(look.title), x=0.01, ha="left")
         else:
@@ -201,7 +199,7 @@ def _finished(axes: Any, look: Look) -> Any:
 
 
 def write(figure: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = False) -> None:
-    """Writes a figure; the ending of `path` names the format. Raises StoreError."""
+    """Write a figure in the format of the ending of `path`. Raises StoreError."""
     from .style import save, styled
 
     with styled(dark=look.dark):
@@ -209,15 +207,15 @@ def write(figure: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = Fals
 
 
 def figure_of_sweep(kind: str, store: Path, look: Look = PLAIN) -> Any:
-    """One kind of figure of a sweep. Raises InputError, StoreError."""
+    """Draw one kind of figure of a sweep. Raises InputError, StoreError."""
     from ..sweeps import maps
-    from .sweep import draw_map
+    from .sweep_map import draw_map
 
     return _composed(draw_map, (maps.make_map(store, kind),), look)
 
 
 def composed(kind: str, given: tuple[Any, ...], look: Look = PLAIN) -> Any:
-    """Draw one kind of figure from what its function takes; return the matplotlib Figure."""
+    """Draw one kind of figure from the arguments of its function; return the Figure."""
     return _composed(_drawings()[kind], given, look)
 
 

@@ -8,6 +8,10 @@ from matplotlib.figure import Figure
 from . import style
 
 
+EXACT = 1e-16
+"""Errors below this are drawn as this."""
+
+
 def errors_by_step(title: str, results: Sequence[Any]) -> Figure:
     """Draw the results of one case.
 
@@ -25,7 +29,7 @@ def errors_by_step(title: str, results: Sequence[Any]) -> Figure:
         by_setting.setdefault(f"{result.engine} {result.setting}", []).append(result.compared)
     for k, (label, compared) in enumerate(by_setting.items()):
         stepped = [c for c in compared if c.step]
-        errors = [c.numbers["attitude"]["max"] for c in stepped]
+        errors = [max(c.numbers["attitude"]["max"], EXACT) for c in stepped]
         look = {"color": f"C{k % 10}", "ls": ("-", "--", ":")[k // 10 % 3], "label": label}
         left.plot([c.step for c in stepped], errors, marker="o", **look)
         finest = compared[-1]

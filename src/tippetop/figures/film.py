@@ -1,133 +1,178 @@
-"""A film strip: the top as it stands at eight times, on one line."""
+"""A film strip: the body at eight times, on one line.
+
+The body is made of surfaces of revolution; their facets are painted from the far ones to the near
+ones. The camera looks along y, from somewhat above; z is up. Lengths are in units of the body.
+"""
 
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 
-from . import raycast
 from .labels import title
-from .sphere import busy, turned
+from .sphere import busy
 from .style import compact, figure, ink
-from .thinning import span
 
 
 POSES = 8
-PIXELS = 320  # the height of a pose
-GAP = 0.12  # between two poses
-SHADOW = 0.8  # of half a pose: how far a shadow reaches beyond it
+GAP = 0.1  # between two poses
+FACETS = 64  # around an axis of revolution
+SECTORS = 8  # alternately light and dark around the axis: they show the spin
+ELEVATION = np.radians(16.0)  # of the camera
+SCREEN = np.array([[1, 0, 0], [0, np.sin(ELEVATION), np.cos(ELEVATION)]])
+AHEAD = np.array([0, np.cos(ELEVATION), -np.sin(ELEVATION)])
+LIGHT = np.array([-0.42, -0.62, 0.66]) / np.linalg.norm([-0.42, -0.62, 0.66])
+CREAM, BLUE, ORANGE, WOOD, IRON = (
+    np.array(rgb) / 255
+    for rgb in ((243, 232, 205), (44, 92, 143), (217, 95, 30), (196, 142, 84), (35, 38, 44))
+)
+
+Array = np.ndarray
 
 
 def film(
     trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes | None = None
 ) -> Axes:
-    """Eight poses of the body by their times: evenly spread over the part of the run in which it
-    turns over, if it does, else over the whole.
+    """Draw eight poses of the body, evenly spread over the part of the run in which it turns over.
 
     `trajectory` has time, theta, orientation and, where the contact may open, z; `shape` is the
-    body as `runs.shape.with_shape` gives it.
+    body as `runs.shape.with_shape` returns it.
     """
-    rows = _rows(trajectory)
-    scenes = [_scene(trajectory, shape, row) for row in rows]
-    reach, bottom, top = _extent(scenes)
-    step = 2 * reach + GAP
+    t, theta = trajectory["time"].values, trajectory["theta"].values
+    rows = np.searchsorted(t, np.linspace(*busy(theta, t), POSES))
+    rows = np.unique(np.clip(rows, 0, len(t) - 1))
+    poses = [pose(trajectory, shape, row) for row in rows]
+    ends = np.array([[(p.min((0, 1)), p.max((0, 1))) for p in parts[:2]] for parts in poses])
+    (left, bottom), (right, top) = ends[..., 0, :].min((0, 1)), ends[..., 1, :].max((0, 1))
+    step = right - left + GAP
     if ax is None:
-        width = 12.0
-        strip = width * (top - bottom) / (len(rows) * step + SHADOW * reach)
-        ax = figure(width, 0.6 + 0.19 * len(title(attrs).splitlines()) + strip).subplots()
-    for i, scene in enumerate(scenes):
-        right = reach + SHADOW * reach
-        seen = raycast.picture(scene, -reach, right, bottom, top, PIXELS)
-        ax.imshow(
-            seen,
-            extent=(i * step - reach, i * step + right, bottom, top),
-            interpolation="antialiased",
-            zorder=2,
-        )
-    t, theta = trajectory["time"].values[rows], trajectory["theta"].values[rows]
-    between = float(np.min(np.diff(t))) if len(t) > 1 else 1.0
+        strip = 12.0 * (top - bottom) / (len(rows) * step)
+        ax = figure(12.0, 0.6 + 0.19 * len(title(attrs).splitlines()) + strip).subplots()
+    for x, (facets, shadow, colours, mass) in zip(np.arange(len(rows)) * step, poses, strict=True):
+        aside = np.array([x, 0.0])
+        ax.add_collection(PolyCollection(shadow + aside, facecolor="black", alpha=0.2, lw=0))
+        painted = PolyCollection(facets + aside, facecolors=colours, edgecolors=colours, lw=0.5)
+        painted.set_rasterized(True)
+        ax.add_collection(painted)
+        if shape["kind"] != "heavy":  # the hidden mass shines through
+            ax.plot(*(mass + aside), "o", color=IRON, alpha=0.5, ms=4)
+    between = float(np.min(np.diff(t[rows]))) if len(rows) > 1 else 1.0
     decimals = max(0, 1 - int(np.floor(np.log10(max(between, 1e-12)))))
     names = ("", "") if compact() else ("t = ", "θ = ")
     words = [
-        f"{names[0]}{when:.{decimals}f} s\n{names[1]}{np.degrees(angle):.1f}°".replace("-", "−")
-        for when, angle in zip(t, theta, strict=True)
+        f"{names[0]}{t[row]:.{decimals}f} s\n{names[1]}{np.degrees(theta[row]):.1f}°".replace(
+            "-", "−"
+        )
+        for row in rows
     ]
     ax.set_xticks(np.arange(len(rows)) * step, words)
     ax.set_yticks([])
     ax.grid(visible=False)
     ax.spines[["left", "top", "right"]].set_visible(False)
-    ax.spines["bottom"].set_color(ink().quiet)
-    ax.tick_params(axis="x", color=ink().quiet, labelsize="small")
+    ax.tick_params(axis="x", labelsize="small")
     ax.set(
-        xlim=(-reach - GAP / 2, (len(rows) - 1) * step + (1 + SHADOW) * reach),
-        ylim=(bottom, top),
+        xlim=(left - GAP / 2, (len(rows) - 1) * step + right + GAP / 2),
+        ylim=(bottom - 0.08, top + 0.08),
         aspect="equal",
     )
     ax.set_title(title(attrs))
-    if scenes[0].kind != "heavy" and not compact():
+    if shape["kind"] != "heavy" and not compact():
         ax.set_title("grey dot: centre of mass", loc="right", fontsize="small", color=ink().quiet)
     return ax
 
 
-def _rows(trajectory: Any) -> np.ndarray:
-    """The rows that are drawn."""
-    t = trajectory["time"].values
-    first, last = (
-        busy(trajectory["axis"].values, t) if "axis" in trajectory else _moving(trajectory, t)
-    )
-    wanted = np.linspace(max(first, t[0]), min(last, t[-1]), POSES)
-    return np.unique(np.clip(np.searchsorted(t, wanted), 0, len(t) - 1))
+def pose(trajectory: Any, shape: dict[str, Any], row: int) -> tuple[Array, Array, Array, Array]:
+    """Return the body at a row, on the screen.
 
-
-def _moving(trajectory: Any, t: np.ndarray) -> tuple[float, float]:
-    """The time in which a body that stays upright turns, but for the rest of its way before and
-    after.
+    Facets (n, 4, 2), the far ones first, shadows, colours of the facets, centre of mass.
     """
-    way = (
-        np.cumsum(np.abs(np.diff(trajectory["theta"].values)))
-        if "theta" in trajectory
-        else np.zeros(0)
-    )
-    if not len(way) or not way[-1] > 0:
-        return span(t)
-    first, last = turned(way)
-    return float(t[first]), float(t[last])
-
-
-def _scene(trajectory: Any, shape: dict[str, Any], row: int) -> raycast.Scene:
-    """The body at a row, in units of itself."""
-    unit = shape["unit"]
+    unit, kind = shape["unit"], shape["kind"]
     axes = shape["axes"](trajectory["orientation"].values[row])
     third = axes[:, 2]
     balls = [(ball["offset"] / unit, ball["radius"] / unit) for ball in shape["balls"]]
+    (offset, radius), stems = balls[0], balls[1:]
     if "z" in trajectory:
         height = float(trajectory["z"].values[row]) / unit
     elif shape["fixed"]:
-        height = -balls[0][0] * third[2]
+        height = -offset * third[2]
     else:  # the lowest point is on the floor
-        height = max(radius - offset * third[2] for offset, radius in balls)
-    mass = np.array([0.0, 0.0, height]) - balls[0][0] * third * (
-        1,
-        1,
-        0,
-    )  # the ball, or tip, stays in the middle
-    tip = mass + balls[0][0] * third if shape["kind"] == "heavy" else None
-    places = [(mass + offset * third, radius) for offset, radius in balls]
-    across, along = (half / unit for half in shape["ellipsoid"])
-    return raycast.Scene(shape["kind"], axes, mass, places, (across, along), tip)
+        height = max(size - at * third[2] for at, size in balls)
+    # the ball, or the tip, stays in the middle
+    mass = np.array([0, 0, height]) - offset * third * (1, 1, 0)
+    thick = [(mass + at * third, size) for at, size in balls]
+    if kind == "heavy":
+        across, along = (half / unit for half in shape["ellipsoid"])
+        thick = [(mass, max(across, along))]
+        parts = [
+            _facets(mass, axes, *_capsule(across, along), None),
+            _facets(mass, axes, *_capsule(0.05, 0.05, offset, -along), IRON),
+            _facets(mass, axes, *_capsule(0.05, 0.05, along, along + 0.3), IRON),
+        ]
+    elif kind == "cylinder":
+        lying, half = axes[:, [2, 0, 1]], 0.7 * radius
+        profile = np.array([0, radius, radius, 0]), np.array([-half, -half, half, half])
+        parts = [_facets(thick[0][0], lying, *profile, np.where(_even()[:, None], CREAM, BLUE))]
+    else:
+        parts = [_facets(thick[0][0], axes, *_capsule(radius, radius), None)]
+    for at, size in stems:
+        rod = np.sqrt(radius**2 - size**2), at - offset
+        parts.append(_facets(thick[0][0], axes, *_capsule(size, size, *rod), WOOD))
+    corners, colours = (np.concatenate(each) for each in zip(*parts, strict=True))
+    far_first = np.argsort(-corners.mean(axis=1) @ AHEAD)
+    hangs = shape["fixed"] and offset * third[2] > 0  # then there is no floor
+    shadows = np.array([_shadow(*ball) for ball in ([] if hangs else thick)]).reshape(-1, FACETS, 3)
+    screen = (corners[far_first] @ SCREEN.T, shadows @ SCREEN.T)
+    return *screen, colours[far_first], mass @ SCREEN.T
 
 
-def _extent(scenes: list[raycast.Scene]) -> tuple[float, float, float]:
-    """Half the width of every pose, its bottom and its top in the picture."""
-    points: list[tuple[np.ndarray, float]] = []
-    for scene in scenes:
-        if scene.tip is not None:
-            end = scene.mass + (scene.ellipsoid[1] + 0.3) * scene.axes[:, 2]
-            points += [(scene.mass, max(scene.ellipsoid)), (end, 0.06), (scene.tip, 0.06)]
-        else:
-            wide = 1.25 if scene.kind == "cylinder" else 1.0
-            points += [(centre, radius * wide) for centre, radius in scene.balls]
-    reach = max(float(np.hypot(*centre[:2])) + radius for centre, radius in points)
-    height = [(float(centre @ raycast.UP), radius) for centre, radius in points]
-    bottom = min(min(y - radius for y, radius in height), -0.45 * min(reach, 1.0))
-    return reach + 0.1, bottom - 0.05, max(y + radius for y, radius in height) + 0.08
+def _capsule(across: float, along: float, low: float = 0, high: float = 0) -> tuple[Array, Array]:
+    """Return radii and heights of an ellipsoid of revolution, its halves moved to these heights."""
+    t = np.linspace(0, np.pi / 2, FACETS // 4)
+    end = along * np.cos(t)
+    return across * np.r_[np.sin(t), np.cos(t)], np.r_[low - end, high + end[::-1]]
+
+
+def _even() -> Array:
+    """Return whether a facet is in an even sector, by its number around the axis."""
+    return np.arange(FACETS) * SECTORS // FACETS % 2 == 0
+
+
+def _facets(
+    place: Array, axes: Array, radii: Array, heights: Array, paint: Array | None
+) -> tuple[Array, Array]:
+    """Return the corners (n, 4, 3) and the lit colours of the facets that face the camera.
+
+    Parameters
+    ----------
+    place, axes
+        Origin and axes of the surface; the last column is the axis of revolution.
+    radii, heights
+        Its profile, heights ascending.
+    paint
+        Colours; None: a light and a dark half, with sectors and a cap.
+    """
+    angle = np.linspace(0, 2 * np.pi, FACETS + 1)
+    around = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    local = radii[:, None, None] * around + heights[:, None, None] * [0, 0, 1]
+    points = place + local @ axes.T
+    corners = np.stack([points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]], axis=2)
+    normal = np.cross(
+        corners[:, :, 2] - corners[:, :, 0], corners[:, :, 3] - corners[:, :, 1], axis=-1
+    )
+    if paint is None:
+        middle = (heights[1:] + heights[:-1])[:, None, None] / 2
+        paint = np.where(middle > 0, CREAM, BLUE) * np.where(_even(), 1.0, 0.75)[:, None]
+        paint = np.where(middle > 0.93 * heights.max(), ORANGE, paint)
+    seen = normal @ AHEAD < 0
+    normal = normal[seen] / np.linalg.norm(normal[seen], axis=1, keepdims=True)
+    bright = 0.42 + 0.64 * np.clip(normal @ LIGHT, 0, 1)[:, None]
+    return corners[seen], np.clip(np.broadcast_to(paint, (*seen.shape, 3))[seen] * bright, 0, 1)
+
+
+def _shadow(centre: Array, radius: float) -> Array:
+    """Return the rim (FACETS, 3) of the shadow of a ball on the floor."""
+    angle = np.linspace(0, 2 * np.pi, FACETS)[:, None]
+    _, one, other = np.linalg.svd(LIGHT[None])[2]
+    rim = centre + radius * (np.cos(angle) * one + np.sin(angle) * other)
+    return rim - rim[:, 2:] / LIGHT[2] * LIGHT

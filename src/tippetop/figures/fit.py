@@ -1,11 +1,10 @@
-"""A fit that is read at once: what was measured, the curve that fits, and what is left."""
+"""Measurements with the fitted curves and their residuals."""
 
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from .labels import quantity
 from .style import QUIET, RUN, UPPER, dashes, figure, styled
 
 
@@ -15,10 +14,10 @@ NAMES = {
     "omega3": ("angular velocity ω₃", "rad s⁻¹"),
     "place": ("place", "m"),
     "marker": ("marker", "m"),
-    "axis": ("axis", ""),  # what is left is an angle
+    "axis": ("axis", ""),  # its residual is an angle
     "orientation": ("inclination θ", "rad"),
 }
-"""Of measurements: what stands at the axis, and the unit."""
+"""Label and unit of each kind of measurement."""
 PARTS = "xyz"
 
 
@@ -30,7 +29,7 @@ def fit(
     residuals: dict[str, np.ndarray],
     text: list[str],
 ) -> Figure:
-    """For each kind of measurement: the data and the curve, the residuals and their histogram.
+    """Draw measurements with the fitted curves, and residuals with two standard deviations.
 
     Parameters
     ----------
@@ -39,59 +38,31 @@ def fit(
     measured, residuals
         Name -> (rows, parts); NaN in gaps. Of an orientation, the inclination of its axis is shown.
     predicted
-        Times [s], (n,), and name -> what is predicted then, as it is shown, (n, parts).
+        Times [s], (n,), and name -> predictions at these times, (n, parts).
     text
-        Lines that stand below: the numbers.
+        Lines below the panels.
     """
     times, curves = predicted
     fig = figure(9.5, 1.3 + 3.6 * len(measured) + 0.2 * len(text))
-    boxes: Any = fig.subplots(
-        2 * len(measured),
-        2,
-        width_ratios=[4, 1],
-        height_ratios=[2, 1] * len(measured),
-        squeeze=False,
-    )
-    for k, (name, seen) in enumerate(measured.items()):
-        (above, words), (below, counts) = boxes[2 * k], boxes[2 * k + 1]
+    panels: Any = fig.subplots(2 * len(measured), sharex=True, height_ratios=[2, 1] * len(measured))
+    colors = (RUN, UPPER, "#6d28d9", "#0f766e")
+    for above, below, (name, seen) in zip(panels[::2], panels[1::2], measured.items(), strict=True):
         off = residuals[name]
-        seen_as, unit = NAMES.get(name, (name, ""))
-        angle = "rad" if name == "axis" else unit
-        colors = (RUN, UPPER, "#6d28d9", "#0f766e")
-        for i, curve in enumerate(curves[name].T):
-            above.plot(t, seen[:, i], ".", ms=4, color=QUIET, label="measured" if not i else None)
+        words, unit = NAMES.get(name, (name, ""))
+        above.plot(t, seen, ".", ms=4, color=QUIET, label="measured")
+        for i, (curve, color) in enumerate(zip(curves[name].T, colors, strict=False)):
             label = f"fit {PARTS[i]}" if seen.shape[1] > 1 else "fit"
-            above.plot(
-                times, curve, color=colors[i % len(colors)], ls=dashes(i), lw=0.8, label=label
-            )
-        for i in range(off.shape[1]):
-            color = colors[i % len(colors)]
-            below.plot(t, off[:, i], ".", ms=2.5, color=color)
-            counts.hist(
-                off[np.isfinite(off[:, i]), i],
-                bins=30,
-                orientation="horizontal",
-                color=color,
-                alpha=0.6,
-            )
+            above.plot(times, curve, color=color, ls=dashes(i), lw=0.8, label=label)
+        for part, color in zip(off.T, colors, strict=False):
+            below.plot(t, part, ".", ms=2.5, color=color)
         size = float(np.sqrt(np.nanmean(off**2)))
         below.axhspan(-2 * size, 2 * size, color=QUIET, alpha=0.15, lw=0)
-        below.set(
-            ylabel=_labelled("what is left", angle),
-            xlabel="time t (s)",
-            ylim=(-4.5 * size, 4.5 * size),
+        below.set(ylabel=f"residual ({unit or 'rad'})", ylim=(-4.5 * size, 4.5 * size))
+        above.set_ylabel(f"{words} ({unit})" if unit else words)
+        handles = {str(line.get_label()): line for line in above.get_lines()}
+        above.legend(
+            list(handles.values()), list(handles), ncols=4, loc="lower left", bbox_to_anchor=(0, 1)
         )
-        counts.set(ylim=(-4.5 * size, 4.5 * size), xticks=[], yticklabels=[])
-        above.set(ylabel=_labelled(seen_as, unit), xticklabels=[])
-        above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=4, borderaxespad=0.2)
-        words.set_axis_off()
-        spread = f"root mean square\nof what is left:\n{quantity(size, angle or '1', 3)}"
-        words.text(
-            0, 0.5, f"{spread}\n{np.isfinite(off).sum()} numbers", va="center", fontsize="small"
-        )
+    panels[-1].set_xlabel("time t (s)")
     fig.supxlabel("\n".join(text), x=0.02, ha="left", fontsize="small", family="monospace")
     return fig
-
-
-def _labelled(words: str, unit: str) -> str:
-    return f"{words} ({unit})" if unit else words

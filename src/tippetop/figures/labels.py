@@ -1,6 +1,4 @@
-"""Words and letters of the figures: numbers with their units, titles of runs, and what tells
-several runs apart.
-"""
+"""Texts of figures: numbers with their units, titles of runs, labels of several runs."""
 
 from typing import Any
 
@@ -10,21 +8,20 @@ from ..columns import SUPERSCRIPTS, units_text
 from .style import broken, compact, letters
 
 
-PRECISIONS = {"double": "64-bit numbers", "longdouble": "80-bit numbers", "quad": "128-bit numbers"}
-TABLES = ("parameters", "friction", "contact", "stem", "initial")
-MOST_NUMBERS = 2  # of bodies that differ in more, the names are given
+TABLES = ("parameters", "friction", "contact", "stem", "initial", "run")
 RUN_KEYS = ("precision", "tolerance")
+MOST_NUMBERS = 2  # bodies that differ in more are named
 
 
 def number(value: float, digits: int = 6) -> str:
-    """A number as people write it: 0.1, −4.615, 6.894 × 10⁻⁶."""
+    """Return a number as text: 0.1, −4.615, 6.894 × 10⁻⁶."""
     mantissa, _, power = f"{value:.{digits}g}".partition("e")
     text = mantissa.replace("-", "−")
     return f"{text} × 10{str(int(power)).translate(SUPERSCRIPTS)}" if power else text
 
 
 def quantity(value: float, unit: str, digits: int = 6) -> str:
-    """A number with its unit."""
+    """Return a number with its unit."""
     return (
         number(value, digits)
         if unit in ("", "1")
@@ -33,14 +30,12 @@ def quantity(value: float, unit: str, digits: int = 6) -> str:
 
 
 def end_of(values: Any) -> str:
-    """What the last known value of a curve along a run is, which is NaN from where the stem takes
-    over.
-    """
+    """Return the words for the last finite value of a curve, which is NaN on the stem."""
     return "its end" if np.isfinite(values[-1]) else "last on its sphere"
 
 
 def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False) -> list[str]:
-    """The entries of a table of a run, each as symbol = value unit."""
+    """Return the entries of a table of a run, each as symbol = value unit."""
     words, units, symbols = [], attrs.get("units", {}), attrs.get("symbols", {})
     for key, value in table.items():
         symbol = symbols.get(key, key.replace("_", " "))
@@ -56,7 +51,7 @@ def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False
 
 
 def friction(table: dict[str, Any], attrs: dict[str, Any]) -> str:
-    """A friction law in words, with its numbers."""
+    """Return the name of a friction law with its numbers."""
     numbers = entries({key: value for key, value in table.items() if key != "law"}, attrs)
     return ", ".join(
         [attrs.get("law", f"{table['law']} friction"), *numbers] if "law" in table else numbers
@@ -64,7 +59,7 @@ def friction(table: dict[str, Any], attrs: dict[str, Any]) -> str:
 
 
 def title(attrs: dict[str, Any]) -> str:
-    """The system on a line; what makes this run this run on the next."""
+    """Return the system on one line, initial numbers and friction law on the next."""
     details = entries(attrs.get("initial", {}), attrs, at_start=True)
     if law := friction(attrs.get("friction", {}), attrs):
         details.append(law)
@@ -77,18 +72,17 @@ def title(attrs: dict[str, Any]) -> str:
 
 
 def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
-    """The attributes of several runs as far as all have the same, for their common title."""
+    """Return the attributes that several runs have in common, for their title."""
     first = runs[0]
     common: dict[str, Any] = {
         name: first[name] for name in ("title", "units", "symbols", "law") if name in first
     }
-    if any(attrs.get("system") != first.get("system") for attrs in runs):
-        common["title"] = f"{len(runs)} runs"
-    elif any(attrs["title"] != first["title"] for attrs in runs):
-        common["title"] = first["title"].partition(",")[0]
-    for name in ("initial", "friction"):
-        if name == "friction" and len({str(attrs.get(name, {}).get("law")) for attrs in runs}) > 1:
-            continue  # the same letter in another law is another number
+    if any(attrs["title"] != first["title"] for attrs in runs):
+        same = all(attrs.get("system") == first.get("system") for attrs in runs)
+        common["title"] = first["title"].partition(",")[0] if same else f"{len(runs)} runs"
+    laws = {str(attrs.get("friction", {}).get("law")) for attrs in runs}
+    # the same letter in another law is another number
+    for name in ("initial", "friction") if len(laws) == 1 else ("initial",):
         common[name] = {
             key: value
             for key, value in first.get(name, {}).items()
@@ -98,37 +92,29 @@ def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
-    """For each run the words that tell it from the others: what its scenario has and theirs have
-    not; its name as well, where there is no difference.
-    """
-    tables = [
-        name
-        for name in TABLES
-        if any(attrs.get(name, {}) != runs[0].get(name, {}) for attrs in runs)
-    ]
-    if not all("contact" in attrs for attrs in runs):
-        tables = [name for name in tables if name != "contact"]  # it follows from the friction law
+    """Return a label for each run: the numbers in which it differs, and its name if none do."""
+
+    def differ(table: str, key: str) -> bool:
+        return len({str(attrs.get(table, {}).get(key)) for attrs in runs}) > 1
+
     words = []
+    # a contact that only some runs have follows from their friction law
+    tables = [name for name in TABLES if name != "contact" or all(name in attrs for attrs in runs)]
     for attrs, called in zip(runs, names, strict=True):
-        parts: list[str] = []
-        for key, text in (("system", attrs["title"]), ("form", f"{attrs.get('form')} form")):
-            parts += [text] if any(other.get(key) != attrs.get(key) for other in runs) else []
+        parts = [attrs["title"]] if len({other.get("system") for other in runs}) > 1 else []
         for name in tables:
+            table = attrs.get(name, {})
             own = {
                 key: value
-                for key, value in attrs.get(name, {}).items()
-                if any(other.get(name, {}).get(key) != value for other in runs)
+                for key, value in table.items()
+                if differ(name, key) and (name != "run" or key in RUN_KEYS)
             }
             if name == "friction" and "law" in own:
-                parts.append(friction(attrs[name], attrs))
+                parts.append(friction(table, attrs))
             elif name == "parameters" and len(own) > MOST_NUMBERS:
                 parts.append(called)
             else:
                 parts += entries(own, attrs, at_start=name == "initial")
-        for key in RUN_KEYS:
-            value = attrs.get("run", {}).get(key)
-            if any(other.get("run", {}).get(key) != value for other in runs):
-                parts.append(PRECISIONS.get(str(value), f"{key.replace('_', ' ')} {value}"))
         if attrs.get("status", "finished") != "finished":
             parts.append(f"ends: {attrs['status']}".replace("-", " "))
         words.append(", ".join(parts))

@@ -1,4 +1,4 @@
-"""One curve of each of several runs in one panel."""
+"""The same curve of several runs in one panel."""
 
 from typing import Any
 
@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .conserved import changes
-from .energetics import in_joules, weight
+from .energetics import weight
 from .labels import differences, shared, title
-from .style import compact, dashes, ink, legend, panel, ticks_of_pi
+from .style import compact, dashes, ink, legend, panel, ticks_in_joules, ticks_of_pi
+from .theta import WIDE
 from .thinning import span, thinned, worst
 
 
@@ -20,14 +21,14 @@ SHOWN = {
     "drift": "worst relative change since t = 0",
     "growth": "worst relative change up to t",
 }
-"""What several runs are compared by, and the axis of each."""
+"""Figures of several runs, and the label of their axis."""
 COLOURS = ("#1f77b4", "#d95f02", "#1b9e77", "#b3258f", "#8c6d1f", "#666666", "#e7298a", "#5254a3")
 
 
 def overlay(
     kind: str, runs: list[tuple[Any, dict[str, Any]]], names: list[str], ax: Axes | None = None
 ) -> Axes:
-    """The same curve of several runs, named by what is different in them.
+    """Draw the same curve of several runs, labelled by their differences.
 
     Parameters
     ----------
@@ -36,25 +37,19 @@ def overlay(
     runs
         Trajectory and attributes of each.
     names
-        What they are called where nothing else differs.
+        Labels of runs without a difference.
     """
     ax = panel(ax, 10, 5.4)
     attrs = [each for _, each in runs]
     labels = differences(attrs, names)
-    size, unit = 1.0, ""
-    if kind == "energy":
-        size, unit = in_joules(max(float(np.nanmax(np.abs(t["energy"].values))) for t, _ in runs))
-        unit = f" ({unit})"
     for i, ((trajectory, each), label) in enumerate(zip(runs, labels, strict=True)):
         t, values = _curve(kind, trajectory, each)
         color = COLOURS[i % len(COLOURS)]
-        width = 1.6 - 0.8 * i / len(
-            runs
-        )  # what is drawn first can be seen below what is drawn last
-        ax.plot(t, values / size, color=color, ls=dashes(i), lw=width, label=label)
+        width = 1.6 - 0.8 * i / len(runs)  # the first curves can be seen below the last
+        ax.plot(t, values, color=color, ls=dashes(i), lw=width, label=label)
     times = np.array([trajectory["time"].values[[0, -1]] for trajectory, _ in runs])
     words = SHOWN[kind].partition(" since")[0] if compact() else SHOWN[kind]
-    ax.set(xlabel="time t (s)", ylabel=words + unit, title=title(shared(attrs)))
+    ax.set(xlabel="time t (s)", ylabel=words, title=title(shared(attrs)))
     ax.set_xlim(*span(np.array([times.min(), times.max()])))
     if kind in ("drift", "growth"):
         ax.set_yscale("log")
@@ -62,25 +57,22 @@ def overlay(
     if kind == "growth":
         ax.set_xscale("log")
         ax.set_xlim(max(times.min(), 1e-3 * times.max()), times.max())
-    angles = np.concatenate([trajectory["theta"].values[[0, -1]] for trajectory, _ in runs])
-    if (
-        kind == "theta"
-        and angles.min() >= 0
-        and np.pi / 2 < np.nanmax([t["theta"].values.max() for t, _ in runs]) < 3.2
-    ):
+    low, high = ax.get_ylim()
+    if kind == "theta" and low > -0.2 and WIDE < high < np.pi + 0.2:
         ticks_of_pi(ax)
-    longest = max(map(len, labels))
-    legend(ax, "lower center", ncols=1 if longest > 60 else 2 if longest > 24 else 4)
+    if kind == "energy":
+        ticks_in_joules(ax.yaxis)
+    legend(ax, "lower center", ncols=4)
     return ax
 
 
 def _curve(kind: str, trajectory: Any, attrs: dict[str, Any]) -> Curve:
-    """Times and values of a run."""
+    """Return times and values of a run."""
     t = trajectory["time"].values
     if kind == "normal-force":
         return thinned(t, trajectory["normal_force"].values / weight(attrs))
     if kind in ("theta", "energy"):
         return thinned(t, trajectory[kind].values)
-    most = np.max([values for _, values, _ in changes(trajectory, attrs)], axis=0)
+    most = np.max([values for _, values in changes(trajectory, attrs)], axis=0)
     when, values = (t, np.maximum.accumulate(most)) if kind == "growth" else worst(t, most)
     return when, np.where(values > 0, values, np.nan)

@@ -1,6 +1,4 @@
-"""The common style of the figures: colours on white and on black, empty panels, legends, and how
-one is saved.
-"""
+"""The common style of the figures: colours, panels, legends, and saving."""
 
 import re
 import textwrap
@@ -17,14 +15,16 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
+from matplotlib.ticker import EngFormatter
 
 from ..store.files import replacing, writing
 
 
 class Ink(NamedTuple):
-    """The colours of a figure: of a run, of what lies above and below, of what is beside the point,
-    of an alarm; of marks, of grids, of the paper; and of the phases of a contact, for each a body's
-    and a stem's.
+    """The colours of a figure.
+
+    `quiet` is for additions such as grid lines, `shades` for the phases of a contact: on the body
+    and on the stem.
     """
 
     run: str
@@ -65,9 +65,7 @@ RUN, UPPER, LOWER, QUIET, ALARM = LIGHT[:5]
 
 
 class Setting(NamedTuple):
-    """What is drawn: in which colours, how large [inches], and whether the figure is ours or a
-    panel of the user's.
-    """
+    """The colours, the size [inches], and whether the figure is ours or a panel of the user's."""
 
     ink: Ink = LIGHT
     size: tuple[float, float] | None = None
@@ -82,7 +80,7 @@ FONT_WIDTH = 7.0
 LEAST_FONT = 6.5
 WIDTH = 95  # letters of a line of a title
 COMPACT = (5.0, 4.0)
-"""Below this width or height [inches] a figure has one line of title and one panel."""
+"""Figures below this width or height [inches] have one line of title and one panel."""
 DASHES: tuple[Any, ...] = (
     "-",
     (0, (6, 2)),
@@ -113,7 +111,7 @@ PAPERS = ("figure.facecolor", "axes.facecolor", "savefig.facecolor")
 
 
 def ink() -> Ink:
-    """The colours of the figure that is being drawn."""
+    """Return the colours of the current figure."""
     return _setting.get().ink
 
 
@@ -132,9 +130,7 @@ class ShownFigure(Figure):
 
 
 def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
-    """An empty figure of the size that was asked for, else this one, inches; with room managed by
-    matplotlib.
-    """
+    """Return an empty figure of the requested size, else this one [inches]."""
     fig = ShownFigure(
         figsize=_setting.get().size or (width, height), layout="constrained", **options
     )
@@ -143,41 +139,31 @@ def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
 
 
 def panel(ax: Axes | None, width: float = 9.0, height: float = 5.0) -> Axes:
-    """The panel to draw in: the one that is given, or the only one of a new figure."""
+    """Return the panel to draw in: the given one, or the only one of a new figure."""
     return figure(width, height).subplots() if ax is None else ax
 
 
 def panels_over_time(ax: Axes | None, below: float) -> tuple[Axes, Axes | None]:
-    """The panel to draw in, and below it one that is this much of its height / 4, where a new
-    figure has room.
-    """
+    """Return the panel to draw in, and one of `below`/4 of its height below if there is room."""
     if ax is None and below and not compact():
         return tuple(figure(10, 6.4).subplots(2, sharex=True, height_ratios=(4, below)))
     return panel(ax, 10, 5.0), None
 
 
 def ticks_of_pi(ax: Axes) -> None:
-    """Ticks of an angle at quarters of pi."""
+    """Set ticks of an angle at quarters of pi."""
     ax.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
 
 
-def label_line(ax: Axes, words: str, height: float, color: str, offset: float) -> None:
-    """Words on the right of a panel, at the height of a horizontal line."""
-    place: Any = ("axes fraction", "data")
-    ax.annotate(
-        words,
-        (1, height),
-        xycoords=place,
-        color=color,
-        xytext=(4, offset),
-        textcoords="offset points",
-    )
+def ticks_in_joules(axis: Any) -> None:
+    """Label an axis of energies [J] with prefixed units."""
+    axis.set_major_formatter(EngFormatter("J"))
 
 
 def mark_ends(
     axes: Any, *path: np.ndarray, last: str = "its end", sizes: tuple[float, float] = (6, 5)
 ) -> None:
-    """The first and the last known point of a path: a full circle, an open diamond."""
+    """Draw the first and the last finite point of a path: a full circle, an open diamond."""
     colours, known = ink(), np.flatnonzero(np.isfinite(sum(path)))
     faces = (colours.mark, colours.paper)
     for at, style, words, face, size in zip(
@@ -195,39 +181,34 @@ def mark_ends(
 
 
 def legend(ax: Axes, place: str, **options: Any) -> None:
-    """A legend of what is drawn in a panel: outside of it at `place`, if the figure is our own;
-    else in it.
+    """Draw a legend of all panels: outside of them at `place`, or inside a panel of the user's.
+
+    It is no wider than the figure: it has fewer columns than `ncols`, and then broken lines.
     """
-    if not options.get("handles") and not ax.get_legend_handles_labels()[1]:
-        return
     most = options.pop("ncols", 1)
-    if not is_ours():
-        ax.legend(**options)
-        return
     whole: Any = ax.get_figure(root=True)
-    pairs = [
-        pair for axes in whole.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)
+    shown = [ax] if not is_ours() else whole.axes
+    handles = options.pop("handles", None) or [
+        handle for axes in shown for handle in axes.get_legend_handles_labels()[0]
     ]
-    options = {"handles": [*{label: handle for handle, label in pairs}.values()]} | options
-    # no wider than the figure: in fewer columns, then in broken lines
-    room = 0.98 * whole.bbox.width
-    for columns in range(most, 0, -1):
-        key = whole.legend(loc=f"outside {place}", ncols=columns, **options)
-        if key.get_window_extent().width <= room:
-            return
-        if columns > 1:
-            key.remove()
-    widths = [text.get_window_extent().width for text in key.get_texts()]
-    free = room - (key.get_window_extent().width - max(widths))
-    for text, width in zip(key.get_texts(), widths, strict=True):
-        words = text.get_text()
-        text.set_text(broken(words, max(12, int(len(words) * free / max(width, 1.0)))))
+    entries = {str(handle.get_label()): handle for handle in reversed(handles)}
+    entries = dict(reversed(entries.items()))
+    if not entries:
+        return
+    if not is_ours():
+        ax.legend(entries.values(), entries, **options)
+        return
+    room = int(17 * whole.get_figwidth() * FONT / mpl.rcParams["font.size"])
+    labels = [broken(label, room * 4 // 5) for label in entries]
+    # formulas are shorter than their TeX
+    lines = [re.sub(r"\\\w+|[${}]", "", line) for label in labels for line in label.splitlines()]
+    longest = max(map(len, lines))
+    columns = max(1, min(most, room // (longest + 6)))
+    whole.legend(entries.values(), labels, loc=f"outside {place}", ncols=columns, **options)
 
 
 def broken(words: str, letters: int) -> str:
-    """A label on lines of so many letters at most, broken between words but in no formula and no
-    number's unit.
-    """
+    """Break a label between words into lines, but not within a formula or before a unit."""
     kept = re.sub(
         r"\$[^$]*\$| = [^,]*", lambda part: part[0].replace(" ", "\N{NO-BREAK SPACE}"), words
     )
@@ -273,14 +254,12 @@ def _letter_sizes(width: float) -> dict[str, Any]:
 
 
 def literal(text: str) -> str:
-    """Text in which a dollar is a dollar, no formula of matplotlib's."""
+    """Return a text in which dollars do not begin formulas."""
     return text.replace("$", r"\$")
 
 
 def as_given(text: str) -> str:
-    """Text of a user, with the formulas in it as matplotlib sets them; letter by letter where they
-    are none.
-    """
+    """Return a text of the user with its formulas, or a literal text if they are invalid."""
     try:
         for line in text.splitlines():
             MathTextParser("path").parse(line)
@@ -312,9 +291,9 @@ def styled(
 
 
 def save(fig: Figure, path: Path, *, dpi: float = 150, overwrite: bool = False) -> None:
-    """Writes a figure whole or not at all; the ending of `path` names the format.
+    """Write a figure atomically in the format of the ending of `path`.
 
-    Raises StoreError: the disk, or there is a file already, unless it may be overwritten.
+    Raises StoreError, also if the file exists and must not be overwritten.
     """
     with writing(path), replacing(path, overwrite=overwrite) as scratch:
         ending = path.suffix.removeprefix(".").lower()

@@ -1,30 +1,35 @@
-"""Long curves made short: no peak is lost, and no more points are drawn than can be seen."""
+"""Long curves made short without loss of a peak."""
 
 import numpy as np
 
 from ..sampling import extremes
 
 
-MOST_POINTS = (
-    40_000  # more cannot be seen; beyond it the smallest and largest of each bin are drawn
-)
-BINS = 250  # of a curve that shows the worst of each
+# More points cannot be seen
+MOST_POINTS = 40_000
+# Bins of a curve of worst values
+BINS = 250
 
 
 def thinned(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The curve with at most MOST_POINTS points: smallest and largest of each bin."""
+    """Return at most MOST_POINTS points of a curve: the least and the greatest of each bin."""
     if len(t) <= MOST_POINTS:
         return t, values
     pick = extremes(values, -(-len(t) // (MOST_POINTS // 2)))
     return t[pick], values[pick]
 
 
+def every(count: int) -> slice:
+    """Return the slice that takes at most MOST_POINTS of this many rows."""
+    return slice(None, None, max(1, -(-count // MOST_POINTS)))
+
+
 def worst(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The largest value of each of BINS stretches of the run."""
+    """Return the largest value of each of BINS parts of the run."""
     edges = np.unique(np.linspace(0, len(t), min(BINS, len(t)) + 1).astype(int))[:-1]
     return t[edges], np.maximum.reduceat(values, edges)
 
 
 def span(t: np.ndarray) -> tuple[float, float]:
-    """The limits of an axis over these times."""
+    """Return the limits of an axis over these times."""
     return (float(t[0]), float(t[-1])) if len(t) > 1 and t[-1] > t[0] else (-1.0, 1.0)

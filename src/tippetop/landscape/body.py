@@ -1,6 +1,4 @@
-"""The body whose potential is evaluated: parameters in SI become coefficients of V,
-rounded once.
-"""
+"""The body of a landscape: parameters in SI become coefficients of V, rounded once."""
 
 import decimal
 from collections.abc import Mapping
@@ -10,7 +8,7 @@ from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.friction import Frictionless
 from ..mechanics.operand import refill
-from ..mechanics.potential import PotentialCoefficients, rounded
+from ..mechanics.potential_coefficients import PotentialCoefficients, rounded
 from ..mechanics.system import Landscape, System
 from ..mechanics.systems import SYSTEMS, find
 
@@ -41,22 +39,7 @@ class Top:
 
 
 def landscape_of(system: str | System) -> tuple[System, Landscape]:
-    """A system, by name or itself, and its landscape. Raises InputError where there is none.
-
-    Parameters
-    ----------
-    system
-        A system or the name of one.
-
-    Returns
-    -------
-    System, Landscape
-
-    Raises
-    ------
-    InputError
-        If it is unknown or has no landscape.
-    """
+    """Return a system and its landscape. Raises InputError for a system without one."""
     record = find(system) if isinstance(system, str) else system
     if record is not None and record.contact is not None:  # that of the body in contact
         record = find(record.name)
@@ -64,14 +47,13 @@ def landscape_of(system: str | System) -> tuple[System, Landscape]:
         known = ", ".join(name for name, s in SYSTEMS.items() if s.landscape is not None)
         name = system if isinstance(system, str) else system.name
         raise InputError(
-            [f"the system must be one of {known}, which have a landscape, but is {name}."]
+            f"the system must be one of {known}, which have a landscape, but is {name}."
         )
     return record, record.landscape
 
 
 def top(parameters: Mapping[str, float], system: str | System = "tippe-top") -> Top:
-    """The body of a system with its parameters; its constants are taken with 50 digits, then
-    rounded once.
+    """Return the body of a system, its constants taken with 50 digits, then rounded once.
 
     Parameters
     ----------
@@ -93,11 +75,5 @@ def top(parameters: Mapping[str, float], system: str | System = "tippe-top") -> 
         exact = record.body_of(given, Frictionless(), decimal.Decimal)
         coefficients = rounded(landscape.coefficients(exact))
         two_wells = landscape.two_wells is not None and bool(landscape.two_wells(exact) < 0)
-    return Top(
-        record,
-        landscape,
-        given,
-        coefficients,
-        refill(exact, (float(x) for x in exact[:-1])),
-        two_wells,
-    )
+    body = refill(exact, map(float, exact[:-1]))
+    return Top(record, landscape, given, coefficients, body, two_wells)

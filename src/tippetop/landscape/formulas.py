@@ -15,7 +15,6 @@ Squares are in joules.
 In every formula q > 0, p is a `Point` (the two momenta), c the `PotentialCoefficients` of the body.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 from ..mechanics.doubledouble import DoubleDouble, minus, plus, quotient, scaled, tidy, times
@@ -34,9 +33,7 @@ class Point(NamedTuple):
 
 @formula
 def at_momenta(first, second, c):
-    """The point (D, lambda), or (L3, Lz); exact to one rounding also where a or b
-    nearly cancels.
-    """
+    """Return the point (D, lambda), or (L3, Lz), to one rounding also where a or b cancels."""
     spin, other = scaled(first, c.spin1), scaled(second, c.spin2)
     return Point(
         tidy(plus(scaled(first, c.a1), scaled(second, c.a2))),
@@ -49,8 +46,9 @@ def at_momenta(first, second, c):
 
 @formula
 def psi(q, p, c):
-    """2 psi sqrt(q), a double-double: the root of psi (psi + 2h) = 4 K q with h twice that of
-    above, times sqrt(q).
+    """Return 2 psi sqrt(q), a double-double.
+
+    It is the root of psi (psi + 2h) = 4 K q with h twice that of above, times sqrt(q).
     """
     Kq = scaled(4 * q, c.K)
     h = plus(c.sqrt_d0, scaled(q, c.sqrt_d1))
@@ -64,50 +62,30 @@ def psi(q, p, c):
 
 
 @formula
-def motion_terms(psi, q, p, c):
-    """Y^2 + q offset [J], given psi."""
-    Y = plus(plus(p.a, scaled(q, p.b)), times(p.k, psi))
-    return plus(times(Y, Y), scaled(q, p.offset))
+def potential(q, p, c):
+    """Return V [J] at q of the point p, a double-double: weight and (Y^2/q + offset)/gamma.
 
-
-@formula
-def total(motion, q, p, c):
-    """V [J] of its motion terms: weight and motion."""
-    t, gq = (
-        plus(DoubleDouble(1.0, 0.0), DoubleDouble(q, 0.0)),
-        scaled(q, c.gamma),
-    )  # 1 + q = 2/(1 + z)
+    [equal to T 4.12, 2.38]
+    """
+    Y = plus(plus(p.a, scaled(q, p.b)), times(p.k, psi(q, p, c)))
+    motion = plus(times(Y, Y), scaled(q, p.offset))
+    t = plus(DoubleDouble(1.0, 0.0), DoubleDouble(q, 0.0))  # 1 + q = 2/(1 + z)
+    gq = scaled(q, c.gamma)
     per = 1 / (t.head * gq.head)
     weight = quotient(scaled(q, c.height_gain), t, gq.head * per)
     return plus(plus(c.height_energy, weight), quotient(motion, gq, t.head * per))
 
 
 @formula
-def potential(q, p, c):
-    """V [J] at q of the point p, a double-double: weight and (Y^2/q + offset)/gamma.
-
-    [equal to T 4.12, 2.38]
-    """
-    return total(motion_terms(psi(q, p, c), q, p, c), q, p, c)
-
-
-@formula
-def rounded_total(motion, q, p, c):
-    """V [J] in one double, of its motion terms."""
-    V = total(motion, q, p, c)
-    return V.head + V.tail
-
-
-@formula
 def value(q, p, c):
-    """V [J] at q of the point p, to one rounding."""
+    """Return V [J] at q of the point p, to one rounding."""
     V = potential(q, p, c)
     return V.head + V.tail
 
 
 @formula
 def excess(q, level, p, c):
-    """V - level [J], to one rounding also where they nearly agree."""
+    """Return V - level [J], to one rounding also where they nearly agree."""
     V = potential(q, p, c)
     return (V.head - level) + V.tail
 
@@ -124,7 +102,7 @@ class MomentumSlopes(NamedTuple):
 
 @formula
 def momentum_slopes(q, p, c):
-    """In double-doubles: where the minimum lies at X ~ 0, no double q has its X."""
+    """Return the slopes in double-doubles: where the minimum has X ~ 0, no double q has its X."""
     root, t = psi(q, p, c), plus(DoubleDouble(1.0, 0.0), DoubleDouble(q, 0.0))
     h, bq = plus(c.sqrt_d0, scaled(q, c.sqrt_d1)), scaled(q, p.b)
     Y, e = plus(plus(p.a, bq), times(p.k, root)), plus(root, h)
@@ -144,19 +122,12 @@ def momentum_slopes(q, p, c):
     )
 
 
-@formula
-def gradient(q, p, c):
-    """dV/dD, dV/dlambda at q (for heavy tops dV/dL3, dV/dLz)."""
-    s, per = momentum_slopes(q, p, c), 2 / (q * c.gamma.head)
-    return per * (s.first.head + s.first.tail), per * (s.second.head + s.second.tail)
-
-
 NEXT_TO = 1e-8  # of ln(q) from a minimum: one that has settled is nearer
 
 
 @formula
 def surface_gradient(q, p, c):
-    """dF/dD, dF/dlambda of the minimal surface, V at its minimum next to the double q."""
+    """Return dF/dD, dF/dlambda of the minimal surface: V at its minimum next to the double q."""
     s, per = momentum_slopes(q, p, c), 2 / (q * c.gamma.head)
     away = s.away if abs(s.away) < NEXT_TO else 0.0
     return (
@@ -165,71 +136,51 @@ def surface_gradient(q, p, c):
     )
 
 
-class Frame(NamedTuple):
-    """What the slopes at q are made of besides the point."""
-
-    psi: Operand  # k psi, in Y [sqrt(J)]
-    n: Operand  # h/e, and
-    s: Operand  # the rates at which both change with ln(q)
-    cos2: Operand  # cos(theta/2)^2 = (1 + z)/2
-
-
 @formula
-def frame(q, p, c):
-    """The first stage of the slopes: all divisions, in one, and the root."""
+def slopes(q, p, c):
+    """Return q gamma times the first three derivatives of V by ln(q) [J].
+
+    The first is -N(z)/(1 - z^2) but for a factor.
+    """
     K, d0, d1q = c.K.head, c.sqrt_d0.head, c.sqrt_d1.head * q
     h = (d0 + d1q) / 2
     e = sqrt(h * h + K * q)
     he, t = h + e, 1 + q
-    per = 1 / (e * he * t)
+    per = 1 / (e * he * t)  # the only division
     per_e = he * t * per
-    return Frame(
-        2 * p.k.head * K * q * (e * t * per), h * per_e, (d1q - d0) * (0.25 * per_e), e * he * per
-    )
-
-
-@formula
-def slopes_in(f, q, p, c):
-    """The second stage of the slopes."""
-    psi, n, s = f.psi, f.n, f.s
-    turn = n * (0.25 - s * s)  # s'; n' = s (1 - n^2) and psi' = -s psi
+    k_psi = 2 * p.k.head * K * q * (e * t * per)  # in Y [sqrt(J)]
+    n, s = h * per_e, (d1q - d0) * (0.25 * per_e)  # psi' = -s psi and n' = s (1 - n^2), by ln(q)
+    cos2 = e * he * per  # cos(theta/2)^2 = (1 + z)/2
+    turn = n * (0.25 - s * s)  # s'
     turn2 = s * ((1 - n * n) * (0.25 - s * s) - 2 * n * turn)
     a, bq = p.a.head, p.b.head * q
-    Y, Y1 = (a + bq) + psi, (bq - a) / 2 - s * psi
-    Y2, Y3 = (
-        (a + bq) / 4 + psi * (s * s - turn),
-        (bq - a) / 8 + psi * (s * (3 * turn - s * s) - turn2),
-    )
-    y = q * f.cos2
-    yc = y * f.cos2
+    Y, Y1 = (a + bq) + k_psi, (bq - a) / 2 - s * k_psi
+    Y2 = (a + bq) / 4 + k_psi * (s * s - turn)
+    Y3 = (bq - a) / 8 + k_psi * (s * (3 * turn - s * s) - turn2)
+    y = q * cos2
+    yc = y * cos2
     weight = c.gamma.head * c.height_gain.head * q * yc
     return (
         weight + 2 * Y * Y1,
-        weight * (f.cos2 - y) + 2 * (Y1 * Y1 + Y * Y2),
+        weight * (cos2 - y) + 2 * (Y1 * Y1 + Y * Y2),
         weight * (1 - 6 * yc) + 6 * Y1 * Y2 + 2 * Y * Y3,
     )
 
 
 @formula
-def slopes(q, p, c):
-    """q gamma times the first three derivatives of V by ln(q) [J]; the first is -N(z)/(1 - z^2) but
-    for a factor.
-    """
-    return slopes_in(frame(q, p, c), q, p, c)
-
-
-@formula
 def curvature(q, p, c):
-    """Second derivative of V by ln(q) [J]; at the minimum d2V/dtheta2 is 4/sin(theta)^2
-    times this.
+    """Return the second derivative of V by ln(q) [J].
+
+    At the minimum d2V/dtheta2 is 4/sin(theta)^2 times this.
     """
     return slopes(q, p, c)[1] / (q * c.gamma.head)
 
 
 @formula
 def pole_values(p, c):
-    """a and b with k psi of X added at the pole where it counts: there they are X(+-1)' in place of
-    X(-+1).
+    """Return a and b with k psi of X added at the pole where it counts.
+
+    There they are X(+-1)' in place of X(-+1).
     """
     a, b = abs(p.a.head), abs(p.b.head)
     psi = 2 * p.k.head * c.K.head / ((c.sqrt_d0.head * b + c.sqrt_d1.head * a) * (a + b))
@@ -246,7 +197,7 @@ class Sketch(NamedTuple):
 
 @formula
 def rough(p, c):
-    """q of the minimum to a factor of about two: the root of q (b + g/(1 + q)) = a, a quadratic."""
+    """Return q of the minimum to a factor of about two: the root of q (b + g/(1 + q)) = a."""
     a, b = pole_values(p, c)
     t = c.root_gamma_gain + b - a
     w = sqrt(t * t + 4 * a * b)
@@ -255,9 +206,10 @@ def rough(p, c):
 
 
 @formula
-def sharper(k, p, c):
-    """One of Halley's steps in ln(q) towards the minimum for K = 0: the root of (b q)^2 + (g q/(1 +
-    q))^2 = a^2.
+def sharper(k, c):
+    """Make one step of Halley in ln(q) towards the minimum for K = 0.
+
+    It is the root of (b q)^2 + (g q/(1 + q))^2 = a^2.
     """
     t = 1 + k.q  # the function times t^2, its derivatives times t^3, t^4
     bq, gq = k.b * k.q * t, c.root_gamma_gain * k.q
@@ -268,21 +220,16 @@ def sharper(k, p, c):
 
 
 @formula
-def sharpest(k, p, c):
-    """The last stage of the guess."""
-    return sharper(k, p, c).q
-
-
-@formula
 def guess(p, c):
-    """q of the minimum to some 1e-3 where K is small."""
-    return sharpest(sharper(rough(p, c), p, c), p, c)
+    """Return q of the minimum to some 1e-3 where K is small."""
+    return sharper(sharper(rough(p, c), c), c).q
 
 
 @formula
 def ends(first, second, p, c):
-    """Is the infimum approached at q -> 0, at q -> oo? So it is on the marked lines, to a rounding
-    of D and lambda.
+    """Return whether the infimum is approached at q -> 0, and at q -> oo.
+
+    So it is on the marked lines, to a rounding of D and lambda.
     """
     little = 4 * 2.220446049250313e-16
     a = abs(p.a.head + 2 * p.k.head * c.K.head / c.sqrt_d1.head)  # that of `pole_values` for b = 0
@@ -290,12 +237,3 @@ def ends(first, second, p, c):
         abs(p.a.head) <= little * abs(c.a2.head * second),
         (abs(p.b.head) <= little * abs(c.b2.head * second)) & (a >= c.root_gamma_gain),
     )
-
-
-# what may be worked stage by stage: each takes the result of the one before it, then what the whole
-# takes
-STAGES: dict[Callable, tuple[Callable, ...]] = {
-    guess: (rough, sharper, sharpest),
-    slopes: (frame, slopes_in),
-    value: (psi, motion_terms, rounded_total),
-}

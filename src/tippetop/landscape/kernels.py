@@ -1,13 +1,12 @@
-"""The compiled kernels of the landscape, with its formulas; imported when a grid is computed."""
+"""The compiled kernels of the landscape; imported when a grid is computed."""
 
 from collections.abc import Callable
 from functools import cache
 
-from tippetop_kernels import grid, staging
+from tippetop_kernels import grid
 from tippetop_kernels.compilation import Entry, inlined
 
 from .formulas import (
-    STAGES,
     at_momenta,
     curvature,
     ends,
@@ -19,10 +18,7 @@ from .formulas import (
 )
 
 
-staging.STAGES.update(STAGES)
-PROBLEM = at_momenta, guess, slopes, value, ends
-minima = grid.minima(*PROBLEM)
-heights = grid.heights(*PROBLEM)
+minima = grid.minima(at_momenta, guess, slopes, value, ends)
 gradients = grid.gradients(at_momenta, surface_gradient)
 potentials = grid.potentials(at_momenta, slopes, value)
 turnings = grid.turnings(at_momenta, slopes, value, excess, curvature)

@@ -1,8 +1,5 @@
-"""How the landscape's arguments are checked and its results labelled: axes, units, long names, CF
-flags.
-"""
+"""Check the arguments of the landscape and label its results: axes, units, long names, CF flags."""
 
-from collections.abc import Iterable
 from enum import IntEnum
 from typing import Any
 
@@ -10,105 +7,66 @@ import numpy as np
 import xarray as xr
 
 from ..arguments import numbers
+from ..columns import flag_attributes
 from ..errors import InputError
-from ..mechanics.system import Momentum
 from .body import Top
 
 
-NAMES = {
-    "z": ("1", "z = cos(theta)"),
-    "theta": ("rad", "inclination theta of the axis"),
-    "V": ("J", "effective potential V"),
-    "F": ("J", "minimal surface F, infimum of V over z"),
-}
-
-
 def axis(name: str, values: Any) -> np.ndarray:
-    """A grid axis, (n,): one-dimensional, not empty, ascending; NaN and infinities are let through,
-    as points without answer. It is contiguous: for each way in which an array lies in memory,
-    kernels would be compiled anew.
+    """Return a grid axis, (n,): not empty, ascending. Raises InputError.
 
-    Raises
-    ------
-    InputError
-        With one sentence, if it is not.
+    NaN and infinities are passed on, as points without a result.
+    The array is contiguous: kernels are compiled anew for every other memory layout.
     """
     x = np.ascontiguousarray(np.atleast_1d(numbers(name, values)))
     if x.ndim != 1 or x.size == 0:
         raise InputError(
-            [f"`{name}` must be a number or a one-dimensional array that is not empty: {x.shape}."]
+            f"`{name}` must be a number or a one-dimensional array that is not empty: {x.shape}."
         )
-    known = x[np.isfinite(x)]
-    if np.any(np.diff(known) <= 0):
-        raise InputError([f"`{name}` must ascend, but does not."])
+    if np.any(np.diff(x[np.isfinite(x)]) <= 0):
+        raise InputError(f"`{name}` must ascend, but does not.")
     return x
 
 
-def at_numbers(grid: xr.Dataset, arguments: Iterable[tuple[str, Any]]) -> xr.Dataset:
-    """A grid over named axes, of which those that were given as numbers are no dimensions."""
-    return grid.isel({name: 0 for name, value in arguments if np.ndim(value) == 0})
+def labelled(dims: Any, values: Any, units: str, long_name: str) -> tuple:
+    """Return a variable with its unit and meaning."""
+    return dims, values, {"units": units, "long_name": long_name}
 
 
-def attributes(t: Top, **more: Any) -> dict[str, Any]:
-    """The attributes of a Dataset: the system, its parameters in SI, and more."""
+def momenta(t: Top, *values: Any, dims: Any = None) -> dict[str, tuple]:
+    """Return the two momenta as variables: axes, or values over other dimensions."""
     return {
-        "system": t.system.name,
-        **{f"parameter_{k}": v for k, v in t.parameters.items()},
-        **more,
+        m.symbol: labelled(dims or m.symbol, v, m.unit.symbol, m.long_name)
+        for m, v in zip(t.landscape.momenta, values, strict=True)
     }
 
 
-def labelled(
-    name: str, dims: Any, values: Any, units: str | None = None, long_name: str | None = None
-) -> tuple:
-    """A variable with its unit and meaning."""
-    known = NAMES.get(name, ("1", name))
-    return dims, values, {"units": units or known[0], "long_name": long_name or known[1]}
+def attributes(t: Top) -> dict[str, Any]:
+    """Return the attributes of a Dataset: the system, and its parameters in SI."""
+    return {
+        "system": t.system.name,
+        **{f"parameter_{name}": value for name, value in t.parameters.items()},
+    }
 
 
-def of_momentum(m: Momentum, dims: Any, values: Any) -> tuple:
-    """A variable that is one of the two momenta."""
-    return labelled(m.symbol, dims, values, m.unit.symbol, m.long_name)
+def grid(t: Top, data: dict[str, Any], axes: dict[str, Any], given: tuple[Any, ...]) -> xr.Dataset:
+    """Return a grid over axes; those that were given as numbers are not dimensions."""
+    numbers = {name: 0 for name, value in zip(axes, given, strict=False) if np.ndim(value) == 0}
+    return xr.Dataset(data, axes, attributes(t)).isel(numbers)
 
 
 def flags(kind: type[IntEnum], long_name: str) -> dict[str, Any]:
-    """The CF attributes of an enumeration."""
-    return {
-        "long_name": long_name,
-        "flag_values": np.array([int(k) for k in kind], dtype=np.int8),
-        "flag_meanings": " ".join(k.name.lower() for k in kind),
-    }
+    """Return the CF attributes of an enumeration that counts from 0."""
+    return flag_attributes(tuple(k.name.lower() for k in kind), long_name)
 
 
 def cosine(q: np.ndarray, upright: int) -> np.ndarray:
-    """z = cos(theta) of q; an end of the range of q is the pole itself.
-
-    Parameters
-    ----------
-    q
-        tan(theta/2)^2 if upright is 1, its inverse if -1.
-    upright
-        z = cos(theta) at q = 0.
-
-    Returns
-    -------
-    array
-        Of the shape of q, in [-1, 1].
-    """
-    return upright * ((1 - q) / (1 + q))
+    """Return cos(theta) of q = tan(theta/2)^2, or of 1/that if `upright`, z at q = 0, is -1."""
+    with np.errstate(invalid="ignore"):
+        return upright * np.where(np.isinf(q), -1.0, (1 - q) / (1 + q))
 
 
 def inclination(q: np.ndarray, upright: int) -> np.ndarray:
-    """Theta of q [rad], with all digits near theta = 0 too.
-
-    Parameters
-    ----------
-    q, upright
-        As for `cosine`.
-
-    Returns
-    -------
-    array
-        Of the shape of q, in [0, pi].
-    """
-    return 2 * np.arctan(np.sqrt(q) if upright == 1 else 1 / np.sqrt(q))
+    """Return theta of q [rad], with all digits also near theta = 0; `upright` as for `cosine`."""
+    with np.errstate(divide="ignore"):
+        return 2 * np.arctan(np.sqrt(q) if upright == 1 else 1 / np.sqrt(q))

@@ -9,12 +9,11 @@ import xarray as xr
 from ..mechanics.systems import spinning
 from ..mechanics.theory.thresholds import spin
 from .body import top
-from .labels import attributes, axis, labelled, of_momentum
+from .labels import attributes, axis, labelled, momenta
 
 
 def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
-    """The spinning states theta = 0, pi of a tippe top: the lines that they are on its minimal
-    surface. [T 4.23-4.28]
+    """Compute the lines of the spinning states theta = 0, pi on the minimal surface. [T 4.23-4.28]
 
     Parameters
     ----------
@@ -33,32 +32,24 @@ def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
 
     Raises
     ------
-    ValueError
+    InputError
         For a parameter that is missing, not finite or outside its interval, and numbers that do not
         ascend.
     """
     t = top(parameters)
-    lam, z = axis("lambda", lam), np.array([1.0, -1.0])
+    lam, dims = axis("lambda", lam), ("end", "lambda")
     lam_pi = float(spinning.lambda_pi(t.body))
-    Z, Lam = z[:, None], lam[None, :]
-    dims, (first, second) = ("end", "lambda"), t.landscape.momenta
+    Z, Lam = np.array([[1.0], [-1.0]]), lam[None, :]
+    D, energy = spinning.momentum(Z, Lam, t.body), spinning.energy(Z, Lam, t.body)
+    on_surface = (t.upright == Z) | (np.abs(Lam) >= lam_pi)
+    first, second = t.momenta
     return xr.Dataset(
         {
-            "D": of_momentum(first, dims, spinning.momentum(Z, Lam, t.body)),
-            "E": labelled(
-                "E",
-                dims,
-                spinning.energy(Z, Lam, t.body),
-                "J",
-                "modified energy E~ of the spinning state",
-            ),
-            "omega3": labelled("omega3", dims, spin(Z, Lam, t.body), "rad s-1", "spin omega_3"),
-            "on_surface": (
-                dims,
-                (t.upright == Z) | (np.abs(Lam) >= lam_pi),
-                {"long_name": "E~ = F there"},
-            ),
+            first: momenta(t, D, None, dims=dims)[first],
+            "E": labelled(dims, energy, "J", "modified energy E~ of the spinning state"),
+            "omega3": labelled(dims, spin(Z, Lam, t.body), "rad s-1", "spin omega_3"),
+            "on_surface": (dims, on_surface, {"long_name": "E~ = F there"}),
         },
-        {"end": ["theta = 0", "theta = pi"], "lambda": of_momentum(second, "lambda", lam)},
-        attributes(t, lambda_pi=lam_pi),
+        {"end": ["theta = 0", "theta = pi"], second: momenta(t, None, lam)[second]},
+        attributes(t) | {"lambda_pi": lam_pi},
     )

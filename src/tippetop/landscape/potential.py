@@ -8,7 +8,7 @@ import xarray as xr
 
 from ..mechanics.system import System
 from .body import top
-from .labels import at_numbers, attributes, axis, labelled, of_momentum
+from .labels import axis, grid, labelled, momenta
 
 
 def potential(
@@ -18,7 +18,7 @@ def potential(
     second: Any,
     system: str | System = "tippe-top",
 ) -> xr.Dataset:
-    """The effective potential V of a top and its derivatives by z over a grid. [T 4.12, 2.38, 5.26]
+    """Compute V of a top and its derivatives by z over a grid. [T 4.12, 2.38, 5.26]
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def potential(
 
     Raises
     ------
-    ValueError
+    InputError
         For a system without landscape, a parameter that is missing, not finite or outside its
         interval, and axes that are empty or do not ascend.
     """
@@ -50,26 +50,17 @@ def potential(
 
     t = top(parameters, system)
     given = (z, first, second)
-    z, x, y = axis("z", z), axis(t.momenta[0], first), axis(t.momenta[1], second)
-    V, V_z, V_zz = (np.empty((z.size, x.size, y.size)) for _ in range(3))
+    z, x, y = map(axis, ("z", *t.momenta), given)
+    V, V_z, V_zz = np.empty((3, z.size, x.size, y.size))
     with np.errstate(invalid="ignore"):
         potentials(t.upright * z, x, y, t.coefficients, V, V_z, V_zz)
     dims = ("z", *t.momenta)
     scale = 1 / t.coefficients.gamma.head
-    grid = xr.Dataset(
-        {
-            "V": labelled("V", dims, V),
-            "V_z": labelled("V_z", dims, V_z * (t.upright * scale), "J", "dV/dz"),
-            "V_zz": labelled("V_zz", dims, V_zz * scale, "J", "d2V/dz2"),
-        },
-        {
-            "z": labelled("z", "z", z),
-            **{
-                m.symbol: of_momentum(m, m.symbol, v)
-                for m, v in zip(t.landscape.momenta, (x, y), strict=True)
-            },
-            "theta": labelled("theta", "z", np.arccos(np.clip(z, -1, 1))),
-        },
-        attributes(t),
-    )
-    return at_numbers(grid, zip(dims, given, strict=True))
+    data = {
+        "V": labelled(dims, V, "J", "effective potential V"),
+        "V_z": labelled(dims, V_z * (t.upright * scale), "J", "dV/dz"),
+        "V_zz": labelled(dims, V_zz * scale, "J", "d2V/dz2"),
+    }
+    theta = labelled("z", np.arccos(np.clip(z, -1, 1)), "rad", "inclination theta of the axis")
+    axes = {"z": labelled("z", z, "1", "z = cos(theta)"), **momenta(t, x, y), "theta": theta}
+    return grid(t, data, axes, given)

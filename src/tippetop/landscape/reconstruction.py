@@ -1,7 +1,4 @@
-"""theta(t) of a run made again from its D(t) and E~(t): the main equation as an equation of motion.
-
-[T 4.40, 5.26]
-"""
+"""theta(t) of a run from its D(t) and E~(t), by the main equation. [T 4.40, 5.26]"""
 
 import math
 import warnings
@@ -31,15 +28,14 @@ def reconstruction(
     events: "Callable[[], xr.Dataset]",
     period: float | None,
 ) -> "xr.Dataset":
-    """Return theta along the rows of a run, and the times of its turnings; see
-    `theory.reconstruct`. Raises InputError.
+    """Return theta along the rows of a run, and the times of its turnings. Raises InputError.
 
     Parameters
     ----------
     problem
-        What was integrated.
+        The problem that was integrated.
     trajectory, events
-        They give the tables of the run.
+        Functions that return the tables of the run.
     period
         A guess of the period of nutation [s]; by default twice the first turning time.
     """
@@ -48,37 +44,38 @@ def reconstruction(
     system = problem.system
     if problem.contact is not None:
         raise InputError(
-            [
-                "the run must be one whose contact stays what it is, but its contact may change "
-                "its phase."
-            ]
+            "the run must be one whose contact keeps its phase, but its contact may change it."
         )
     if len(system.momenta) != 2:
         raise InputError(
-            [f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."]
+            f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."
         )
-    rows = trajectory()
+    rows, log = trajectory(), events()
     require(("theta", "modified_energy", *system.momenta), rows, "what theta is reconstructed from")
     times = rows["time"].values
     if len(times) < LEAST_ROWS:
         raise InputError(
-            [f"the run must have rows enough, some hundred in each nutation, but has {len(times)}."]
+            f"the run must have rows enough, some hundred in each nutation, but has {len(times)}."
         )
-    log = events()
-    turning = (log["kind"].values == 0) & log["significant"].values.astype(bool)
-    if period is None and not turning.any():
-        raise InputError(["`period` must be given where the run has no turnings, but is missing."])
-    guess = 2 * float(log["time"].values[turning][0]) if period is None else period
-    if guess <= (apart := float(np.diff(times).min())):
+    turned = log["time"].values[(log["kind"].values == 0) & log["significant"].values.astype(bool)]
+    if period is None:
+        if not turned.size:
+            raise InputError(
+                "`period` must be given where the run has no turnings, but is missing."
+            )
+        period = 2 * float(turned[0])
+    if period <= (apart := float(np.diff(times).min())):
         raise InputError(
-            [
-                f"`period` must be longer than the {apart:.3g} s between two rows, but is "
-                f"{guess:.3g} s."
-            ]
+            f"`period` must be longer than the {apart:.3g} s between two rows, but is "
+            f"{period:.3g} s."
         )
-    _refuse_few(
-        times, np.append(0.0, log["time"].values[turning]) if turning.any() else [0.0, guess / 2]
-    )
+    swings = np.append(0.0, turned if turned.size else period / 2)
+    between = np.diff(np.searchsorted(times, swings[swings <= times[-1]]))
+    if between.size and between.min() < LEAST_ROWS:
+        raise InputError(
+            "the run must have rows enough, some hundred in each nutation, but has "
+            f"{between.min()} between two turnings: a smaller `output_step`."
+        )
     units = {quantity.name: quantity.unit for quantity in system.quantities}
     second = float(problem.scales.of(SECOND))
     energy, *momenta = (
@@ -92,7 +89,7 @@ def reconstruction(
         momenta,
         energy,
         math.cos(float(rows["theta"][0])),
-        guess / second,
+        period / second,
     )
     if solution.early:
         end = float(times[np.isfinite(solution.z)].max())
@@ -104,29 +101,9 @@ def reconstruction(
             stacklevel=3,
         )
     theta = {"units": "rad", "long_name": "theta by the main equation"}
+    about = {"units": "s", "long_name": "times of the turnings"}
     return xr.Dataset(
         {"theta": ("time", np.arccos(solution.z), theta)},
-        {
-            "time": rows["time"],
-            "turning": (
-                "turning",
-                solution.turnings * second,
-                {"units": "s", "long_name": "times of the turnings"},
-            ),
-        },
+        {"time": rows["time"], "turning": ("turning", solution.turnings * second, about)},
         {"mismatch": solution.mismatch},
     )
-
-
-def _refuse_few(times: np.ndarray, turnings: "np.ndarray | list[float]") -> None:
-    """Raises InputError where there are too few rows between two turnings; all times [s]."""
-    within = [turning for turning in turnings if turning <= times[-1]]
-    rows = np.diff(np.searchsorted(times, within))
-    if len(rows) and (least := int(rows.min())) < LEAST_ROWS:
-        raise InputError(
-            [
-                f"the run must have rows enough, some hundred in each nutation, but has {least} "
-                "between two turnings: "
-                "a smaller `output_step`."
-            ]
-        )

@@ -1,14 +1,8 @@
-"""Landscapes on disk.
+"""Landscapes on disk. Surfaces beyond memory are written chunk by chunk, and can be continued."""
 
-Surfaces beyond memory are written chunk by chunk; the ledger lists what is done.
-
-A second call with the same body and axes continues a surface that was interrupted.
-"""
-
-import contextlib
+import hashlib
 import itertools
-import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from ..columns import Column
-from ..errors import StoreError
 from ..store import files, ledger, zarr3
 from ..store.ledger import Ledger
 from ..store.provenance import provenance
 from ..store.root import new_store
+from ..store.writer import begin_or_continue
 from . import body as bodies
 from . import labels, surface
 
@@ -28,15 +22,13 @@ from . import labels, surface
 CHUNK = 1024  # rows and columns: 8 MB a variable
 GROUP = "surface"
 AXES = "axes/0"  # the chunk of the axes in the ledger
-SAME = ("system", "parameters", "axes", "chunk")  # attributes of a surface that is continued
-BEGUN, FINISHED = {"status": "running"}, {"status": "finished"}
+SAME = ("system", "parameters", "axes", "chunk", "versions", "cpu")
+RUNNING, FINISHED = {"status": "running"}, {"status": "finished"}
 
 
 @dataclass(frozen=True)
 class Surface:
-    """A minimal surface F [J] over x times y, the momenta of a body, in chunks of so many rows and
-    columns.
-    """
+    """A minimal surface F [J] over two momenta of a body, in square chunks of `chunk` points."""
 
     top: bodies.Top
     x: np.ndarray
@@ -53,72 +45,50 @@ class Surface:
         *,
         chunk: int = CHUNK,
     ) -> "Surface":
-        """The surface of a body. Raises ValueError for axes that are empty or do not ascend."""
+        """Return the surface of a body. Raises InputError for axes that do not ascend."""
         top = bodies.top(parameters, system)
         return cls(top, labels.axis(top.momenta[0], x), labels.axis(top.momenta[1], y), chunk)
 
     def axes(self) -> dict[str, Column]:
-        """The axes as columns."""
+        """Return the axes as columns."""
         return {
-            m.symbol: Column(
-                (m.symbol,), values, {"units": m.unit.symbol, "long_name": m.long_name}
-            )
-            for m, values in zip(self.top.landscape.momenta, (self.x, self.y), strict=True)
-        }
-
-    def blocks(self) -> Iterator[tuple[int, int]]:
-        """The first row and column of every chunk."""
-        return itertools.product(
-            range(0, self.x.size, self.chunk), range(0, self.y.size, self.chunk)
-        )
-
-    def attributes(self) -> dict[str, Any]:
-        """The root attributes of the store."""
-        return {
-            "content": GROUP,
-            "title": "minimal surface F = inf V",
-            **BEGUN,
-            "system": self.top.system.name,
-            "parameters": self.top.parameters,
-            "axes": {
-                name: [float(v.values[0]), float(v.values[-1]), int(v.values.size)]
-                for name, v in self.axes().items()
-            },
-            "chunk": self.chunk,
-            **provenance(),
+            name: Column((name,), *values[1:])
+            for name, values in labels.momenta(self.top, self.x, self.y).items()
         }
 
     def header(self) -> dict[str, Any]:
-        """The header of the store's ledger: the axes, and F, z and status over them."""
-        from tippetop_kernels.minimise import Status
-
-        axes, dims, none = self.axes(), self.top.momenta, np.zeros((0, 0))
-        flags = {
-            k: v.tolist() if isinstance(v, np.ndarray) else v
-            for k, v in labels.flags(Status, "how F is taken").items()
+        """Return the header of the ledger: the axes, and F, z and status over them."""
+        axes = self.axes()
+        about = {
+            name: [axis.values[0], axis.values[-1], axis.values.size, _digest(axis.values)]
+            for name, axis in axes.items()
         }
-        columns = {
-            "F": Column(
-                dims, none, dict(zip(("units", "long_name"), labels.NAMES["F"], strict=True))
-            ),
-            "z": Column(dims, none, {"units": "1", "long_name": "z = cos(theta) where V is least"}),
-            "status": Column(dims, none.astype(np.int8), flags),
+        attributes = {
+            "content": GROUP,
+            "title": "minimal surface F = inf V",
+            **RUNNING,
+            "system": self.top.system.name,
+            "parameters": self.top.parameters,
+            "axes": about,
+            "chunk": self.chunk,
+            **provenance(),
         }
-        sizes = {
-            dim: (n, min(self.chunk, n))
-            for dim, n in zip(dims, (self.x.size, self.y.size), strict=True)
-        }
-        members = {name: zarr3.array(axis, {}, 0) for name, axis in axes.items()}
-        members |= {
-            name: zarr3.array(c, sizes, -1 if name == "status" else None)
-            for name, c in columns.items()
-        }
-        arrays = {f"{GROUP}/{name}": document for name, document in members.items()}
+        none = np.zeros((0, 0))
+        schema = surface.variables(self.top, none, none, none.astype(np.int8))
+        sizes = {name: (v.values.size, min(self.chunk, v.values.size)) for name, v in axes.items()}
+        fills = {"F": None, "z": None, "status": -1}
         tables = {
-            name: [f"{GROUP}/{column}" for column in of]
-            for name, of in (("axes", axes), (GROUP, columns))
+            "axes": {f"{GROUP}/{name}": zarr3.array(axis, {}, 0) for name, axis in axes.items()},
+            GROUP: {
+                f"{GROUP}/{name}": zarr3.array(Column(*schema[name]), sizes, fill)
+                for name, fill in fills.items()
+            },
         }
-        return ledger.header(self.attributes(), {GROUP: zarr3.group({}), **arrays}, tables)
+        return ledger.header(attributes, tables)
+
+
+def _digest(values: np.ndarray) -> str:
+    return hashlib.sha256(values.tobytes()).hexdigest()[:16]
 
 
 def write(
@@ -128,8 +98,9 @@ def write(
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Writes F [J], z and status of a surface into the group `surface` of a store at `path`, or
-    continues it.
+    """Write F [J], z and status of a surface into a store at `path`, or continue it.
+
+    Damaged chunks are computed again.
 
     Parameters
     ----------
@@ -150,100 +121,49 @@ def write(
     Raises
     ------
     StoreError
-        If `path` is finished, is another surface or something else, or cannot be written.
+        If `path` is another surface or something else, or cannot be written.
 
     Notes
     -----
     17 bytes a point before compression; memory: some 40 bytes a point of one chunk.
     """
-    path = files.own_folder(path)
-    files.refuse_inside(path)
-    with files.writing(path, "The same command continues it."), _opened(path, wanted) as store:
-        blocks = list(wanted.blocks())
+    path = Path(path)
+    firsts = [range(0, axis.size, wanted.chunk) for axis in (wanted.x, wanted.y)]
+    blocks = list(itertools.product(*firsts))
+    with (
+        begin_or_continue(path, wanted.header, SAME) as store,
+        files.writing(path, "The same command continues it."),
+    ):
+        if AXES not in store.state.chunks:
+            store.put(AXES, {name: axis.values for name, axis in wanted.axes().items()})
+            store.commit()
         for done, (i, j) in enumerate(blocks, 1):
             key = f"{GROUP}/{i // wanted.chunk}.{j // wanted.chunk}"
             if key not in store.state.chunks:
-                values = _values(
-                    wanted, slice(i, i + wanted.chunk), slice(j, j + wanted.chunk), threads=threads
-                )
+                x, y = wanted.x[i : i + wanted.chunk], wanted.y[j : j + wanted.chunk]
+                values = surface.variables(wanted.top, *surface.minima(wanted.top, x, y, threads))
                 store.check()
-                store.put(key, values)
+                store.put(key, {name: variable[1] for name, variable in values.items()})
                 store.commit()
             if progress is not None:
                 progress(done, len(blocks))
-        store.check()
-        store.finish(FINISHED)
+        if not store.state.seal:
+            store.check()
+            store.finish(FINISHED)
     return path
 
 
 def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
-    """Writes the Dataset V of `potential` along z into the group `potential` of a new store.
-
-    Raises StoreError.
-    """
+    """Write the Dataset V of `potential` along z into a new store. Raises StoreError."""
     group = "potential"
     columns = {
-        f"{group}/{name}": Column(("z",), np.asarray(v), dict(v.attrs))
+        str(name): Column(("z",), np.asarray(v), dict(v.attrs))
         for name, v in V.variables.items()
         if v.dims == ("z",)
     }
-    arrays = {name: zarr3.array(column, {}) for name, column in columns.items()}
-    attributes = {"content": group, **attrs, **BEGUN, **provenance()}
-    header = ledger.header(attributes, {group: zarr3.group({}), **arrays}, {group: list(columns)})
+    arrays = {f"{group}/{name}": zarr3.array(column, {}) for name, column in columns.items()}
+    attributes = {"content": group, **attrs, **RUNNING, **provenance()}
+    header = ledger.header(attributes, {group: arrays})
     with new_store(path) as scratch, Ledger.created(scratch, header) as store:
-        store.put(
-            f"{group}/0",
-            {name.rpartition("/")[2]: column.values for name, column in columns.items()},
-        )
+        store.put(f"{group}/0", {name: column.values for name, column in columns.items()})
         store.finish(FINISHED)
-
-
-def _opened(path: Path, wanted: Surface) -> Ledger:
-    """The store of a surface, new or unfinished. Raises StoreError, OSError."""
-    axes = {name: axis.values for name, axis in wanted.axes().items()}
-    if not path.exists():
-        with contextlib.ExitStack() as held:
-            with new_store(path) as scratch:
-                store = held.enter_context(Ledger.created(scratch, wanted.header()))
-                store.put(AXES, axes)
-                store.commit()
-            held.pop_all()
-        store.path = path
-        return store
-    if not ledger.is_ledger(path) or ledger.read(path, chunks=False).seal:
-        raise StoreError(f"`{path}` must not exist yet, but does.")
-    files.refuse_links(path)
-    store, header = Ledger.opened(path), json.loads(json.dumps(wanted.header()))
-    try:
-        unsound, state = store.unsound(), store.state
-        if any(state.header["attributes"].get(key) != header["attributes"][key] for key in SAME):
-            raise StoreError(
-                f"`{path}` must be the same surface, unfinished, but is another: remove it."
-            )
-        known = AXES in state.chunks and AXES not in unsound
-        for file in state.files(AXES) if known else ():
-            place = file.rpartition("/")[0]
-            stored = zarr3.decode(store.folder.read(file), header["members"][place])
-            if not np.array_equal(stored, axes[place.rpartition("/")[2]]):
-                raise StoreError(
-                    f"`{path}` must be the same surface, unfinished, but is another: remove it."
-                )
-        if not known or state.header != header:  # of other versions: it is begun again
-            store.restart(header, [])
-        elif unsound:
-            store.forget(unsound)
-        if AXES not in store.state.chunks:
-            store.put(AXES, axes)
-            store.commit()
-    except BaseException:
-        store.release()
-        raise
-    return store
-
-
-def _values(
-    wanted: Surface, rows: Any, columns: Any, *, threads: int | None
-) -> dict[str, np.ndarray]:
-    """F, z and status at some rows and columns, in the order in which they are written."""
-    F, q, status = surface.minima(wanted.top, wanted.x[rows], wanted.y[columns], threads)
-    return {"F": F, "z": surface.argmin(q, status, wanted.top.upright)[0], "status": status}

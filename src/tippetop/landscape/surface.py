@@ -8,39 +8,31 @@ import xarray as xr
 
 from ..mechanics.system import System
 from .body import Top, top
-from .labels import at_numbers, attributes, axis, cosine, flags, inclination, labelled, of_momentum
+from .labels import axis, cosine, flags, grid, inclination, labelled, momenta
 
 
-def argmin(q: np.ndarray, status: np.ndarray, upright: int) -> tuple[np.ndarray, np.ndarray]:
-    """z = cos(theta) and theta [rad] where V is least: the pole itself where the infimum is
-    approached there.
+def variables(t: Top, F: np.ndarray, q: np.ndarray, status: np.ndarray) -> dict[str, tuple]:
+    """Return the results of `minima` as labelled variables F, z, theta and status.
 
-    Parameters
-    ----------
-    q, status
-        As `minima` gives them.
-    upright
-        z at q = 0: 1 or -1.
-
-    Returns
-    -------
-    z, theta
-        Of the shape of q.
+    Where the infimum is approached at a pole, z and theta are those of the pole.
     """
     from tippetop_kernels.minimise import Status
 
-    z, theta = cosine(q, upright), inclination(q, upright)
-    for end, at_q in ((Status.AT_LOWER_END, 0.0), (Status.AT_UPPER_END, np.inf)):
-        pole = upright if at_q == 0 else -upright
-        z[status == end] = pole
-        theta[status == end] = 0.0 if pole == 1 else np.pi
-    return z, theta
+    at_ends = [status == Status.AT_LOWER_END, status == Status.AT_UPPER_END]
+    q, least = np.select(at_ends, [0.0, np.inf], q), "where V is least"
+    z, theta = cosine(q, t.upright), inclination(q, t.upright)
+    return {
+        "F": labelled(t.momenta, F, "J", "minimal surface F, infimum of V over z"),
+        "z": labelled(t.momenta, z, "1", f"z = cos(theta) {least}"),
+        "theta": labelled(t.momenta, theta, "rad", f"theta {least}"),
+        "status": (t.momenta, status, flags(Status, "how F is taken")),
+    }
 
 
 def minima(
     t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None
 ) -> tuple[np.ndarray, ...]:
-    """F [J], q of the minimum and Status over x x y, each (x.size, y.size).
+    """Compute F [J], q of the minimum and `minimise.Status`, each (x.size, y.size).
 
     Parameters
     ----------
@@ -49,69 +41,17 @@ def minima(
     x, y
         The momenta, SI, (nx,) and (ny,).
     threads
-        How many; all cores if None. No bit depends on it.
-
-    Returns
-    -------
-    F, q, status
-        F in J; status as `tippetop_kernels.minimise.Status`.
+        How many; all cores if None. The result does not depend on it.
     """
     from tippetop_kernels.grid import on_threads
 
     from . import kernels
 
     c, two = t.coefficients, t.two_wells
-    F, q = np.empty((x.size, y.size)), np.empty((x.size, y.size))
+    F, q = np.empty((2, x.size, y.size))
     status = np.empty((x.size, y.size), np.int8)
     on_threads(lambda s: kernels.minima(two, x[s], y, c, F[s], q[s], status[s]), x.size, threads)
     return F, q, status
-
-
-def heights(
-    t: Top, x: np.ndarray, y: np.ndarray, threads: int | None = None
-) -> tuple[np.ndarray, np.ndarray]:
-    """F [J] and Status alone over x x y, in four fifths of the time; F is as good as that of
-    `minima`.
-    """
-    from tippetop_kernels.grid import on_threads
-
-    from .kernels import heights
-
-    F, status = np.empty((x.size, y.size)), np.empty((x.size, y.size), np.int8)
-    on_threads(
-        lambda s: heights(t.two_wells, x[s], y, t.coefficients, F[s], status[s]), x.size, threads
-    )
-    return F, status
-
-
-def gradients(
-    t: Top, x: np.ndarray, y: np.ndarray, q: np.ndarray, threads: int | None = None
-) -> tuple[np.ndarray, ...]:
-    """dF by the first and the second momentum, each (x.size, y.size); q as `minima` gives it.
-
-    Parameters
-    ----------
-    t, x, y, threads
-        As for `minima`.
-    q
-        (x.size, y.size), where V is least.
-
-    Returns
-    -------
-    by_x, by_y
-        Joules per unit of the momentum.
-    """
-    from tippetop_kernels.grid import on_threads
-
-    from . import kernels
-
-    by_x, by_y = np.empty_like(q), np.empty_like(q)
-    on_threads(
-        lambda s: kernels.gradients(x[s], y, t.coefficients, q[s], by_x[s], by_y[s]),
-        x.size,
-        threads,
-    )
-    return by_x, by_y
 
 
 def minimal_surface(
@@ -123,9 +63,7 @@ def minimal_surface(
     gradient: bool = True,
     threads: int | None = None,
 ) -> xr.Dataset:
-    """The minimal surface F = inf V [J] over a grid, with where and how it is taken.
-
-    [T 4.13 with section 5]
+    """Compute the minimal surface F = inf V [J] over a grid. [T 4.13 with section 5]
 
     Parameters
     ----------
@@ -137,7 +75,8 @@ def minimal_surface(
     system
         A system that has a landscape, or its name.
     gradient
-        Whether dF by both momenta is wanted: F_D [1/s] and F_lambda [1/(m s)], F_L3 and F_Lz [1/s].
+        Whether dF by both momenta is computed: F_D [1/s] and F_lambda [1/(m s)], F_L3 and F_Lz
+        [1/s].
     threads
         How many; all cores if None. The result does not depend on it.
 
@@ -153,7 +92,7 @@ def minimal_surface(
 
     Raises
     ------
-    ValueError
+    InputError
         For a system without landscape, a parameter that is missing, not finite or outside its
         interval, and axes that are empty or do not ascend.
 
@@ -165,23 +104,19 @@ def minimal_surface(
     pi), where the cube root of that is left. The gradient, by the envelope theorem, is good to 3
     ulp (tested: 4).
     """
-    from tippetop_kernels.minimise import Status
+    from tippetop_kernels.grid import on_threads
+
+    from . import kernels
 
     t = top(parameters, system)
-    x, y = axis(t.momenta[0], first), axis(t.momenta[1], second)
+    x, y = map(axis, t.momenta, (first, second))
     F, q, status = minima(t, x, y, threads)
-    z, theta = argmin(q, status, t.upright)
-    dims, momenta = t.momenta, t.landscape.momenta
-    data = {
-        "F": labelled("F", dims, F),
-        "z": labelled("z", dims, z, long_name="z = cos(theta) where V is least"),
-        "theta": labelled("theta", dims, theta, long_name="theta where V is least"),
-        "status": (dims, status, flags(Status, "how F is taken")),
-    }
+    data = variables(t, F, q, status)
     if gradient:
-        for m, by in zip(momenta, gradients(t, x, y, q, threads), strict=True):
-            data[f"F_{m.symbol}"] = labelled("", dims, by, m.rate.symbol, f"dF/d{m.symbol}")
-    coords = {m.symbol: of_momentum(m, m.symbol, v) for m, v in zip(momenta, (x, y), strict=True)}
-    return at_numbers(
-        xr.Dataset(data, coords, attributes(t)), zip(t.momenta, (first, second), strict=True)
-    )
+        by = np.empty((2, *F.shape))
+        on_threads(
+            lambda s: kernels.gradients(x[s], y, t.coefficients, q[s], *by[:, s]), x.size, threads
+        )
+        for m, values in zip(t.landscape.momenta, by, strict=True):
+            data[f"F_{m.symbol}"] = labelled(t.momenta, values, m.rate.symbol, f"dF/d{m.symbol}")
+    return grid(t, data, momenta(t, x, y), (first, second))

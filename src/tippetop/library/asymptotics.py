@@ -48,12 +48,12 @@ def asymptotic_states(
     (2010), theorems 3.3.1 and 3.3.2, corrected.
     """
     number, body = measured("lam", lam, JELLETT), top_of(top, TippeTop).body()
-    try:
-        return least.asymptotic_states(number, body)
-    except OverflowError:
+    states = least.asymptotic_states(number, body)
+    if not all(math.isfinite(state.energy) for state in states):
         raise InputError(
             f"`lam` must give energies in the range of a double, but {number:g} does not."
-        ) from None
+        )
+    return states
 
 
 def least_energy(

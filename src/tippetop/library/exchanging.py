@@ -39,7 +39,7 @@ class Comparison(Verdict):
         """theta of both, the differences, and what must be conserved, as a figure; saved where a
         path is given, over a file that is there if it may be overwritten.
         """
-        from ..figures.comparison import comparison
+        from ..figures.motions import comparison
 
         return _saved(comparison(self.motions, self.title), path, overwrite)
 

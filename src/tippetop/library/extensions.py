@@ -1,6 +1,5 @@
 """Events and columns of one's own, checked, and the system with them."""
 
-import dataclasses
 import re
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
@@ -8,9 +7,9 @@ from typing import Any
 
 from ..engine.status import Status
 from ..ensembles.outcomes import columns_of
-from ..errors import InputError, names_its_faults
+from ..errors import InputError
 from ..mechanics.consistency import rivals
-from ..mechanics.events import NUMBERED, Event, Kept
+from ..mechanics.event import NUMBERED, Event, Kept
 from ..mechanics.system import Quantity, System
 from ..mechanics.units import Unit
 from ..scenario import build
@@ -99,16 +98,8 @@ def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity,
 
 @lru_cache(maxsize=64)
 def _extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
-    named = [
-        dataclasses.replace(e, formula=names_its_faults(e.formula, f"the event `{e.name}`"))
-        for e in events
-    ]
-    labelled = [
-        dataclasses.replace(q, formula=names_its_faults(q.formula, f"the column `{q.name}`"))
-        for q in columns
-    ]
     return system.replace(
-        events=(*system.events, *named), quantities=(*system.quantities, *labelled)
+        events=(*system.events, *events), quantities=(*system.quantities, *columns)
     )
 
 

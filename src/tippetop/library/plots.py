@@ -89,7 +89,7 @@ class Plots:
         flag("overwrite", overwrite)
         file = None if path is None else path_of("path", path)
         kind = kind.replace("_", "-") if isinstance(kind, str) else kind  # as the methods are named
-        catalogue.kind_of(kind)
+        catalogue.check_kind(kind)
         if file is not None:
             catalogue.check_format(file)
         look = _look(options)

@@ -300,7 +300,7 @@ class Run:
             return Page(self._page(seconds("start", start), seconds("until", until)))
 
     def _page(self, start: float | None, until: float | None) -> str:
-        from ..views.run import page, refuse
+        from ..views.run_page import page, refuse
         from ..views.samples import needed
 
         refuse(self.attributes, "the run")

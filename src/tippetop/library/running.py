@@ -9,7 +9,7 @@ from typing import Any
 from ..arguments import flag, in_python, instance, path_of, seconds, takes
 from ..errors import InputError, Interrupted
 from ..mechanics.contact.body import Top
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.friction import FrictionLaw
 from ..mechanics.system import Quantity, System
 from ..problem import Problem

@@ -10,7 +10,7 @@ from typing import Any
 from ..arguments import instance, measured_values, plain, takes
 from ..errors import InputError
 from ..mechanics.contact.body import Top
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.friction import LAWS, FrictionLaw, named
 from ..mechanics.system import Quantity, System
 from ..mechanics.systems import check, laws_of, load_entry_points, systems_of_laws

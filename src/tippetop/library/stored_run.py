@@ -142,7 +142,7 @@ class StoredRun(Run):
         return groups
 
     def _page(self, start: float | None, until: float | None) -> str:
-        from ..views.run import page_of_store
+        from ..views.run_page import page_of_store
 
         return page_of_store(self.path, self.attributes, start, until)
 

@@ -1,11 +1,11 @@
 """Checks that the records of a system do not contradict one another."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import isfinite
 from types import MappingProxyType
 from typing import Any
 
-from .events import Event
+from .event import Event
 from .form import CLOCK, unchanged
 from .number import rules_faults
 from .system import Exit, Form, Landscape, Phase, Quantity, System
@@ -17,13 +17,12 @@ ONCE = {
     "lasting": "what a motion settles into",
     "extremes": "the quantity whose least and greatest values are reported",
 }
-"""Fields of an event that one event of a phase at most may have, and what it is then the event of.
-"""
+"""Fields that at most one event of a phase may have, and what that event then describes."""
 
 
 def inconsistencies(system: System) -> list[str]:
-    """What a system contradicts itself in: one sentence each; none of a sound one."""
-    if faults := _shapeless(system):
+    """Return one message for each contradiction among the records of a system."""
+    if faults := _wrong_types(system):
         return faults
     known: dict[str, Event] = {}
     for name, phase in system.phases.items():
@@ -38,43 +37,26 @@ def inconsistencies(system: System) -> list[str]:
             faults.append(f"{where} must have both `enter` and `leave`, or neither, but has one.")
         if not phase.forms:
             faults.append(f"{where} must have a form, but has none.")
-        faults += [
-            f"{where} must call the form {form.name!r} by its name, but calls it {key!r}."
-            for key, form in phase.forms.items()
-            if key != form.name
-        ]
-        if "auto" in phase.forms:
-            faults.append(
-                f"{where} must not call a form 'auto': that leaves the choice to the system."
-            )
         for form in phase.forms.values():
             turning = form.orientation.integrals if form.orientation else ()
-            variables = [
-                *form.units._fields,
-                *(integral.name for integral in (*form.integrals, *turning)),
-            ]
+            integrals = [integral.name for integral in (*form.integrals, *turning)]
+            variables = [*form.units._fields, *integrals]
             faults += _twice(f"{where}, form `{form.name}`: variable", variables)
-        events = [event.name for event in phase.events]
-        detected = [CLOCK, *(event.name for event in phase.events if event.formula)]
-        lost = (
-            [] if system.is_hybrid else [event.name for event in phase.events if not event.formula]
-        )
         faults += [
-            f"the event `{event}` of {where} must have a formula: no jump can log it."
-            for event in lost
+            f"the event `{event.name}` of {where} must have a formula: no jump can log it."
+            for event in phase.events
+            if not (event.formula or system.is_hybrid)
         ]
-        faults += _twice(f"{where}: event", events)
+        faults += _twice(f"{where}: event", [event.name for event in phase.events])
         faults += rivals(phase.events)
         faults += _twice(f"{where}: quantity", [quantity.name for quantity in phase.quantities])
         faults += _twice(f"{where}: exit by the event", [way.event for way in phase.exits])
+        detected = [CLOCK, *(event.name for event in phase.events if event.formula)]
         for way in phase.exits:
-            if way.event not in (*events, CLOCK):
+            if way.event not in detected:
                 faults.append(
-                    f"{where} must end in an event of its own, but has an exit by {way.event!r}."
-                )
-            elif way.event not in detected:
-                faults.append(
-                    f"{where} must end by an event with a formula, but `{way.event}` has none."
+                    f"{where} must end in an event of its own that has a formula, but has an exit "
+                    f"by {way.event!r}."
                 )
             if not way.to:
                 faults.append(f"{where} must lead somewhere by {way.event!r}, but leads nowhere.")
@@ -84,12 +66,11 @@ def inconsistencies(system: System) -> list[str]:
                 if to not in system.phases
             ]
     quantities = {quantity.name for quantity in system.quantities}
-    faults += [
+    return faults + [
         f"`{system.name}` must have the quantity {n!r}, but has not."
         for n in system.integrals
         if n not in quantities
     ]
-    return faults
 
 
 def unmet_requirements(system: System) -> list[str]:
@@ -144,7 +125,9 @@ def unmet_requirements(system: System) -> list[str]:
     ]
 
 
-KINDS = (
+KINDS: tuple[tuple[str, Any, str], ...] = (
+    *((name, Callable, "a function") for name in ("body", "body_units", "scales", "start")),
+    ("checks", Callable, "a function"),
     ("title", str, "a text"),
     ("source", str, "a text"),
     ("phases", Mapping, "Phase records by name"),
@@ -157,90 +140,61 @@ KINDS = (
     ("vectors", Mapping, "names of variables by name"),
     ("on_request", (tuple, list), "a tuple of Quantity records"),
     ("contact", type(None), "None"),
+    *(
+        (name, (Callable, type(None)), "a function or None")
+        for name in ("potential", "theta_inertia", "outlook", "motion", "borders")
+    ),
 )
-"""Fields of a system, what they must be, and that in words."""
+"""Fields of a system, their types, and those types in words."""
 
-CALLED = ("potential", "theta_inertia", "outlook", "motion", "borders")
-"""Fields of a system that must be functions where they are given."""
-
-FORMULAS = ("body", "body_units", "scales", "start", "checks")
-"""Fields of a system that must be functions."""
+RECORDS = {"forms": Form, "events": Event, "quantities": Quantity, "exits": Exit}
+"""Fields of a phase that contain records."""
 
 
-def _shapeless(system: System) -> list[str]:
-    """Sentences on fields of a system that are not what they must be."""
+def _wrong_types(system: System) -> list[str]:
+    """Return one message for each field that has the wrong type."""
+    of = f"of `{system.name}`"
     faults = [
-        f"`{name}` of `{system.name}` must be a function, but is {getattr(system, name)!r:.60}."
-        for name in FORMULAS
-        if not callable(getattr(system, name))
+        f"`{name}` {of} must be {words}, but is {value!r:.60}."
+        for name, kind, words in KINDS
+        if not isinstance(value := getattr(system, name), kind)
     ]
     if not hasattr(system.angles, "_fields"):
         faults.append(
-            f"`angles` of `{system.name}` must be a NamedTuple filled with units, but is "
-            f"{system.angles!r:.60}."
+            f"`angles` {of} must be a NamedTuple filled with units, but is {system.angles!r:.60}."
         )
     for name in ("parameters", "initial"):
-        faults += rules_faults(f"`{name}` of `{system.name}`", getattr(system, name))
-    for name, kind, words in KINDS:
-        if not isinstance(getattr(system, name), kind):
-            faults.append(
-                f"`{name}` of `{system.name}` must be {words}, but is "
-                f"{getattr(system, name)!r:.60}."
-            )
-    normal: dict[str, Any] = {}
-    normal |= system.normalised_to if isinstance(system.normalised_to, Mapping) else {}
+        faults += rules_faults(f"`{name}` {of}", getattr(system, name))
+    if faults:
+        return faults
     faults += [
-        f"`normalised_to` of `{system.name}` must hold finite numbers, but `{name}` is "
-        f"{value!r:.60}."
-        for name, value in normal.items()
+        f"`normalised_to` {of} must hold finite numbers, but `{name}` is {value!r:.60}."
+        for name, value in system.normalised_to.items()
         if not (isinstance(value, int | float) and isfinite(value))
     ]
-    for name in CALLED:
-        value = getattr(system, name)
-        if value is not None and not callable(value):
-            faults.append(
-                f"`{name}` of `{system.name}` must be a function or None, but is {value!r}."
-            )
-    return faults or _phaseless(system)
-
-
-def _phaseless(system: System) -> list[str]:
-    """Sentences on phases that are not what they must be."""
     if not system.phases:
-        return [f"`phases` of `{system.name}` must have a Phase, but has none."]
-    faults, phases = [], dict[str, Any](system.phases)
+        faults.append(f"`phases` {of} must have a Phase, but has none.")
+    phases: dict[str, Any] = dict(system.phases)
     for name, phase in phases.items():
         if not isinstance(phase, Phase):
-            faults.append(
-                f"`phases` of `{system.name}` must be Phase records by name, but has {phase!r:.60}."
-            )
+            faults.append(f"`phases` {of} must be Phase records by name, but has {phase!r:.60}.")
             continue
-        where = f"phase `{name}` of `{system.name}`"
-        forms: Any = phase.forms.values() if isinstance(phase.forms, Mapping) else [phase.forms]
-        held: list[tuple[str, Any, type]] = [
-            ("forms", forms, Form),
-            ("events", phase.events, Event),
-            ("quantities", phase.quantities, Quantity),
-            ("exits", phase.exits, Exit),
-        ]
-        for what, records, kind in held:
-            listed = (
-                [records]
-                if isinstance(records, str) or not isinstance(records, Iterable)
-                else records
-            )
+        for field, kind in RECORDS.items():
+            records = getattr(phase, field)
+            records = records.values() if isinstance(records, Mapping) else records
+            if isinstance(records, str) or not isinstance(records, Iterable):
+                records = [records]
             faults += [
-                f"`{what}` of {where} must be {kind.__name__} records, but has {record!r:.50}."
-                for record in listed
+                f"`{field}` of phase `{name}` {of} must be {kind.__name__} records, but has "
+                f"{record!r:.50}."
+                for record in records
                 if not isinstance(record, kind)
             ]
     return faults
 
 
 def rivals(events: Sequence[Event]) -> list[str]:
-    """Sentences on events of one phase that a run can follow only one of, and on one that can never
-    hold.
-    """
+    """Return messages on events of one phase that exclude each other, or never happen."""
     faults = []
     for field, what in ONCE.items():
         names = [f"`{event.name}`" for event in events if getattr(event, field)]

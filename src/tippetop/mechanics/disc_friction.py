@@ -1,5 +1,6 @@
-"""Friction of a contact patch that slides and drills: Coulomb at each point under the pressure of
-Hertz. [contact 5]
+"""Friction of a contact disc that slides and drills. [contact 5]
+
+Coulomb's law acts at each point under the pressure of Hertz.
 
 F = -mu N k v_A and the torque -mu N patch^2 twist Omega_z zhat, with U = patch |Omega_z|, x = w/U,
 k = f(x)/w and twist = m(x)/U: functions of w^2 and U^2, regular where slip stops (`inside`) and
@@ -29,14 +30,14 @@ does not.
 
 @formula
 def inside(w2, U2):
-    """x <= 1: the point about which the patch turns lies within it."""
+    """Return the drag for x <= 1: the patch turns about a point inside it."""
     U, x2 = sqrt(U2), w2 / U2
     return Drag(3 * math.pi / 8 * (1 - x2 / 4) / U, 3 * math.pi / 16 * (1 - x2 + 3 * x2**2 / 8) / U)
 
 
 @formula
 def between(w2, U2):
-    """1 <= x, to be used up to x = 2.5."""
+    """Return the drag for 1 <= x <= 2.5."""
     U, x2 = sqrt(U2), w2 / U2
     y = sqrt(w2 - U2) / U
     A = atan2(U, sqrt(w2 - U2))  # arcsin(1/x)
@@ -46,7 +47,10 @@ def between(w2, U2):
 
 @formula
 def outside(w2, U2):
-    """x >= 2.5: the series in 1/x^2, f = 2F1(-1/2, 1/2; 5/2) and 5 x m = 2F1(1/2, 1/2; 7/2)."""
+    """Return the drag for x >= 2.5.
+
+    By the series in 1/x^2 of f = 2F1(-1/2, 1/2; 5/2) and 5 x m = 2F1(1/2, 1/2; 7/2).
+    """
     w, q = sqrt(w2), U2 / w2
     f, m = 1.0, 1.0
     for n in range(23, -1, -1):  # the ratio of a term to the one before it
@@ -57,7 +61,7 @@ def outside(w2, U2):
 
 @formula
 def drag(w2, U2):
-    """The drag of two numbers, by the formula of its region; infinite where w = U = 0."""
+    """Return the drag of two numbers, by the formula of its region; infinite where w = U = 0."""
     if w2 <= U2:
         return inside(w2, U2) if U2 > 0 else Drag(math.inf, math.inf)
     return between(w2, U2) if w2 < OUTSIDE_FROM**2 * U2 else outside(w2, U2)
@@ -129,24 +133,17 @@ REGIONS = {
 
 @formula
 def drilling_force(N, v, drag, mu):
-    """The force of a patch, (3,) [N]."""
+    """Return the force of a patch, (3,) [N]."""
     return Vector(-(mu * N * drag.k * v.x), -(mu * N * drag.k * v.y), N)
 
 
 @formula
 def drilling_torque(N, Omega_z, drag, mu, patch):
-    """The torque of a patch of this radius [m] about the vertical [N m]: (0, 0, it) acts on L."""
-    return -(mu * N * patch**2 * drag.twist * Omega_z)
+    """Return the torque of a patch of this radius [m] about the vertical [N m].
 
-
-@formula
-def rolling_torque(N, omega, mu_r, still=0):
-    """The torque of rolling resistance, (3,) [N m], -mu_r N omega_h/|omega_h|; mu_r [m] is a lever.
-
-    `still` [rad/s] makes it smooth where omega_h = 0.
+    L' = (0, 0, torque).
     """
-    k = -(mu_r * N) / sqrt(omega.x * omega.x + omega.y * omega.y + still**2)
-    return Vector(k * omega.x, k * omega.y, 0)
+    return -(mu * N * patch**2 * drag.twist * Omega_z)
 
 
 STOPS_ROLLING = 1e-6
@@ -155,12 +152,16 @@ STOPS_ROLLING = 1e-6
 
 @formula
 def rolling(omega, law):
-    """The torque of rolling resistance per normal force, (3,) [m]."""
-    return rolling_torque(1, omega, law.mu_r, STOPS_ROLLING)
+    """Return the torque of rolling resistance per normal force, (3,) [m].
+
+    It is -mu_r omega_h/|omega_h|, smooth where omega_h = 0.
+    """
+    k = -law.mu_r / sqrt(omega.x * omega.x + omega.y * omega.y + STOPS_ROLLING**2)
+    return Vector(k * omega.x, k * omega.y, 0)
 
 
 @formula
 def torque(drag, omega, law):
-    """The torque of drilling and of rolling resistance per normal force, (3,) [m]."""
+    """Return the torque of drilling and of rolling resistance per normal force, (3,) [m]."""
     resisting = rolling(omega, law)
     return Vector(resisting.x, resisting.y, drilling_torque(1, omega.z, drag, law.mu, law.patch))

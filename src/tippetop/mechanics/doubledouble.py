@@ -1,14 +1,11 @@
-"""Numbers as an unevaluated sum head + tail: twice the digits, where the last ulp of a result
-counts.
+"""Numbers as an unevaluated sum head + tail, with twice the digits of a double.
 
 The tail carries what rounding took from the head, to first order; nothing is renormalised but by
 `tidy`. Plain arithmetic: fed with decimals or 50-digit numbers, the formulas give what these give,
 and the tails are nothing.
 """
 
-import math
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from .operand import Operand, formula, product_error
 
@@ -21,14 +18,14 @@ class DoubleDouble(NamedTuple):
 
 
 def doubledouble(x: Operand) -> DoubleDouble:
-    """The decimal number x as two doubles."""
+    """Return the decimal number x as two doubles."""
     head = float(x)
     return DoubleDouble(head, float(x - type(x)(head)))
 
 
 @formula
 def plus(x, y):
-    """x + y (Knuth's two-sum)."""
+    """Return x + y (Knuth's two-sum)."""
     s = x.head + y.head
     v = s - x.head
     return DoubleDouble(s, ((x.head - (s - v)) + (y.head - v)) + (x.tail + y.tail))
@@ -36,14 +33,15 @@ def plus(x, y):
 
 @formula
 def minus(x, y):
-    """x - y."""
+    """Return x - y."""
     return plus(x, DoubleDouble(-y.head, -y.tail))
 
 
 @formula
 def tidy(x):
-    """The same number with the head rounded from the whole: needed after a cancellation, where
-    heads are used alone.
+    """Return the same number with the head rounded from the whole.
+
+    This is needed after a cancellation, if heads are used alone.
     """
     s = x.head + x.tail
     return DoubleDouble(s, x.tail - (s - x.head))
@@ -51,7 +49,7 @@ def tidy(x):
 
 @formula
 def times(x, y):
-    """x y."""
+    """Return x y."""
     return DoubleDouble(
         x.head * y.head, product_error(x.head, y.head) + (x.head * y.tail + x.tail * y.head)
     )
@@ -59,28 +57,14 @@ def times(x, y):
 
 @formula
 def scaled(k, x):
-    """k x for a plain number k."""
+    """Return k x for a plain number k."""
     return DoubleDouble(k * x.head, product_error(k, x.head) + k * x.tail)
 
 
 @formula
 def quotient(x, y, per):
-    """x/y, given per = 1/y to a few roundings: the quotient is mended by its remainder."""
+    """Return x/y, given per = 1/y to a few roundings; the remainder corrects the quotient."""
     c = x.head * per
     return DoubleDouble(
         c, (((x.head - c * y.head) - product_error(c, y.head)) + (x.tail - c * y.tail)) * per
     )
-
-
-def parts_of(value: Any) -> list[float]:
-    """A number of any precision as doubles that add up to it exactly."""
-    parts = [float(value)]
-    while (rest := value - parts[-1]) != 0 and math.isfinite(parts[-1]):
-        value = rest
-        parts.append(float(rest))
-    return parts
-
-
-def sum_of(parts: Sequence[float], number: Any) -> Any:
-    """The number of this type that `parts_of` split."""
-    return sum(map(number, parts[1:]), number(parts[0]))

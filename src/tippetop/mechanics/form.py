@@ -1,13 +1,12 @@
-"""How a motion is written: forms, their integrals and quantities, phases of the contact and their
-exits.
-"""
+"""Records of a motion: forms, their integrals and quantities, phases of the contact and exits."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from .events import Event
-from .readonly import freeze
+from ..errors import names_its_faults
+from .event import Event
+from .readonly import ReadOnly
 from .units import Unit
 
 
@@ -24,7 +23,7 @@ class Quantity:
     meanings
         Of a number that stands for a name: the names, by number.
     is_column
-        Whether it is stored; what is not is compared with others.
+        Whether it is stored; otherwise it is used for comparisons only.
     """
 
     name: str
@@ -35,11 +34,17 @@ class Quantity:
     meanings: tuple[str, ...] = ()
     is_column: bool = True
 
+    def __post_init__(self) -> None:
+        if callable(self.formula):
+            named = names_its_faults(self.formula, f"the column `{self.name}`")
+            object.__setattr__(self, "formula", named)
+
 
 @dataclass(frozen=True)
 class Integral:
-    """A variable that the equations of motion do not read: it is integrated beside them and must
-    not control the step.
+    """A variable that the equations of motion do not read.
+
+    It is integrated together with them and must not control the step.
 
     Parameters
     ----------
@@ -66,7 +71,7 @@ class Integral:
 
 @dataclass(frozen=True)
 class Orientation:
-    """How a form knows which way the whole body is turned, not its axis alone.
+    """The orientation of the whole body in a form, not of its axis alone.
 
     Parameters
     ----------
@@ -74,7 +79,7 @@ class Orientation:
         axes(q, carried, b) -> the body's axes 1 and 3 in the space frame, two Vectors; defined at
         the poles too.
     integrals
-        What is integrated for it.
+        Integrals that it needs.
     psi
         psi(first, third) of these axes [rad]; None: a planar motion, which has no psi.
     """
@@ -85,9 +90,7 @@ class Orientation:
 
 
 class Domain(NamedTuple):
-    """A scalar function that must stay positive, formula(scalars, b), and what it means when it
-    does not.
-    """
+    """A scalar function, formula(scalars, b), that must stay positive; the meaning otherwise."""
 
     formula: Callable
     meaning: str
@@ -117,7 +120,7 @@ class Form:
         vectors(q, b) -> a record with the `vectors` of its system; None: they are made of the
         angles.
     integrals
-        What is integrated beside the state.
+        Variables that are integrated together with the state.
     orientation
         How the turn of the whole body is known; None: it is not.
     domains
@@ -129,9 +132,9 @@ class Form:
     name: str
     units: Any
     rates: Any
-    scalars: Callable = field(default=lambda q, b: q)
-    of_angles: Any = field(default=lambda angles, s, z, b: angles)
-    to_angles: Any = field(default=lambda q, carried, b: q)
+    scalars: Callable = lambda q, b: q
+    of_angles: Any = lambda angles, s, z, b: angles
+    to_angles: Any = lambda q, carried, b: q
     vectors: Callable | None = None
     integrals: tuple[Integral, ...] = ()
     orientation: Orientation | None = None
@@ -225,8 +228,7 @@ class Exit:
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """What stays the same between two changes of the contact: slip, roll, flight, both balls at
-    once.
+    """A state of the contact between two changes: slip, roll, flight, or contact of both balls.
 
     Parameters
     ----------
@@ -236,7 +238,7 @@ class Phase:
     quantities
         What can be read of a state, as columns.
     events
-        What is looked for.
+        Events of the phase.
     exits
         Which events end the phase, and how; none: only the end of the run does, or an event that
         stops it.
@@ -266,11 +268,12 @@ class Phase:
     axis_stays: bool = False
 
     def __post_init__(self) -> None:
-        if isinstance(self.forms, Form):
-            object.__setattr__(self, "forms", {self.forms.name: self.forms})
-        freeze(self, "forms")
+        forms = {"": self.forms} if isinstance(self.forms, Form) else self.forms
+        if isinstance(forms, Mapping):
+            by_name = {getattr(form, "name", key): form for key, form in forms.items()}
+            object.__setattr__(self, "forms", ReadOnly(by_name))
 
     @property
     def form(self) -> Form:
-        """The first form."""
+        """Return the first form."""
         return next(iter(self.forms.values()))

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import InputError, names_its_faults
 from .disc_friction import REGIONS, STOPS_ROLLING, Region, inside, rolling, torque
-from .number import Number, Record, RecordType, again, number
+from .number import Number, Record, RecordType, number, reuse
 from .operand import Vector, exp, formula, select, sqrt
 from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 
@@ -47,24 +47,23 @@ EPS = number(METRE_PER_SECOND, "regularisation speed eps", symbol=r"\varepsilon"
 
 @formula
 def drilling_part(omega, law):
-    """The drilling torque about the vertical, per normal force [m]: -mu_d sgn(Omega_z), smooth
-    where Omega_z = 0.
+    """Return the drilling torque about the vertical, per normal force [m].
+
+    It is -mu_d sgn(Omega_z), smooth where Omega_z = 0.
     """
     return -(law.mu_d * omega.z) / sqrt(omega.z * omega.z + STOPS_ROLLING**2)
 
 
 @formula
 def torque_of_parts(drag, omega, law):
-    """The torque of rolling resistance and drilling per normal force, (3,) [m]."""
+    """Return the torque of rolling resistance and drilling per normal force, (3,) [m]."""
     resisting = rolling(omega, law)
     return Vector(resisting.x, resisting.y, drilling_part(omega, law))
 
 
 @formula
 def torque_of_disc_and_part(drag, omega, law):
-    """The torque of a disc under Coulomb's law, and the drilling torque, per normal force, (3,)
-    [m].
-    """
+    """Return the torque of a disc and the drilling torque, per normal force, (3,) [m]."""
     of_disc = torque(drag, omega, law)
     return Vector(of_disc.x, of_disc.y, of_disc.z + drilling_part(omega, law))
 
@@ -75,8 +74,9 @@ def has_parts(law: Any) -> bool:
 
 
 def load(omega: Vector, law: Any) -> Vector | None:
-    """Return the torque of a law without regions per normal force, (3,) [m]; None under a law
-    without parts.
+    """Return the torque of a law without regions per normal force, (3,) [m].
+
+    Return None for a law without parts.
     """
     return torque_of_parts(None, omega, law) if "mu_d" in law._fields else None
 
@@ -117,8 +117,8 @@ class FrictionLaw(Record, abstract=True):
     with_parts: ClassVar[Any] = None
     """The law with rolling resistance and a drilling torque; None of one that has them."""
 
-    mu_r: Number = again(PARTS["mu_r"], default=None, kw_only=True)
-    mu_d: Number = again(PARTS["mu_d"], default=None, kw_only=True)
+    mu_r: Number = reuse(PARTS["mu_r"], default=None, kw_only=True)
+    mu_d: Number = reuse(PARTS["mu_d"], default=None, kw_only=True)
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -147,8 +147,9 @@ class FrictionLaw(Record, abstract=True):
 
     @classmethod
     def given(cls, names: Collection[str]) -> Any:
-        """Return the law that these numbers belong to: `without`, if no optional one is among them;
-        `with_parts`, if numbers of PARTS are.
+        """Return the law that these numbers belong to.
+
+        `without`, if no optional one is among them; `with_parts`, if numbers of PARTS are.
         """
         optional = [name for name, rule in cls.parameters.items() if rule.optional]
         law = cls if cls.without is None or any(name in names for name in optional) else cls.without
@@ -174,7 +175,7 @@ class Viscous(FrictionLaw):
 
     @formula
     def coefficient(v2, z, law):
-        """k = mu [s/m]."""
+        """Return k = mu [s/m]."""
         return law.mu
 
 
@@ -188,11 +189,11 @@ class Coulomb(FrictionLaw):
 
     words = "regularised Coulomb friction"
     mu: Number = number(ONE, "Coulomb friction coefficient mu", symbol=r"\mu", least=0)
-    eps: Number = again(EPS, default=None, optional=True)
+    eps: Number = reuse(EPS, default=None, optional=True)
 
     @formula
     def coefficient(v2, z, law):
-        """k = mu/sqrt(v^2 + eps^2) [s/m]."""
+        """Return k = mu/sqrt(v^2 + eps^2) [s/m]."""
         return law.mu / sqrt(v2 + law.eps * law.eps)
 
 
@@ -204,13 +205,13 @@ class SetValued(Coulomb):
     """
 
     words = "Coulomb friction"
-    mu: Number = again(Coulomb.parameters["mu"])
+    mu: Number = reuse(Coulomb.parameters["mu"])
     set_valued = True
     without = None
 
     @formula
     def coefficient(v2, z, law):
-        """k = mu/|v| [s/m], of a contact that slides."""
+        """Return k = mu/|v| [s/m], of a contact that slides."""
         return law.mu / sqrt(v2)
 
 
@@ -218,8 +219,7 @@ Coulomb.without = SetValued
 
 
 class Contensou(FrictionLaw):
-    """Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev), Hertz
-    pressure.
+    """Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev, Hertz).
 
     Friction that drills, of a tippe top, and rolling resistance. (Contensou 1963, Zhuravlev 1998)
     The contact slips and flies, and the tables `phases` and `impacts` say when.
@@ -228,7 +228,7 @@ class Contensou(FrictionLaw):
     words = "Coulomb–Contensou friction"
     regions = REGIONS
     torque = staticmethod(torque)
-    mu: Number = again(Coulomb.parameters["mu"])
+    mu: Number = reuse(Coulomb.parameters["mu"])
     patch: Number = number(
         METRE,
         "radius of the contact disc, 1e-5 to 1 times that of the sphere",
@@ -253,13 +253,13 @@ class Mixed(FrictionLaw):
     """
 
     words = "viscous and Coulomb friction"
-    mu: Number = again(Viscous.parameters["mu"])
-    mu_coulomb: Number = again(Coulomb.parameters["mu"], symbol=r"\mu_C")
-    eps: Number = again(EPS)
+    mu: Number = reuse(Viscous.parameters["mu"])
+    mu_coulomb: Number = reuse(Coulomb.parameters["mu"], symbol=r"\mu_C")
+    eps: Number = reuse(EPS)
 
     @formula
     def coefficient(v2, z, law):
-        """k = mu + mu_coulomb/sqrt(v^2 + eps^2) [s/m]."""
+        """Return k = mu + mu_coulomb/sqrt(v^2 + eps^2) [s/m]."""
         return law.mu + law.mu_coulomb / sqrt(v2 + law.eps * law.eps)
 
 
@@ -270,18 +270,18 @@ class Stribeck(FrictionLaw):
     """
 
     words = "Stribeck friction"
-    mu: Number = again(Coulomb.parameters["mu"])
+    mu: Number = reuse(Coulomb.parameters["mu"])
     mu_static: Number = number(
         ONE, "Coulomb friction coefficient at rest", symbol=r"\mu_s", least=0
     )
     v_s: Number = number(
         METRE_PER_SECOND, "Stribeck speed, over which mu_static falls to mu", symbol="v_s", above=0
     )
-    eps: Number = again(EPS)
+    eps: Number = reuse(EPS)
 
     @formula
     def coefficient(v2, z, law):
-        """k = [mu + (mu_static - mu) exp(-v^2/v_s^2)]/sqrt(v^2 + eps^2) [s/m]."""
+        """Return k = [mu + (mu_static - mu) exp(-v^2/v_s^2)]/sqrt(v^2 + eps^2) [s/m]."""
         return (law.mu + (law.mu_static - law.mu) * exp(-(v2 / law.v_s**2))) / sqrt(
             v2 + law.eps * law.eps
         )
@@ -294,7 +294,7 @@ class Latitude(FrictionLaw):
     = -1.
     """
 
-    mu: Number = again(Viscous.parameters["mu"])
+    mu: Number = reuse(Viscous.parameters["mu"])
     mu_stem: Number = number(
         SECOND_PER_METRE,
         "viscous friction coefficient on the side of the stem",
@@ -304,7 +304,7 @@ class Latitude(FrictionLaw):
 
     @formula
     def coefficient(v2, z, law):
-        """k = [mu (1 + z) + mu_stem (1 - z)]/2 [s/m]."""
+        """Return k = [mu (1 + z) + mu_stem (1 - z)]/2 [s/m]."""
         return (law.mu * (1 + z) + law.mu_stem * (1 - z)) / 2
 
 
@@ -320,7 +320,7 @@ class Frictionless(FrictionLaw):
 
     @formula
     def coefficient(v2, z, law):
-        """k = 0."""
+        """Return k = 0."""
         return 0.0
 
 
@@ -334,8 +334,9 @@ The contact of a body has phases under a law that is set-valued or has regions; 
 
 
 def all_laws(laws: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield every law with its name, also those of the same name with fewer numbers, or
-    with parts.
+    """Yield every law with its name.
+
+    Laws of the same name with fewer numbers, or with parts, are included.
     """
     for name, law in laws.items():
         for one in (law, law.without):
@@ -346,8 +347,9 @@ def all_laws(laws: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def named(record: type, laws: Mapping[str, Any] = LAWS) -> Any:
-    """Return the class of a record if it is that of a law of `laws`, or else of LAWS; None if it is
-    not.
+    """Return the class of a record if it is that of a law of `laws`, or else of LAWS.
+
+    Return None if it is not.
     """
     key = getattr(record, "key", "")
     known = [law for law in (laws.get(key), LAWS.get(key)) if law is not None]
@@ -360,55 +362,48 @@ slip_coefficient = select(SLIP)
 """k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that is registered."""
 
 
-SPEEDS2, HEIGHTS = (
-    (0.0, 1e-6, 1.0),
-    (1.0, 0.0, -1.0),
-)  # |v_A|^2 [m^2/s^2] and z at which a law is asked
+REST2, FAST2 = np.float64(0), np.float64(1e6)
+"""|v_A|^2 [m^2/s^2] at rest, and beyond that of any top."""
 
 
-def is_frictionless(law: Any) -> bool:
-    """Whether a law with its numbers takes no energy: k = 0 at rest and in motion, wherever the
-    contact lies.
-
-    So are the law `none`, and every law with mu = 0.
-    """
-    return bool(takes_nothing(law))
+def _coefficients(law: Any, *speeds2: Any) -> list[Any]:
+    """Return k at these |v_A|^2, for z = 1, 0 and -1."""
+    with np.errstate(all="ignore"):
+        return [slip_coefficient(v2, z, law) for v2 in speeds2 for z in (1.0, 0.0, -1.0)]
 
 
 def takes_nothing(law: Any) -> Any:
-    """As `is_frictionless`, of numbers (n,): which of them."""
+    """Return which laws with numbers (n,) take no energy.
+
+    k = 0 at rest and in motion, wherever the contact lies: the law `none`, and every law with
+    mu = 0.
+    """
     rules = named(type(law))
     if rules is None:  # a law of one system, which is no multiple of the sliding velocity
         return False
     if rules.set_valued or rules.regions:
         none = law.mu == 0
     else:
-        none = reduce(and_, (slip_coefficient(v2, z, law) == 0 for v2 in SPEEDS2 for z in HEIGHTS))
+        none = reduce(and_, (k == 0 for k in _coefficients(law, 0.0, 1e-6, 1.0)))
     if rules.torque is not None:
         turns = rules.torque(inside(0.0, 1.0), Vector(1.0, 0.0, 1.0), law)
         none = none & (turns.x == 0) & (turns.z == 0)
     return none
 
 
-FAST2 = np.float64(1e6)  # |v_A|^2 [m^2/s^2] beyond that of any top
+def is_frictionless(law: Any) -> bool:
+    """Return whether a law with its numbers takes no energy, see `takes_nothing`."""
+    return bool(takes_nothing(law))
 
 
 def nowhere_vanishes(law: Any) -> bool:
-    """Return whether a law k g_n v_A acts wherever on the body the contact lies, at rest and in
-    fast sliding.
-    """
-    with np.errstate(all="ignore"):
-        return all(
-            slip_coefficient(v2, z, law) > 0 for v2 in (np.float64(0), FAST2) for z in HEIGHTS
-        )
+    """Return whether k > 0 wherever on the body the contact lies, at rest and in fast sliding."""
+    return all(k > 0 for k in _coefficients(law, REST2, FAST2))
 
 
 def is_linear(law: Any) -> bool:
     """Return whether k depends neither on the sliding speed nor on the place of the contact."""
-    return (
-        len({float(slip_coefficient(v2, z, law)) for v2 in (np.float64(0), FAST2) for z in HEIGHTS})
-        == 1
-    )
+    return len(set(map(float, _coefficients(law, REST2, FAST2)))) == 1
 
 
 def add(law: type[FrictionLaw]) -> None:
@@ -431,15 +426,21 @@ stores.
 """
 
 
-def _faults(law: type[FrictionLaw]) -> list[str]:
-    """What is wrong with a law that is to be registered, in sentences."""
-    name = law.key
-    if not isinstance(name, str) or not re.fullmatch(NAME, name):
-        return [
-            "the name of a law must be letters, digits, - and _, and begin with no digit, but "
+def checked_name(name: Any, kind: str) -> str:
+    """Return the name of a law or a system. Raises InputError if it is not allowed."""
+    if isinstance(name, str) and re.fullmatch(NAME, name):
+        return name
+    raise InputError(
+        [
+            f"the name of a {kind} must be letters, digits, - and _, and begin with no digit, but "
             f"is {name!r:.60}."
         ]
-    faults = []
+    )
+
+
+def _faults(law: type[FrictionLaw]) -> list[str]:
+    """Return messages on a law that cannot be registered."""
+    name, faults = checked_name(law.key, "law"), []
     if name in LAWS:
         faults.append(
             f"the name of a law must be new, but `{name}` is that of {LAWS[name].__name__}."

@@ -1,6 +1,4 @@
-"""What formulas of events and columns read of a state, whatever its form: scalars,
-place and axis.
-"""
+"""The state that formulas of events and columns read, in any form: scalars, place and axis."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -15,12 +13,11 @@ if TYPE_CHECKING:
 
 AXIS = ("ux", "uy", "uz")
 PLACE = ("phi", "x", "y", *AXIS)
-"""What a moment has next to its scalars, where the form knows it."""
+"""Attributes of a moment in addition to its scalars, if the form has them."""
 
 
 class Moment(tuple):
-    """A state as formulas see it: its scalars, and an attribute for each of them and of PLACE that
-    is known.
+    """A state for formulas: its scalars, with an attribute for each of them and of PLACE.
 
     Parameters
     ----------

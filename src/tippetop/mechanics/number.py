@@ -1,6 +1,4 @@
-"""Numbers that a user gives, declared once: unit, meaning and interval; and the records that
-contain them.
-"""
+"""Numbers of the user, declared once with unit, meaning and interval; and records of them."""
 
 import inspect
 import math
@@ -10,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from numbers import Rational
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, dataclass_transform
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast, dataclass_transform
 
 import numpy as np
 
@@ -23,15 +21,14 @@ from .units import Unit
 
 @dataclass(frozen=True)
 class Number:
-    """A number that the user gives: its unit, its meaning, and the open or closed interval it must
-    lie in.
+    """A number of the user: its unit, its meaning, and the open or closed interval that it lies in.
 
     Parameters
     ----------
     unit : Unit
-        What it is given in, SI; `tippetop.mechanics.units` has those of the package.
+        The SI unit; `tippetop.mechanics.units` contains those of the package.
     long_name : str
-        What it is, in words.
+        The meaning, in words.
     above, least : float, optional
         It must be greater than `above`, at least `least`.
     below, most : float, optional
@@ -39,16 +36,18 @@ class Number:
     nonzero : bool
         Whether it must differ from 0.
     default : float, optional
-        What it is where it is left out; without, it must be given.
+        The value if the number is omitted; without a default it is required.
     symbol : str
         How figures write it, in TeX.
     optional : bool
         Whether a record may be made without it, and then is another record.
+    kw_only : bool
+        Whether type checkers accept it by name only.
 
     Raises
     ------
     InputError
-        If the unit is none, no number can lie in the interval, or the default does not.
+        If the unit is not a Unit, or the default lies outside the interval.
     """
 
     unit: Unit
@@ -61,6 +60,7 @@ class Number:
     nonzero: bool = False  # must not be 0
     symbol: str = ""
     optional: bool = False
+    kw_only: bool = False
 
     if TYPE_CHECKING:  # a field of a Record is given as a number or a text, and read as a float
 
@@ -69,33 +69,18 @@ class Number:
         def __set__(self, record: Any, value: float | str | None) -> None: ...
 
     def __post_init__(self) -> None:
-        if faults := self._faults():
-            raise InputError(faults)
-
-    def _faults(self) -> list[str]:
-        """What contradicts itself, in sentences."""
-        unit: Any = self.unit
+        of, unit = f"of the number `{self.long_name}`", cast(Any, self.unit)
         if not isinstance(unit, Unit):
-            return [
-                f"`unit` of the number `{self.long_name}` must be a Unit, but is {self.unit!r:.60}."
-            ]
-        for low in (bound for bound in (self.above, self.least) if bound is not None):
-            for high in (bound for bound in (self.below, self.most) if bound is not None):
-                if low > high or (low == high and (self.above == low or self.below == high)):
-                    return [
-                        f"some number must be {self.must()[8:]}, for `{self.long_name}`, but "
-                        "none is."
-                    ]
+            raise InputError([f"`unit` {of} must be a Unit, but is {unit!r:.60}."])
         if self.default is not None and self.broken(self.default):
-            return [
-                f"`default` of the number `{self.long_name}` {self.must()}, but is "
-                f"{self.default:g}."
-            ]
-        return []
+            raise InputError([f"`default` {of} {self.must()}, but is {self.default:g}."])
 
     @cached_property
     def _bounds(self) -> list[tuple[str, float, Callable]]:
-        """The bounds that are set: what a value must be, the limit, and how a value breaks it."""
+        """Return the bounds that are set.
+
+        Each is the requirement in words, the limit, and the comparison that violates it.
+        """
         bounds = (
             ("other than", 0.0 if self.nonzero else None, operator.eq),
             ("greater than", self.above, operator.le),
@@ -108,7 +93,7 @@ class Number:
         ]
 
     def broken(self, values: Any) -> Any:
-        """Where values lie outside the interval or are not finite: a mask of their shape.
+        """Return a mask of the values that lie outside the interval or are not finite.
 
         Parameters
         ----------
@@ -130,8 +115,9 @@ class Number:
         return broken
 
     def must(self, value: float | None = None) -> str:
-        """What must hold, as in "must be finite, greater than 0"; of a value: the first thing that
-        it breaks.
+        """Return the requirement, as in "must be finite, greater than 0".
+
+        With a value, the first requirement that it violates.
         """
         if value is None:
             return "must be finite" + "".join(
@@ -145,7 +131,7 @@ class Number:
         )
 
     def fault(self, key: str, value: float) -> str:
-        """The sentence on a value that is broken."""
+        """Return the message on a value that is not allowed."""
         return f"`{key}` {self.must()}, but is {value:.17g}."
 
     def read(self, key: str, value: Any) -> float:
@@ -172,59 +158,24 @@ class Number:
         return f"{kind}\n    {self.long_name[:1].upper()}{self.long_name[1:]} {unit}{bounds}."
 
 
-def number(
-    unit: Unit,
-    words: str,
-    *,
-    symbol: str = "",
-    above: float | None = None,
-    least: float | None = None,
-    below: float | None = None,
-    most: float | None = None,
-    nonzero: bool = False,
-    default: float | None = None,
-    optional: bool = False,
-    kw_only: bool = False,
-) -> Any:
-    """Declare a number of a body or a friction law as a field of its class.
-
-    Example: `mu: Number = number(ONE, "friction")`.
-
-    Parameters
-    ----------
-    unit, words, above, least, below, most, nonzero, default, optional, symbol
-        As of a `Number`; `words` is its `long_name`.
-    kw_only
-        Whether type checkers take it by name only.
-
-    Returns
-    -------
-    Number
-    """
-    return Number(unit, words, above, least, below, most, default, nonzero, symbol, optional)
+number = Number
+"""Declares a number of a body or a law as a field of its class: `mu: Number = number(ONE, "friction
+coefficient")`."""
 
 
-def again(
-    rule: Number,
-    *,
-    default: None = None,
-    optional: bool = False,
-    kw_only: bool = False,
-    symbol: str = "",
-) -> Any:
+def reuse(rule: Number, *, default: None = None, **changes: Any) -> Any:
     """Return the Number of another record as a field.
 
     Type checkers read `default` and `kw_only`.
     """
-    return replace(rule, optional=optional or rule.optional, symbol=symbol or rule.symbol)
+    return replace(rule, **changes)
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(number, again))
+@dataclass_transform(frozen_default=True, field_specifiers=(number, reuse))
 class RecordType(type):
-    """Makes a class of records, named tuples of the Numbers in its body; `parameters` has them by
-    name.
+    """A class of records: named tuples of the Numbers in its body, which `parameters` contains.
 
-    An `abstract` class has no records of its own: its Numbers are `parts`, optional keywords of the
+    An `abstract` class has no records: its Numbers are `parts`, optional keywords of the
     classes below it.
     """
 
@@ -260,11 +211,6 @@ class RecordType(type):
         ).rstrip()
         return super().__new__(mcs, name, bases, body)
 
-    def __init__(
-        cls, name: str, bases: tuple[type, ...], body: dict[str, Any], abstract: bool = False
-    ) -> None:
-        super().__init__(name, bases, body)
-
 
 _KEYWORD = inspect.Parameter.KEYWORD_ONLY
 
@@ -278,8 +224,7 @@ def _field(name: str, rule: Number) -> inspect.Parameter:
 
 
 class Record(tuple, metaclass=RecordType, abstract=True):
-    """Numbers that formulas take, and that are checked where all are plain: floats, or texts such
-    as "20 g".
+    """Numbers for formulas, checked if all are plain: floats, or texts such as "20 g".
 
     Operands of formulas (arrays, expressions, wide numbers) pass unchecked. So do the arguments of
     `_make`, `_replace`.
@@ -380,24 +325,26 @@ def _is_operand(value: Any) -> bool:
 
 
 def rules_faults(words: str, rules: Any) -> list[str]:
-    """The sentence on what must be Number records by name, and is not; `words` say what it is."""
+    """Return a message if `rules` are not Number records by name.
+
+    `words` describe `rules`.
+    """
     if isinstance(rules, Mapping) and all(isinstance(rule, Number) for rule in rules.values()):
         return []
     return [f"{words} must be Number records by name, but is {rules!r:.60}."]
 
 
 class Alternative(NamedTuple):
-    """An initial datum that says in another way what others say: it stands alone, without any of
-    `others`.
-    """
+    """An initial datum that replaces `others`: it must be given without any of them."""
 
     name: str
     others: tuple[str, ...]
     flag: bool = False  # true or false, not a number
 
     def fault(self, verb: str) -> str:
-        """The sentence on data that are not alone; `verb` says how the others come: they are given,
-        or vary.
+        """Return the message on initial data that exclude each other.
+
+        `verb` is that of the others: "is given", or "varies".
         """
         others = " or ".join(f"`initial.{other}`" for other in self.others)
         return f"`initial.{self.name}` must stand alone, but {others} {verb} too."

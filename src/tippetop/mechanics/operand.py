@@ -9,28 +9,14 @@ import heyoka as hy
 import numpy as np
 
 
-Operand = (
-    Any  # float, complex, array (any precision), heyoka expression; heyoka and numba are untyped
-)
+# float, complex, array (any precision), heyoka expression; heyoka and numba are untyped
+Operand = Any
 F = TypeVar("F", bound=Callable)
 
 
-class _School:
-    """The formulas that numba learns when it is first used."""
-
-    def __init__(self) -> None:
-        self.waiting: list[Callable] = []
-        self.teach: Callable | None = None
-
-    def take(self, function: Callable) -> None:
-        """Teaches a formula, now or later."""
-        if self.teach is None:
-            self.waiting.append(function)
-        else:
-            self.teach(function)
-
-
-_school = _School()
+_untaught: list[Callable] = []
+_teach: Callable = _untaught.append
+"""Takes a formula: into a list, until numba is first used; then to numba."""
 
 
 class Vector(NamedTuple):
@@ -42,7 +28,7 @@ class Vector(NamedTuple):
 
 
 def formula(function: F) -> F:
-    """Marks a formula: an ordinary function, which numba may also call inside its own.
+    """Mark a function as a formula, which compiled functions of numba may call.
 
     Parameters
     ----------
@@ -59,7 +45,7 @@ def formula(function: F) -> F:
     numba is imported only by those who use it: it learns the formulas through its entry point
     (`numba_extensions` in pyproject.toml), which calls `teach_numba` before it compiles anything.
     """
-    _school.take(function)
+    _teach(function)
     return function
 
 
@@ -82,8 +68,9 @@ sqrt, sin, cos, exp, atan2 = _lift("sqrt"), _lift("sin"), _lift("cos"), _lift("e
 
 
 def rounding(x: Any) -> float:
-    """That of a number's kind: of a double, one of 80 bits, one of heyoka's 128 bits, or one of
-    mpmath.
+    """Return the machine precision of the type of a number.
+
+    Known are double, 80-bit and heyoka's 128-bit numbers, and those of mpmath.
     """
     context = getattr(x, "context", None)  # of mpmath
     if context is not None:
@@ -92,8 +79,9 @@ def rounding(x: Any) -> float:
 
 
 def product_error(x: Operand, y: Operand) -> Operand:
-    """What rounding took from a product: x y = fl(x y) + product_error(x, y), exact (Dekker 1971;
-    in numba an fma).
+    """Return the rounding error of a product.
+
+    x y = fl(x y) + product_error(x, y) exactly (Dekker 1971; an fma in numba).
 
     Parameters
     ----------
@@ -117,30 +105,30 @@ def _half(x: Operand) -> Operand:
 
 @formula
 def dot(a: Vector, b: Vector) -> Operand:
-    """Scalar product a.b."""
+    """Return the scalar product a.b."""
     return a.x * b.x + a.y * b.y + a.z * b.z
 
 
 @formula
 def cross(a: Vector, b: Vector) -> Vector:
-    """Vector product a x b."""
+    """Return the vector product a x b."""
     return Vector(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
 @formula
 def times(k: Operand, a: Vector) -> Vector:
-    """The vector a, k times as long."""
+    """Return k a."""
     return Vector(k * a.x, k * a.y, k * a.z)
 
 
 @formula
 def plus(a: Vector, b: Vector) -> Vector:
-    """The sum a + b (a NamedTuple's own `+` would join the two)."""
+    """Return the sum a + b (a NamedTuple's own `+` would join the two)."""
     return Vector(a.x + b.x, a.y + b.y, a.z + b.z)
 
 
 def leaves(record: Any) -> list:
-    """The numbers of a record of records, in order.
+    """Return the numbers of a record of records, in order.
 
     Parameters
     ----------
@@ -150,7 +138,7 @@ def leaves(record: Any) -> list:
     Returns
     -------
     list
-        What is no record, depth first.
+        The numbers, depth first.
     """
     return [
         leaf
@@ -160,7 +148,7 @@ def leaves(record: Any) -> list:
 
 
 def refill(record: Any, values: Any) -> Any:
-    """The same record of records with other leaves, taken in order from the iterator `values`.
+    """Return the same record of records with other leaves.
 
     Parameters
     ----------
@@ -179,8 +167,9 @@ def refill(record: Any, values: Any) -> Any:
 
 
 def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> Callable:
-    """A formula that is chosen by the type of its last argument, a NamedTuple: in Python and inside
-    numba.
+    """Return a formula that is chosen by the type of its last argument, a NamedTuple.
+
+    It works in Python and inside numba.
 
     Parameters
     ----------
@@ -207,16 +196,17 @@ def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> 
         return choices.get(record, otherwise) or choices[record]
 
     selected.for_numba = lambda record: inspect.unwrap(chosen(record))  # type: ignore[attr-defined]
-    _school.take(selected)
+    _teach(selected)
     return selected
 
 
 def teach_numba() -> None:
-    """Makes every formula callable inside numba.njit.
+    """Make every formula callable inside numba.njit.
 
     numba calls this itself, before its first compilation.
     """
-    if _school.teach is not None:
+    global _teach
+    if _teach != _untaught.append:
         return
     from numba import types
     from numba.extending import intrinsic, overload, register_jitable
@@ -236,14 +226,12 @@ def teach_numba() -> None:
 
     def teach_lifted(lifted: Callable) -> None:
         scalar, numeric = lifted.for_numba  # type: ignore[attr-defined]
-        unary = lifted is not atan2
 
         @overload(lifted)
         def _(*x):
             real = all(isinstance(v, (types.Float, types.Integer)) for v in x)
-            if unary:
-                return (lambda *x: scalar(x[0])) if real else (lambda *x: numeric(x[0]))
-            return (lambda *x: scalar(x[0], x[1])) if real else (lambda *x: numeric(x[0], x[1]))
+            function = scalar if real else numeric
+            return lambda *x: function(*x)
 
     @intrinsic
     def fma(typing, x, y, z):
@@ -255,9 +243,8 @@ def teach_numba() -> None:
     def _(x, y):
         return lambda x, y: fma(x, y, -(x * y))  # type: ignore[call-arg]
 
-    _school.teach = teach
+    _teach = teach
     for lifted in (sqrt, sin, cos, exp, atan2):
         teach_lifted(lifted)
-    for function in _school.waiting:
+    for function in _untaught:
         teach(function)
-    _school.waiting.clear()

@@ -1,5 +1,4 @@
-"""Numbers as people write them: "3/10", "2/5*m*R^2", "20 g", "1480 rpm"; computed exactly, rounded
-once.
+"""Numbers as texts, "3/10", "2/5*m*R^2", "20 g": computed exactly, rounded once.
 
 `ast` reads the arithmetic and pint the units, in fractions. They are not mixed, because `m`, `g`
 and `R` are names of both: a text is arithmetic of numbers and names, or arithmetic of numbers
@@ -36,10 +35,9 @@ MEASURED = re.compile(
     re.DOTALL,
 )
 UNIT = re.compile(r"[^\W\d_]\w*(\s*(\*\*|\^)\s*\(?-?\d{1,2}\)?(?!\d))?|[°%](?!\d)|[*/·()\s]")
-"""One part of a unit. pint computes the rest of what it is given, however large."""
-POWER = re.compile(
-    r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.])(?(1)\))"
-)  # m2, s-1, m^2, m**(-1)
+"""One part of a unit. pint computes everything else in its argument, however large."""
+POWER = re.compile(r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.])(?(1)\))")
+"""The power of a unit: m2, s-1, m^2, m**(-1)."""
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 EXPONENT = re.compile(r"[eE]([-+]?[\d_]+)$")
 HERTZ = re.compile(r"\b(k?Hz|k?hertz)\b")
@@ -223,7 +221,7 @@ def _python(text: str) -> str:
 
 
 def _tree(text: str) -> ast.expr | None:
-    """Return the arithmetic of a text; None if there is none."""
+    """Return the arithmetic of a text, or None."""
     try:
         return ast.parse(_python(text), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):

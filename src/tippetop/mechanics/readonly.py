@@ -21,8 +21,9 @@ class ReadOnly(dict):
 
 
 def freeze(record: Any, *names: str) -> None:
-    """Makes mappings among the fields of a frozen record read-only; what is no mapping stays, for a
-    check to name.
+    """Make mappings among the fields of a frozen record read-only.
+
+    Other values stay as they are; a later check names them.
     """
     for name in names:
         value = getattr(record, name)

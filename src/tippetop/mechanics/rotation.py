@@ -1,5 +1,6 @@
-"""Rotations as unit quaternions w, x, y, z, which turn body axes into space axes: v_space = q
-v_body q*.
+"""Rotations as unit quaternions w, x, y, z.
+
+They turn body axes into space axes: v_space = q v_body q*.
 """
 
 from typing import NamedTuple
@@ -20,7 +21,7 @@ class Quaternion(NamedTuple):
 
 @formula
 def after(a, b):
-    """The rotation b, then a: the product a b."""
+    """Return the rotation by b and then a: the product a b."""
     return Quaternion(
         a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
         a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
@@ -31,20 +32,20 @@ def after(a, b):
 
 @formula
 def inverse(q):
-    """The rotation back."""
+    """Return the inverse rotation."""
     return Quaternion(q.w, -q.x, -q.y, -q.z)
 
 
 @formula
 def turn(axis, angle):
-    """The rotation by an angle about a unit vector."""
+    """Return the rotation by an angle about a unit vector."""
     s = sin(angle / 2)
     return Quaternion(cos(angle / 2), s * axis.x, s * axis.y, s * axis.z)
 
 
 @formula
 def swing(u, v):
-    """The smallest rotation that takes one unit vector to another, not opposite, one."""
+    """Return the smallest rotation that takes a unit vector to another, not opposite one."""
     w, c = 1 + dot(u, v), cross(u, v)
     k = 1 / sqrt(w * w + dot(c, c))
     return Quaternion(k * w, k * c.x, k * c.y, k * c.z)
@@ -52,7 +53,7 @@ def swing(u, v):
 
 @formula
 def axes(q):
-    """The axes of the body in space, three vectors: the columns of the rotation matrix."""
+    """Return the axes of the body in space, three vectors: the columns of the rotation matrix."""
     w, x, y, z = q
     return (
         Vector(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
@@ -63,7 +64,7 @@ def axes(q):
 
 @formula
 def rotated(q, v):
-    """The vector v, turned."""
+    """Rotate the vector v."""
     u = Vector(q.x, q.y, q.z)
     t = times(2, cross(u, v))
     return plus(plus(v, times(q.w, t)), cross(u, t))
@@ -71,8 +72,9 @@ def rotated(q, v):
 
 @formula
 def outer(first, third):
-    """4 q q^t of the rotation that turns the body's axes 1 and 3 into these, four rows: each is q
-    times a number.
+    """Return 4 q q^t of the rotation that turns the body's axes 1 and 3 into these, four rows.
+
+    Each row is q times a number.
     """
     (a, d, g), (b, e, h), (c, f, i) = first, cross(third, first), third
     return (
@@ -85,8 +87,9 @@ def outer(first, third):
 
 @formula
 def cubic(a, da, b, db, s):
-    """Hermite's cubic at the fraction s of an interval: values at its ends, and slopes times its
-    length.
+    """Return Hermite's cubic at the fraction s of an interval.
+
+    a and b are its values at the ends, da and db its slopes times the length of the interval.
     """
     r = 1 - s
     return r * r * (a * (1 + 2 * s) + da * s) + s * s * (b * (3 - 2 * s) - db * r)
@@ -94,11 +97,11 @@ def cubic(a, da, b, db, s):
 
 @formula
 def between(p, wp, q, wq, h, s):
-    """The rotation at the fraction s of an interval of length h, between two with their angular
-    velocities.
+    """Return the rotation at the fraction s of an interval of length h between two rotations.
 
-    Axis 3 is a cubic through both ends with their velocities; the turn about it is one too, with
-    omega_3 as its slope, so that it may be many times around.
+    The rotations p and q have the angular velocities wp and wq. Axis 3 is a cubic through both ends
+    with their velocities; the turn about it is one too, with omega_3 as its slope, so that it may
+    be many times around.
     """
     u, v = axes(p)[2], axes(q)[2]
     du, dv = times(h, cross(wp, u)), times(h, cross(wq, v))

@@ -8,8 +8,8 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
-from ..errors import suggestion, unknown_key
-from .events import Event, kinds
+from ..errors import refuse_unknown, unknown_key
+from .event import Event, kinds
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
 from .number import Alternative, Number
 from .readonly import freeze
@@ -36,9 +36,7 @@ __all__ = [
 
 
 class Momentum(NamedTuple):
-    """One of the two momenta that the effective potential takes: an axis of the landscape, a column
-    of a run.
-    """
+    """A momentum of the effective potential: an axis of the landscape, and a column of a run."""
 
     symbol: str  # of the axis: D, lambda, L3, Lz
     unit: Unit
@@ -58,43 +56,48 @@ class Landscape:
     """
 
     momenta: tuple[Momentum, Momentum]
-    coefficients: (
-        Callable  # coefficients(body) -> PotentialCoefficients, in the numbers of the body
-    )
-    two_wells: Callable | None = (
-        None  # two_wells(body) < 0 iff V can have two minima; None: it never has
-    )
-    energy: str = "modified_energy"  # the column of a run that is compared with V
+    # coefficients(body) -> PotentialCoefficients, in the numbers of the body
+    coefficients: Callable
+    # two_wells(body) < 0 iff V can have two minima; None: it never has
+    two_wells: Callable | None = None
+    # the column of a run that is compared with V
+    energy: str = "modified_energy"
 
     @property
     def symbols(self) -> tuple[str, str]:
-        """The symbols of the two momenta."""
+        """Return the symbols of the two momenta."""
         return self.momenta[0].symbol, self.momenta[1].symbol
 
     @property
     def columns(self) -> tuple[str, str, str]:
-        """The columns of a run that place it in its landscape: two momenta and the energy."""
+        """Return the columns of a run that place it in its landscape.
+
+        They are two momenta and the energy.
+        """
         return self.momenta[0].column, self.momenta[1].column, self.energy
 
 
 class Outlook(NamedTuple):
     """What theory predicts of a start; an empty field where it says nothing."""
 
-    regime: str = ""  # what is stable, a sentence
+    regime: str = ""  # the stable states, a sentence
     fate: str = ""  # where the motion ends
     thresholds: Mapping[str, Any] = {}  # name -> theory.thresholds.Threshold
 
 
 class Opening(NamedTuple):
-    """What is known of a body whose contact may open."""
+    """Properties of a body whose contact may open."""
 
-    planar: bool = False  # whether it moves in a plane
-    sphere: bool = False  # whether its ball has a radius: there may be a stem, and a contact disc
-    routh: Callable | None = None  # Routh's function of the gliding body, if it has one
-    outlook: Callable | None = None  # outlook(b, start, rules) -> Outlook
-    without: tuple[
-        str, ...
-    ] = ()  # quantities of the gliding body that are no columns of its phases
+    # whether it moves in a plane
+    planar: bool = False
+    # whether its ball has a radius: there may be a stem, and a contact disc
+    sphere: bool = False
+    # Routh's function of the gliding body, if it has one
+    routh: Callable | None = None
+    # outlook(b, start, rules) -> Outlook
+    outlook: Callable | None = None
+    # quantities of the gliding body that are not columns of its phases
+    without: tuple[str, ...] = ()
 
 
 def _all_are(records: Any, kind: type) -> bool:
@@ -117,7 +120,7 @@ class System:
     Parameters
     ----------
     name, title, source : str
-        The name in TOML; what it is; where it is published.
+        The name in TOML, a description, and the publication.
     parameters, initial : dict of Number
         The numbers of the body and of the start, by name.
     body, body_units : callable
@@ -145,84 +148,75 @@ class System:
 
     name: str
     parameters: dict[str, Number]
-    phases: dict[str, Phase]  # by name; a run starts in the first unless its start says otherwise
+    # a run starts in the first phase unless its start determines another
+    phases: dict[str, Phase]
     title: str = ""
     source: str = ""
-    body: Any = None  # body(parameters, friction) -> the record that every formula takes, SI
-    body_units: Any = None  # body_units(friction units) -> that record filled with units
-    scales: Callable = field(
-        default=lambda b: (1.0, 1.0)
-    )  # scales(b) -> mass [kg] and length [m] that become 1
-    normalised_to: dict[str, float] = field(
-        default_factory=dict
-    )  # what is 0 or 1 in these units by construction:
-    # the expressions fold
+    # body(parameters, friction) -> the record that every formula takes, SI
+    body: Any = None
+    # body_units(friction units) -> that record filled with units
+    body_units: Any = None
+    # scales(b) -> mass [kg] and length [m] that become 1
+    scales: Callable = lambda b: (1.0, 1.0)
+    # numbers of the body that are 0 or 1 in these units by construction: expressions fold
+    normalised_to: dict[str, float] = field(default_factory=dict)
     initial: Any = None
-    start: Any = None  # start(data, sin_theta, cos_theta, b) -> record of angles, SI
-    angles: Any = None  # the record that people read and write (a NamedTuple) filled with units
-    integrals: tuple[str, ...] = ()  # conserved quantities, by name: their drift is reported
-    long_names: dict[str, str] = field(
-        default_factory=dict
-    )  # of the fields of `angles` and of `vectors`
-    vectors: Mapping[str, tuple[str, ...]] = field(
-        default_factory=dict
-    )  # name -> variables of the vector form
-    undefined_at_poles: tuple[
-        str, ...
-    ] = ()  # what of the angles means nothing where sin(theta) = 0; none: no poles
-    checks: Callable = field(
-        default=lambda parameters: []
-    )  # sentences on what parameters break together
-    alternatives: tuple[Alternative, ...] = ()  # initial data that say the same in two ways
-    laws: Any = field(
-        default_factory=dict
-    )  # the friction laws that it takes, by name; none where nothing glides
-    potential: Callable | None = None  # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
+    # start(data, sin_theta, cos_theta, b) -> record of angles, SI
+    start: Any = None
+    # the record that people read and write (a NamedTuple) filled with units
+    angles: Any = None
+    # names of conserved quantities, whose drift is reported
+    integrals: tuple[str, ...] = ()
+    # of the fields of `angles` and of `vectors`
+    long_names: dict[str, str] = field(default_factory=dict)
+    # name -> variables of the vector form
+    vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    # fields of the angles that are undefined if sin(theta) = 0; empty: no poles
+    undefined_at_poles: tuple[str, ...] = ()
+    # checks(parameters) -> messages on numbers that do not fit together
+    checks: Callable = lambda parameters: []
+    # initial data that determine the same numbers in another way
+    alternatives: tuple[Alternative, ...] = ()
+    # the friction laws that it takes, by name; empty if nothing glides
+    laws: Any = field(default_factory=dict)
+    # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
+    potential: Callable | None = None
     theta_inertia: Callable | None = None
-    momenta: tuple[str, ...] = ()  # the quantities that V takes
-    landscape: Landscape | None = (
-        None  # V in the variable of the landscape; None: no surface, no band
-    )
-    outlook: Callable | None = (
-        None  # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI
-    )
+    # the quantities that V takes
+    momenta: tuple[str, ...] = ()
+    # V in the variable of the landscape; None: no surface, no band
+    landscape: Landscape | None = None
+    # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI;
     # a system whose contact has phases takes its ContactLaw as a third argument
-    motion: Callable | None = (
-        None  # motion(b, start) -> the name of the motion, where theory has one
-    )
-    borders: Callable | None = (
-        None  # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
-    )
-    long_form: str = (
-        ""  # the form that keeps E over runs of 1e5 s and more, if another one does not
-    )
-    inverts: bool = (
-        False  # friction can turn it over: its inversion is reported even where there was none
-    )
-    contact: Any = None  # how it was opened; None: the contact does not open
-    on_request: tuple[Quantity, ...] = ()  # quantities that are columns only where a run names them
-    classes: tuple[
-        str, ...
-    ] = ()  # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
-    opening: Opening | None = None  # of a body whose contact may open, see contact.opening.opened
-    common: Phase | None = (
-        None  # forms, columns and events of the rows of all phases; None: those of the first phase
-    )
-    row: Callable | None = (
-        None  # row(phase, q, carried, body) -> the state of the common form; None: leave(q, b)
-    )
-    read: Callable | None = (
-        None  # read(phase, q, carried, b) -> the common state within a phase, and the body
-    )
-    begin: Callable | None = (
-        None  # begin(x, world) -> Next, how a run begins; None: in the first phase
-    )
-    assembled: Callable | None = (
-        None  # assembled(b, rules, internal) -> body of the world, phases; None: b, `phases`
-    )
-    tables: Mapping[str, Mapping[str, Any]] = field(
-        default_factory=dict
-    )  # further tables: units or words by column
+    outlook: Callable | None = None
+    # motion(b, start) -> the name of the motion, if theory has one
+    motion: Callable | None = None
+    # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
+    borders: Callable | None = None
+    # the form that keeps E over runs of 1e5 s and more, if another one does not
+    long_form: str = ""
+    # whether friction can turn it over: its inversion is then always reported
+    inverts: bool = False
+    # how the contact was opened; None: it does not open
+    contact: Any = None
+    # quantities that are columns only of runs that request them
+    on_request: tuple[Quantity, ...] = ()
+    # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
+    classes: tuple[str, ...] = ()
+    # of a body whose contact may open, see contact.opening.opened
+    opening: Opening | None = None
+    # forms, columns and events of the rows of all phases; None: those of the first phase
+    common: Phase | None = None
+    # row(phase, q, carried, body) -> the state of the common form; None: leave(q, b)
+    row: Callable | None = None
+    # read(phase, q, carried, b) -> the common state within a phase, and the body
+    read: Callable | None = None
+    # begin(x, world) -> Next, how a run begins; None: in the first phase
+    begin: Callable | None = None
+    # assembled(b, rules, internal) -> body of the world, phases; None: b, `phases`
+    assembled: Callable | None = None
+    # further tables: units or words by column
+    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._derive()
@@ -231,8 +225,9 @@ class System:
             object.__setattr__(self, "laws", MappingProxyType(self.laws))
 
     def _derive(self) -> None:
-        """Fill the fields that are not given: from the parameters, and from the state of the first
-        phase.
+        """Fill the fields that are not given.
+
+        They are derived from the parameters and the state of the first phase.
         """
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
         if self.body is None and _all_are(self.parameters, Number):
@@ -281,8 +276,9 @@ class System:
     def body_of(
         self, parameters: Mapping[str, Any], friction: Any, number: Callable = _same
     ) -> Any:
-        """The record that formulas take, in SI units: of parameters by name and the record of a
-        friction law.
+        """Return the record that formulas take, in SI units.
+
+        It is made of parameters by name and the record of a friction law.
 
         Parameters
         ----------
@@ -311,8 +307,9 @@ class System:
         return self.body(given, friction._make(map(number, friction)))
 
     def faults(self, parameters: Mapping[str, float]) -> list[str]:
-        """What is wrong with parameters by name, in sentences: one by one, then together; empty if
-        nothing is.
+        """Return messages on parameters that are wrong, one by one or together.
+
+        The numbers are checked one by one, then together.
         """
         faults = []
         for name, rule in self.parameters.items():
@@ -325,7 +322,7 @@ class System:
         return faults or list(self.checks(parameters))
 
     def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
-        """Sentences on initial data, by name, of which some say the same in two ways.
+        """Return messages on initial data that determine the same number in two ways.
 
         Parameters
         ----------
@@ -346,7 +343,7 @@ class System:
         ]
 
     def rivals(self, name: str) -> set[str]:
-        """The initial numbers that cannot be given beside another."""
+        """Return the initial numbers that cannot be given together with another."""
         names = set()
         for alternative in self.alternatives:
             if not alternative.flag and name in (alternative.name, *alternative.others):
@@ -354,8 +351,9 @@ class System:
         return names
 
     def replaced(self, initial: Mapping[str, Any], changed: Mapping[str, Any]) -> dict[str, Any]:
-        """Initial data with some changed: a number takes the place of those that say the same in
-        another way.
+        """Return initial data with changes.
+
+        A number replaces those that determine the same in another way.
 
         Parameters
         ----------
@@ -374,53 +372,41 @@ class System:
 
     @property
     def is_hybrid(self) -> bool:
-        """Whether runs go from phase to phase."""
+        """Return whether runs go from phase to phase."""
         return self.begin is not None or any(phase.exits for phase in self.phases.values())
 
     @property
     def phase(self) -> Phase:
-        """The common phase, or else the first, the only one of most systems."""
+        """Return the common phase, or else the first, the only one of most systems."""
         return self.common or next(iter(self.phases.values()))
 
     @property
     def forms(self) -> dict[str, Form]:
-        """The forms of its rows."""
+        """Return the forms of its rows."""
         return self.phase.forms
 
     @property
     def quantities(self) -> Sequence[Quantity]:
-        """The quantities of its rows."""
+        """Return the quantities of its rows."""
         return self.phase.quantities
 
     @property
     def events(self) -> Sequence[Event]:
-        """The events that every phase has."""
+        """Return the events that every phase has."""
         return self.phase.events
 
     def replace(self, **changes: Any) -> "System":
-        """The system with other fields; `forms`, `quantities` and `events` are those of the first
-        phase.
+        """Return the system with other fields.
+
+        `forms`, `quantities` and `events` are those of the first phase.
 
         What theory says of a start (`outlook`) stays unless it is replaced too: None where the
         equations are others.
         """
-        known = {
-            "forms",
-            "quantities",
-            "events",
-            "exits",
-            *(field.name for field in dataclasses.fields(self)),
-        }
-        if unknown := [name for name in changes if name not in known]:
-            raise TypeError(
-                f"a System has no field `{unknown[0]}`.{suggestion(unknown[0], sorted(known))}"
-            )
-        of_phase = {
-            key: changes.pop(key)
-            for key in ("forms", "quantities", "events", "exits")
-            if key in changes
-        }
-        phase = dataclasses.replace(self.phase, **of_phase)
+        of_phase = {"forms", "quantities", "events", "exits"}
+        refuse_unknown("System.replace", changes, {*vars(self), *of_phase})
+        given = {key: changes.pop(key) for key in changes.keys() & of_phase}
+        phase = dataclasses.replace(self.phase, **given)
         if self.common:
             changes.setdefault("common", phase)
         else:
@@ -428,8 +414,9 @@ class System:
         return dataclasses.replace(self, **changes)
 
     def with_requested(self, columns: Collection[str]) -> "System":
-        """The system with those of its quantities on request that are named; the same record for
-        the same names.
+        """Return the system with those of its quantities on request that are named.
+
+        Equal names give the same record.
 
         Parameters
         ----------
@@ -446,7 +433,7 @@ class System:
         return _with_quantities(self, wanted) if wanted else self
 
     def folds(self, form: Form) -> dict[str, float]:
-        """What is 0 or 1 in the units of a form by construction."""
+        """Return the numbers of the body that are 0 or 1 in the units of a form."""
         return {
             name: value
             for name, value in self.normalised_to.items()
@@ -455,12 +442,12 @@ class System:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Names of the kinds of events in its logs, by their numbers in a store."""
+        """Return the names of the kinds of events in its logs, by their numbers in a store."""
         return kinds(self.events)
 
     @property
     def frictional(self) -> bool:
-        """Whether a friction law must be given."""
+        """Return whether a friction law must be given."""
         return bool(self.laws)
 
 
@@ -477,7 +464,7 @@ def of_one_phase(
     events: Sequence[Event],
     **rest: Any,
 ) -> System:
-    """A system whose contact never changes; `rest` is what else a System has.
+    """Return a system whose contact never changes.
 
     Parameters
     ----------

@@ -59,8 +59,9 @@ KNOWN = {
 
 
 def _powers(symbol: str) -> tuple[int, int, int] | None:
-    """The powers that a symbol such as "kg m2 s-1" stands for; None of one that has parts which are
-    not known.
+    """Return the powers of kg, m and s in a symbol such as "kg m2 s-1".
+
+    None of one that has parts which are not known.
     """
     powers = [0, 0, 0]
     for part in symbol.split():
@@ -102,12 +103,12 @@ class Scales(NamedTuple):
     time: Any
 
     def of(self, unit: Unit) -> Any:
-        """How many SI units one internal unit of `unit` is.
+        """Return how many SI units one internal unit of `unit` is.
 
         Parameters
         ----------
         unit
-            What is converted.
+            The unit that is converted.
 
         Returns
         -------

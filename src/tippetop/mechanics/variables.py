@@ -1,6 +1,6 @@
-"""What is integrated: the state that moves, then the integrals, scaled.
+"""Variables of an integrator: the state that moves, then the integrals, scaled.
 
-The one place that knows the scale.
+Only this module depends on the scale.
 """
 
 from collections import namedtuple
@@ -32,8 +32,11 @@ LONG_NAMES = {
     "rx_dot": "horizontal velocity of the centre of mass, x component",
     "ry_dot": "horizontal velocity of the centre of mass, y component",
     **{f"u{x}": f"unit vector 3hat along the axis, {x} component" for x in "xyz"},
-    **{f"L{x}": f"angular momentum about the contact point, {x} component" for x in "xyz"},
-    **{f"M{x}": f"angular momentum about the contact point, {x} component" for x in "xyz"},
+    **{
+        f"{L}{x}": f"angular momentum about the contact point, {x} component"
+        for L in "LM"
+        for x in "xyz"
+    },
     "vx": "velocity of the contact point, x component",
     "vy": "velocity of the contact point, y component",
 }
@@ -42,8 +45,7 @@ LONG_NAMES = {
 
 @dataclass(frozen=True)
 class Variables:
-    """The variables of an integrator, in order: the state record of a form, then its integrals
-    times `INTEGRAL_SCALE`.
+    """The variables of an integrator: the state of a form, then its integrals times INTEGRAL_SCALE.
 
     Parameters
     ----------
@@ -58,7 +60,7 @@ class Variables:
 
     @cached_property
     def integrals(self) -> tuple[Integral, ...]:
-        """What is integrated beside the state."""
+        """Return the integrals that are integrated with the state."""
         turning = (
             self.form.orientation.integrals if self.orientation and self.form.orientation else ()
         )
@@ -66,7 +68,7 @@ class Variables:
 
     @cached_property
     def units(self) -> dict[str, Unit]:
-        """The unit of each variable, by name, in order."""
+        """Return the unit of each variable, by name, in order."""
         return {
             **self.form.units._asdict(),
             **{integral.name: integral.unit for integral in self.integrals},
@@ -74,21 +76,21 @@ class Variables:
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """The names of the variables, in order."""
+        """Return the names of the variables, in order."""
         return tuple(self.units)
 
     @property
     def moving(self) -> int:
-        """How many of them move; they come first."""
+        """Return the number of variables that move; they come first."""
         return len(self.form.units)
 
     @cached_property
     def carried(self) -> Any:
-        """The type of the record of the integrals."""
+        """Return the type of the record of the integrals."""
         return _record(tuple(integral.name for integral in self.integrals))
 
     def split(self, values: Any) -> tuple[Any, Any]:
-        """The state record and the record of the integrals, whole again.
+        """Split variables into the records of the state and of the integrals.
 
         Parameters
         ----------
@@ -102,17 +104,17 @@ class Variables:
         )
 
     def join(self, q: Sequence, carried: Sequence) -> list:
-        """The variables, of state and integrals, or of their rates: what `split` undoes."""
+        """Join state and integrals, or their rates, to variables: the inverse of `split`."""
         return [*q, *(INTEGRAL_SCALE * v for v in carried)]
 
     def rates(self, q: Any, carried: Any, b: Any) -> list:
-        """The time derivatives of the variables."""
+        """Return the time derivatives of the variables."""
         return self.join(
             self.form.rates(q, b), [integral.rate(q, carried, b) for integral in self.integrals]
         )
 
     def start(self, data: dict[str, Any], angles: Any, s: Any, z: Any, b: Any) -> tuple[Any, Any]:
-        """State and integrals at the start, in the units of the initial data."""
+        """Return state and integrals at the start, in the units of the initial data."""
         carried = [
             integral.start(data, s, z) if integral.start else getattr(angles, integral.name, 0 * z)
             for integral in self.integrals
@@ -120,7 +122,7 @@ class Variables:
         return self.form.of_angles(angles, s, z, b), self.carried(*carried)
 
     def weights(self, scales: Scales) -> list:
-        """SI value of one internal unit of each variable."""
+        """Return the SI value of one internal unit of each variable."""
         units = [scales.of(unit) for unit in self.units.values()]
         whole = units[: self.moving]
         return [
@@ -129,8 +131,9 @@ class Variables:
         ]
 
     def coefficients(self, name: str, coefficients: Any) -> Any:
-        """Taylor coefficients (n, order + 1) of an integral, whole again, among those of all
-        variables, (n, variables, order + 1).
+        """Return the Taylor coefficients (n, order + 1) of an integral.
+
+        `coefficients` are those of all variables, (n, variables, order + 1).
         """
         with np.errstate(over="ignore"):  # wider numbers, where a motion ends in a singularity
             return coefficients[:, self.names.index(name)].astype(float) / INTEGRAL_SCALE
@@ -138,5 +141,5 @@ class Variables:
 
 @lru_cache
 def _record(names: tuple[str, ...]) -> Any:
-    """A record with these fields: the same type for the same names."""
+    """Return a record with these fields: the same type for the same names."""
     return namedtuple("Carried", names)

@@ -1,21 +1,19 @@
-"""Formulas written down as a program in another language: an operand that notes what is done with
-it.
+"""Formulas written as a program in another language, by an operand that records operations.
 
-Fed symbols, a formula gives symbols, and `Program` has a line for each sub-expression, once: so the
-C++ of the benchmarks and the JavaScript of the pages are the formulas of this package, and no
-second copy.
+Fed symbols, a formula gives symbols, and `Program` has a line for each sub-expression, once. So
+the C++ of the benchmarks and the JavaScript of the pages are the formulas of this package.
 """
 
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import partialmethod
 from typing import Any, NamedTuple
 
 
 class Language(NamedTuple):
-    """How a program is written: the start of a line, a number, and the functions by the names that
-    numpy has.
-    """
+    """The syntax of a program: the start of a line, numbers, and functions by their names in
+    NumPy."""
 
     begin: str
     number: Callable[[float], str]
@@ -58,25 +56,25 @@ class Program:
     """A program without branches: lines in order, each sub-expression once."""
 
     language: Language
-    names: dict[str, str] = field(default_factory=dict)  # text -> name
-    needs: dict[str, tuple[str, ...]] = field(
-        default_factory=dict
-    )  # name -> names that its line reads
+    # text -> name
+    names: dict[str, str] = field(default_factory=dict)
+    # name -> names that its line reads
+    needs: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def new(self, text: str, needs: Iterable[str] = ()) -> "Symbol":
-        """The name of an expression that reads other names."""
+        """Return the name of an expression that reads other names."""
         name = self.names.setdefault(text, f"v{len(self.names)}")
         self.needs.setdefault(name, tuple(needs))
         return Symbol(self, name)
 
     def of(self, value: Any) -> "Symbol":
-        """A number or a symbol, as a symbol."""
+        """Return a number or a symbol, as a symbol."""
         if isinstance(value, Symbol):
             return value
         return Symbol(self, self.language.number(float(value)), float(value))
 
     def lines(self, results: Sequence[Any]) -> list[str]:
-        """The lines that the results need, in order; each ends with a semicolon."""
+        """Return the lines that the results need, in order; each ends with a semicolon."""
         wanted = [self.of(result).name for result in results]
         alive: set[str] = set()
         while wanted:
@@ -93,7 +91,7 @@ class Program:
 
 @dataclass(frozen=True, eq=False)
 class Symbol:
-    """An operand that writes down what is done with it. 0 and 1 fold."""
+    """An operand that records the operations on it. 0 and 1 fold."""
 
     program: Program
     name: str
@@ -120,29 +118,12 @@ class Symbol:
         right = f"({b.name})" if b.name.startswith("-") else b.name
         return self.program.new(f"{a.name} {sign} {right}", (a.name, b.name))
 
-    def __add__(self, other: Any) -> "Symbol":
-        return self._with("+", other)
-
-    def __radd__(self, other: Any) -> "Symbol":
-        return self._with("+", other)
-
-    def __sub__(self, other: Any) -> "Symbol":
-        return self._with("-", other)
-
-    def __rsub__(self, other: Any) -> "Symbol":
-        return self._with("-", other, swapped=True)
-
-    def __mul__(self, other: Any) -> "Symbol":
-        return self._with("*", other)
-
-    def __rmul__(self, other: Any) -> "Symbol":
-        return self._with("*", other)
-
-    def __truediv__(self, other: Any) -> "Symbol":
-        return self._with("/", other)
-
-    def __rtruediv__(self, other: Any) -> "Symbol":
-        return self._with("/", other, swapped=True)
+    __add__ = __radd__ = partialmethod(_with, "+")
+    __sub__ = partialmethod(_with, "-")
+    __rsub__ = partialmethod(_with, "-", swapped=True)
+    __mul__ = __rmul__ = partialmethod(_with, "*")
+    __truediv__ = partialmethod(_with, "/")
+    __rtruediv__ = partialmethod(_with, "/", swapped=True)
 
     def __neg__(self) -> "Symbol":
         if self.number is not None:
@@ -161,14 +142,17 @@ class Symbol:
         return math.prod([self] * int(power), start=self.program.of(1.0))
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
-        """What numpy does with it: the functions of a language, and arithmetic with numbers of
-        numpy on the left.
+        """Apply a function of NumPy.
+
+        the functions of a language, and arithmetic with numbers of numpy on the left.
         """
         name = ufunc.__name__
-        if method == "__call__" and not options and name in SIGNS:
-            return self.program.of(inputs[0])._with(SIGNS[name], inputs[1])
-        if method == "__call__" and not options and name in self.program.language.functions:
-            first, *others = (self.program.of(value) for value in inputs)
+        if method != "__call__" or options:
+            return NotImplemented
+        first, *others = map(self.program.of, inputs)
+        if name in SIGNS:
+            return first._with(SIGNS[name], others[0])
+        if name in self.program.language.functions:
             return first._called(name, *others)
         return NotImplemented
 
@@ -182,7 +166,7 @@ class Symbol:
 def function(
     language: Language, inputs: Sequence[str], formula: Callable[[list[Symbol]], Sequence[Any]]
 ) -> tuple[list[str], list[str]]:
-    """The lines and the results of a formula.
+    """Return the lines and the results of a formula.
 
     Parameters
     ----------

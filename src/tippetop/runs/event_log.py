@@ -15,7 +15,7 @@ from ..engine.loop import count_turnings
 from ..engine.observables import Observables
 from ..engine.settling import slides
 from ..engine.tallies import Tallies
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..problem import Problem

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..columns import Column, column
-from ..mechanics.events import NUMBERED
+from ..mechanics.event import NUMBERED
 from ..mechanics.units import RADIAN, SECOND
 
 

@@ -77,15 +77,16 @@ def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[
 
 def rows(path: Path, problem: Problem) -> dict[str, Column]:
     """Return the start and the keyframes of a stored run as rows. Raises StoreError."""
-    from ..store import chunks
+    from ..store.root import loaded, open_group
 
-    arrays = chunks.read_member(path, "keyframes")
+    table = loaded(open_group(path, "keyframes"), path)
+    columns = {str(name): variable.values for name, variable in table.variables.items()}
     start = problem.start()
-    times = np.concatenate([[0.0], arrays["time"][:]])
+    times = np.concatenate([[0.0], columns["time"]])
     if not problem.system.is_hybrid:
-        states = _sum(arrays["state"][:], problem.number)[:, : len(start)]
+        states = _sum(columns["state"], problem.number)[:, : len(start)]
     else:
-        driver, columns = driver_of(problem), {name: array[:] for name, array in arrays.items()}
+        driver = driver_of(problem)
         states = np.zeros((0, len(start)), problem.number)
         for k in range(len(times) - 1):
             restore(driver, {name: values[k] for name, values in columns.items()})

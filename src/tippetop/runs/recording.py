@@ -2,13 +2,10 @@
 both.
 """
 
-import contextlib
 import json
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -22,8 +19,9 @@ from ..errors import Interrupted
 from ..problem import Problem
 from ..store import files, ledger, provenance, zarr3
 from ..store.ledger import Ledger
-from ..store.root import finite, new_store
+from ..store.root import finite
 from ..store.table import LATE, Table
+from ..store.writer import Writer, begin
 from . import attributes, keyframes, phases, reporting, sensitivities
 from .events import EventTable, event_columns
 from .integration import Integration
@@ -44,27 +42,18 @@ FINISHED = "The run is finished and whole; only temporary files are left in it."
 Progress = Callable[[RunProgress], None]
 
 
-class Recorder:
-    """The sink of a run that writes its store.
-
-    A context; when it ends nothing is being written any more.
-
-    All writing is done in one thread of its own: it follows the integration, and no
-    KeyboardInterrupt enters it.
-    """
+class Recorder(Writer):
+    """The sink of a run that writes its store."""
 
     keeps_rows = True
 
     def __init__(self, problem: Problem, store: Ledger, stop: threading.Event | None = None):
-        self.problem, self.view = problem, Observables(problem)
-        self.store, self.stop = store, stop
-        names = (name for name in store.state.header["tables"] if not name.endswith(LATE))
-        self.growing = {name: Table(store, name) for name in names}
+        super().__init__(store)
+        self.problem, self.view, self.stop = problem, Observables(problem), stop
+        self.growing = {name: Table(store, name) for name in store.state.header["tables"]}
         self.begun_with: list[
             dict[str, Any]
         ] = []  # versions and processors of those that wrote it before
-        self.behind: deque[Future] = deque()
-        self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
         self.committed_at, self.asked = time.monotonic(), 0.0
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
@@ -76,30 +65,36 @@ class Recorder:
             self.asked = self.asked or time.monotonic()
             if time.monotonic() - self.asked > PATIENCE:
                 raise Interrupted
-        self._later(lambda: self.append("trajectory", self.view.columns(times, states())))
+        self.later(lambda: self.append("trajectory", self.view.columns(times, states())))
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Takes rows of the event log."""
         if len(table.time):
-            self._later(lambda: self.append("events", event_columns(table)))
+            self.later(lambda: self.append("events", event_columns(table)))
         if marks:
-            self._later(lambda: self.growing["events"].mark(SIGNIFICANT, marks))
+            self.later(lambda: self.mark(marks))
 
     def keyframe(self, row: dict[str, Column]) -> None:
         """Take a keyframe."""
-        self._later(lambda: self.append("keyframes", row))
+        self.later(lambda: self.append("keyframes", row))
 
     def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
         """Takes rows of further tables."""
         for name, table in new.items():
             if len(next(iter(table.values()))):
-                self._later(
+                self.later(
                     partial(self.append, name, phases.columns(self.problem.system, name, table))
                 )
 
     def append(self, name: str, columns: dict[str, Column]) -> None:
         """Append rows to a table."""
-        self.growing[name].append({key: column.values for key, column in columns.items()})
+        values = {key: column.values for key, column in columns.items()}
+        for part in self.growing.keys() & {name, name + LATE}:
+            self.growing[part].append(values)
+
+    def mark(self, rows: list[int], value: bool = True) -> None:
+        """Set the flags of some events."""
+        self.growing["events" + LATE].mark(SIGNIFICANT, rows, value)
 
     def derivatives(self) -> None:
         """Makes the tables of derivatives, where the run has come to its end, from its rows and its
@@ -108,35 +103,16 @@ class Recorder:
         problem = self.problem
         if not problem.sensitivities:
             return
-        self._now(lambda: None)
-        log, events = EventTable.empty(problem.system.kinds), self.growing["events"]
-        table = EventTable(log.kinds, *(events.values(name) for name in log.columns()))
+        self.now(lambda: None)
+        log = EventTable.empty(problem.system.kinds)
+        parts = [self.growing["events"], self.growing["events" + LATE]]
+        stored = {name: part.values(name) for part in parts for name in part.documents}
+        table = EventTable(log.kinds, *(stored[name] for name in log.columns()))
         times = problem.times[: self.growing["trajectory"].rows]
         make = partial(sensitivities.tables, problem, times, table)
         derived = awaited(make, "the derivatives of the run are being computed", self.stop)
         for name, columns in derived.items():
-            self._later(partial(self.append, name, columns))
-
-    def _later(self, work: Callable[[], None]) -> None:
-        """Queues work for the writing thread, not more than a few slices ahead; raises what went
-        wrong there.
-        """
-        while len(self.behind) > 8 or (self.behind and self.behind[0].done()):
-            self.behind.popleft().result()
-        self.behind.append(self.thread.submit(work))
-
-    def _now(self, work: Callable[[], None]) -> None:
-        """Does work in the writing thread once all that was queued is done; returns when it is
-        done. Where anything went wrong before, that is raised, and the work is not begun.
-        """
-        while self.behind:
-            self.behind.popleft().result()
-
-        def checked() -> None:
-            self.store.check()
-            work()
-
-        self.thread.submit(checked).result()
+            self.later(partial(self.append, name, columns))
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
         """Commit now and then; stop at a commit if asked to."""
@@ -157,43 +133,36 @@ class Recorder:
             self.store.commit(self.tail(snapshot), rows=self.counts(), changed=changed)
             self.derive()
 
-        self._now(work)
+        self.now(work)
         self.committed_at = time.monotonic()
 
     def tail(self, snapshot: dict[str, Any]) -> bytes:
         """Return the rows that no chunk holds, and the state of the run."""
-        parts = {name: table.tail() for name, table in self.growing.items()}
         state = {
             **here(),
             "begun_with": self.begun_with,
             "integration": snapshot,
-            "tables": {name: about for name, (about, _) in parts.items()},
+            "tables": {name: [table.written, table.rows] for name, table in self.growing.items()},
         }
         head = json.dumps(state, allow_nan=False).encode() + b"\n"
-        return head + b"".join(data for _, data in parts.values())
+        return head + b"".join(table.tail() for table in self.growing.values())
 
     def restore(self, tail: bytes) -> None:
         """Take back the rows of a tail."""
         head, _, data = tail.partition(b"\n")
         state = json.loads(head)
-        for name, about in state["tables"].items():
-            data = self.growing[name].restore(about, data)
+        for name, (written, rows) in state["tables"].items():
+            data = self.growing[name].restore(written, rows, data)
 
     def derive(self) -> None:
         """Write what readers of an unfinished store need, and nobody else."""
         self.store.derive(
-            {
-                file: data
-                for table in self.growing.values()
-                for file, data in table.derived().items()
-            }
+            {file: data for table in self.growing.values() for file, data in table.derived()}
         )
 
     def counts(self) -> dict[str, int]:
         """Return the rows of all tables, by the names that the ledger has."""
-        return {
-            key: rows for table in self.growing.values() for key, rows in table.counts().items()
-        }
+        return {name: table.rows for name, table in self.growing.items()}
 
     def finish(self, attrs: dict[str, Any], ending: dict[str, Any]) -> dict[str, Any]:
         """Write waiting rows, and close the store with its last root attributes; return them."""
@@ -214,14 +183,8 @@ class Recorder:
                 with files.writing(self.store.path, FINISHED if self.store.state.closing else ""):
                     raise
 
-        self._now(work)
+        self.now(work)
         return self.store.state.attributes
-
-    def __enter__(self) -> "Recorder":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.thread.shutdown(cancel_futures=True)
 
 
 def record(
@@ -231,6 +194,7 @@ def record(
     overwrite: bool = False,
     progress: Progress | None = None,
     stop: threading.Event | None = None,
+    in_sweep: bool = False,
 ) -> tuple[Integration, dict[str, Any]]:
     """Integrates a problem into a new store, in any thread.
 
@@ -242,6 +206,8 @@ def record(
         The store to make.
     overwrite
         Whether a store that is there may be replaced; not while another process writes it.
+    in_sweep
+        Whether the target lies in the store of a sweep, which writes it.
     progress
         Called after every slice.
     stop
@@ -261,12 +227,14 @@ def record(
     Interrupted
         `stop` was set.
     """
-    with contextlib.ExitStack() as held:
-        with new_store(target, overwrite=overwrite) as scratch:
-            integration = Integration(problem, stop)
-            store = held.enter_context(Ledger.created(scratch, header(integration), bare=True))
-        store.path = Path(target)
-        return run_into(integration, store, progress, stop)
+    begun: list[Integration] = []
+
+    def head() -> dict[str, Any]:
+        begun.append(Integration(problem, stop))
+        return header(begun[0])
+
+    store = begin(target, head, overwrite=overwrite, in_sweep=in_sweep)
+    return run_into(begun[0], store, progress, stop)
 
 
 def header(integration: Integration) -> dict[str, Any]:
@@ -284,14 +252,12 @@ def header_of(
     """Return the header of a ledger with these tables: name, columns without rows, rows
     of a chunk.
     """
-    members: dict[str, Any] = {}
-    chunked: dict[str, list[str]] = {}
+    parts: dict[str, dict[str, Any]] = {}
     for name, columns, chunk in tables:
-        members[name] = zarr3.group({})
         for key, column in columns.items():
-            members[f"{name}/{key}"] = zarr3.array(column, {column.dims[0]: (0, chunk)})
-            chunked.setdefault(name + LATE if key == late else name, []).append(f"{name}/{key}")
-    return ledger.header(attrs, members, chunked)
+            array = zarr3.array(column, {column.dims[0]: (0, chunk)})
+            parts.setdefault(name + LATE if key == late else name, {})[f"{name}/{key}"] = array
+    return ledger.header(attrs, parts)
 
 
 def tables_of_run(integration: Integration) -> Iterator[tuple[str, dict[str, Column], int]]:
@@ -323,13 +289,13 @@ def run_into(
     store: Ledger,
     progress: Progress | None,
     stop: threading.Event | None,
-    begin: Callable[[Recorder], None] | None = None,
+    take_up: Callable[[Recorder], None] | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
-    """Integrates into an open store: from its start, or from where `begin` puts it."""
+    """Integrates into an open store: from its start, or from where `take_up` puts it."""
     remedy = f"Nothing acknowledged is lost: tippetop resume {store.path}"
     with files.writing(store.path, remedy), Recorder(integration.problem, store, stop) as recorder:
-        if begin is not None:
-            begin(recorder)
+        if take_up is not None:
+            take_up(recorder)
         if stop is not None and stop.is_set():
             raise Interrupted
         integration.run(recorder, progress)

@@ -221,23 +221,21 @@ def _refuse_far(path: Path, report: dict[str, Any], times: EvenTimes) -> None:
 
 def _take_up(path: Path, integration: Integration, start: float) -> None:
     """Takes a run up at its last keyframe before `start` [s], or leaves it at its start."""
-    arrays = chunks.read_member(path, "keyframes")
-    if arrays.keys() != keyframes.empty(integration.problem, integration.driver).keys():
-        raise StoreError(
-            f"`{path}` must have the columns of keyframes, but has {', '.join(sorted(arrays))}."
-        )
-    clock = chunks.rows(arrays["clock"], 0, arrays["clock"].shape[0])
+    table = root.open_group(path, "keyframes")
+    if table.variables.keys() != keyframes.empty(integration.problem, integration.driver).keys():
+        found = ", ".join(sorted(map(str, table.variables)))
+        raise StoreError(f"`{path}` must have the columns of keyframes, but has {found}.")
+    clock = root.loaded(table[["clock"]], path)["clock"].values
     at = int(np.searchsorted(clock[:, 0, 0], start / integration.second, side="left")) - 1
     if at < 0:
         return
-    if arrays["state"].attrs.get("equations") != fingerprint(integration.driver):
+    if table["state"].attrs.get("equations") != fingerprint(integration.driver):
         raise StoreError(
             f"`{path}` must be of the equations that are installed to be replayed, but is of "
             "others."
         )
     try:
-        integration.take_up(
-            {name: chunks.rows(array, at, at + 1)[0] for name, array in arrays.items()}
-        )
+        row = root.loaded(table.isel(keyframe=at), path)
+        integration.take_up({str(name): value.values for name, value in row.variables.items()})
     except (ValueError, IndexError, TypeError) as error:
         raise StoreError(f"`{path}` must have whole keyframes, but: {error}.") from None

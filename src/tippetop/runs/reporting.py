@@ -14,7 +14,7 @@ from ..engine.observables import Observables
 from ..engine.settling import CLASSES, classes_of, with_phases
 from ..engine.status import Status
 from ..mechanics.caching import cached_property
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.friction import has_parts
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem

@@ -13,6 +13,7 @@ from ..mechanics.system import System
 from ..scenario import build
 from ..store import files, ledger, root
 from ..store.ledger import Ledger
+from ..store.table import LATE
 from . import recording
 from .integration import Integration
 from .recording import Progress, Recorder, here, run_into
@@ -56,7 +57,7 @@ def resume(
         integration = Integration(build.stored(attrs, known=known), stop)
         _compare(store, recording.header(integration))
 
-        def begin(recorder: Recorder) -> None:
+        def take_up(recorder: Recorder) -> None:
             recorder.begun_with = state["begun_with"]
             if tail:
                 recorder.restore(tail)
@@ -64,7 +65,7 @@ def resume(
                 _unmark(recorder, integration)
                 recorder.derive()
 
-        return run_into(integration, store, progress, stop, begin)
+        return run_into(integration, store, progress, stop, take_up)
 
 
 def opened(target: Path) -> Ledger:
@@ -102,7 +103,7 @@ def _compare(store: Ledger, wanted: dict[str, Any]) -> None:
 
 def _unmark(recorder: Recorder, integration: Integration) -> None:
     """Clear the flags of events that are still open where the run is taken up."""
-    recorder.growing["events"].mark(recording.SIGNIFICANT, integration.log.open_rows(), value=False)
+    recorder.mark(integration.log.open_rows(), value=False)
 
 
 def same_here(
@@ -230,11 +231,11 @@ def extend(
         _compare(store, header)
         put_back(target, integration, store.state.end["slice"])
 
-        def begin(recorder: Recorder) -> None:
+        def take_up(recorder: Recorder) -> None:
             recorder.begun_with = kept.get("begun_with", [])
             for name, rows in _rows(integration).items():
-                if name in recorder.growing:
-                    recorder.growing[name].cut(rows)
+                for part in recorder.growing.keys() & {name, name + LATE}:
+                    recorder.growing[part].cut(rows)
             _unmark(recorder, integration)
             chunks = {key for table in recorder.growing.values() for key in table.chunks()}
             store.restart(
@@ -242,7 +243,7 @@ def extend(
             )
             recorder.derive()
 
-        return run_into(integration, store, progress, stop, begin)
+        return run_into(integration, store, progress, stop, take_up)
 
 
 def _rows(integration: Integration) -> dict[str, int]:

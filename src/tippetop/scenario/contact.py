@@ -14,7 +14,7 @@ from ..mechanics.contact.single_contact import LEAST_PATCH
 from ..mechanics.contact.uniqueness import painleve_bound
 from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System
-from ..mechanics.systems import laws_of, that_open
+from ..mechanics.systems import laws_of, opening_systems
 from ..problem import Problem
 from .law_change import law_name
 from .own_records import own_records, with_records
@@ -48,7 +48,7 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
                 'law without eps, or run.on_liftoff = "fly".'
             )
         return system
-    bodies = that_open()
+    bodies = opening_systems()
     spheres = [name for name, one in bodies.items() if one.opening and one.opening.sphere]
     if "stem" in tables and not (opening and opening.sphere):
         raise InputError(

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.contact.opening import SETTLED, opened
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.moment import PLACE, Moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import Form, Quantity, System

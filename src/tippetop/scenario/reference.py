@@ -9,11 +9,11 @@ from pydantic import BaseModel
 
 from ..mechanics.contact.opening import ABOVE, opened
 from ..mechanics.contact.restitution import CONTACT, STEM
-from ..mechanics.events import Event
+from ..mechanics.event import Event
 from ..mechanics.friction import LAWS, PARTS, FrictionLaw
 from ..mechanics.number import Number
 from ..mechanics.system import System
-from ..mechanics.systems import SYSTEMS, load_entry_points, systems_of_laws, that_open
+from ..mechanics.systems import SYSTEMS, load_entry_points, opening_systems, systems_of_laws
 from ..mechanics.units import Unit
 from ..problem import ORIENTATION, PSI
 from ..problem.options import UNITS, UNTIL
@@ -138,7 +138,7 @@ def scenario() -> list[Section]:
                 ("[parameters]", "the body; its keys are those of its system"),
                 ("[friction]", f"law, and its numbers; of {', '.join(s.name for s in gliding)}"),
                 ("[initial]", 'the start; `from = "RUN.zarr"` instead: the end of another run'),
-                ("[contact]", f"a contact that may open; of {', '.join(that_open())}"),
+                ("[contact]", f"a contact that may open; of {', '.join(opening_systems())}"),
                 ("[stem]", "the ball at the end of a stem; of tippe-top"),
                 ("[run]", "how long, how accurately, and what is kept"),
             ],
@@ -194,10 +194,9 @@ def friction() -> list[Section]:
     for name, (law, _) in list(laws.items()):
         if law.without is not None:
             optional = ", ".join(key for key, rule in law.parameters.items() if rule.optional)
-            laws[f"{name} (without {optional})"] = (law.without, list(that_open()))
-    rolling = {
-        name for name, system in that_open().items() if system.opening and system.opening.sphere
-    }
+            laws[f"{name} (without {optional})"] = (law.without, list(opening_systems()))
+    opening = opening_systems().items()
+    rolling = {name for name, system in opening if system.opening and system.opening.sphere}
     return [
         Section(
             name,
@@ -226,7 +225,7 @@ def systems() -> list[Section]:
 def _with_contact() -> list[System]:
     return [
         opened(system, LAWS["none"], balls)
-        for system in that_open().values()
+        for system in opening_systems().values()
         for balls in ((1, 2) if system.opening and system.opening.sphere else (1,))
     ]
 
@@ -267,7 +266,7 @@ def columns() -> list[Section]:
         Section(f"Columns of {system.name}", "", ("column", "unit", "what it is"), _columns(system))
         for system in SYSTEMS.values()
     ]
-    new = {row for system in that_open().values() for row in _columns(system)}
+    new = {row for system in opening_systems().values() for row in _columns(system)}
     rows = [row for system in _with_contact() for row in _columns(system) if row not in new]
     text = "Beside the others, or instead."
     return [

@@ -1,15 +1,14 @@
 """Files and folders that appear whole or not at all.
 
-No link is followed where something is written: scratch names cannot be guessed and are made
-exclusively, and what takes its place does so by a rename, which replaces a link rather than what it
-points to.
+No link is followed where something is written: scratch names cannot be guessed, and a rename
+replaces a link rather than its target.
 """
 
 import contextlib
 import errno
 import fcntl
+import glob
 import os
-import re
 import shutil
 import stat
 import uuid
@@ -24,9 +23,7 @@ from .ledger import Ledger, is_ledger
 
 @contextlib.contextmanager
 def writing(path: str | Path, remedy: str = "") -> Iterator[None]:
-    """A block in which what goes wrong with the disk becomes a StoreError about `path`, followed by
-    the remedy.
-    """
+    """Convert an OSError of the block to a StoreError about `path`, followed by the remedy."""
     try:
         yield
     except StoreError:
@@ -38,8 +35,7 @@ def writing(path: str | Path, remedy: str = "") -> Iterator[None]:
 
 @contextlib.contextmanager
 def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
-    """Gives an empty scratch file near `path`, which becomes `path` when the block ends well, on
-    the disk itself, and vanishes when not.
+    """Yield an empty scratch file, which becomes `path`, synced, when the block ends well.
 
     Raises
     ------
@@ -54,29 +50,23 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
     refuse_inside(path)
     flag("overwrite", overwrite)
     remove_stale(path)
-    if os.path.lexists(path):
-        if not overwrite:
-            raise _exists(path)
-        if not path.is_symlink() and not path.is_file():
-            raise StoreError(
-                f"`{path}` must be a file to be overwritten, but is a device, a pipe or a socket."
-            )
-    with _scratch_folder(path) as folder:
+    if overwrite and os.path.lexists(path) and not path.is_symlink() and not path.is_file():
+        raise StoreError(
+            f"`{path}` must be a file to be overwritten, but is a device, a pipe or a socket."
+        )
+    _refuse_existing(path, overwrite)
+    with scratch_folder(path) as folder:
         scratch = folder / path.name
-        os.close(os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666))
+        scratch.touch()
         yield scratch
         synced(scratch)
-        if overwrite:
-            os.replace(scratch, path)
-        else:
-            _rename_new_file(scratch, path)
+        _refuse_existing(path, overwrite)
+        os.replace(scratch, path)
         synced(path.parent)
 
 
 def refuse_inside(path: Path) -> None:
-    """Raises StoreError if a path that a user names lies in a store: what is added there, or
-    replaced, damages it.
-    """
+    """Raise StoreError if a path that a user names lies in a store, which it would damage."""
     for place in (Path(os.path.abspath(path)), Path(os.path.realpath(path))):
         for folder in place.parents:
             if os.path.lexists(folder / "zarr.json"):
@@ -86,66 +76,17 @@ def refuse_inside(path: Path) -> None:
                 )
 
 
-@contextlib.contextmanager
-def replacing_folder(path: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Gives an empty scratch folder beside `path`, which becomes `path` when the block ends well
-    and vanishes when not.
-
-    What is there already is a store whose lock is taken first: it is moved aside whole, and goes at
-    last.
-
-    Raises
-    ------
-    StoreError
-        `path` exists, unless it may be overwritten; it is a link; another process writes it.
-    OSError
-        The disk; see `writing`.
-    """
-    path = own_folder(path)
-    put_back(path)
-    replaced = path.exists()
-    if replaced and not overwrite:
-        raise _exists(path)
-    with contextlib.ExitStack() as stack:
-        lock = stack.enter_context(lock_of(path)) if replaced else None
-        remove_stale(path)
-        scratch = stack.enter_context(_scratch_folder(path))
-        yield scratch
-        if not replaced:
-            rename_new(scratch, path)
-            return
-        if lock is not None:
-            lock.check()
-        old = _name_aside(path)
-        path.rename(old)
-        try:
-            rename_new(scratch, path)
-        except BaseException:
-            old.rename(path)
-            raise
-        shutil.rmtree(old, ignore_errors=True)
-
-
 def lock_of(path: Path) -> contextlib.AbstractContextManager[Ledger | None]:
-    """The lock of a store. Raises StoreError: another process writes it."""
+    """Lock a store. Raises StoreError if another process writes it."""
     return Ledger.locked(path) if is_ledger(path) else contextlib.nullcontext()
 
 
 @contextlib.contextmanager
-def _scratch_folder(path: Path) -> Iterator[Path]:
-    """An empty folder beside `path`, held until the block ends, when it goes with all that is in
-    it. Raises OSError.
-    """
-    while True:
-        scratch = scratch_name(path)
-        scratch.mkdir()
-        try:
-            descriptor = _held(
-                scratch
-            )  # until it is gone or this process is: a killed writer leaves it free
-            break
-        except (FileNotFoundError, BlockingIOError):  # in between another process took it for stale
-            continue
+def scratch_folder(path: Path) -> Iterator[Path]:
+    """Make a hidden folder next to `path`; remove it when the block ends. Raises OSError."""
+    scratch = scratch_name(path)
+    scratch.mkdir()
+    descriptor = _locked(scratch)  # which a killed writer releases
     try:
         yield scratch
     finally:
@@ -153,11 +94,8 @@ def _scratch_folder(path: Path) -> Iterator[Path]:
         shutil.rmtree(scratch, ignore_errors=True)
 
 
-def _held(folder: Path) -> int:
-    """A descriptor that locks a folder itself until it is closed or the process ends.
-
-    Raises OSError: it is held.
-    """
+def _locked(folder: Path) -> int:
+    """Lock a folder itself until the descriptor is closed. Raises OSError if it is locked."""
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -168,47 +106,40 @@ def _held(folder: Path) -> int:
 
 
 def put_back(path: Path) -> None:
-    """Put back a store that a killed writer moved aside, and warn; remove it if its successor took
-    its place.
-    """
-    old = _name_aside(path)
+    """Put back a store that a killed writer moved aside, or remove it if it was replaced."""
+    old = name_aside(path)
     if not old.exists():
         return
     if path.exists():
         _removed(old)
         return
-    with (
-        contextlib.suppress(OSError, StoreError),
-        lock_of(old),
-    ):  # the lock is held while a writer is at work
+    # the lock is held while a writer is at work
+    with contextlib.suppress(OSError, StoreError), lock_of(old):
         old.rename(path)
         synced(path.parent)
         warnings.warn(f"`{path}` is put back: a killed run had not replaced it yet.", stacklevel=2)
 
 
 def remove_stale(path: Path) -> None:
-    """Removes the scratch folders that killed writers of `path` left beside it, and warns, naming
-    them.
+    """Remove, with a warning, the scratch folders that killed writers of `path` left.
 
-    Only what is ours beyond doubt: a folder of this user whose name `scratch_name` made, and which
-    no process holds.
+    Only folders of this user with a name by `scratch_name`, and which no process has locked.
     """
-    pattern = re.compile(re.escape(f".{path.name}.part-") + "[0-9a-f]{32}")
+    names = glob.escape(f".{path.name}.part-") + "[0-9a-f]" * 32
     with contextlib.suppress(OSError):
-        for name in sorted(os.listdir(path.parent)):
-            old = path.with_name(name)
-            if pattern.fullmatch(name) and _removed(old):
+        for old in sorted(path.parent.glob(names)):
+            if _removed(old):
                 warnings.warn(f"`{old}` is removed: a killed run left it.", stacklevel=2)
 
 
 def _removed(old: Path) -> bool:
-    """Removes a folder of this user that nobody holds; whether it did."""
+    """Remove a folder of this user that no process has locked; return whether it was removed."""
     try:
         status = os.lstat(old)
         if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.geteuid():
             return False
         with contextlib.ExitStack() as stack:
-            stack.callback(os.close, _held(old))
+            stack.callback(os.close, _locked(old))
             stack.enter_context(lock_of(old))
             shutil.rmtree(old)
     except (OSError, StoreError):
@@ -217,28 +148,14 @@ def _removed(old: Path) -> bool:
 
 
 def rename_new(scratch: Path, path: Path) -> None:
-    """Renames a folder to a name that nothing but an empty folder may have.
-
-    Raises StoreError, OSError.
-    """
+    """Rename a folder to a name that only an empty folder may have. Raises StoreError, OSError."""
     try:
         scratch.rename(path)
     except OSError as error:
         if error.errno in (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR):
-            raise _exists(path) from None
+            raise exists(path) from None
         raise
     synced(path.parent)
-
-
-def _rename_new_file(scratch: Path, path: Path) -> None:
-    try:
-        os.link(scratch, path)
-    except FileExistsError:
-        raise _exists(path) from None
-    except OSError:  # a file system without hard links
-        if os.path.lexists(path):
-            raise _exists(path) from None
-        os.rename(scratch, path)
 
 
 def write_text(path: Path, text: str, *, overwrite: bool) -> None:
@@ -247,25 +164,30 @@ def write_text(path: Path, text: str, *, overwrite: bool) -> None:
         scratch.write_text(text, encoding="utf-8")
 
 
-def _exists(path: Path) -> StoreError:
-    return StoreError(f"`{path}` must not exist yet, but does.")
+def _refuse_existing(path: Path, overwrite: bool) -> None:
+    if not overwrite and os.path.lexists(path):
+        raise exists(path)
 
 
-def _name_aside(path: Path) -> Path:
+def exists(path: Path) -> StoreError:
+    """Return the error that a path exists."""
+    return StoreError(f"`{path}` must not exist yet, but does: remove it, or say --overwrite.")
+
+
+def name_aside(path: Path) -> Path:
     """Return the hidden name that a store has while another takes its place."""
     return path.with_name(f".{path.name}.replaced")
 
 
 def scratch_name(path: Path) -> Path:
-    """A hidden name beside `path` that nobody can guess."""
+    """Return a hidden name next to `path` that cannot be guessed."""
     return path.with_name(f".{path.name}.part-{uuid.uuid4().hex}")
 
 
 def synced(path: Path) -> None:
-    """Waits until the disk itself has a file, or what a folder says of its files."""
-    descriptor = os.open(
-        path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC
-    )  # not to wait where a pipe came to be
+    """Wait until the disk has a file, or the names in a folder."""
+    # do not wait for a reader where a pipe was made meanwhile
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     try:
         os.fsync(descriptor)
     except OSError as error:
@@ -276,17 +198,14 @@ def synced(path: Path) -> None:
 
 
 def own_folder(path: str | Path) -> Path:
-    """A path that is no link, so that what is written there is written there. Raises StoreError."""
+    """Return a path that is not a link. Raises StoreError."""
     if os.path.islink(path):
-        raise StoreError(f"`{path}` must be a folder of its own, but is a link.")
+        raise StoreError(f"`{path}` must be a folder, but is a link.")
     return Path(path)
 
 
 def refuse_links(folder: Path) -> None:
-    """Raises StoreError if anything inside a folder is neither a folder nor a plain file: zarr,
-    which writes there, would follow a link out of it. For who opens a store to write in it, whoever
-    made the store.
-    """
+    """Raise StoreError if a store that is to be written contains links, pipes or devices."""
     with os.scandir(folder) as entries:
         for entry in entries:
             if entry.is_dir(follow_symlinks=False):

@@ -1,8 +1,7 @@
-"""A folder on disk as a store writes it: every path is relative to one descriptor of the folder.
+"""The folder of a store: every path is relative to one descriptor of the folder.
 
-So nothing is ever written into another folder that took its place. Files that no acknowledged
-record depends on yet are written without waiting for the disk; `sync` then waits for all of them
-together.
+So nothing is ever written into another folder that took its place. Files are written without
+waiting for the disk; `sync` then waits for all of them together.
 """
 
 import contextlib
@@ -37,12 +36,13 @@ class Folder:
         """Make a folder, unless it exists."""
         with contextlib.suppress(FileExistsError):
             os.mkdir(name, dir_fd=self.descriptor)
-        self.unsynced.add(name.rpartition("/")[0])  # who made it before may not have synced it
+        # also of a folder that exists: another process may not have synced its name
+        self.unsynced.add(name.rpartition("/")[0])
 
     def write(self, name: str, data: bytes, *, derived: bool = False) -> None:
         """Write a file, whole or not at all.
 
-        What is `derived` can be made again, and is not synced.
+        A `derived` file can be made again, and is not synced.
         """
         self.put(name + NEW, data)
         self.rename(name + NEW, name)

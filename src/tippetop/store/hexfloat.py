@@ -1,6 +1,4 @@
-"""Numbers as JSON keeps them without losing a bit: hexadecimal floats, wider ones as a sum of
-several.
-"""
+"""Numbers in JSON without loss: hexadecimal floats, wider ones as a sum of several."""
 
 from typing import Any
 
@@ -8,7 +6,7 @@ import numpy as np
 
 
 def encode(value: Any) -> Any:
-    """A tree of dicts, lists, numbers and arrays of any precision as plain JSON data."""
+    """Return a tree of dicts, lists, numbers and arrays of any precision as plain JSON data."""
     if isinstance(value, dict):
         return {key: encode(v) for key, v in value.items()}
     if isinstance(value, list | tuple | np.ndarray):
@@ -19,28 +17,21 @@ def encode(value: Any) -> Any:
 
 
 def to_hex(value: Any) -> str:
-    """A float of any precision as hexadecimal doubles that add up to it exactly."""
-    high = float(value)
-    if not np.isfinite(high):
-        return high.hex()
-    pieces = [high]
-    while (rest := float(value := value - high)) != 0.0:
-        pieces.append(rest)
-        high = rest
-    return " ".join(piece.hex() for piece in pieces)
+    """Return a float of any precision as hexadecimal doubles that add up to it exactly."""
+    pieces = [float(value)]
+    while np.isfinite(pieces[-1]) and (value := value - pieces[-1]) != 0.0:
+        pieces.append(float(value))
+    return " ".join(map(float.hex, pieces))
 
 
 def from_hex(text: str, kind: Any = float) -> Any:
-    """The float that `to_hex` wrote."""
-    pieces = [kind(float.fromhex(piece)) for piece in text.split()]
-    total = pieces[0]
-    for piece in pieces[1:]:
-        total = total + piece
-    return total
+    """Return the float that `to_hex` wrote."""
+    first, *rest = (kind(float.fromhex(piece)) for piece in text.split())
+    return sum(rest, first)
 
 
 def decode(value: Any) -> Any:
-    """What `encode` made, with strings of hexadecimal doubles as floats again."""
+    """Return the data that `encode` wrote, with hexadecimal doubles as floats again."""
     if isinstance(value, dict):
         return {key: decode(v) for key, v in value.items()}
     if isinstance(value, list):

@@ -1,4 +1,4 @@
-"""What every store says of its making: format, versions, processor."""
+"""The origin of a store: format, versions, processor."""
 
 import os
 import platform
@@ -14,7 +14,7 @@ FORMAT_VERSION = 2
 
 @lru_cache
 def versions() -> dict[str, str]:
-    """Versions of what a result depends on."""
+    """Return the versions of the packages that a result depends on."""
     result = {"python": platform.python_version()}
     for name in ("tippetop", "heyoka", "numpy", "zarr"):
         try:
@@ -26,7 +26,7 @@ def versions() -> dict[str, str]:
 
 @lru_cache
 def cpu() -> str:
-    """The model of this machine's processor: results are bit-identical only on the same one."""
+    """Return the model of the processor: results are bit-identical only on the same one."""
     try:
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
             if line.startswith("model name"):
@@ -37,7 +37,7 @@ def cpu() -> str:
 
 
 def provenance() -> dict[str, Any]:
-    """What every store says of its making."""
+    """Return the attributes of every store: format, versions, processor."""
     return {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,

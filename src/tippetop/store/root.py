@@ -1,8 +1,8 @@
-"""The root attributes of a store: what it holds, and whether tippetop wrote it."""
+"""The root attributes and the groups of a store."""
 
 import contextlib
-import json
 import math
+import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,6 @@ from ..columns import with_coordinates
 from ..errors import StoreError
 from . import files, ledger
 from .ledger import Ledger
-from .provenance import FORMAT
 from .zarr3 import DOCUMENT
 
 
@@ -26,7 +25,7 @@ RUNS = "runs"  # the group of a sweep whose members are stores of runs
 
 
 def finite(value: Any) -> Any:
-    """The value as JSON can hold it: numbers that are not finite become None."""
+    """Return a value as JSON can contain it: numbers that are not finite become None."""
     if isinstance(value, dict):
         return {k: finite(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
@@ -37,48 +36,35 @@ def finite(value: Any) -> Any:
 
 
 def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
-    """Return the root attributes of a store that is what its ledger acknowledges.
+    """Return the root attributes of a store after comparing it with its ledger.
 
     With `whole=False` only the ledger is read. Raises StoreError; see `ledger.read`.
     """
     place = Path(path)
     if ledger.is_ledger(place):
         return ledger.read(place, chunks=whole).attributes
-    if _is_preview(place):
-        raise StoreError(
-            f"`{path}` was written by a preview of tippetop (format 1): make it again, or read "
-            "its numbers "
-            "with xarray.open_zarr."
-        )
     raise StoreError(f"`{path}` {_no_store(place)}.")
 
 
 def root_of(path: str | Path) -> dict[str, Any]:
-    """Return the root attributes as the ledger has them. Raises StoreError."""
+    """Return the root attributes in the ledger. Raises StoreError."""
     return attributes(path, whole=False)
 
 
 def refuse_foreign(path: Path) -> None:
-    """Raise StoreError if tippetop did not write what is there; what is damaged is not refused."""
-    if not ledger.is_ledger(path) and not _is_preview(path):
+    """Raise StoreError unless tippetop wrote a store, damaged or not."""
+    if not ledger.is_ledger(path):
         attributes(path)
 
 
-def _is_preview(place: Path) -> bool:
-    """Whether a folder is a store from before there was a ledger."""
-    try:
-        return (
-            json.loads((place / DOCUMENT).read_text(encoding="utf-8"))["attributes"]["format"]
-            == FORMAT
-        )
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return False
-
-
 def _no_store(place: Path) -> str:
-    """Why a path is not a store of ours."""
+    """Return why a path is not a store of tippetop."""
     try:
         (place / DOCUMENT).stat()
+        return (
+            "must be a store of tippetop, but is another zarr folder or of a preview (format 1): "
+            "make it again, or read its numbers with xarray.open_zarr"
+        )
     except FileNotFoundError:
         if not place.exists():
             return "does not exist"
@@ -90,14 +76,9 @@ def _no_store(place: Path) -> str:
 
 
 def has_keyframes(attrs: Mapping[str, Any]) -> bool:
-    """Whether a store with these root attributes is that of a run with keyframes; the rows of a
-    replay are none.
-    """
-    return (
-        "content" not in attrs
-        and attrs["run"].get("output") == "keyframes"
-        and "replay" not in attrs
-    )
+    """Return whether a store with these root attributes is that of a run with keyframes."""
+    run = "content" not in attrs and "replay" not in attrs
+    return run and attrs["run"].get("output") == "keyframes"
 
 
 def groups_of(path: str | Path) -> list[str]:
@@ -107,15 +88,14 @@ def groups_of(path: str | Path) -> list[str]:
 
 
 def annotate(path: str | Path, more: dict[str, Any]) -> None:
-    """Adds root attributes to a finished store. Raises StoreError."""
+    """Add root attributes to a finished store. Raises StoreError."""
     place = Path(path)
     with files.writing(place), Ledger.opened(place) as store:
         store.finish(store.state.changed | finite(more))
 
 
 def open_group(path: str | Path, group: str) -> "xr.Dataset":
-    """A group of a store as a labelled Dataset, read when needed; `tippetop.open` opens stores
-    whole.
+    """Open a group of a store as a labelled Dataset, read when needed.
 
     Parameters
     ----------
@@ -144,31 +124,56 @@ def open_group(path: str | Path, group: str) -> "xr.Dataset":
         raise StoreError(f"`{path}` must hold a readable group `{group}`, but: {error}.") from None
 
 
-def loaded(dataset: Any, path: str | Path) -> Any:
-    """A Dataset or DataArray of a store in memory. Raises StoreError where it cannot be read."""
-    try:
-        return dataset.load()
-    except Exception as error:  # codecs raise what they like
-        raise StoreError(f"`{path}` must be readable, but: {error}.") from None
+def loaded(table: Any, path: str | Path) -> Any:
+    """Load a Dataset of a store into memory. Raises StoreError for a damaged column."""
+    for name, variable in table.variables.items():
+        try:
+            variable.load()
+        except Exception as error:  # codecs raise errors of any type
+            what = str(error).partition(". Stored:")[0]
+            raise StoreError(
+                f"`{path}` must hold a readable column `{name}`, but: {what}."
+            ) from None
+    return table
 
 
 @contextlib.contextmanager
-def new_store(target: str | Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Gives a scratch folder beside `target`, which becomes `target` when the block ends well and
-    vanishes when not.
+def new_store(
+    target: str | Path, *, overwrite: bool = False, in_sweep: bool = False
+) -> Iterator[Path]:
+    """Yield a scratch folder, which becomes `target` when the block ends well.
 
-    Raises StoreError at once if `target` exists (and is not ours to overwrite, or is being written)
-    or cannot be written; at the end if something else has come to stand there.
+    A store that is replaced is locked first, moved aside whole, and removed last.
+
+    Raises StoreError immediately if `target` exists (and may not be overwritten, or is being
+    written) or cannot be written; at the end if something else was made there.
     """
     flag("overwrite", overwrite)
-    target = Path(target)
-    if not (target.parent.name == RUNS and target.name.isdigit()):  # a sweep's own
-        files.refuse_inside(target)
-    if target.exists() and not target.is_symlink():
-        if not overwrite:
-            raise StoreError(
-                f"`{target}` must not exist yet, but does: remove it, or say --overwrite."
-            )
-        refuse_foreign(target)  # a damaged one may be overwritten
-    with files.writing(target), files.replacing_folder(target, overwrite=overwrite) as scratch:
+    path = Path(target)
+    if not in_sweep:
+        files.refuse_inside(path)
+    files.own_folder(path)
+    with files.writing(path), contextlib.ExitStack() as stack:
+        files.put_back(path)
+        lock = None
+        if replaced := path.exists():
+            if not overwrite:
+                raise files.exists(path)
+            refuse_foreign(path)
+            lock = stack.enter_context(files.lock_of(path))
+        files.remove_stale(path)
+        scratch = stack.enter_context(files.scratch_folder(path))
         yield scratch
+        if not replaced:
+            files.rename_new(scratch, path)
+            return
+        if lock is not None:
+            lock.check()
+        old = files.name_aside(path)
+        path.rename(old)
+        try:
+            files.rename_new(scratch, path)
+        except BaseException:
+            old.rename(path)
+            raise
+        shutil.rmtree(old, ignore_errors=True)

@@ -1,9 +1,6 @@
-"""A table that grows row by row: its full chunks go to the ledger, and the rows that wait go to the
-tail.
-"""
+"""A table that grows row by row: full chunks go to the ledger, rows that wait go to the tail."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -11,136 +8,100 @@ from . import zarr3
 from .ledger import Ledger
 
 
-LATE = "-late"  # ends the name of the table of those columns that may change until the end
+LATE = "-late"  # ends the name of a table of columns that may change until the end
 
 
 class Table:
-    """The rows of a table that no chunk holds yet.
-
-    Late columns are kept whole, as they may change in any row until the end; their chunks are then
-    written.
-    """
+    """The rows of a table that no chunk contains yet; of a late table, all rows until the end."""
 
     def __init__(self, ledger: Ledger, name: str):
-        members, tables = ledger.state.header["members"], ledger.state.header["tables"]
-        self.ledger, self.name = ledger, name
+        self.ledger, self.name, self.group = ledger, name, name.removesuffix(LATE)
         self.documents = {
-            path: members[path] for path in [*tables[name], *tables.get(name + LATE, [])]
+            path.rpartition("/")[2]: ledger.state.header["members"][path]
+            for path in ledger.state.header["tables"][name]
         }
-        self.late = set(tables.get(name + LATE, []))
-        self.chunk = self.documents[tables[name][0]]["chunk_grid"]["configuration"]["chunk_shape"][
-            0
-        ]
+        self.chunk = zarr3.chunk_shape(next(iter(self.documents.values())))[0]
         self.written, self.rows = 0, 0  # rows in chunks, and of all
         self.waiting: dict[str, list[np.ndarray]] = {
-            path: [np.empty((0, *document["shape"][1:]), document["data_type"])]
-            for path, document in self.documents.items()
+            column: [np.empty((0, *document["shape"][1:]), document["data_type"])]
+            for column, document in self.documents.items()
         }
 
     def append(self, values: Mapping[str, np.ndarray]) -> None:
-        """Take rows, by the names of their columns; write every chunk that they fill."""
-        for path in self.documents:
-            column = values[path.rpartition("/")[2]]
-            self.waiting[path].append(
-                np.array(column, order="C")
-            )  # a copy: whoever made it uses its memory again
-        self.rows += len(column)
-        while self.rows - self.written >= self.chunk:
-            self._put(self.chunk)
+        """Append rows, by the names of their columns; write every chunk that they fill."""
+        for column, waiting in self.waiting.items():
+            # a copy: the caller uses its memory again
+            waiting.append(np.array(values[column], order="C"))
+        self.rows += len(waiting[-1])
+        while self.name == self.group and self.rows - self.written >= self.chunk:
+            self._put()
 
-    def _put(self, count: int) -> None:
+    def _put(self) -> None:
         chunk = {}
-        for path in self.documents.keys() - self.late:
-            values = self._joined(path)
-            chunk[path.rpartition("/")[2]] = values[:count]
-            self.waiting[path] = [values[count:]]
+        for column in self.documents:
+            values = self._joined(column)
+            chunk[column], self.waiting[column] = values[: self.chunk], [values[self.chunk :]]
         self.ledger.put(f"{self.name}/{self.written // self.chunk}", chunk)
-        self.written += count
+        self.written = min(self.written + self.chunk, self.rows)
 
-    def _joined(self, path: str) -> np.ndarray:
-        """The rows of a column that wait, as one array."""
-        if len(self.waiting[path]) > 1:
-            self.waiting[path] = [np.concatenate(self.waiting[path])]
-        return self.waiting[path][0]
+    def _joined(self, column: str) -> np.ndarray:
+        """Return the rows of a column that wait, as one array."""
+        if len(self.waiting[column]) > 1:
+            self.waiting[column] = [np.concatenate(self.waiting[column])]
+        return self.waiting[column][0]
 
-    def _file(self, path: str, first: int) -> str:
-        return f"{path}/{zarr3.chunk_name(self.documents[path], first // self.chunk)}"
+    def _file(self, column: str, first: int) -> str:
+        name = zarr3.chunk_name(self.documents[column], first // self.chunk)
+        return f"{self.group}/{column}/{name}"
 
     def mark(self, column: str, rows: list[int], value: bool = True) -> None:
         """Set a late column of flags in some rows."""
-        path = next(path for path in self.late if path.endswith(f"/{column}"))
-        self._joined(path)[rows] = value
+        self._joined(column)[rows] = value
 
     def values(self, column: str) -> np.ndarray:
         """Return all rows of a column."""
-        path = f"{self.name}/{column}"
-        chunks = (
-            []
-            if path in self.late
-            else [self._stored(path, k) for k in range(self.written // self.chunk)]
-        )
-        return np.concatenate([*chunks, self._joined(path)])
+        return np.concatenate([*self._stored(column, 0, self.written), self._joined(column)])
 
-    def _stored(self, path: str, k: int) -> np.ndarray:
-        document = self.documents[path]
-        return zarr3.decode(self.ledger.folder.read(self._file(path, k * self.chunk)), document)
+    def _stored(self, column: str, first: int, last: int) -> list[np.ndarray]:
+        """Return the chunks from row `first` to row `last`."""
+        read, document = self.ledger.folder.read, self.documents[column]
+        firsts = range(first, last, self.chunk)
+        return [zarr3.decode(read(self._file(column, k)), document) for k in firsts]
 
     def cut(self, rows: int) -> None:
-        """Take the first rows of the table of a finished store: full chunks stay, the rest waits
-        again.
-        """
-        self.rows, self.written = rows, rows // self.chunk * self.chunk
-        for path in self.documents:
-            first = 0 if path in self.late else self.written // self.chunk
-            parts = [self._stored(path, k) for k in range(first, -(-rows // self.chunk))]
-            self.waiting[path] = [
-                np.concatenate([*self.waiting[path], *parts])[: rows - first * self.chunk]
-            ]
+        """Take the first rows of a finished table: full chunks remain, the other rows wait."""
+        full = rows // self.chunk * self.chunk if self.name == self.group else 0
+        self.rows, self.written = rows, full
+        for column, waiting in self.waiting.items():
+            parts = [*waiting, *self._stored(column, full, rows)]
+            self.waiting[column] = [np.concatenate(parts)[: rows - full]]
 
     def chunks(self) -> list[str]:
         """Return the keys of the full chunks in the ledger."""
         return [f"{self.name}/{k}" for k in range(self.written // self.chunk)]
 
-    def derived(self) -> dict[str, bytes]:
-        """Return the files of chunks that are not acknowledged, for readers of an
-        unfinished store.
-        """
-        return {
-            self._file(path, first): zarr3.encode(part, self.documents[path])
-            for path in self.documents
-            for first, part in self._parts(path)
-        }
-
-    def _parts(self, path: str) -> Iterator[tuple[int, np.ndarray]]:
-        values = self._joined(path)
-        for start in range(0, len(values), self.chunk):
-            yield self.rows - len(values) + start, values[start : start + self.chunk]
+    def derived(self) -> Iterator[tuple[str, bytes]]:
+        """Yield the files of chunks that are not acknowledged, for readers of the store."""
+        for column, document in self.documents.items():
+            values = self._joined(column)
+            for start in range(0, len(values), self.chunk):
+                data = zarr3.encode(values[start : start + self.chunk], document)
+                yield self._file(column, self.written + start), data
 
     def finish(self) -> None:
         """Write the chunks of all rows that wait."""
-        if self.rows > self.written:
-            self._put(self.rows - self.written)
-        for first in range(0, self.rows if self.late else 0, self.chunk):
-            rows = slice(first, first + self.chunk)
-            flags = {path.rpartition("/")[2]: self._joined(path)[rows] for path in self.late}
-            self.ledger.put(f"{self.name}{LATE}/{first // self.chunk}", flags)
+        while self.rows > self.written:
+            self._put()
 
-    def counts(self) -> dict[str, int]:
-        """Return the number of rows, by the names of tables that a ledger has."""
-        return dict.fromkeys([self.name, *([self.name + LATE] if self.late else [])], self.rows)
+    def tail(self) -> bytes:
+        """Return the rows that wait as bytes."""
+        return b"".join(self._joined(column).tobytes() for column in self.documents)
 
-    def tail(self) -> tuple[list[Any], bytes]:
-        """Return the rows that wait as bytes, and what is needed to read them."""
-        arrays = {path: self._joined(path) for path in self.documents}
-        about = [self.written, [len(values) for values in arrays.values()]]
-        return about, b"".join(values.tobytes() for values in arrays.values())
-
-    def restore(self, about: list[Any], data: bytes) -> bytes:
-        """Take back what `tail` returned; return the bytes that follow it."""
-        self.written, counts = about
-        for (path, document), count in zip(self.documents.items(), counts, strict=True):
-            shape = (count, *document["shape"][1:])
+    def restore(self, written: int, rows: int, data: bytes) -> bytes:
+        """Take back the rows of a tail; return the bytes that follow them."""
+        self.written, self.rows = written, rows
+        for column, document in self.documents.items():
+            shape = (rows - written, *document["shape"][1:])
             values = np.frombuffer(data, document["data_type"], int(np.prod(shape))).reshape(shape)
-            self.waiting[path], data = [values.copy()], data[values.nbytes :]
-        self.rows = self.written + counts[0]
+            self.waiting[column], data = [values.copy()], data[values.nbytes :]
         return data

@@ -1,8 +1,7 @@
-"""Zarr v3 written directly: documents as zarr makes them, and chunks byte for byte as zarr encodes
-them.
+"""Write zarr v3 directly: documents equal those of zarr, and chunks byte for byte.
 
-Zarr itself takes 4 to 5 ms for each array, more than it takes to integrate a short run; so zarr is
-used to read only.
+Zarr itself takes 4 to 5 ms for each array, longer than it takes to integrate a short run; so zarr
+is used to read only.
 """
 
 import json
@@ -21,7 +20,7 @@ CHECKSUM = 4  # bytes at the end of a chunk: its CRC-32C
 
 @cache
 def _codecs() -> tuple[Any, Any]:
-    """Load Blosc and CRC-32C, which a run in memory does without."""
+    """Load Blosc and CRC-32C, which a run in memory does not need."""
     import google_crc32c
     from numcodecs import blosc
 
@@ -38,25 +37,21 @@ def group(attributes: dict[str, Any], members: Mapping[str, Any] | None = None) 
     return {"zarr_format": 3, "node_type": "group", "attributes": attributes, **more}
 
 
-def fill_of(dtype: np.dtype) -> Any:
-    """Return the value of elements that were not written: NaN, or 0 if the type has no NaN."""
-    return {"f": "NaN", "b": False}.get(dtype.kind, 0)
-
-
 def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None) -> dict[str, Any]:
     """Return the document of an array.
 
     Parameters
     ----------
     column
-        Gives dimensions, type and attributes.
+        Its dimensions, type and attributes are those of the array.
     sizes
         Dimension -> (length, length of a chunk). Any other dimension is as long as the column's
         values, in one chunk.
     fill
-        Value of elements that were not written; by default that of `fill_of`.
+        Value of elements that were not written; by default NaN, or 0 if the type has no NaN.
     """
     dtype = column.values.dtype
+    default = {"f": "NaN", "b": False}.get(dtype.kind, 0)
     whole = [(n, max(n, 1)) for n in column.values.shape]
     each = [sizes.get(dim, size) for dim, size in zip(column.dims, whole, strict=True)]
     endian = {"configuration": {"endian": "little"}} if dtype.itemsize > 1 else {}
@@ -77,7 +72,7 @@ def array(column: Column, sizes: Mapping[str, tuple[int, int]], fill: Any = None
             "configuration": {"chunk_shape": [chunk for _, chunk in each]},
         },
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
-        "fill_value": fill_of(dtype) if fill is None else dtype.type(fill).item(),
+        "fill_value": default if fill is None else dtype.type(fill).item(),
         "codecs": [
             {"name": "bytes", **endian},
             {"name": "blosc", "configuration": blosc},
@@ -94,6 +89,11 @@ def dump(document: dict[str, Any]) -> bytes:
     return json.dumps(document, allow_nan=False).encode()
 
 
+def chunk_shape(document: Mapping[str, Any]) -> list[int]:
+    """Return the shape of the chunks of an array."""
+    return document["chunk_grid"]["configuration"]["chunk_shape"]
+
+
 def chunk_name(document: Mapping[str, Any], *index: int) -> str:
     """Return the path of a chunk in the folder of its array; indices that are left out are 0."""
     separator = document["chunk_key_encoding"]["configuration"]["separator"]
@@ -104,7 +104,7 @@ def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:
     """Return a chunk as the bytes of its file. Rows that are missing at its end are filled."""
     blosc, crc32c = _codecs()
     values = np.ascontiguousarray(values, document["data_type"])
-    chunk = tuple(document["chunk_grid"]["configuration"]["chunk_shape"])
+    chunk = tuple(chunk_shape(document))
     if values.shape != chunk:
         whole = np.full(chunk, np.dtype(document["data_type"]).type(document["fill_value"]))
         whole[tuple(map(slice, values.shape))] = values
@@ -123,4 +123,4 @@ def decode(data: bytes, document: Mapping[str, Any]) -> np.ndarray:
     if not whole(data):
         raise ValueError("the checksum of a chunk is another")
     values = np.frombuffer(_codecs()[0].decompress(data[:-CHECKSUM]), document["data_type"])
-    return values.reshape(document["chunk_grid"]["configuration"]["chunk_shape"]).copy()
+    return values.reshape(chunk_shape(document)).copy()

@@ -1,6 +1,4 @@
-"""Numbers without unit by which theory sorts tippe tops; a sweep that varies one sets numbers of
-the scenario by it.
-"""
+"""Dimensionless numbers of theory as axes of a sweep, which set numbers of the scenario."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -17,29 +15,26 @@ Numbers = dict[str, np.ndarray]
 
 
 class Derived(NamedTuple):
-    """What it means, the keys that it sets, what it sets them to, and the parameters
-    that it needs.
-    """
+    """A derived number."""
 
     long_name: str
-    sets: tuple[str, ...]
+    sets: tuple[str, ...]  # keys of the scenario
     numbers: Callable[[Problem, Numbers, np.ndarray], Numbers]
-    needs: tuple[str, ...]
+    needs: tuple[str, ...]  # parameters
     inverts: bool = False  # only of systems that can invert, which have a lambda_s
 
 
 def body(base: Problem, columns: Numbers) -> Any:
-    """The bodies of tops with other numbers than the base, SI."""
+    """Return the bodies of tops with other numbers than the base, SI."""
     return Problems(base, columns).body(lambda value: value)
 
 
 def jellett(base: Problem, columns: Numbers) -> np.ndarray:
-    """Jellett's integral of tops at their start [kg m^3/s], (n,)."""
+    """Return Jellett's integral of tops at their start [kg m^3/s], (n,)."""
     tops = Problems(base, columns)
     formula = next(q.formula for q in base.system.quantities if q.name == "jellett")
-    return formula(
-        base.form.scalars(tops.record(tops.start), tops.internal_body), tops.internal_body
-    ) * tops.unit(JELLETT)
+    start = base.form.scalars(tops.record(tops.start), tops.internal_body)
+    return formula(start, tops.internal_body) * tops.unit(JELLETT)
 
 
 def _by_sigma(base: Problem, columns: Numbers, sigma: np.ndarray) -> Numbers:
@@ -62,6 +57,7 @@ def _by_lambda(base: Problem, columns: Numbers, ratio: np.ndarray) -> Numbers:
     return {"initial.omega3": (wanted - still) / (turning - still)}  # lambda is linear in omega3
 
 
+# in the order in which they are applied: each uses the numbers that those before it set
 DERIVED = {
     "sigma": Derived(
         "sigma = m R^2/I3, set by I3 at the same gamma",
@@ -78,15 +74,12 @@ DERIVED = {
         inverts=True,
     ),
 }
-"""In the order in which they are applied: each takes what those before it have set."""
 
 
 def resolved(base: Problem, numbers: Numbers) -> Numbers:
-    """The numbers of tops under keys of a scenario only: what is derived replaced by
-    what it sets.
-    """
+    """Return the numbers of tops with derived ones replaced by the keys that they set."""
     columns = {key: values for key, values in numbers.items() if key not in DERIVED}
-    with np.errstate(all="ignore"):  # what cannot be becomes a number that validation refuses
+    with np.errstate(all="ignore"):  # impossible tops get numbers that validation refuses
         for name, rule in DERIVED.items():
             if name in numbers:
                 columns |= rule.numbers(base, columns, numbers[name])
@@ -94,28 +87,24 @@ def resolved(base: Problem, numbers: Numbers) -> Numbers:
 
 
 def faults(base: Problem, keys: list[str]) -> list[str]:
-    """What is wrong with varying these keys together."""
+    """Return the faults of varying these keys together."""
     sentences = []
-    for name, rule in DERIVED.items():
-        if name not in keys:
-            continue
-        if rule.inverts and not base.system.inverts:
+    for name in [name for name in DERIVED if name in keys]:
+        rule, system = DERIVED[name], base.system
+        if rule.inverts and not system.inverts:
             known = ", ".join(system.name for system in SYSTEMS.values() if system.inverts)
             sentences.append(
-                f"`{name}` must be an axis of {known}, but the system is {base.system.name}."
+                f"`{name}` must be an axis of {known}, but the system is {system.name}."
             )
-        missing = [p for p in rule.needs if p not in base.parameters]
-        if missing:
+        if missing := [p for p in rule.needs if p not in base.parameters]:
             sentences.append(
-                f"`{name}` must have {', '.join(rule.needs)}, but {base.system.name} has no "
+                f"`{name}` must have {', '.join(rule.needs)}, but {system.name} has no "
                 f"{missing[0]}."
             )
-        initial = [key.partition(".")[2] for key in rule.sets if key.startswith("initial.")]
-        rivals = {
-            *rule.sets,
-            *(f"initial.{rival}" for name in initial for rival in base.system.rivals(name)),
-        }
+        rivals = {*rule.sets}
+        for key in rule.sets:
+            rivals |= {f"initial.{rival}" for rival in system.rivals(key.removeprefix("initial."))}
         sentences += [
-            f"`{name}` must stand alone, but `{key}` varies too." for key in keys if key in rivals
+            f"`{name}` must vary alone, but `{key}` varies too." for key in keys if key in rivals
         ]
     return sentences

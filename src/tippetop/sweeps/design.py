@@ -1,7 +1,6 @@
-"""What a sweep varies: axes with numbers of their own form a grid, axes with a range are drawn
-together.
-"""
+"""The axes of a sweep: those with numbers form a grid, those with a range are drawn together."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,14 +10,12 @@ from ..mechanics.caching import cached_property
 
 @dataclass(frozen=True)
 class Axis:
-    """A key and its numbers: `values` of an axis of the grid, or `between` (low, high) of one that
-    is drawn.
-    """
+    """A key and its numbers: `values` of a grid, or `between` (low, high) of a drawn axis."""
 
     key: str
     values: tuple[float, ...] = ()
     between: tuple[float, float] = (0.0, 0.0)
-    log: bool = False  # spread, and so drawn and drawn over, evenly in the logarithm
+    log: bool = False  # spread evenly in the logarithm
 
     @property
     def sampled(self) -> bool:
@@ -28,14 +25,14 @@ class Axis:
 
 @dataclass(frozen=True)
 class Sample:
-    """How the axes that are drawn are drawn: method, number of points, seed."""
+    """How axes are drawn: method, number of points, seed."""
 
     method: str  # random, sobol, latin-hypercube
     n: int
     seed: int
 
     def unit(self, dimensions: int) -> np.ndarray:
-        """Points of the unit cube, (n, dimensions)."""
+        """Return points of the unit cube, (n, dimensions)."""
         if self.method == "random":
             return np.random.default_rng(self.seed).random((self.n, dimensions))
         from scipy.stats import qmc
@@ -47,9 +44,7 @@ class Sample:
 
 @dataclass(frozen=True)
 class Design:
-    """Every top of a sweep: the product of the grid's axes, the first slowest, and of the sample,
-    which is fastest.
-    """
+    """All tops of a sweep: the product of the grid, first axis slowest, and the sample, fastest."""
 
     axes: tuple[Axis, ...]
     sample: Sample | None = None
@@ -61,16 +56,14 @@ class Design:
 
     @cached_property
     def sizes(self) -> dict[str, int]:
-        """Dimensions and their lengths, the slowest first; drawn axes share the
-        dimension `sample`.
-        """
+        """Dimensions and their lengths, the slowest first; drawn axes share `sample`."""
         sizes = {axis.key: len(axis.values) for axis in self.grid}
-        return {**sizes, **({"sample": self.sample.n} if self.sample else {})}
+        return sizes | ({"sample": self.sample.n} if self.sample else {})
 
     @cached_property
     def n(self) -> int:
         """Number of tops."""
-        return int(np.prod([int(size) for size in self.sizes.values()], dtype=object))
+        return math.prod(self.sizes.values())
 
     @cached_property
     def _drawn(self) -> dict[str, np.ndarray]:
@@ -79,10 +72,9 @@ class Design:
         return {axis.key: _spread(axis, points[:, i]) for i, axis in enumerate(axes)}
 
     def numbers(self, tops: np.ndarray) -> dict[str, np.ndarray]:
-        """The numbers of some tops on every axis, by key; tops are counted from 0."""
-        places = dict(
-            zip(self.sizes, np.unravel_index(tops, tuple(self.sizes.values())), strict=True)
-        )
+        """Return the numbers of some tops on every axis, by key; tops are counted from 0."""
+        indices = np.unravel_index(tops, tuple(self.sizes.values()))
+        places = dict(zip(self.sizes, indices, strict=True))
         return {
             axis.key: self._drawn[axis.key][places["sample"]]
             if axis.sampled
@@ -92,7 +84,7 @@ class Design:
 
 
 def _spread(axis: Axis, unit: np.ndarray) -> np.ndarray:
-    """Numbers of [0, 1) over the range of an axis."""
+    """Spread numbers of [0, 1) over the range of an axis."""
     low, high = np.log(axis.between) if axis.log else axis.between
     spread = low + (high - low) * unit
     return np.exp(spread) if axis.log else spread

@@ -1,6 +1,4 @@
-"""The plan of a sweep: a TOML file becomes the checked numbers of many tops, or sentences that say
-what is wrong.
-"""
+"""The plan of a sweep: a TOML file becomes the checked numbers of many tops."""
 
 import math
 import operator
@@ -30,21 +28,16 @@ from .design import Axis, Design, Sample
 
 
 MOST_TOPS = 10**9
-MOST_VALUES = 10**7  # of an axis: they are kept as they are
-CHUNK_SECONDS = 1.0, 5.0  # of one core: writing a chunk takes 0.03 s, whatever its size
-LEAST_CHUNKS = 64  # of a sweep that is worth cutting, so that the last chunks leave few cores idle
+MOST_VALUES = 10**7  # of an axis, which are kept in memory
+CHUNK_SECONDS = 1.0, 5.0  # of one core: writing a chunk of any size takes 0.03 s
+LEAST_CHUNKS = 64  # so that the last chunks leave few cores idle
 MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
 FEWEST_STEPS = 30.0  # that loading a lane and checking a top are worth
-CHUNKS = (
-    128,
-    65_536,
-)  # tops: four to a lane, so that few idle at the end; and what a failure may cost
+CHUNKS = 128, 65_536  # tops: four to a lane, so that few idle at the end; what a failure may cost
 WAYS = ("values", "linspace", "geomspace", "between")  # in which an axis gives its numbers
-SECONDS_ALONE = (
-    0.1  # of a top whose contact may change its phase: a hop takes as long as a thousand steps
-)
-
-NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must hold them
+# of a top whose contact may change its phase: a hop takes as long as a thousand steps
+SECONDS_ALONE = 0.1
+NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must contain them
 
 
 def _or_text(value: Any, number: Callable) -> Any:
@@ -56,87 +49,67 @@ def _or_text(value: Any, number: Callable) -> Any:
 
 Number = Annotated[float, WrapValidator(_or_text)]
 Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
-AnyNumber = Annotated[  # an invalid top is marked, and its neighbours run
-    float, Field(allow_inf_nan=True), WrapValidator(_or_text)
-]
+# an invalid top is marked, and its neighbours run
+AnyNumber = Annotated[float, Field(allow_inf_nan=True), WrapValidator(_or_text)]
 Count = Annotated[int, Field(ge=1)]
 
 
-def _described(text: str) -> Any:
-    """What a key is, for the key reference."""
-    return Field(description=text)
+class AxisTable(Table, use_attribute_docstrings=True):
+    """An axis as TOML gives it."""
+
+    of: str
+    """a dotted key of parameters, friction or initial, or run.until, or a derived number: sigma, \
+gamma, lambda"""
+    values: Annotated[list[AnyNumber], Field(min_length=1)] | None = None
+    """the numbers of an axis of a grid; grids form a product"""
+    linspace: Pair | None = None
+    """first and last of n numbers at equal distances, instead"""
+    geomspace: Pair | None = None
+    """first and last of n numbers at equal ratios, instead"""
+    between: Pair | None = None
+    """bounds of a number that is drawn, as [sample] says, instead"""
+    n: Count | None = None
+    """how many, with linspace or geomspace"""
+    log: bool | None = None
+    """draw the logarithm evenly, with between"""
 
 
-class _Axis(Table):
-    of: Annotated[
-        str,
-        _described(
-            "a dotted key of parameters, friction or initial, or run.until, or a derived "
-            "number: sigma, gamma, lambda"
-        ),
-    ]
-    values: Annotated[
-        Annotated[list[AnyNumber], Field(min_length=1)] | None,
-        _described("the numbers of an axis of a grid; grids form a product"),
-    ] = None
-    linspace: Annotated[
-        Pair | None, _described("first and last of n numbers at equal distances, instead")
-    ] = None
-    geomspace: Annotated[
-        Pair | None, _described("first and last of n numbers at equal ratios, instead")
-    ] = None
-    between: Annotated[
-        Pair | None, _described("bounds of a number that is drawn, as [sample] says, instead")
-    ] = None
-    n: Annotated[Count | None, _described("how many, with linspace or geomspace")] = None
-    log: Annotated[bool | None, _described("draw the logarithm evenly, with between")] = None
+class SampleTable(Table, use_attribute_docstrings=True):
+    """How axes are drawn, as TOML gives it."""
+
+    method: Literal["random", "sobol", "latin-hypercube"]
+    """how the axes with between are drawn together"""
+    n: Count
+    """how many tops are drawn"""
+    seed: Annotated[int, Field(ge=0)]
+    """start of the random numbers: the same seed, the same tops"""
 
 
-class _Sample(Table):
-    method: Annotated[
-        Literal["random", "sobol", "latin-hypercube"],
-        _described("how the axes with between are drawn together"),
-    ]
-    n: Annotated[Count, _described("how many tops are drawn")]
-    seed: Annotated[
-        int, Field(ge=0), _described("what the draw begins with: the same seed, the same tops")
-    ]
+class PlanTable(Table, use_attribute_docstrings=True):
+    """A plan as TOML gives it."""
 
-
-class _Plan(Table):
-    scenario: Annotated[
-        str | dict[str, Any],
-        _described("the top that varies: a preset, a TOML file beside the plan, or tables"),
-    ]
-    set: Annotated[
-        dict[str, Any], _described("what is different in it: tables as in a scenario")
-    ] = Field(default_factory=dict)
-    axis: Annotated[
-        list[_Axis], Field(min_length=1), _described("a number that differs from top to top")
-    ]
-    sample: Annotated[_Sample | None, _described("how axes with between are drawn")] = None
-    keep: Annotated[
-        list[str] | None,
-        _described(
-            "columns to keep; all but orientation and lyapunov. final_state, drift, orientation "
-            "stand for all of theirs"
-        ),
-    ] = None
-    runs: Annotated[
-        list[Annotated[int, Field(ge=0)]],
-        _described("numbers of tops to run alone as well, with rows, into runs/N"),
-    ] = Field(default_factory=list)
-    chunk: Annotated[
-        Count | None,
-        _described("tops that are computed and stored together; some seconds of one core"),
-    ] = None
+    scenario: str | dict[str, Any]
+    """the top that varies: a preset, a TOML file next to the plan, or tables"""
+    set: dict[str, Any] = Field(default_factory=dict)
+    """changes to it: tables as in a scenario"""
+    axis: Annotated[list[AxisTable], Field(min_length=1)]
+    """a number that differs from top to top"""
+    sample: SampleTable | None = None
+    """how axes with between are drawn"""
+    keep: list[str] | None = None
+    """columns to keep; all but orientation and lyapunov. final_state, drift, orientation are \
+groups of columns"""
+    runs: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
+    """numbers of tops to run alone as well, with rows, into runs/N"""
+    chunk: Count | None = None
+    """tops that are computed and stored together; some seconds of one core"""
 
 
 @dataclass(frozen=True)
 class Plan:
     """A checked sweep.
 
-    `document` says all of it in plain data: `from_tables(document)` is the same plan.
+    `document` is the plan in plain data: `from_tables(document)` is the same plan.
     """
 
     base: Problem
@@ -145,22 +118,19 @@ class Plan:
 
     @classmethod
     def from_toml(cls, path: str | Path) -> "Plan":
-        """The plan of a TOML file. Raises InputError with every fault that was found."""
+        """Return the plan of a TOML file. Raises InputError with every fault."""
         place = path_of("plan", path)
         return cls.from_tables(reading.read(str(place)), place.parent)
 
     @classmethod
     def from_tables(cls, document: dict[str, Any], folder: Path = Path()) -> "Plan":
-        """The plan of plain data; files are named relative to `folder`. Raises InputError."""
+        """Return the plan of plain data; files are relative to `folder`. Raises InputError."""
         if "system" in document and not is_plan(document):
             raise InputError(
-                [
-                    "this is a scenario, not a plan: a plan names its scenario and has tables "
-                    "[[axis]]."
-                ]
+                "this is a scenario, not a plan: a plan names its scenario and has tables [[axis]]."
             )
         try:
-            shape = _Plan.model_validate(document)
+            shape = PlanTable.model_validate(document)
         except ValidationError as error:
             raise InputError(
                 first_sentences(error.errors(include_url=False), scenario_sentence)
@@ -170,30 +140,29 @@ class Plan:
             base = build.problem(_base(shape, folder))
         except InputError as error:
             sentences += error.sentences
-        try:
-            shape = shape.model_copy(update={"axis": _in_si(shape.axis, base)})
-        except InputError as error:
-            raise InputError([*sentences, *error.sentences]) from None
-        of_axes = [
-            s for i, axis in enumerate(shape.axis, 1) for s in _axis_faults(f"axis.{i}", axis)
-        ]
-        sentences = [*of_axes, *_design_faults(shape), *sentences]
+        axes, unread = _in_si(shape.axis, base)
+        if unread:
+            raise InputError([*sentences, *unread])
+        shape = shape.model_copy(update={"axis": axes})
+        faults = [s for i, axis in enumerate(axes, 1) for s in _axis_faults(f"axis.{i}", axis)]
+        sentences = [*faults, *_design_faults(shape), *sentences]
         if base is not None:
-            sentences += _key_faults(base, [axis.of for axis in shape.axis])
-            sentences += [s for axis in shape.axis for s in _sign_faults(base, axis)]
+            keys = [axis.of for axis in axes]
+            plain = [key for key in keys if key not in derived.DERIVED]
+            sentences += derived.faults(base, keys) + ensemble.base_faults(base)
+            sentences += key_faults(base, plain, derived.DERIVED)
+            sentences += [s for axis in axes for s in _sign_faults(base, axis)]
         if sentences or base is None:
             raise InputError(sentences)
         sample = Sample(**shape.sample.model_dump()) if shape.sample else None
-        design = Design(tuple(_axis(axis) for axis in shape.axis), sample)
-        plain = shape.model_dump(exclude_none=True, exclude={"set"}) | {
-            "scenario": build.resolved(base)
-        }
-        for axis in plain["axis"]:
+        plain_data = shape.model_dump(exclude_none=True, exclude={"set"})
+        for axis in plain_data["axis"]:
             if "values" in axis:
                 axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
-        plan = cls(base, design, {"keep": None, "chunk": None, **plain})
-        sentences = _whole_faults(plan)
-        if sentences:
+        of_base = {"scenario": build.resolved(base)}
+        design = Design(tuple(map(_axis, axes)), sample)
+        plan = cls(base, design, {"keep": None, "chunk": None, **plain_data, **of_base})
+        if sentences := _run_faults(plan) + _keep_faults(plan):
             raise InputError(sentences)
         return plan
 
@@ -214,7 +183,7 @@ class Plan:
 
     @cached_property
     def chunk(self) -> int:
-        """Tops that are computed and stored together; the same whoever computes them."""
+        """Tops that are computed and stored together; the same for any number of workers."""
         given = self.document["chunk"]
         if given is not None:
             return min(given, self.n)
@@ -229,30 +198,27 @@ class Plan:
         return -(-self.n // self.chunk)
 
     def tops(self, chunk: int) -> np.ndarray:
-        """Numbers of the tops of a chunk."""
+        """Return the numbers of the tops of a chunk."""
         return np.arange(chunk * self.chunk, min((chunk + 1) * self.chunk, self.n))
 
     def columns(self, tops: np.ndarray) -> dict[str, np.ndarray]:
-        """The numbers of some tops, under keys of the scenario."""
+        """Return the numbers of some tops, under keys of the scenario."""
         return derived.resolved(self.base, self.design.numbers(tops))
 
     def problem(self, top: int) -> Problem:
-        """The problem of one top, to run alone. Raises InputError."""
+        """Return the problem of one top, to run alone. Raises InputError."""
         tables = build.resolved(self.base)
-        if touches(self.base):  # no gap was given: each top stands as it would alone
+        if touches(self.base):  # no gap was given: each top touches the plane as it would alone
             tables["initial"].pop("gap", None)
         for key, values in self.columns(np.array([top])).items():
             table, _, name = key.partition(".")
-            changed = {name: float(values[0])}
             replaced = self.base.system.replaced if table == "initial" else operator.or_
-            tables[table] = replaced(tables[table], changed)
+            tables[table] = replaced(tables[table], {name: float(values[0])})
         return build.problem(build.ending(tables, tables["run"]["until"]))
 
     @cached_property
     def seconds_per_top(self) -> float:
-        """What a top takes one core, an order of magnitude from some of them: the same on every
-        computer, as chunks are made of it.
-        """
+        """Estimated seconds of one core for a top: the same on every computer."""
         from ..runs import cost
 
         steps = []
@@ -261,107 +227,105 @@ class Plan:
                 steps.append(cost.estimate(self.problem(top))["steps"])
             except InputError:
                 steps.append(0)
-        least = 0.0 if not self.base.system.is_hybrid else SECONDS_ALONE
+        least = SECONDS_ALONE if self.base.system.is_hybrid else 0.0
         return max(max(float(np.mean(steps)), FEWEST_STEPS) * MICROSECONDS_PER_STEP * 1e-6, least)
 
 
 def is_plan(tables: dict[str, Any]) -> bool:
-    """Whether a TOML file is meant as a plan rather than as a scenario."""
+    """Return whether a TOML file is a plan rather than a scenario."""
     return "axis" in tables or "sample" in tables
 
 
-def _base(shape: _Plan, folder: Path) -> dict[str, Any]:
-    """The tables of the scenario, with what `set` changes in them."""
+def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
+    """Return the tables of the scenario, with the changes of `set`."""
     if isinstance(shape.scenario, dict):
         tables = dict(shape.scenario)
     else:
-        beside = folder / shape.scenario
-        tables = reading.read(str(beside) if beside.is_file() else shape.scenario)
+        local = folder / shape.scenario
+        tables = reading.read(str(local) if local.is_file() else shape.scenario)
     before = dict(tables)
     for name, value in shape.set.items():
         old = tables.get(name)
         if isinstance(old, dict) and isinstance(value, dict):
-            tables[name] = {
-                **(reading.without_output(old, value) if name == "run" else old),
-                **value,
-            }
-        else:
-            tables[name] = value
-    numbers = [axis.of.removeprefix("friction.") for axis in shape.axis]
+            kept = reading.without_output(old, value) if name == "run" else old
+            value = {**kept, **value}
+        tables[name] = value
     law = shape.set.get("friction")
+    numbers = [axis.of.removeprefix("friction.") for axis in shape.axis]
     change_law(before, tables, [*numbers, *(law if isinstance(law, dict) else ())])
-    initial = tables.get("initial")
+    initial, run = tables.get("initial"), shape.set.get("run")
     if isinstance(initial, dict) and "from" in initial:
         raise InputError(
-            ["`initial.from` must be the start of a single run, but many are asked for."]
+            "`initial.from` must be the start of a single run, but many are asked for."
         )
-    until = shape.set["run"].get("until") if isinstance(shape.set.get("run"), dict) else None
+    until = run.get("until") if isinstance(run, dict) else None
     return build.ending(tables, until) if isinstance(until, int | float) else tables
 
 
-def _in_si(axes: list[_Axis], base: Problem | None) -> list[_Axis]:
-    """Return the axes with numbers in place of texts such as "60 rpm". Raises InputError."""
+def _in_si(axes: list[AxisTable], base: Problem | None) -> tuple[list[AxisTable], list[str]]:
+    """Return the axes with numbers in place of texts such as "60 rpm", and faults of the texts."""
     read, faults = [], []
     for i, axis in enumerate(axes, 1):
         rule = base.rules.get(axis.of) if base is not None else None
         numbers: dict[str, Any] = {way: list(getattr(axis, way) or ()) for way in WAYS}
         for way, values in numbers.items():
             for j, value in enumerate(values):
-                if isinstance(value, str):
-                    try:
-                        values[j] = number_of(
-                            value, f"axis.{i}.{way}.{j}", rule.unit if rule else ONE
-                        )
-                    except InputError as error:
-                        faults += error.sentences
-        read.append(
-            axis.model_copy(update={way: values or None for way, values in numbers.items()})
-        )
-    if faults:
-        raise InputError(faults)
-    return read
+                try:
+                    if isinstance(value, str):
+                        place = f"axis.{i}.{way}.{j}"
+                        values[j] = number_of(value, place, rule.unit if rule else ONE)
+                except InputError as error:
+                    faults += error.sentences
+        read.append(axis.model_copy(update={way: v or None for way, v in numbers.items()}))
+    return read, faults
 
 
-def _axis(axis: _Axis) -> Axis:
+def _axis(axis: AxisTable) -> Axis:
     if axis.between is not None:
         return Axis(axis.of, (), (axis.between[0], axis.between[1]), bool(axis.log))
     if axis.values is not None:
         return Axis(axis.of, tuple(axis.values))
-    spread, (first, last) = (
-        (np.linspace, axis.linspace) if axis.linspace else (np.geomspace, axis.geomspace or (1, 1))
-    )
-    return Axis(
-        axis.of, tuple(spread(first, last, axis.n or 1).tolist()), log=axis.geomspace is not None
-    )
+    spread = np.linspace if axis.linspace else np.geomspace
+    first, last = axis.linspace or axis.geomspace or (1, 1)
+    values = tuple(spread(first, last, axis.n or 1).tolist())
+    return Axis(axis.of, values, log=axis.geomspace is not None)
 
 
-def _axis_faults(name: str, axis: _Axis) -> list[str]:
+def _axis_faults(name: str, axis: AxisTable) -> list[str]:
     given = [way for way in WAYS if getattr(axis, way) is not None]
-    sentences = []
-    if len(given) != 1:
-        sentences.append(
-            f"`{name}` must have one of {', '.join(WAYS)}, but has {' and '.join(given) or 'none'}."
-        )
     spaced = {"linspace", "geomspace"} & set(given)
-    if spaced and axis.n is None:
-        sentences.append(f"`{name}.n` must be given beside `{name}.{min(spaced)}`, but is missing.")
-    if axis.n is not None and not spaced:
-        sentences.append(f"`{name}.n` must stand beside linspace or geomspace, but there is none.")
-    if axis.log is not None and "between" not in given:
-        sentences.append(f"`{name}.log` must stand beside between, but there is none.")
-    if axis.geomspace and not axis.geomspace[0] * axis.geomspace[1] > 0:
-        sentences.append(
-            f"`{name}.geomspace` must have two ends of one sign, but has {axis.geomspace}."
-        )
-    if axis.between and not (
-        axis.between[0] < axis.between[1] and (not axis.log or axis.between[0] > 0)
-    ):
-        must = "ascend from above 0" if axis.log else "ascend"
-        sentences.append(f"`{name}.between` must {must}, but is {axis.between}.")
-    return sentences
+    first, last = axis.between or (1.0, 2.0)
+    low, high = axis.geomspace or (1.0, 1.0)
+    found = " and ".join(given) or "none"
+    ascend = "ascend from above 0" if axis.log else "ascend"
+    return _sentences(
+        {
+            f"`{name}` must have one of {', '.join(WAYS)}, but has {found}.": len(given) != 1,
+            f"`{name}.n` must be given with linspace or geomspace, but is missing.": (
+                spaced and axis.n is None
+            ),
+            f"`{name}.n` requires linspace or geomspace, but there is none.": (
+                axis.n is not None and not spaced
+            ),
+            f"`{name}.log` requires between, but there is none.": (
+                axis.log is not None and "between" not in given
+            ),
+            f"`{name}.geomspace` must have two ends of one sign, but has {axis.geomspace}.": (
+                not low * high > 0
+            ),
+            f"`{name}.between` must {ascend}, but is {axis.between}.": (
+                not first < last or (axis.log and first <= 0)
+            ),
+        }
+    )
 
 
-def _sign_faults(base: Problem, axis: _Axis) -> list[str]:
+def _sentences(wrong: dict[str, Any]) -> list[str]:
+    """Return the sentences whose condition is true."""
+    return [sentence for sentence, holds in wrong.items() if holds]
+
+
+def _sign_faults(base: Problem, axis: AxisTable) -> list[str]:
     """Return a sentence if an axis passes through 0 though its number must not be 0."""
     rule = base.rules.get(axis.of)
     numbers = axis.values or axis.linspace or axis.between or axis.geomspace or [1.0]
@@ -374,53 +338,41 @@ def _sign_faults(base: Problem, axis: _Axis) -> list[str]:
     ]
 
 
-def _design_faults(shape: _Plan) -> list[str]:
-    keys = [axis.of for axis in shape.axis]
-    sentences = [
-        f"`{key}` must be one axis only, but is several."
-        for key in dict.fromkeys(keys)
-        if keys.count(key) > 1
-    ]
-    sampled = any(axis.between is not None for axis in shape.axis)
-    if sampled and shape.sample is None:
-        sentences.append(
-            "`sample` must say method, n and seed where an axis has `between`, but is missing."
+def _design_faults(shape: PlanTable) -> list[str]:
+    """Return the faults of the axes together, before any number or top is made."""
+    keys, sample = [axis.of for axis in shape.axis], shape.sample
+    drawn = any(axis.between is not None for axis in shape.axis)
+    # larger counts have no %g
+    counts = [min(axis.n or len(axis.values or [0]), 10**99) for axis in shape.axis]
+    n = min(sample.n, 10**99) if sample else 1
+    sobol = sample is not None and sample.method == "sobol"
+    wrong: dict[str, Any] = {
+        f"`{key}` must be one axis only, but is several.": keys.count(key) > 1 for key in keys
+    }
+    wrong |= {
+        "`sample` must give method, n and seed where an axis has `between`, but is missing.": (
+            drawn and sample is None
+        ),
+        "`sample` must have an axis with `between` to draw, but there is none.": (
+            sample and not drawn
+        ),
+        f"`sample.n` must be a power of two for sobol, but is {n}.": sobol and n & (n - 1),
+    }
+    many = {
+        f"`axis` {i} must have at most {MOST_VALUES:.0e} numbers, but has {count:.3g}.": (
+            count > MOST_VALUES
         )
-    if shape.sample and not sampled:
-        sentences.append("`sample` must have an axis with `between` to draw, but there is none.")
-    if shape.sample and shape.sample.method == "sobol" and shape.sample.n & (shape.sample.n - 1):
-        sentences.append(f"`sample.n` must be a power of two for sobol, but is {shape.sample.n}.")
-    return sentences + _size_faults(shape)
-
-
-def _size_faults(shape: _Plan) -> list[str]:
-    """That there are more numbers or tops than can be; asked before any is made."""
-    counts = [
-        min(axis.n or len(axis.values or [0]), 10**99) for axis in shape.axis
-    ]  # larger ones have no %g
-    sentences = [
-        f"`axis` {i} must have at most {MOST_VALUES:.0e} numbers, but has {count:.3g}."
         for i, count in enumerate(counts, 1)
-        if count > MOST_VALUES
-    ]
-    tops = math.prod(counts) * (min(shape.sample.n, 10**99) if shape.sample else 1)
-    if not sentences and tops > MOST_TOPS:
-        sentences.append(f"`axis` must make at most {MOST_TOPS:.0e} tops, but makes {tops:.3g}.")
-    return sentences
+    }
+    tops = math.prod(counts) * n
+    if not any(many.values()):
+        text = f"`axis` must make at most {MOST_TOPS:.0e} tops, but makes {tops:.3g}."
+        many[text] = tops > MOST_TOPS
+    return _sentences(wrong | many)
 
 
-def _key_faults(base: Problem, keys: list[str]) -> list[str]:
-    """What is wrong with varying these keys of the base."""
-    plain = [key for key in keys if key not in derived.DERIVED]
-    return [
-        *derived.faults(base, keys),
-        *ensemble.base_faults(base),
-        *key_faults(base, plain, derived.DERIVED),
-    ]
-
-
-def _whole_faults(plan: Plan) -> list[str]:
-    """What is wrong with the plan as a whole."""
+def _run_faults(plan: Plan) -> list[str]:
+    """Return the faults of `runs`."""
     sentences = []
     for top in plan.runs:
         if top >= plan.n:
@@ -432,30 +384,32 @@ def _whole_faults(plan: Plan) -> list[str]:
             sentences += [
                 f"`runs` must name tops that can be, but top {top}: {s}" for s in error.sentences
             ]
-    if plan.keep is not None:
-        from .chunk import column_names
-
-        known = column_names(plan.base)
-        if LYAPUNOV in plan.keep and LYAPUNOV not in known:
-            sentences += [
-                f"`keep` must not have lyapunov here: {s}" for s in derivative_faults(plan.base)
-            ]
-            known.append(LYAPUNOV)
-        sentences += [
-            f"`keep` must be of {', '.join(known)}, but has {name!r}."
-            for name in plan.keep
-            if name not in known
-        ]
     return sentences
 
 
+def _keep_faults(plan: Plan) -> list[str]:
+    """Return the faults of `keep`."""
+    from .chunk import column_names
+
+    if plan.keep is None:
+        return []
+    known = column_names(plan.base)
+    unknown = [name for name in plan.keep if name not in known]
+    sentences = []
+    if LYAPUNOV in unknown:
+        unknown.remove(LYAPUNOV)
+        faults = derivative_faults(plan.base)
+        sentences = [f"`keep` must not have lyapunov here: {fault}" for fault in faults]
+    names = ", ".join(known)
+    return sentences + [f"`keep` must be of {names}, but has {name!r}." for name in unknown]
+
+
 def scenario_sentence(error: Any) -> str:
-    """One pydantic error of a plan as `key` must ..., but is ...; axes are counted from 1."""
-    place = [
-        p + 1 if isinstance(p, int) and error["loc"][0] == "axis" and i == 1 else p
-        for i, p in enumerate(error["loc"])
-    ]
-    models: dict[Any, type[Table]] = {"axis": _Axis, "sample": _Sample}
+    """Return one pydantic error of a plan as a sentence; axes are counted from 1."""
+    place = list(error["loc"])
+    if place[0] == "axis" and len(place) > 1:
+        place[1] += 1
+    models: dict[Any, type[Table]] = {"axis": AxisTable, "sample": SampleTable}
     inner = models.get(place[0]) if len(place) > 1 else None
     key = ".".join(str(p) for p in place if p not in ("str", "dict[str,any]"))
-    return error_sentence(error, key, list((inner or _Plan).model_fields))
+    return error_sentence(error, key, list((inner or PlanTable).model_fields))

@@ -1,14 +1,12 @@
-"""A plan becomes a store of many tops: chunk by chunk, on any number of workers, resumable, always
-the same bits.
-"""
+"""Run the tops of a plan into a store, chunk by chunk, on any number of workers."""
 
 import contextlib
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..arguments import path_of, whole
 from ..errors import InputError, Interrupted, StoreError, Unfinished
@@ -22,7 +20,7 @@ from .chunk import Task
 from .plan import Plan
 from .store import RUNS, SweepStore, opened
 from .summary import open_sweep
-from .workers import Outcome, SchedulerLost, connect, in_process, in_processes, on_client
+from .workers import SchedulerLost, Workers, connect, in_process, on_workers, processes
 
 
 if TYPE_CHECKING:
@@ -42,9 +40,9 @@ def sweep(
     progress: Callable[[int, int], None] | bool = False,
     stop: threading.Event | None = None,
 ) -> "xr.Dataset":
-    """Runs every top of a plan into the store `out`, or continues it, and opens it: a row per top.
+    """Run every top of a plan into the store `out`, or continue it, and open it.
 
-    In any thread.
+    It can be called in any thread.
 
     Parameters
     ----------
@@ -72,7 +70,7 @@ def sweep(
     Raises
     ------
     InputError
-        What is wrong with the plan or an argument.
+        The plan or an argument is wrong; every fault is listed.
     StoreError
         The store is another one's, or cannot be read or written.
     Unfinished
@@ -85,29 +83,30 @@ def sweep(
     workers = None if workers is None else whole("workers", workers)
     if scheduler is not None and not find_spec("distributed"):
         raise InputError(
-            ["`scheduler` must find dask, but it is not installed: install tippetop[cluster]."]
+            "`scheduler` must find dask, but it is not installed: install tippetop[cluster]."
         )
-    here = _known_here(checked.base)
-    if here and (scheduler is not None or (workers or 1) > 1):
+    unknown = _unknown_to_others(checked.base)
+    if unknown and (scheduler is not None or (workers or 1) > 1):
         raise InputError(
-            [f"{here} must come from an installed package for workers to know it: take workers=1."]
+            f"{unknown} must come from an installed package for workers to know it: take workers=1."
         )
     with (
         reporting(progress, "tops") as report,
-        contextlib.nullcontext() if scheduler is None else connect(scheduler) as client,
+        contextlib.nullcontext() if scheduler is None else connect(scheduler) as cluster,
         opened(place, checked) as store,
     ):
-        sentences = _fill(store, workers, client, report, stop)
+        sentences = _fill(store, 1 if unknown else workers, cluster, report, stop)
         if not sentences:
-            _run_alone(store, stop)
+            for top in checked.runs:
+                _run_alone(store, top, stop)
             store.finish()
     if sentences:
         raise Unfinished(sentences)
     return open_sweep(place)
 
 
-def _known_here(base: Problem) -> str:
-    """What of a scenario no other process knows, in words; empty if there is nothing."""
+def _unknown_to_others(base: Problem) -> str:
+    """Return the part of a scenario that no other process can import, or an empty text."""
     if not known_to_others(base.system):
         return f"the system `{base.system.name}`"
     if not known_to_others(type(base.friction)):
@@ -118,25 +117,31 @@ def _known_here(base: Problem) -> str:
 def _fill(
     store: SweepStore,
     workers: int | None,
-    client: Any,
+    cluster: Workers | None,
     progress: Callable[[int, int], None],
     stop: threading.Event | None,
 ) -> list[str]:
-    """Computes and writes what is not done; gives a sentence for each chunk that failed."""
+    """Compute and write the chunks that are todo; return a sentence for each that failed."""
     plan, todo = store.plan, store.todo()
     done = plan.n - sum(len(plan.tops(chunk)) for chunk in todo)
     progress(done, plan.n)
-    if todo and stop is not None and stop.is_set():
+    if not todo:
+        return []
+    if stop is not None and stop.is_set():
         raise Interrupted
     sentences = []
     tables, versions = build.resolved(plan.base), provenance.versions()
     tasks = (
         Task(chunk, tables, plan.columns(plan.tops(chunk)), plan.keep, versions) for chunk in todo
     )
-    here = workers is None and bool(_known_here(plan.base))
-    small = here or (workers is None and len(todo) * plan.chunk * plan.seconds_per_top < SMALL)
+    threads = workers or len(os.sched_getaffinity(0))
+    small = workers is None and len(todo) * plan.chunk * plan.seconds_per_top < SMALL
+    if cluster is None and (small or threads == 1):
+        results = in_process(tasks, threads)
+    else:
+        results = on_workers(cluster or processes(threads), tasks)
     try:
-        for task, result in _computed(tasks, workers, client, small) if todo else ():
+        for task, result in results:
             tops = plan.tops(task.chunk)
             if isinstance(result, str):
                 sentences.append(
@@ -150,56 +155,31 @@ def _fill(
             if stop is not None and stop.is_set():
                 raise Interrupted
     except SchedulerLost:
-        sentences.append("the scheduler went away; what it gave back is stored.")
+        sentences.append("the scheduler went away; the results that it returned are stored.")
     return sentences
 
 
-def _computed(
-    tasks: Iterator[Task], workers: int | None, client: Any, small: bool
-) -> Iterator[Outcome]:
-    """The chunks as they are computed: by the workers of a client, by this process, or by processes
-    of our own.
-    """
-    threads = workers or len(os.sched_getaffinity(0))
-    if client is not None:
-        yield from on_client(client, tasks)
-    elif small or threads == 1:
-        yield from in_process(tasks, threads)
-    else:
-        yield from in_processes(tasks, threads)
-
-
-def whole_run(place: Path, problem: Problem) -> None:
-    """Reads every chunk of a finished run in a sweep. Raises StoreError, which says what to do."""
+def _run_alone(store: SweepStore, top: int, stop: threading.Event | None) -> None:
+    """Run one top of a plan into its store, or continue it, or check it."""
+    place = files.own_folder(store.store.path / RUNS) / str(top)
+    problem = store.plan.problem(top)
+    if not place.exists():
+        recording.record(problem, place, stop=stop, in_sweep=True)
+        return
+    attrs = root.root_of(place)
+    finished = attrs["status"] != "running"
     try:
-        _refuse_another(place, problem)
-        resuming.opened(place).release()
+        for name, value in root.finite(build.resolved(problem)).items():
+            if attrs.get(name) != value:
+                raise StoreError(
+                    f"`{place}` must be the run that the plan makes, but has another `{name}`."
+                )
+        if finished:
+            resuming.opened(place).release()
     except StoreError as error:
         raise StoreError(
-            f"`{place}` is not as it was made: {error} Remove it: the same command runs that "
-            "top again."
+            f"`{place}` must be as it was made, but: {error} Remove it: the same command runs "
+            "that top again."
         ) from None
-
-
-def _run_alone(store: SweepStore, stop: threading.Event | None) -> None:
-    """Runs the tops that the plan wants whole, each into a store of its own."""
-    for top in store.plan.runs:
-        runs, problem = files.own_folder(store.folder / RUNS), store.plan.problem(top)
-        place = runs / str(top)
-        if not place.exists():
-            recording.record(problem, place, stop=stop)
-        elif root.root_of(place)["status"] == "running":
-            _refuse_another(place, problem)
-            resuming.resume(place, stop=stop)
-        else:
-            whole_run(place, problem)
-
-
-def _refuse_another(place: Path, problem: Problem) -> None:
-    """Raises StoreError if a run is not the one that the plan makes."""
-    scenario, attrs = root.finite(build.resolved(problem)), root.root_of(place)
-    for name, value in scenario.items():
-        if attrs.get(name) != value:
-            raise StoreError(
-                f"`{place}` must be the run that the plan makes, but has another `{name}`."
-            )
+    if not finished:
+        resuming.resume(place, stop=stop)

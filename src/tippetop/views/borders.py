@@ -1,6 +1,4 @@
-"""Thresholds as lines over the map of a page: where they run, for each choice of the
-further axes.
-"""
+"""Thresholds as lines over the map of a page, for each choice of the further axes."""
 
 import itertools
 from typing import Any
@@ -11,7 +9,7 @@ from contourpy import contour_generator
 from ..sweeps import maps
 from ..sweeps.design import Axis
 from ..sweeps.plan import Plan
-from .given import encoded
+from .encoding import encode
 
 
 EVERY = 3  # of the points that a figure takes: lines on a page are a few hundred pixels long
@@ -19,7 +17,7 @@ MOST = 400  # choices of further axes; each takes 20 ms and some kilobytes
 
 
 def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
-    """The lines of a map, as the page takes them.
+    """Return the lines of a map, as the page takes them.
 
     Parameters
     ----------
@@ -57,14 +55,14 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
     labels = list(dict.fromkeys(label for each in ratios for label in each))
     places = [axis.span[::EVERY] for axis in spread]
     lines = [
-        [encoded(_lines(places, each[label]), "<f4") if label in each else "" for label in labels]
+        [encode(_lines(places, each[label]), "<f4") if label in each else "" for label in labels]
         for each in ratios
     ]
     return {"labels": labels, "lines": lines}
 
 
 def _lines(places: list[np.ndarray], logarithms: np.ndarray) -> np.ndarray:
-    """Where the logarithms of ratios over one or two axes are zero, (n, 2)."""
+    """Return the points (n, 2) where logarithms of ratios over one or two axes are zero."""
     values = np.ma.masked_invalid(
         np.expm1(logarithms)
     )  # |lambda|/threshold - 1 is linear in a spin

@@ -1,8 +1,8 @@
-"""The formulas of a system as JavaScript, written down by the symbols that they are fed."""
+"""The formulas of a system as JavaScript."""
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from ..engine.expressions import component, observed
@@ -17,32 +17,29 @@ from ..mechanics.systems.heavy_top import momentum_about_centre, tip_axis_rate
 from ..mechanics.theory.thresholds import poles, thresholds
 from ..mechanics.units import Unit
 from ..mechanics.variables import Variables
-from ..mechanics.writing import JAVASCRIPT, function
 from ..runs.shape import sizes
+from .javascript import arrow
 from .samples import well_quantities
 
 
+WELL = dict.fromkeys(("z", "first", "second"))
 NO_POTENTIAL = "export const potential = null;\n"
 NOTHING = f"export const facts = {{}};\nexport const formulas = {{}};\n{NO_POTENTIAL}"
 
 
 def potential(system: System, b: Touch) -> str:
-    """The module `formulas.js` of the page of a run: V of the system at the momenta that it takes,
-    for this body.
-    """
+    """Return the module `formulas.js` of the page of a run: V of the system for this body."""
     if system.potential is None:
         return NO_POTENTIAL
     numbers = refill(b, map(float, leaves(b)))
-    names = ("z", "first", "second")
-    return (
-        "export const potential = "
-        f"{_function(names, names, lambda symbols: _potential(system, symbols, numbers))};\n"
-    )
+    well = arrow(WELL, lambda *z: _potential(system, z, numbers))
+    return f"export const potential = {well};\n"
 
 
 def motions(system: System, form: Form, laws: dict[str, type[FrictionLaw]]) -> str:
-    """The module `formulas.js` of a page that integrates: all that it needs of a system in a form,
-    for each friction law by name; as `formulas.d.ts` says.
+    """Return the module `formulas.js` of a page that integrates a system in a form.
+
+    It contains the functions of each friction law by name; see `formulas.d.ts`.
     """
     variables = Variables(form)
     facts = {
@@ -64,84 +61,60 @@ def motions(system: System, form: Form, laws: dict[str, type[FrictionLaw]]) -> s
 
 
 def initial_names(system: System) -> list[str]:
-    """The initial numbers that a page asks for: of those that say the same in two ways, one."""
+    """Return the initial numbers that a page needs, without their alternatives."""
     others = {a.name for a in system.alternatives}
     return [name for name in system.initial if name not in others]
 
 
 def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str:
-    """The functions of one friction law, as an object."""
+    """Return the functions of one friction law, as an object."""
     form, names = variables.form, [*system.parameters, *law.parameters]
-    template = system.body_of(
+    b = system.body_of(
         dict.fromkeys(system.parameters, 1.0), law._make(1.0 for _ in law.parameters)
     )
-    given, n = initial_names(system), len(variables.names)
-    heavy = "R" not in system.parameters
-    numbers = [f"b[{i}]" for i in range(len(leaves(template)))]
-    state = [*(f"y[{i}]" for i in range(n)), *numbers]
-    well = ("z", "first", "second")
+    initial, heavy = initial_names(system), "R" not in system.parameters
+    y = (form.units, variables.carried(*variables.names[variables.moving :]))
 
-    def fill(symbols: Sequence[Any]) -> Any:
-        return refill(template, iter(symbols))
+    def body(p: Sequence[Any]) -> Any:
+        by_name = dict(zip(names, p, strict=True))
+        return system.body_of(by_name, law._make(by_name[name] for name in law.parameters))
 
-    def body(symbols: Sequence[Any]) -> list:
-        by_name = dict(zip(names, symbols, strict=True))
-        return leaves(system.body_of(by_name, law._make(by_name[name] for name in law.parameters)))
+    def rates(y: tuple[Any, Any], b: Any) -> list:
+        return [*form.rates(y[0], b), *(integral.rate(*y, b) for integral in variables.integrals)]
 
-    def of(symbols: Sequence[Any]) -> tuple[Any, Any, Any]:
-        q, carried = symbols[: variables.moving], symbols[variables.moving : n]
-        return type(form.units)(*q), variables.carried(*carried), fill(symbols[n:])
-
-    def rates(symbols: Sequence[Any]) -> list:
-        q, carried, b = of(symbols)
-        return [
-            *form.rates(q, b),
-            *(integral.rate(q, carried, b) for integral in variables.integrals),
-        ]
-
-    def start(symbols: Sequence[Any]) -> list:
-        s, z, *rest = symbols
-        data, b = dict(zip(given, rest, strict=False)), fill(rest[len(given) :])
+    def start(s: Any, z: Any, d: Sequence[Any], b: Any) -> list:
+        data = dict(zip(initial, d, strict=True))
         q, carried = variables.start(data, system.start(data, s, z, b), s, z, b)
         return [*q, *carried]
 
-    def weights(symbols: Sequence[Any]) -> list:
-        b = fill(symbols)
+    def weights(b: Any) -> list:
         mass, length = system.scales(b)
         return [_power(unit, mass, length, sqrt(length / b.g)) for unit in variables.units.values()]
 
-    data = [f"d[{i}]" for i in range(len(given))]
     parts = {
-        "body": _function(("p",), [f"p[{i}]" for i in range(len(names))], body),
-        "rates": _function(("y", "b", "out"), state, rates, fills=True),
-        "start": _function(("sine", "z", "d", "b"), ["sine", "z", *data, *numbers], start),
-        "weights": _function(("b",), numbers, weights),
-        "seen": _function(
-            ("y", "b", "out"), state, lambda symbols: seen(system, form, *of(symbols)), fills=True
+        "body": arrow({"p": tuple(names)}, body),
+        "rates": arrow({"y": y, "b": b}, rates, fills=True),
+        "start": arrow({"sine": None, "z": None, "d": tuple(initial), "b": b}, start),
+        "weights": arrow({"b": b}, weights),
+        "seen": arrow(
+            {"y": y, "b": b}, lambda y, b: channels(system, form, y[0], y[1], b), fills=True
         ),
-        "sizes": _function(("b",), numbers, lambda symbols: sizes(fill(symbols), heavy=heavy)),
-        "thresholds": _thresholds(system, template, numbers),
-        "potential": _function(
-            (*well, "b"),
-            [*well, *numbers],
-            lambda symbols: _potential(system, symbols, fill(symbols[3:])),
-        )
+        "sizes": arrow({"b": b}, lambda b: sizes(b, heavy=heavy)),
+        "thresholds": _thresholds(system, b),
+        "potential": arrow(WELL | {"b": b}, lambda *z: _potential(system, z[:3], z[3]))
         if system.potential
         else "null",
     }
     return "{\n" + ",\n".join(f"{name}: {text}" for name, text in parts.items()) + "\n}"
 
 
-def _potential(system: System, symbols: Sequence[Any], b: Touch) -> list:
+def _potential(system: System, z: Sequence[Any], b: Touch) -> list:
     assert system.potential is not None
-    return [system.potential(*symbols[: 1 + len(system.momenta)], b)]
+    return [system.potential(*z[: 1 + len(system.momenta)], b)]
 
 
-def seen(system: System, form: Form, q: Any, carried: Any, b: Touch) -> list:
-    """What the page draws of a state: axes 1 and 3, then the channels of a sample from omega on.
-
-    [see motion.js]
-    """
+def channels(system: System, form: Form, q: Any, carried: Any, b: Touch) -> list:
+    """Return axes 1 and 3 of a state, then the channels of a sample from omega on: motion.js."""
     values = observed(system, form, q, carried, b)
     assert form.orientation is not None
     first, third = form.orientation.axes(q, carried, b)
@@ -164,7 +137,7 @@ def seen(system: System, form: Form, q: Any, carried: Any, b: Touch) -> list:
 
 
 def _slip(q: Any, b: Touch) -> Vector:
-    """The velocity of the contact point."""
+    """Return the velocity of the contact point."""
     if hasattr(q, "vx"):
         return Vector(q.vx, q.vy, 0)
     if hasattr(q, "rx_dot"):
@@ -175,9 +148,7 @@ def _slip(q: Any, b: Touch) -> Vector:
 def _force(
     system: System, q: Any, b: Touch, s: Any, slip: Vector, values: dict[str, Any]
 ) -> Vector:
-    """The force of the plane: by the friction law where the contact slides, else the reaction of a
-    contact at rest.
-    """
+    """Return the force of the plane: by the friction law in sliding, else the reaction."""
     normal = values.get("normal_force", 0)
     if system.frictional:
         k = slip_coefficient(s.v2, s.z, b.friction)
@@ -196,45 +167,26 @@ def _force(
 
 
 def _power(unit: Unit, mass: Any, length: Any, time: Any) -> Any:
-    """One internal unit in SI units."""
+    """Return one internal unit in SI units."""
     value = 1 + 0 * mass
     for base, power in ((mass, unit.mass), (length, unit.length), (time, unit.time)):
         value = value * base**power if power > 0 else value / base**-power if power < 0 else value
     return value
 
 
-def _thresholds(system: System, template: Touch, numbers: list[str]) -> str:
-    """The thresholds of a tippe top, as a list of records; an empty one for others."""
+def _thresholds(system: System, b: Touch) -> str:
+    """Return the thresholds of a tippe top, as a list of records; an empty one for others."""
     if not system.inverts:
         return "() => []"
+    known: dict[str, Any] = {}
 
-    records = []
-
-    def values(symbols: list) -> list:
-        known = thresholds(refill(template, iter(symbols)), poles(template))
-        for i, (name, t) in enumerate(known.items()):
-            about = {"name": name, "unit": t.unit.symbol, "words": t.long_name}
-            records.append(f"{{...{json.dumps(about)}, value: v[{i}]}}")
+    def values(symbols: Touch) -> list:
+        known.update(thresholds(symbols, poles(b)))
         return [t.value for t in known.values()]
 
-    of_body = _function(("b",), numbers, values)
+    of_body = arrow({"b": b}, values)
+    records = []
+    for i, (name, t) in enumerate(known.items()):
+        about = {"name": name, "unit": t.unit.symbol, "words": t.long_name}
+        records.append(f"{{...{json.dumps(about)}, value: v[{i}]}}")
     return f"(b) => {{ const v = ({of_body})(b); return [{', '.join(records)}]; }}"
-
-
-def _function(
-    names: Sequence[str],
-    inputs: Sequence[str],
-    formula: Callable[[list], Sequence[Any]],
-    *,
-    fills: bool = False,
-) -> str:
-    """A function that returns its one result or a list of them, or puts them into its last
-    argument.
-    """
-    lines, results = function(JAVASCRIPT, inputs, formula)
-    if fills:
-        lines += [f"{names[-1]}[{i}] = {result};" for i, result in enumerate(results)]
-    else:
-        value = ", ".join(results)
-        lines.append(f"return {value if len(results) == 1 else f'[{value}]'};")
-    return f"({', '.join(names)}) => {{\n{chr(10).join(lines)}\n}}"

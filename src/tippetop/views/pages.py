@@ -1,7 +1,4 @@
-"""An HTML file: its style, its modules as one script, its data.
-
-Nothing is fetched when it is opened.
-"""
+"""HTML files with their style, one script and data; they fetch nothing."""
 
 import html
 import json
@@ -15,7 +12,7 @@ from typing import Any
 from ..arguments import flag, in_python, path_of
 from ..errors import StoreError
 from ..store.files import write_text
-from . import rotations
+from .javascript import rotations
 
 
 IMPORT = re.compile(r'^import\s+\{([^}]*)\}\s+from\s+"\./([\w.]+)";\n', re.MULTILINE)
@@ -26,28 +23,27 @@ EXPORT = re.compile(
 
 @cache
 def source(name: str) -> str:
-    """A file of the page that the package holds."""
+    """Return a file of the page."""
     return files(__package__).joinpath("page", name).read_text(encoding="utf-8")
 
 
 def script(entry: str, written: Mapping[str, str]) -> str:
-    """A module of the page and all that it imports, as one script.
+    """Return a module of the page and its imports as one script.
 
     Parameters
     ----------
     entry
         The name of a file.
     written
-        Modules that are no files, beside `rotation.js`: name -> text.
+        Modules other than files and `rotation.js`: name -> text.
 
     Returns
     -------
     str
-        Every module is a function that gives what it exports; each stands after those that it
-        imports.
+        Every module is a function that returns its exports, after the modules that it imports.
     """
     parts: dict[str, str] = {}
-    written = {"rotation.js": rotations.module(), **written}
+    written = {"rotation.js": rotations(), **written}
 
     def take(name: str) -> None:
         text = written[name] if name in written else source(name)
@@ -55,7 +51,8 @@ def script(entry: str, written: Mapping[str, str]) -> str:
         for _, other in imports:
             if other not in parts:
                 take(other)
-        lines = [f"const {{{_renamed(names)}}} = {_module(other)};" for names, other in imports]
+        imports = [(" ".join(names.split()), other) for names, other in imports]
+        lines = [f"const {{{names}}} = {_module(other)};" for names, other in imports]
         exported = ", ".join(EXPORT.findall(text))
         body = EXPORT.sub("", IMPORT.sub("", text))
         parts[name] = (
@@ -73,11 +70,6 @@ def _module(name: str) -> str:
     return f"module_{name.partition('.')[0]}"
 
 
-def _renamed(names: str) -> str:
-    """Imported names as a destructuring pattern takes them: `a as b` is a: b."""
-    return re.sub(r"(\w+)\s+as\s+(\w+)", r"\1: \2", " ".join(names.split()))
-
-
 def page(
     title: str,
     entry: str,
@@ -87,27 +79,22 @@ def page(
     aside: str = "",
     about: str = "",
 ) -> str:
-    """A page.
+    """Return the text of an HTML file.
 
     Parameters
     ----------
     title
         Of the window.
     entry
-        The module that begins it.
+        The module that starts it.
     data
-        What the module finds in the page, as JSON.
+        Plain data, stored as JSON.
     written
-        Modules that are written down for this page: name -> text.
+        Modules for this page alone: name -> text.
     aside
         A fragment of HTML before the picture.
     about
         The line below the title.
-
-    Returns
-    -------
-    str
-        The text of the HTML file.
     """
     text = json.dumps(data, allow_nan=False, ensure_ascii=False).replace("<", "\\u003c")
     parts = {
@@ -122,7 +109,7 @@ def page(
 
 
 def check(path: Path, *, overwrite: bool) -> None:
-    """Raises StoreError if a page may not be written there: something is there already."""
+    """Raise StoreError if a page cannot be written there."""
     flag("overwrite", overwrite)
     if path.is_dir():
         raise StoreError(f"`{path}` must be a file that ends with .html, but is a folder.")
@@ -131,7 +118,7 @@ def check(path: Path, *, overwrite: bool) -> None:
 
 
 class Page:
-    """An HTML file that needs no network, not written yet; a notebook shows it.
+    """An HTML file that needs no network; a notebook shows it.
 
     Attributes
     ----------
@@ -148,14 +135,14 @@ class Page:
         self.text = text
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
-        """Writes it to a file.
+        """Write it to a file.
 
         Parameters
         ----------
         path : path-like
             Usually it ends with `.html`.
         overwrite : bool
-            Whether a file that is there is replaced.
+            Whether an existing file is replaced.
 
         Returns
         -------
@@ -165,7 +152,7 @@ class Page:
         Raises
         ------
         StoreError
-            If something is there already, or cannot be written.
+            If it exists, or cannot be written.
         """
         place = path_of("path", path)
         with in_python():
@@ -176,16 +163,13 @@ class Page:
         return f"<Page of {len(self.text) / 1e6:.1f} MB>"
 
     def _repr_html_(self) -> str:
-        """The page in a frame, for notebooks."""
+        """Return the page in a frame, for notebooks."""
         style = "width:100%;height:720px;border:0"
         frame = f'style="{style}" title="tippetop" allowfullscreen'
         return f'<iframe loading="lazy" srcdoc="{html.escape(self.text)}" {frame}></iframe>'
 
 
 def write(text: str, path: Path, *, overwrite: bool) -> None:
-    """Writes a page whole or not at all.
-
-    Raises StoreError: it exists and may not be overwritten; the disk.
-    """
+    """Write a page atomically. Raises StoreError."""
     check(path, overwrite=overwrite)
     write_text(path, text, overwrite=overwrite)

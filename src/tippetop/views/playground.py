@@ -1,6 +1,4 @@
-"""The playground: a page that integrates the tippe top of whoever opens it, by the formulas of this
-package.
-"""
+"""The playground: a page that integrates a tippe top with the formulas of this package."""
 
 from typing import Any
 
@@ -9,7 +7,7 @@ from ..mechanics.systems import SYSTEMS
 from ..scenario import build
 from ..scenario.reading import presets
 from . import formulas, pages
-from .given import given
+from .encoding import problem_data
 
 
 TITLE = "Tippe top playground"
@@ -17,7 +15,7 @@ FIRST = "inverting"
 
 
 def playground() -> str:
-    """The text of its HTML file."""
+    """Return the text of its HTML file."""
     system = SYSTEMS["tippe-top"]
     laws = {name: law for name, law in system.laws.items() if law.coefficient is not None}
     scripts = {"formulas.js": formulas.motions(system, system.forms["vector"], laws)}
@@ -40,9 +38,7 @@ ABOUT = "Move a slider: this page integrates the motion with the equations of ti
 
 
 def _preset(name: str) -> dict[str, Any] | None:
-    """A preset as the page takes it; None where it is of another system, or its contact changes its
-    phase.
-    """
+    """Return a preset as the page takes it; None for another system, or a contact that may open."""
     try:
         problem = build.load(name)
     except InputError:
@@ -52,6 +48,6 @@ def _preset(name: str) -> dict[str, Any] | None:
     return {
         "name": name,
         "words": problem.system.title,
-        **given(problem),
+        **problem_data(problem),
         "until": min(problem.until, 30.0),
     }

@@ -1,6 +1,4 @@
-"""Rows of a run become samples of its motion: attitude, angular velocity, place, force, sliding,
-momentum, well.
-"""
+"""Samples of a motion from the rows of a run: attitude, velocities, forces, momenta."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -11,7 +9,6 @@ from ..mechanics.contact.body import Touch, angular_velocity_of, tip_inertia
 from ..mechanics.friction import SLIP, slip_coefficient
 from ..mechanics.operand import Vector, cross, times
 from ..mechanics.rotation import Quaternion, axes
-from ..mechanics.system import System
 from ..mechanics.systems import find
 from ..runs.shape import body_of, is_fixed, is_planar
 
@@ -26,16 +23,16 @@ NEEDED = (
 
 
 def needed(attrs: dict[str, Any]) -> list[str]:
-    """The columns of a trajectory that samples may be made of."""
+    """Return the columns of a trajectory from which samples are made."""
     return [*NEEDED, *well_columns(attrs)]
 
 
 def without(attrs: dict[str, Any]) -> list[str]:
-    """The columns that samples cannot do without and that a run has not kept."""
+    """Return the columns that samples need and that a run has not kept."""
     kept = attrs["run"].get("columns")
     if kept is None:
         return []
-    system = plain(attrs)
+    system: Any = find(attrs["system"])
     own = {
         *system.angles._fields,
         *system.vectors,
@@ -50,28 +47,19 @@ def without(attrs: dict[str, Any]) -> list[str]:
 
 
 def well_columns(attrs: dict[str, Any]) -> list[str]:
-    """The columns that the potential takes, in its order, and the energy that is its level; none if
-    there is none.
-    """
-    return well_quantities(plain(attrs))
+    """Return the columns of the potential, in its order, and of the energy of its level."""
+    return well_quantities(find(attrs["system"]))
 
 
-def well_quantities(system: System) -> list[str]:
-    """The same of a system."""
+def well_quantities(system: Any) -> list[str]:
+    """Return the quantities of the potential and of its level, if the system has one."""
     if system.potential is None:
         return []
     return [*system.momenta, system.landscape.energy if system.landscape else "modified_energy"]
 
 
-def plain(attrs: dict[str, Any]) -> Any:
-    """The system of a store, without the phases of its contact; `shape.body_of` has refused an
-    unknown one.
-    """
-    return find(attrs["system"])
-
-
 def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
-    """Samples (n, STRIDE) of rows given as columns by name, SI.
+    """Return samples (n, STRIDE) of rows given as columns by name, SI.
 
     Parameters
     ----------
@@ -112,7 +100,7 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
 
 
 def _ball(columns: Columns, attrs: dict[str, Any], b: Touch) -> tuple[Any, Any]:
-    """Offset and radius of the ball that touches the plane, or did last; numbers or (n,)."""
+    """Return offset and radius of the last ball in contact with the plane; numbers or (n,)."""
     if "ball" not in columns or "stem" not in attrs:
         return b.c, b.R
     stem = columns["ball"] == 1
@@ -120,8 +108,9 @@ def _ball(columns: Columns, attrs: dict[str, Any], b: Touch) -> tuple[Any, Any]:
 
 
 def _slip(columns: Columns, n: int) -> np.ndarray:
-    """Horizontal velocity of the contact point, (2, n); zero where nothing slides, and at a pole,
-    where it has no components, that of the row beside.
+    """Return the horizontal velocity of the contact point, (2, n); zero without sliding.
+
+    It has no components at a pole: there that of the next row is taken.
     """
     if "nu_x" not in columns:
         return np.zeros((2, n))
@@ -136,7 +125,7 @@ def _slip(columns: Columns, n: int) -> np.ndarray:
 
 
 def _place(columns: Columns, third: Vector, offset: Any, radius: Any, fixed: bool) -> np.ndarray:
-    """The centre of mass, (n, 3)."""
+    """Return the centre of mass, (n, 3)."""
     if fixed:
         return np.stack(times(-offset, third), axis=1)
     height = columns["z"] if "z" in columns else radius - offset * third.z
@@ -146,8 +135,9 @@ def _place(columns: Columns, third: Vector, offset: Any, radius: Any, fixed: boo
 def _force(
     columns: Columns, velocity: np.ndarray, slip: np.ndarray, z: np.ndarray, b: Touch
 ) -> np.ndarray:
-    """The force of the plane, (n, 3): friction by its law where the contact slides by a law of one
-    phase, and else as the horizontal part of m r'', from row to row.
+    """Return the force of the plane, (n, 3).
+
+    Friction follows from its law in sliding with one phase, else from m r'', row by row.
     """
     n = velocity.shape[1]
     normal = columns.get("normal_force", np.full(n, np.nan))

@@ -12,9 +12,8 @@ import pytest
 from nightly import at_night
 
 from tippetop.engine.compiled import compiled_from
-from tippetop.engine.driver import Driver
+from tippetop.engine.driver import NO_ROWS, RUNNING, Driver
 from tippetop.engine.hybrid import formulas_of_phase
-from tippetop.engine.impacts import NO_ROWS
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import ON_ZERO, SIGN
 from tippetop.engine.wide import WideDriver
@@ -69,10 +68,10 @@ class Flights:
         functions[SIGN], functions[ON_ZERO] = 1, 0
         functions[ON_ZERO, NAMES.index("land"), 0] = -zeros
         tally["status"], tally["upto"], tally["steps"] = Status.RUNNING.code, 1.0, 0
-        piece = driver.advance(NO_ROWS, 10**6)
-        while piece.status is None:
-            piece = driver.advance(NO_ROWS, 10**6)
-        return piece.time, NAMES[int(piece.passages.events[-1])]
+        driver.forget()
+        while driver.status[0] == RUNNING:
+            driver.make(NO_ROWS, 10**6)
+        return driver.reached()[0], NAMES[int(driver.log.event[driver.log.filled[0] - 1])]
 
 
 @pytest.fixture(scope="module")

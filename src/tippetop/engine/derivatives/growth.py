@@ -1,6 +1,4 @@
-"""How fast nearby motions part: how small errors of the start grow, and when a double says little
-more.
-"""
+"""Growth of small errors of the start, and the time after which a double has lost its digits."""
 
 import dataclasses
 import math
@@ -15,8 +13,8 @@ from .numbers import Numbers
 
 
 ROUNDING = 1e-16  # the error of the start
-LOST = 1e-3  # what it has grown to when digits that a figure shows are lost
-# of the largest: directions of the start that are shorter are none (at a pole, phi turns nothing)
+LOST = 1e-3  # size of the error at which digits of a figure are lost
+# of the largest: shorter directions of the start are left out (at a pole, phi turns nothing)
 INDEPENDENT = 1e-9
 
 
@@ -54,7 +52,7 @@ class Growth(NamedTuple):
         return float(self.times[k - 1] + part * (self.times[k] - self.times[k - 1]))
 
     def sentence(self) -> str:
-        """What it says."""
+        """Return a sentence for reports."""
         if math.isfinite(self.horizon):
             return (
                 f"an error of 1e-16 at the start grows to 1e-3 at t = {self.horizon:.6g} s: "

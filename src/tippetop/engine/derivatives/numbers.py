@@ -23,7 +23,7 @@ class Numbers:
     Raises
     ------
     InputError
-        If a name is none of the problem's, or the run has no derivatives.
+        If the problem has no number of a name, or the run has no derivatives.
     """
 
     def __init__(self, problem: Problem, wrt: Iterable[str] = ()):

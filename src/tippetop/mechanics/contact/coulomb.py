@@ -33,8 +33,8 @@ def response(u, push, b):
 
 @formula
 def loaded_normal_force(u, b, push, tau, body):
-    """N [N] where the friction -N push, horizontal, and beside it the torque N tau act: of a patch
-    that drills.
+    """Return N [N] under the horizontal friction -N push and the torque N tau of a patch that
+    drills.
     """
     return -b.z / (response(u, push, body) + torque_acceleration(u, tau, body).z)
 

@@ -243,8 +243,8 @@ def opens(n: Next, world: Any) -> bool:
 
 
 def left_alone(n: Next, world: Any, zeros: int) -> Next:
-    """Return a phase on one ball where the other has just left: so many derivatives of its gap
-    vanish, with the gap."""
+    """Return a phase on one ball where the other has just left: the gap of that one is a root of
+    multiplicity `zeros`."""
     if world.phases[n.phase].label != "flight":
         n.zeros = {**n.zeros, "touch": zeros}
     return n
@@ -497,7 +497,7 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
     """Return what follows where sliding and turning of a disc have stopped together.
 
     A disc that friction cannot hold passes its rest if it soon leaves it again; otherwise it begins
-    to slide with a speed of its own, so that it is known when it comes to rest again.
+    to slide with a small speed, so that its next rest is detected.
     """
     b, rest = world.body[ball], phase_name("rest", ball)
     x = kicked(n.x, stopping(n.x.u, n.x.L, n.x.velocity, b), b)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebder, chebint, chebval
 
 
 class FirstSlip(NamedTuple):
@@ -24,7 +25,7 @@ class FirstSlip(NamedTuple):
         """State, w and beta at times t between the ends, by the polynomial through the nodes."""
         x = 2 * np.asarray(t) / self.time[-1] - 1
         values = np.vstack([self.state, self.w, self.beta]) @ _coefficients(self.time).T
-        moment = np.polynomial.chebyshev.chebval(x, values.T)
+        moment = chebval(x, values.T)
         return moment[:-2], moment[-2], moment[-1]
 
 
@@ -75,9 +76,9 @@ def _swept(
     """
     angle = np.pi * np.arange(nodes, dtype=start.dtype) / (nodes - 1)
     time = duration * (1 - np.cos(angle)) / 2
-    integral, slope = (
-        m * duration / 2 if i == 0 else m * 2 / duration for i, m in enumerate(_matrices(time))
-    )
+    coefficients, nodes_at = _coefficients(time), -np.cos(angle)
+    integral = chebval(nodes_at, chebint(coefficients, lbnd=-1)).T * duration / 2
+    slope = chebval(nodes_at, chebder(coefficients)).T * 2 / duration
     state, beta, w = (
         np.repeat(start[:, None], nodes, 1),
         np.full_like(time, beta0),
@@ -108,30 +109,6 @@ def _coefficients(time: np.ndarray) -> np.ndarray:
     matrix[[0, n]] /= 2
     matrix[:, [0, n]] /= 2
     return matrix
-
-
-def _matrices(time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Integral from the first node, and derivative, of values at the nodes, on [-1, 1]."""
-    n = len(time) - 1
-    angle = np.pi * np.arange(n, -1, -1, dtype=time.dtype) / n  # cos(angle) ascends from -1
-
-    def T(k: int) -> np.ndarray:
-        return np.cos(k * angle)
-
-    sums, slopes = [], []
-    for k in range(n + 1):
-        s = (
-            T(1)
-            if k == 0
-            else T(2) / 4
-            if k == 1
-            else (T(k + 1) / (k + 1) - T(k - 1) / (k - 1)) / 2
-        )
-        sums.append(s - s[0])
-        inner = k * np.sin(k * angle[1:-1]) / np.sin(angle[1:-1])
-        slopes.append(np.concatenate([[(-1) ** (k + 1) * k**2], inner, [k**2]]))
-    coefficients = _coefficients(time)
-    return np.column_stack(sums) @ coefficients, np.column_stack(slopes) @ coefficients
 
 
 def first_directions(law: Callable, count: int = 360) -> np.ndarray:

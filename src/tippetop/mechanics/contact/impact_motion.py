@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..disc_friction import Drag, rolling
-from ..events import Event
+from ..event import Event
 from ..form import Form
 from ..friction import load
 from ..inlining import inlined

@@ -1,6 +1,4 @@
-"""What is integrated beside the motion of a body on the plane: place, angles, work and impulse of
-the contact.
-"""
+"""Integrals of a body on the plane: place, angles, work and impulse of the contact."""
 
 from collections.abc import Callable
 

@@ -8,8 +8,7 @@ from itertools import product
 from operator import itemgetter
 from typing import Any
 
-from ...errors import names_its_faults
-from ..events import Event
+from ..event import Event
 from ..form import CLOCK, Exit, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
 from ..inlining import inlined
@@ -229,11 +228,7 @@ def open_contact(system: System, law: Any, balls: int) -> System:
     of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
     quantities = columns(opening.planar, opening.routh, balls > 1)
     known = {*opening.without, *(quantity.name for quantity in quantities)}
-    quantities += tuple(
-        replace(one, formula=names_its_faults(one.formula, f"the column `{one.name}`"))
-        for one in system.quantities
-        if one.name not in known
-    )
+    quantities += tuple(one for one in system.quantities if one.name not in known)
     phases = {
         name: phase if phase.axis_stays else replace(phase, events=(*of_axis, *phase.events))
         for name, phase in phases_of(opening.planar, law, balls).items()

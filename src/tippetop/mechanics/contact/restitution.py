@@ -1,4 +1,4 @@
-"""What a user says of a contact that may open: the law of impact, and the stem."""
+"""Parameters of a contact that may open: the law of impact, and the stem."""
 
 import math
 from typing import NamedTuple
@@ -14,7 +14,7 @@ LEAST_RADIUS, LONGEST = (
 
 
 class ContactLaw(NamedTuple):
-    """How the contact opens and closes; SI.
+    """Parameters of impacts and of the stem, SI.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ STEM = {
 
 
 def stem_faults(R: float, r: float, h: float) -> list[str]:
-    """What is wrong with a stem on a sphere of radius R, in sentences. [contact 6]"""
+    """Return the faults of a stem on a sphere of radius R. [contact 6]"""
     if not r < R:
         return [f"`stem.r` must be smaller than parameters.R = {R:.6g}, but is {r:.6g}."]
     if not r > LEAST_RADIUS * R:

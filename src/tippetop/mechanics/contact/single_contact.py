@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ..disc_friction import Region, drilling_force, rolling
-from ..events import Event
+from ..event import Event
 from ..form import Form, Integral, Phase
 from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
@@ -179,7 +179,7 @@ def roll_reaction(q, b):
 
 
 def cone(s, b):
-    """mu^2 N^2 - |F_h|^2: what is left of the friction cone in rolling. [contact 2.3]"""
+    """mu^2 N^2 - |F_h|^2: margin of the friction cone in rolling. [contact 2.3]"""
     return (b.friction.mu * normal_force(s, b)) ** 2 - s.friction_force2
 
 
@@ -199,7 +199,7 @@ ROLL = Phase(
 
 
 STOPS_AT = 2.0**-43
-"""|v_A| at which a sliding contact stops, internal units: 1.1e-13. What is left is an impulse."""
+"""|v_A| at which a sliding contact stops, internal units: 1.1e-13. An impulse takes the rest."""
 
 DIRECTED = state(beta=RADIAN, w=METRE_PER_SECOND)
 """v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and its direction its
@@ -281,7 +281,7 @@ Coulomb's law itself by about so much."""
 
 RESTS_BELOW = 1e-6
 """Angular velocity, internal units, below which a disc comes to rest, if friction can hold it. An
-impulse takes what is left of its turning, which would last less than a thousandth of internal time.
+impulse takes the rest of its turning, which would last less than a thousandth of internal time.
 """
 
 LEAST_PATCH = 1e-5

@@ -71,7 +71,7 @@ class Reaction(NamedTuple):
 
 
 def filled(**units: Any) -> Any:
-    """Return a record filled with units, of a type of its own."""
+    """Return a record of a new type, filled with units."""
     return namedtuple("State", units)(**units)
 
 
@@ -215,8 +215,8 @@ def row_of_angles(e, s, z, b):
 
 
 def angles_of_row(q, carried, b):
-    """The angles of a row; 0/0 exactly at a pole, where phi and what is taken along it are
-    undefined."""
+    """The angles of a row; 0/0 exactly at a pole, where phi and
+    components along it are undefined."""
     c = row_scalars(q, b)
     theta, theta_dot, phi_dot, phi = axis_angles(c, axis(q))
     s = sqrt(c.s2)

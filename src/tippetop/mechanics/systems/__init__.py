@@ -1,5 +1,4 @@
-"""The registry of systems: one line per system of the package; others come by `add` or by entry
-points.
+"""The registry of systems: those of the package, registered ones, and those of entry points.
 
 Entry points are looked for when a name is asked for that is not known (a scan takes 10 to 70 ms):
 the group `tippetop.systems` gives System records, `tippetop.friction` gives friction laws under the
@@ -8,7 +7,6 @@ entry point's name.
 
 import copyreg
 import pickle
-import re
 import warnings
 from collections.abc import Callable
 from functools import cache
@@ -21,8 +19,8 @@ from ..contact.opening import kind_of, opened
 from ..friction import FrictionLaw
 from ..number import RecordType
 from ..system import System
-from .answers import wrong_answers
 from .cylinder import GLIDING_CYLINDER
+from .function_checks import check_answers
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
 from .heavy_top import HEAVY_TOP
 from .rolling_cylinder import ROLLING_CYLINDER
@@ -50,18 +48,11 @@ do not know them.
 
 
 def add(system: System, *, here: bool = False) -> None:
-    """Registers a system under its name, which must be new.
+    """Register a system under its name, which must be new.
 
     `here`: in this process. Raises InputError.
     """
-    name = system.name
-    if not isinstance(name, str) or not re.fullmatch(friction.NAME, name):
-        raise InputError(
-            [
-                "the name of a system must be letters, digits, - and _, and begin with no "
-                f"digit, but is {name!r:.60}."
-            ]
-        )
+    name = friction.checked_name(system.name, "system")
     before = SYSTEMS.get(name, system)
     again = here and before in REGISTERED_HERE  # as where a notebook's cell runs once more
     if before is not system and not again:
@@ -73,8 +64,9 @@ def add(system: System, *, here: bool = False) -> None:
 
 def check(system: System) -> None:
     """Raise InputError for a system whose records contradict one another, or that cannot be run."""
-    if faults := inconsistencies(system) or unmet_requirements(system) or wrong_answers(system):
+    if faults := inconsistencies(system) or unmet_requirements(system):
         raise InputError(faults)
+    check_answers(system)
 
 
 def add_law(law: type[FrictionLaw], *, here: bool = False) -> None:
@@ -102,9 +94,9 @@ def add_law(law: type[FrictionLaw], *, here: bool = False) -> None:
 
 
 def _defined_again(before: Any, record: Any) -> bool:
-    """Whether a record is that of a law of this process whose class statement has run once more:
-    code that is compiled belongs to a class, so that the same one with another coefficient would
-    keep the old.
+    """Return whether a record is that of a law whose class statement has run once more.
+
+    Compiled code belongs to a class, so that a class with another coefficient needs new code.
     """
     same = (before.__module__, before.__qualname__) == (
         getattr(record, "__module__", ""),
@@ -114,7 +106,7 @@ def _defined_again(before: Any, record: Any) -> bool:
 
 
 def _note(record: Any, *, here: bool, new: bool) -> None:
-    """Notes who registered a record: an entry point's word outweighs that of this process."""
+    """Note who registered a record; an entry point outweighs this process."""
     if here and new:
         REGISTERED_HERE.add(record)
     elif not here:
@@ -122,8 +114,9 @@ def _note(record: Any, *, here: bool, new: bool) -> None:
 
 
 def known_to_others(record: Any) -> bool:
-    """Whether other processes know a system, or a law by its record: of the package, or by an entry
-    point.
+    """Return whether other processes know a system, or a law by its record.
+
+    They know those of the package and of entry points.
     """
     record = getattr(record, "face", record)
     if record in REGISTERED_HERE:
@@ -132,8 +125,9 @@ def known_to_others(record: Any) -> bool:
 
 
 def find(name: str) -> System | None:
-    """The system of a name, of the package, registered, or of an entry point; None if there is
-    none.
+    """Return the system of a name, of the package, registered, or of an entry point.
+
+    Return None if it does not exist.
     """
     if name not in SYSTEMS:
         load_entry_points()
@@ -141,8 +135,9 @@ def find(name: str) -> System | None:
 
 
 def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
-    """Return the friction laws that runs of a system take, by name: one body takes those with
-    regions.
+    """Return the friction laws that runs of a system take, by name.
+
+    Laws with regions are for a body with a contact disc.
     """
     if system.contact is not None:
         return {
@@ -152,7 +147,7 @@ def laws_of(system: System) -> dict[str, type[FrictionLaw]]:
     return {name: law for name, law in system.laws.items() if not law.regions or has_disc}
 
 
-def that_open() -> dict[str, System]:
+def opening_systems() -> dict[str, System]:
     """Return the systems whose contact may open, by name."""
     return {name: system for name, system in SYSTEMS.items() if system.opening is not None}
 
@@ -171,7 +166,7 @@ def opened_by_name(name: str, record: type, balls: int) -> System:
 
 
 def systems_of_laws() -> dict[str, tuple[type[FrictionLaw], list[str]]]:
-    """Every friction law that is known, by name, with the names of the systems that take it."""
+    """Return every friction law by name, with the names of the systems that take it."""
     known: dict[str, tuple[type[FrictionLaw], list[str]]] = {
         name: (law, []) for name, law in friction.LAWS.items()
     }
@@ -182,7 +177,7 @@ def systems_of_laws() -> dict[str, tuple[type[FrictionLaw], list[str]]]:
 
 
 def by_name(name: str) -> System:
-    """The system of a name, as a pickle has it.
+    """Return the system of a name, as a pickle has it.
 
     Raises InputError if this process does not know it.
     """
@@ -192,7 +187,7 @@ def by_name(name: str) -> System:
 
 
 def _pickled(system: System) -> tuple:
-    """A pickle has the names of systems, not their formulas."""
+    """Reduce a system to its name: a pickle contains no formulas."""
     if system.contact is not None and opened(SYSTEMS[system.name], *system.contact) is system:
         law, balls = system.contact
         return opened_by_name, (system.name, law, balls)
@@ -210,43 +205,28 @@ copyreg.pickle(System, _pickled)
 
 @cache
 def load_entry_points() -> None:
-    """Registers, once a process, what installed packages offer; one that fails is left out with a
-    warning.
+    """Register the entry points of installed packages, once per process.
+
+    A record that fails is left out with a warning.
     """
     from importlib.metadata import entry_points
 
-    groups: dict[str, tuple[type, str, Callable[[str, Any], None]]] = {
-        "tippetop.friction": (RecordType, "a FrictionLaw", _add_law_under),
-        "tippetop.systems": (System, "a System", _add_under),
+    groups: dict[str, tuple[type, str, Callable[[Any], None], str, str]] = {
+        "tippetop.friction": (RecordType, "a FrictionLaw", add_law, "key", "the key of its class"),
+        "tippetop.systems": (System, "a System", add, "name", "the name of its System"),
     }
-    for group, (kind, words, register) in groups.items():
+    for group, (kind, words, register, field, meaning) in groups.items():
         for entry in entry_points(group=group):
             try:
                 record = entry.load()
                 if not isinstance(record, kind):
                     raise InputError([f"it must be {words}, but is {record!r:.60}."])
-                register(entry.name, record)
+                register(record)
             except Exception as error:  # any package may have installed it, and broken it
                 warnings.warn(f"`{entry.name}` of {group} is left out: {error}", stacklevel=2)
-
-
-def _add_law_under(name: str, law: type[FrictionLaw]) -> None:
-    """Register the law of an entry point, and warn if its key is another."""
-    add_law(law)
-    if name != law.key:
-        warnings.warn(
-            f"`{name}` of tippetop.friction is known as `{law.key}`, the key of its class, and "
-            "by no other.",
-            stacklevel=3,
-        )
-
-
-def _add_under(name: str, system: System) -> None:
-    """Registers the system of an entry point, and warns if that has another name."""
-    add(system)
-    if name != system.name:
-        warnings.warn(
-            f"`{name}` of tippetop.systems is known as `{system.name}`, the name of its System, "
-            "and by no other.",
-            stacklevel=3,
-        )
+                continue
+            if (name := getattr(record, field)) != entry.name:
+                warnings.warn(
+                    f"`{entry.name}` of {group} is known as `{name}`, {meaning}, and by no other.",
+                    stacklevel=2,
+                )

@@ -1,5 +1,6 @@
-"""The eccentric cylinder: planar motion, theta unbounded; gliding, rolling, or with the modified
-reaction. [T ch. 6]
+"""The eccentric cylinder, gliding or with the modified reaction. [T ch. 6]
+
+Its motion is planar, and theta is unbounded.
 
 It is the body of `gliding` and `rolling` with phi' = omega_3 = nu_y = 0, so their quantities serve;
 there are no poles. The state has sin(theta), cos(theta), and theta is an integral: a count of turns
@@ -15,9 +16,9 @@ from ..contact.body import Top, Touch
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
 from ..contact.orientation import planar
-from ..events import Event
+from ..event import Event
 from ..friction import LAWS, FrictionLaw, slip_coefficient
-from ..number import Number, again, number
+from ..number import Number, number, reuse
 from ..operand import Operand, formula, select
 from ..system import Alternative, Form, Opening, Quantity, of_one_phase
 from ..units import (
@@ -46,7 +47,7 @@ class Cylinder(Top):
     gliding = "gliding-cylinder"
     resting = "rolling-cylinder"
 
-    m: Number = again(tippe_top.TippeTop.parameters["m"])
+    m: Number = reuse(tippe_top.TippeTop.parameters["m"])
     R: Number = number(METRE, "radius of the cylinder", symbol="R", above=0)
     alpha: Number = number(
         ONE,
@@ -56,7 +57,7 @@ class Cylinder(Top):
         below=1,
     )
     I: Number = number(INERTIA, "moment of inertia about the centre of mass", symbol="I", above=0)
-    g: Number = again(tippe_top.TippeTop.parameters["g"])
+    g: Number = reuse(tippe_top.TippeTop.parameters["g"])
 
     def seen(self, friction: Any) -> Touch:
         """Return the body: c = alpha*R, I1 = I; I3 plays no part."""
@@ -91,7 +92,7 @@ class Modified(FrictionLaw):
 
 @formula
 def kappa(v2, law):
-    """kappa = 1/(1 + v_A^2/v_k^2), the share of the rolling reaction."""
+    """Return kappa = 1/(1 + v_A^2/v_k^2), the share of the rolling reaction."""
     return 1 / (1 + v2 / law.v_k**2)
 
 
@@ -114,6 +115,7 @@ class Scalars(NamedTuple):
     theta_dot: Operand
     s: Operand  # sin(theta)
     nu_x: Operand
+    friction_force2: Operand = 0  # of a body that rolls
 
 
 class State(NamedTuple):
@@ -144,7 +146,7 @@ ANGLES = Angles(RADIAN, RADIAN_PER_SECOND, METRE_PER_SECOND, METRE, JOULE, NEWTO
 
 @formula
 def scalars(q, b):
-    """The scalars of a state."""
+    """Return the scalars of a state."""
     along = q.nu_x + q.theta_dot * contact.height(q.z, b)
     w2 = q.theta_dot**2
     return Scalars(
@@ -166,14 +168,14 @@ def scalars(q, b):
 
 @formula
 def standard_force(c, b, law):
-    """F_x and F_z of F = g_n zhat - k g_n v_A. [T 6.3-6.5]"""
+    """Return F_x and F_z of F = g_n zhat - k g_n v_A. [T 6.3-6.5]"""
     N = contact.g_n(c, b)
     return -(slip_coefficient(c.v2, c.z, law) * N * c.nu_x), N
 
 
 @formula
 def modified_force(c, b, law):
-    """F_x and F_z of the modified reaction. [section 11.4]"""
+    """Return F_x and F_z of the modified reaction. [section 11.4]"""
     h, share = contact.height(c.z, b), kappa(c.v2, law)
     turn = (
         law.mu * c.nu_x * h
@@ -192,13 +194,13 @@ contact_force = select({Modified: modified_force}, standard_force)
 
 @formula
 def standard_mobility(c, b, law):
-    """As every body that glides."""
+    """Return the mobility of every body that glides."""
     return contact.contact_mobility(c, b)
 
 
 @formula
 def modified_mobility(c, b, law):
-    """The modified reaction is never jammed."""
+    """Return 1: the modified reaction never jams."""
     return 1.0
 
 
@@ -207,13 +209,16 @@ mobility_by_law = select({Modified: modified_mobility}, standard_mobility)
 
 @formula
 def contact_mobility(c, b):
-    """What must stay positive for the contact not to jam."""
+    """Return the number that is positive unless the contact jams."""
     return mobility_by_law(c, b, b.friction)
 
 
 @formula
 def rates(q, b):
-    """I theta'' = (a x F)_y and m r'' = F_x, with r' = nu_x + theta' (R - c z). [T 6.1, 6.2]"""
+    """Return the rates of I theta'' = (a x F)_y and m r'' = F_x.
+
+    [T 6.1, 6.2]
+    """
     c = scalars(q, b)
     Fx, N = contact_force(c, b, b.friction)
     h = contact.height(q.z, b)
@@ -228,18 +233,18 @@ def rates(q, b):
 
 @formula
 def of_angles(e, s, z, b):
-    """The state of an angle record."""
+    """Return the state of an angle record."""
     return State(s, z, e.theta_dot, e.nu_x)
 
 
 @formula
 def to_angles(q, carried, b):
-    """The angle record of a state."""
+    """Return the angle record of a state."""
     return Angles(carried.theta, q.theta_dot, q.nu_x, carried.x, carried.work, carried.impulse)
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
-    """The angle record of the given initial values; centre_at_rest may stand for nu_x."""
+    """Return the angle record of the given initial values; centre_at_rest may stand for nu_x."""
     e = Angles(*(data.get(name, 0) for name in Angles._fields))
     return (
         e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b))
@@ -250,27 +255,27 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
 
 @formula
 def normal_force(c, b):
-    """Normal force F_z [N]. [T 6.5; section 11.4]"""
+    """Return the normal force F_z [N]. [T 6.5; section 11.4]"""
     _, N = contact_force(c, b, b.friction)
     return N
 
 
 @formula
 def friction_power(c, b):
-    """-F.v_A = -E' [W]; negative where the modified reaction feeds energy in. [T 6.23]"""
+    """Return -F.v_A = -E' [W]; negative where the modified reaction feeds energy in. [T 6.23]"""
     Fx, _ = contact_force(c, b, b.friction)
     return -(Fx * c.nu_x)
 
 
 @formula
 def turning(c, b):
-    """theta'."""
+    """Return theta'."""
     return c.theta_dot
 
 
 @formula
 def sliding(c, b):
-    """|v_A|^2 less 1e-12 in internal units: below it the cylinder rolls."""
+    """Return |v_A|^2 less 1e-12 in internal units: below it the cylinder rolls."""
     return c.v2 - 1e-12
 
 
@@ -304,10 +309,6 @@ SETTLED = replace(
 
 # --- the system ---------------------------------------------------------------------------------
 
-SOURCE = (
-    "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping "
-    "(2010), chapter 6"
-)
 INITIAL = {
     "theta": Number(
         RADIAN, "angle theta of the axis of eccentricity, not wrapped", symbol=r"\theta"
@@ -335,7 +336,7 @@ GLIDING_CYLINDER = of_one_phase(
     "slip",
     name="gliding-cylinder",
     title="eccentric cylinder that rolls and glides",
-    source=SOURCE,
+    source=tippe_top.SOURCE + "6",
     initial={
         **INITIAL,
         "nu_x": Number(

@@ -21,11 +21,14 @@ from ..operand import Operand, Vector, cos, cross, formula, plus, sin, times
 from ..system import Form, Opening, Quantity, of_one_phase
 from ..units import ANGULAR_MOMENTUM, METRE_PER_SECOND, ONE
 from . import heavy_top, outlook
+from .tippe_top import SOURCE
 
 
 @formula
 def Lz_rate(push_n, b):
-    """L_z' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] while gliding; push_n = (zhat x 3hat).(dv_A/dt).
+    """Return L_z' = m (zhat x a).(dv_A/dt) [kg m^2/s^2] while gliding.
+
+    push_n is (zhat x 3hat).(dv_A/dt).
 
     [T 5.19]
     """
@@ -55,30 +58,19 @@ CONTACT_UNITS = ContactState._make(
 
 @formula
 def contact_scalars(q, b):
-    """The scalars of a state about the contact."""
+    """Return the scalars of a state about the contact."""
     u, u_dot = axis(q), heavy_top.tip_axis_rate(q, b)
     s = reaction.kinematics(u, heavy_top.momentum_about_centre(q, b), u_dot, b)
-    return contact.Scalars(
-        z=s.z,
-        s2=s.s2,
-        z_dot=s.z_dot,
-        z_ddot_free=s.z_ddot_free,
-        phi_dot_s2=s.phi_dot_s2,
-        axis_speed2=s.axis_speed2,
-        L3=s.L3,
-        Lz=s.Lz,
-        v_u=u.x * q.vx + u.y * q.vy,
-        v_n=u.x * q.vy - u.y * q.vx,
-        v2=q.vx**2 + q.vy**2,
-        speed2=(q.vx - b.c * u_dot.x) ** 2 + (q.vy - b.c * u_dot.y) ** 2,
-    )
+    v_u, v_n = u.x * q.vx + u.y * q.vy, u.x * q.vy - u.y * q.vx
+    speed2 = (q.vx - b.c * u_dot.x) ** 2 + (q.vy - b.c * u_dot.y) ** 2
+    return contact.Scalars._make((*s, v_u, v_n, q.vx**2 + q.vy**2, speed2))
 
 
 @formula
 def contact_rates(q, b):
-    """3hat' = L_A x 3hat/I1*, L_A' = m a x (g zhat + dv_A/dt), v_A' = F/m - g zhat + c 3hat''.
+    """Return 3hat' = L_A x 3hat/I1*, L_A' = m a x (g zhat + dv_A/dt), and v_A'.
 
-    [T 5.4]
+    v_A' = F/m - g zhat + c 3hat''. [T 5.4]
     """
     u, u_dot, s = axis(q), heavy_top.tip_axis_rate(q, b), contact_scalars(q, b)
     N = contact.g_n(s, b)
@@ -88,45 +80,36 @@ def contact_rates(q, b):
     u_dot2 = times(1 / b.I1, plus(cross(times(b.c, cross(u, F)), u), cross(L, u_dot)))
     v_dot = Vector(F.x / b.m + b.c * u_dot2.x, F.y / b.m + b.c * u_dot2.y, 0)
     pull = b.m * b.c
-    return ContactState(
-        u_dot.x,
-        u_dot.y,
-        u_dot.z,
+    rates = (
+        *u_dot,
         pull * (u.y * b.g - u.z * v_dot.y),
         pull * (u.z * v_dot.x - u.x * b.g),
         pull * (u.x * v_dot.y - u.y * v_dot.x),
         v_dot.x,
         v_dot.y,
     )
+    return ContactState._make(rates)
 
 
 @formula
 def work_rate(q, carried, b):
-    """Power that friction takes [W]."""
+    """Return the power that friction takes [W]."""
     s = contact_scalars(q, b)
     return slip_coefficient(s.v2, s.z, b.friction) * contact.g_n(s, b) * s.v2
 
 
 @formula
 def contact_of_angles(e, s, z, b):
-    """The state about the contact of the angles. [section 1]"""
+    """Return the state about the contact of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, heavy_top.tip_inertia(b), b.I3)
     ex, ey = cos(e.phi), sin(e.phi)
-    return ContactState(
-        u.x,
-        u.y,
-        u.z,
-        L.x,
-        L.y,
-        L.z,
-        e.nu_x * ex - e.nu_y * ey,
-        e.nu_x * ey + e.nu_y * ex,
-    )
+    v = e.nu_x * ex - e.nu_y * ey, e.nu_x * ey + e.nu_y * ex
+    return ContactState._make((*u, *L, *v))
 
 
 @formula
 def angles_of_contact(q, carried, b):
-    """The angles of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
+    """Return the angles of a state about the contact; 0/0 exactly at a pole. [section 3.4]"""
     return gliding_chart.gliding_angles(contact_scalars(q, b), axis(q), carried, b)
 
 
@@ -150,7 +133,7 @@ CONTACT = Form(
 
 @formula
 def own_Lz_rate(s, b):
-    """L_z' about the tip [kg m^2/s^2] of the state itself. [T 5.19]"""
+    """Return L_z' about the tip [kg m^2/s^2] of the state itself. [T 5.19]"""
     return Lz_rate(rates.push_n(s, b), b)
 
 
@@ -158,7 +141,7 @@ GLIDING_HEAVY_TOP = of_one_phase(
     "slip",
     name="gliding-heavy-top",
     title="heavy symmetric top whose tip glides on a plane",
-    source=heavy_top.SOURCE + "5",
+    source=SOURCE + "5",
     initial=gliding.INITIAL,
     alternatives=gliding.ALTERNATIVES,
     start=gliding.start,

@@ -1,5 +1,6 @@
-"""Heavy symmetric tops: mass m, distance l from the tip to the centre of mass, I1 and I3 about the
-latter; and the one whose tip is fixed. [T ch. 2]
+"""Heavy symmetric tops, and the one whose tip is fixed. [T ch. 2]
+
+Mass m, distance l from the tip to the centre of mass, I1 and I3 about the latter.
 
 They are bodies with R = 0, c = -l (see contact.body.Touch); the other one glides on a plane:
 `gliding_heavy_top`. L about the tip, L_A, differs from L about the centre of mass by m l^2 3hat x
@@ -23,21 +24,20 @@ from ..contact.rolling import chart as rolling_chart
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
 from ..contact.rolling import vector as rolling_vector
-from ..number import Number, again, number
+from ..number import Number, number, reuse
 from ..operand import Operand, cos, cross, formula, plus, sin, sqrt, times
-from ..potential import PotentialCoefficients
+from ..potential_coefficients import PotentialCoefficients
 from ..system import Form, Landscape, Momentum, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,
     METRE,
     NEWTON_SECOND,
-    ONE,
     PER_SECOND,
     RADIAN,
     RADIAN_PER_SECOND,
 )
 from . import outlook
-from .tippe_top import TippeTop
+from .tippe_top import SOURCE, TippeTop
 
 
 class HeavyTop(Top):
@@ -51,11 +51,11 @@ class HeavyTop(Top):
     resting = "heavy-top"
     faults = staticmethod(contact.inertia_faults)
 
-    m: Number = again(TippeTop.parameters["m"])
+    m: Number = reuse(TippeTop.parameters["m"])
     l: Number = number(METRE, "distance from the tip to the centre of mass", symbol="l", above=0)
-    I1: Number = again(TippeTop.parameters["I1"])
-    I3: Number = again(TippeTop.parameters["I3"])
-    g: Number = again(TippeTop.parameters["g"])
+    I1: Number = reuse(TippeTop.parameters["I1"])
+    I3: Number = reuse(TippeTop.parameters["I3"])
+    g: Number = reuse(TippeTop.parameters["g"])
 
     def seen(self, friction: Any) -> Touch:
         """Return the body: R = 0, c = -l."""
@@ -67,7 +67,7 @@ class HeavyTop(Top):
 
 @formula
 def potential(z, Lz, L3, b):
-    """Effective potential V(z, L_z, L_3) [J] of both heavy tops; L_z, L_3 about the tip.
+    """Return the effective potential V(z, L_z, L_3) [J] of both heavy tops; L_z, L_3 about the tip.
 
     [T 2.38, 5.26]
     """
@@ -79,8 +79,9 @@ def potential(z, Lz, L3, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """V of both heavy tops as the landscape takes it, seen upside down: q = cot(theta/2)^2, momenta
-    (L3, Lz).
+    """Return V of both heavy tops as the landscape takes it, seen upside down.
+
+    q is cot(theta/2)^2, and the momenta are (L3, Lz).
     """
     zero, one, per = 0 * b.m, 1 + 0 * b.m, 2 * sqrt(2 * tip_inertia(b))
     return PotentialCoefficients(
@@ -119,7 +120,7 @@ LANDSCAPE = Landscape(
 
 @formula
 def theta_inertia(z, b):
-    """I1*/2, the factor of theta'^2 in E~ = I1* theta'^2/2 + V(z, L_z, L_3) [kg m^2].
+    """Return I1*/2, the factor of theta'^2 in E~ = I1* theta'^2/2 + V(z, L_z, L_3) [kg m^2].
 
     [T 2.38, 5.26]
     """
@@ -128,25 +129,28 @@ def theta_inertia(z, b):
 
 @formula
 def L3(s, b):
-    """L_3 = I3 omega_3 [kg m^2/s]; constant for any force at the tip. [T 2.37, 5.7]"""
+    """Return L_3 = I3 omega_3 [kg m^2/s]; constant for any force at the tip. [T 2.37, 5.7]"""
     return s.L3
 
 
 @formula
 def Lz(s, b):
-    """L_z = L_A.zhat about the tip [kg m^2/s]; constant where the tip is fixed. [T 2.36, 5.19]"""
+    """Return L_z = L_A.zhat about the tip [kg m^2/s]; constant where the tip is fixed.
+
+    [T 2.36, 5.19]
+    """
     return s.Lz + b.m * b.c**2 * s.phi_dot_s2
 
 
 @formula
 def tip_axis_rate(q, b):
-    """3hat' = L_A x 3hat/I1* [1/s]. [T 2.24]"""
+    """Return 3hat' = L_A x 3hat/I1* [1/s]. [T 2.24]"""
     return times(1 / tip_inertia(b), cross(gliding_vector.momentum(q), axis(q)))
 
 
 @formula
 def momentum_about_centre(q, b):
-    """L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
+    """Return L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
     return plus(
         gliding_vector.momentum(q), times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b)))
     )
@@ -155,24 +159,11 @@ def momentum_about_centre(q, b):
 # --- fixed tip ----------------------------------------------------------------------------------
 
 
-class VectorState(NamedTuple):
-    """3hat, and L_A about the tip."""
-
-    ux: Operand
-    uy: Operand
-    uz: Operand
-    Lx: Operand
-    Ly: Operand
-    Lz: Operand
-
-
-VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
-
-
 @formula
 def fixed_scalars(q, b):
-    """The scalars of a state about the fixed tip, as those of a body that rolls with R = 0; |r'| =
-    l |3hat'|.
+    """Return the scalars of a state about the fixed tip.
+
+    They are those of a body that rolls with R = 0; |r'| = l |3hat'|.
     """
     u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
     s = reaction.kinematics(u, L, u_dot, b)
@@ -182,19 +173,21 @@ def fixed_scalars(q, b):
 
 @formula
 def fixed_rates(q, b):
-    """3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
+    """Return 3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
     u, u_dot = axis(q), tip_axis_rate(q, b)
     weight = b.m * b.g * b.c
-    return VectorState(u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z)
+    return rolling_vector.VectorState(
+        u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z
+    )
 
 
 @formula
 def vertical_reaction(q, carried, b):
-    """Vertical reaction at the tip, m (g - c z'') [N], with I1* z'' = (L_A' x 3hat)_z + (L_A x (L_A
-    x 3hat))_z/I1*.
+    """Return the vertical reaction at the tip, m (g - c z'') [N].
 
-    Not by 3hat': what shares products with the equations of motion changes how they are compiled,
-    and so their bits.
+    I1* z'' = (L_A' x 3hat)_z + (L_A x (L_A x 3hat))_z/I1*. It is not computed by 3hat': an
+    expression that shares products with the equations of motion changes how they are compiled, and
+    so their bits.
     """
     turn = q.Lz * (q.Lx * q.ux + q.Ly * q.uy) - q.uz * (q.Lx * q.Lx + q.Ly * q.Ly)
     weight, inertia = b.m * b.g * b.c * ((1 - q.uz) * (1 + q.uz)), tip_inertia(b)
@@ -202,9 +195,7 @@ def vertical_reaction(q, carried, b):
 
 
 class Angles(NamedTuple):
-    """What users give and read: theta, theta', phi', omega_3, phi, and the integral of the vertical
-    reaction.
-    """
+    """Angles: theta, theta', phi', omega_3, phi; and the integral of the vertical reaction."""
 
     theta: Operand
     theta_dot: Operand
@@ -219,7 +210,7 @@ ANGLES = Angles._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND)
 
 @formula
 def tip_accelerations(e, s, z, b):
-    """theta'', phi'' about a fixed tip. [section 8]"""
+    """Return theta'', phi'' about a fixed tip. [section 8]"""
     inertia = tip_inertia(b)
     theta_dot2 = (
         s / inertia * (inertia * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.m * b.g * b.c)
@@ -232,7 +223,7 @@ def tip_accelerations(e, s, z, b):
 
 @formula
 def euler_scalars(e, b):
-    """The scalars of an Euler-angle state."""
+    """Return the scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
     theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
     phi_dot_s2 = e.phi_dot * s**2
@@ -256,7 +247,7 @@ def euler_scalars(e, b):
 
 @formula
 def euler_rates(e, b):
-    """The equations in Euler angles. [section 8]"""
+    """Return the rates of the Euler angles. [section 8]"""
     s, z = sin(e.theta), cos(e.theta)
     theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
     return rolling_euler.EulerState(e.theta_dot, theta_dot2, phi_dot2, 0 * z)
@@ -264,7 +255,7 @@ def euler_rates(e, b):
 
 @formula
 def euler_vertical_reaction(q, carried, b):
-    """Vertical reaction at the tip [N]."""
+    """Return the vertical reaction at the tip [N]."""
     s, z = sin(q.theta), cos(q.theta)
     theta_dot2, _ = tip_accelerations(q, s, z, b)
     return b.m * (b.g + b.c * (theta_dot2 * s + q.theta_dot**2 * z))
@@ -272,14 +263,17 @@ def euler_vertical_reaction(q, carried, b):
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """The state about the fixed tip of the angles. [section 1]"""
+    """Return the state about the fixed tip of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
-    return VectorState(u.x, u.y, u.z, L.x, L.y, L.z)
+    return rolling_vector.VectorState(*u, *L)
 
 
 @formula
 def angles_of_vector(q, carried, b):
-    """The angles of a state about the fixed tip; 0/0 exactly at a pole, where phi means nothing."""
+    """Return the angles of a state about the fixed tip.
+
+    They are 0/0 exactly at a pole, where phi is undefined.
+    """
     c = fixed_scalars(q, b)
     theta, theta_dot, phi_dot, phi = gliding_chart.axis_angles(c, axis(q))
     return Angles(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, carried.impulse)
@@ -287,19 +281,22 @@ def angles_of_vector(q, carried, b):
 
 @formula
 def angles_of_euler(q, carried, b):
-    """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
+    """Return the same angles with theta in [0, pi] and phi in (-pi, pi].
+
+    They are computed by way of the vector state.
+    """
     e = Angles(q.theta, q.theta_dot, q.phi_dot, q.omega3, carried.phi, carried.impulse)
     return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
-    """The angle record of the given initial values."""
+    """Return the angle record of the given initial values."""
     return gliding.given_angles(Angles, data, z)
 
 
 FIXED_VECTOR = Form(
     "vector",
-    VECTOR_UNITS,
+    rolling_vector.VECTOR_UNITS,
     fixed_rates,
     fixed_scalars,
     vector_of_angles,
@@ -345,11 +342,6 @@ COMMON: dict[str, Any] = {
     "landscape": LANDSCAPE,
     "classes": ("tumbling", "upright", "inverted"),
 }
-SOURCE = (
-    "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping "
-    "(2010), chapter "
-)
-
 HEAVY_TOP = of_one_phase(
     "fixed",
     name="heavy-top",

@@ -1,5 +1,4 @@
-"""What theory predicts of a start, system by system: thresholds, the regime in a sentence, the
-fate.
+"""Predictions of theory for a start, by system: thresholds, the regime in a sentence, the fate.
 
 Each takes the body in SI and the quantities of the start by name.
 """
@@ -47,7 +46,7 @@ GROWS = 1e-6  # 1/s: a mode that grows more slowly is neutral, to rounding
 
 
 def tippe_top(b: Touch, start: Start) -> Outlook:
-    """A gliding tippe top: lambda is conserved, so it decides which states are stable.
+    """Predict a gliding tippe top: lambda is conserved and decides which states are stable.
 
     [T Theorem 3.3.2, corrected]
     """
@@ -69,7 +68,7 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
 
 
 def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
-    """A tippe top whose contact may open or stick: what holds while it slides on a ball.
+    """Predict a tippe top whose contact may open or stick, while it slides on a ball.
 
     [contact 4.1]
     """
@@ -105,15 +104,14 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
 
 
 def tippe_top_borders(b: Touch) -> dict[str, Any]:
-    """|lambda| at which the asymptotic states of a tippe top change [kg m^3/s]; arrays, too.
+    """Return each |lambda| at which the asymptotic states of a tippe top change [kg m^3/s].
 
     NaN: no border.
     """
     low, high = poles(b)
     least, tumbling = lambda_u(b), lambda_t(b)
-    distinct = (
-        np.abs(np.log(tumbling / least)) >= 1e-3
-    )  # else tumbling begins where the lowest spin ends
+    # otherwise tumbling begins where the lowest spin ends
+    distinct = np.abs(np.log(tumbling / least)) >= 1e-3
     return {
         f"λ = λ_u: {low} spin stable below": least,
         f"λ = λ_s: {high} spin stable above": lambda_s(b),
@@ -123,7 +121,7 @@ def tippe_top_borders(b: Touch) -> dict[str, Any]:
 
 
 def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
-    """A rolling tippe top: one degree of freedom. [T ch. 4]"""
+    """Predict a rolling tippe top: one degree of freedom. [T ch. 4]"""
     limits = _of_surface(b)
     sentence = "pure rolling conserves E, D and lambda: theta nutates for ever"
     stable = "stable" if abs(start["jellett"]) > limits["lambda_pi"].value else "unstable"
@@ -134,15 +132,14 @@ def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
 
 
 def _of_surface(b: Touch) -> dict[str, Threshold]:
-    from .spinning import (
-        thresholds_of_surface,
-    )  # it stands on `tippe_top`, which takes its outlook from here
+    # `spinning` imports `tippe_top`, which imports this module
+    from .spinning import thresholds_of_surface
 
     return thresholds_of_surface(b)
 
 
 def heavy_top(b: Touch, start: Start) -> Outlook:
-    """A heavy top whose tip is fixed. [T ch. 2]"""
+    """Predict a heavy top whose tip is fixed. [T ch. 2]"""
     upright = "stable" if _sleeps(b, start) else "unstable"
     return Outlook(
         f"the sleeping top of this spin is {upright}", heavy_top_motion(b, start), _sleeping(b)
@@ -150,7 +147,7 @@ def heavy_top(b: Touch, start: Start) -> Outlook:
 
 
 def heavy_top_motion(b: Touch, start: Start) -> str:
-    """The name of the motion of a heavy top whose tip is fixed."""
+    """Return the name of the motion of a heavy top whose tip is fixed."""
     if start["at_pole"]:
         return f"a spin that {STAYS}"
     conserved = start["energy"], start["Lz"], start["L3"]
@@ -158,7 +155,7 @@ def heavy_top_motion(b: Touch, start: Start) -> str:
 
 
 def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
-    """A heavy top whose tip glides: upright it is unstable at every speed, against [T 5.54].
+    """Predict a heavy top whose tip glides: upright it is always unstable, against [T 5.54].
 
     [section 6]
     """
@@ -177,7 +174,7 @@ def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
 
 
 def cylinder(b: Touch, start: Start) -> Outlook:
-    """An eccentric cylinder that rolls, or comes to. [T ch. 6]"""
+    """Predict an eccentric cylinder that rolls, or comes to. [T ch. 6]"""
     if b.c == 0:
         return Outlook("a round cylinder rolls as it began")
     omega = math.sqrt(b.m * b.g * b.c / (b.I1 + b.m * (b.R - b.c) ** 2))
@@ -185,7 +182,9 @@ def cylinder(b: Touch, start: Start) -> Outlook:
 
 
 def gliding_cylinder(b: Touch, start: Start) -> Outlook:
-    """An eccentric cylinder that glides; without friction its centre of mass moves as it began.
+    """Predict an eccentric cylinder that glides.
+
+    Without friction its centre of mass keeps its velocity.
 
     [T ch. 6]
     """
@@ -198,8 +197,9 @@ def gliding_cylinder(b: Touch, start: Start) -> Outlook:
 
 
 def _round(law: Any) -> str:
-    """Describe how a round cylinder glides: v_A' = -k(v_A) g (I + m R^2)/I v_A, or less where k is
-    modified. [T 6.7]
+    """Describe how a round cylinder glides.
+
+    v_A' = -k(v_A) g (I + m R^2)/I v_A, or less where k is modified. [T 6.7]
     """
     if named(type(law)) is not None:
         if is_linear(law):
@@ -210,7 +210,7 @@ def _round(law: Any) -> str:
 
 
 def _sleeps(b: Touch, start: Start) -> bool:
-    """Whether the spin is above that of the sleeping top."""
+    """Return whether the spin is above that of the sleeping top."""
     return abs(start["L3"]) / b.I3 > sleeping_spin(b)
 
 

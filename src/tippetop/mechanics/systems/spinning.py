@@ -1,5 +1,4 @@
-"""The two spinning states theta = 0, pi of a tippe top, and the marked lines that they are on the
-minimal surface.
+"""The spinning states theta = 0, pi of a tippe top: marked lines on the minimal surface.
 
 In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.28]
 """
@@ -13,40 +12,26 @@ from . import tippe_top
 
 @formula
 def slope(z, b):
-    """rho = D/lambda on the marked line [1/m]: where X(z) = 0. [section 5]"""
+    """Return rho = D/lambda on the marked line [1/m]: where X(z) = 0. [section 5]"""
     return sqrt(tippe_top.d(z, b)) / (b.R * z - b.c)
 
 
 @formula
 def momentum(z, lam, b):
-    """D of the spinning state [kg m^2/s]. [T 4.24, 4.25]"""
+    """Return D of the spinning state [kg m^2/s]. [T 4.24, 4.25]"""
     return slope(z, b) * lam
 
 
 @formula
 def energy(z, lam, b):
-    """E~ of the spinning state [J], the end value V(z) on the marked line. [T 4.26-4.28]"""
+    """Return E~ of the spinning state [J], the end value V(z) on the marked line. [T 4.26-4.28]"""
     return height_energy(z, b) + b.I3 * spin(z, lam, b) ** 2 / 2
 
 
-@formula
-def end_slope(z, lam, b):
-    """dV/dz [J] at the end of the potential where it is finite, on the marked line. [section 5]"""
-    lever = height(z, b)
-    X_rate = (
-        z
-        * lam
-        * b.I1
-        / b.I3
-        * (1 + b.m * b.R * lever / b.I3)
-        / (lever / b.R * sqrt(tippe_top.d(z, b)))
-    )
-    return -b.m * b.g * b.c - z * b.I3 * (X_rate / b.I1 / b.R) ** 2 / 4
-
-
 def lambda_pi(b):
-    """|lambda| from which the spin with the centre of mass highest lies on the minimal surface [kg
-    m^3/s]. [5.1]
+    """Return |lambda| from which on the highest spin lies on the minimal surface [kg m^3/s].
+
+    That is the spin with the centre of mass highest. [5.1]
     """
     high = -sense(b)
     h = height(high, b)
@@ -59,7 +44,7 @@ def lambda_pi(b):
 
 
 def thresholds_of_surface(b) -> dict[str, Threshold]:
-    """lambda_pi and gamma*: of the minimal surface and of pure rolling.
+    """Return lambda_pi and gamma*, thresholds of the minimal surface and of pure rolling.
 
     Parameters
     ----------
@@ -78,8 +63,9 @@ def thresholds_of_surface(b) -> dict[str, Threshold]:
 
 @formula
 def critical(z, D, lam, b):
-    """N(z) [section 5], of the sign of dV/dz in (-1, 1), regular on [-1, 1], where N(-1) <= 0 <=
-    N(1).
+    """Return N(z), of the sign of dV/dz in (-1, 1). [section 5]
+
+    It is regular on [-1, 1], with N(-1) <= 0 <= N(1).
     """
     X, w = tippe_top.X(z, D, lam, b), (1 - z) * (1 + z)
     X_rate = (

@@ -1,5 +1,6 @@
-"""The tippe top: a sphere of radius R, centre of mass alpha*R below its centre, that rolls and
-glides. [T ch. 3, 4]
+"""The tippe top: a sphere that rolls and glides. [T ch. 3, 4]
+
+Its radius is R, its centre of mass lies alpha*R below its centre.
 
 With alpha < 0 it is a peg: its centre of mass lies above the centre of the sphere where theta = 0.
 """
@@ -14,7 +15,7 @@ from ..contact.gliding import rates
 from ..friction import LAWS
 from ..number import Number, number
 from ..operand import formula, sqrt
-from ..potential import PotentialCoefficients
+from ..potential_coefficients import PotentialCoefficients
 from ..system import Landscape, Momentum, Opening, Quantity, of_one_phase
 from ..units import (
     ANGULAR_MOMENTUM,
@@ -31,8 +32,7 @@ from . import outlook
 
 
 class TippeTop(Top):
-    """A tippe top: a sphere whose centre of mass lies alpha*R below its centre; with alpha < 0, a
-    peg, above it.
+    """A tippe top: a sphere whose centre of mass lies alpha*R below its centre; a peg if alpha < 0.
 
     Each number may be a text: with a unit, "20 g", which must fit; or arithmetic of the others in
     SI units, "2/5*m*R^2", whose dimension is not checked. Rutstam, N.: Study of equations for Tippe
@@ -72,7 +72,9 @@ class TippeTop(Top):
 
 @formula
 def d(z, b):
-    """d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit; D = L_3 sqrt(d).
+    """Return d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit.
+
+    It gives D = L_3 sqrt(d).
 
     [T 4.7]
     """
@@ -83,7 +85,7 @@ def d(z, b):
 
 @formula
 def routh(s, b):
-    """Routh's function D = I3 omega_3 sqrt(d(z)) [kg m^2/s]; constant in pure rolling.
+    """Return Routh's function D = I3 omega_3 sqrt(d(z)) [kg m^2/s]; constant in pure rolling.
 
     [T 4.7, 4.14]
     """
@@ -92,7 +94,9 @@ def routh(s, b):
 
 @formula
 def routh_rate(z, push, b):
-    """D' = gamma m R/sqrt(d) (zhat x 3hat).(dv_A/dt) [kg m^2/s^2]; push = (zhat x 3hat).(dv_A/dt).
+    """Return D' = gamma m R/sqrt(d) (zhat x 3hat).(dv_A/dt) [kg m^2/s^2].
+
+    push is (zhat x 3hat).(dv_A/dt).
 
     [T 4.17]
     """
@@ -101,21 +105,28 @@ def routh_rate(z, push, b):
 
 @formula
 def theta_inertia(z, b):
-    """g(z), the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda) [kg m^2]. [T 4.11]"""
+    """Return g(z), the factor of theta'^2 in E~ = g(z) theta'^2 + V(z, D, lambda) [kg m^2].
+
+    [T 4.11]
+    """
     return (b.I1 + b.m * contact.arm2(z, b)) / 2
 
 
 @formula
 def X(z, D, lam, b):
-    """X(z) = lambda sqrt(d(z)) + R(alpha - z) D, which carries phi' sin(theta)^2 = X/(R I1
-    sqrt(d)). [T 4.9]
+    """Return X(z) = lambda sqrt(d(z)) + R(alpha - z) D. [T 4.9]
+
+    It determines phi' sin(theta)^2 = X/(R I1 sqrt(d)).
     """
     return lam * sqrt(d(z, b)) + (b.c - b.R * z) * D
 
 
 @formula
 def potential(z, D, lam, b):
-    """Effective potential V(z, D, lambda) [J], z = cos(theta) in (-1, 1). [equal to T 4.12]"""
+    """Return the effective potential V(z, D, lambda) [J], z = cos(theta) in (-1, 1).
+
+    [equal to T 4.12]
+    """
     w = (1 - z) * (1 + z)
     return (
         contact.height_energy(z, b)
@@ -126,9 +137,10 @@ def potential(z, D, lam, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """V as the landscape takes it, q = tan(theta/2)^2; feed a body of decimals, and no digit is
-    lost (the marked lines cancel). Of a peg they are those of the body with its axis turned round,
-    where D is -D. [section 5]
+    """Return V as the landscape takes it, q = tan(theta/2)^2.
+
+    With a body of decimals no digit is lost, although the marked lines cancel. The coefficients of
+    a peg are those of the body with its axis reversed, where D is -D. [section 5]
     """
     turned = b.c < 0
     b = b._replace(c=abs(b.c))
@@ -156,7 +168,7 @@ def coefficients(b) -> PotentialCoefficients:
 
 @formula
 def two_minima(b):
-    """Negative iff V can have a second minimum, near the highest spin: gamma > gamma*.
+    """Return a number that is negative iff V can have a second minimum: gamma > gamma*.
 
     [section 5, item 4]
     """
@@ -175,16 +187,16 @@ LANDSCAPE = Landscape(
     two_wells=two_minima,
 )
 
-QUANTITIES = (
+MOMENTA = (
     gliding.JELLETT_QUANTITY,
     Quantity("routh", "D", ANGULAR_MOMENTUM, "Routh's function", routh),
-    *gliding.QUANTITIES,
 )
+QUANTITIES = (*MOMENTA, *gliding.QUANTITIES)
 
 
 @formula
 def own_routh_rate(s, b):
-    """D' [kg m^2/s^2] of the state itself. [T 4.17]"""
+    """Return D' [kg m^2/s^2] of the state itself. [T 4.17]"""
     return routh_rate(s.z, rates.push_n(s, b), b)
 
 
@@ -193,17 +205,32 @@ ON_REQUEST = (
     rates.MODIFIED_ENERGY_RATE,
 )
 
+SOURCE = (
+    "Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping (2010), "
+    "chapter "
+)
+COMMON: dict[str, Any] = {
+    "parameters": TippeTop.parameters,
+    "body": TippeTop.body_of,
+    "body_units": contact.body_units,
+    "scales": lambda b: (b.m, b.R),
+    "normalised_to": {"m": 1.0, "R": 1.0},
+    "long_names": gliding.LONG_NAMES,
+    "vectors": gliding.VECTORS,
+    "checks": TippeTop.faults,
+    "potential": potential,
+    "theta_inertia": theta_inertia,
+    "momenta": ("routh", "jellett"),
+    "landscape": LANDSCAPE,
+    "classes": ("tumbling", "upright", "inverted"),
+}
+"""Fields of the systems of a tippe top, gliding or rolling."""
+
 TIPPE_TOP = of_one_phase(
     "slip",
     name="tippe-top",
     title="rolling and gliding tippe top",
-    source="Rutstam, N.: Study of equations for Tippe Top and related rigid bodies. Linkoping "
-    "(2010), chapter 3",
-    parameters=TippeTop.parameters,
-    body=TippeTop.body_of,
-    body_units=contact.body_units,
-    scales=lambda b: (b.m, b.R),
-    normalised_to={"m": 1.0, "R": 1.0},
+    source=SOURCE + "3",
     initial=gliding.INITIAL,
     alternatives=gliding.ALTERNATIVES,
     start=gliding.start,
@@ -213,18 +240,11 @@ TIPPE_TOP = of_one_phase(
     on_request=ON_REQUEST,
     integrals=("jellett",),
     events=gliding.EVENTS,
-    long_names=gliding.LONG_NAMES,
-    vectors=gliding.VECTORS,
     undefined_at_poles=gliding.UNDEFINED_AT_POLES,
-    checks=TippeTop.faults,
     laws=LAWS,
-    potential=potential,
-    theta_inertia=theta_inertia,
-    momenta=("routh", "jellett"),
-    landscape=LANDSCAPE,
     outlook=outlook.tippe_top,
     opening=Opening(sphere=True, routh=routh, outlook=outlook.tippe_top_with_contact),
     borders=outlook.tippe_top_borders,
     inverts=True,
-    classes=("tumbling", "upright", "inverted"),
+    **COMMON,
 )

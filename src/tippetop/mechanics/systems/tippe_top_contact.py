@@ -1,6 +1,7 @@
-"""The rolling tippe top by its angular momentum about the contact, M = L - m a x s': regular
-everywhere. No reaction enters M' = m g a x zhat - m a' x s', and omega follows from M by division,
-since lambda = -a.M and D give the rest.
+"""The rolling tippe top by its angular momentum about the contact: regular everywhere.
+
+No reaction enters M' = m g a x zhat - m a' x s' of M = L - m a x s', and omega follows from M by
+division, since lambda = -a.M and D determine the rest.
 
 The scalars take 3hat and L, not D and lambda: that D and lambda of these stay constant remains a
 check.
@@ -23,9 +24,7 @@ from .tippe_top_reduced import spin_momentum
 
 
 class ContactState(NamedTuple):
-    """3hat, M about the contact without M_z, which lambda gives, Routh's function D, Jellett's
-    integral lambda.
-    """
+    """3hat, M_x and M_y about the contact, Routh's function D, Jellett's integral lambda."""
 
     ux: Operand
     uy: Operand
@@ -41,20 +40,21 @@ CONTACT_UNITS = ContactState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3, JELLE
 
 @formula
 def spin(q, b):
-    """omega_3 [rad/s]."""
+    """Return omega_3 [rad/s]."""
     return spin_momentum(q.uz, q.D, b) / b.I3
 
 
 @formula
 def tipping_inertia(q, b):
-    """I1 + m |a|^2 [kg m^2], about a horizontal line through the contact."""
+    """Return I1 + m |a|^2 [kg m^2], about a horizontal line through the contact."""
     return b.I1 + b.m * contact.arm2(q.uz, b)
 
 
 @formula
 def angular_velocity(q, b):
-    """omega, (3,), space frame [rad/s], from M = (I1 + m |a|^2) omega + (I3 - I1) omega_3 3hat - m
-    (a.omega) a.
+    """Return omega, (3,), space frame [rad/s].
+
+    From M = (I1 + m |a|^2) omega + (I3 - I1) omega_3 3hat - m (a.omega) a.
     """
     w3 = spin(q, b)
     excess = (b.I3 - b.I1) * w3
@@ -69,44 +69,44 @@ def angular_velocity(q, b):
 
 @formula
 def axis_rate(q, b):
-    """3hat' = omega x 3hat [1/s]."""
+    """Return 3hat' = omega x 3hat [1/s]."""
     return cross(angular_velocity(q, b), axis(q))
 
 
 @formula
 def momentum(q, b):
-    """L about the centre of mass, (3,), space frame [kg m^2/s]."""
+    """Return L about the centre of mass, (3,), space frame [kg m^2/s]."""
     return plus(times(b.I1, angular_velocity(q, b)), times((b.I3 - b.I1) * spin(q, b), axis(q)))
 
 
 @formula
 def centre_velocity(q, b):
-    """s' = -(omega x a) without its vertical part, (3,) [m/s]."""
+    """Return s' = -(omega x a) without its vertical part, (3,) [m/s]."""
     w, u_dot = angular_velocity(q, b), axis_rate(q, b)
     return Vector(b.R * w.y - b.c * u_dot.x, -(b.R * w.x) - b.c * u_dot.y, 0)
 
 
 @formula
 def contact_rates(q, b):
-    """3hat' = omega x 3hat; M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y); D and lambda
-    stay.
+    """Return 3hat' = omega x 3hat.
+
+    M' = m g c (u_y, -u_x) - m c R z' (omega_x, omega_y); D and lambda stay.
     """
     w, u_dot = angular_velocity(q, b), axis_rate(q, b)
     weight, pull = b.m * b.g * b.c, b.m * b.c * b.R
-    return ContactState(
-        u_dot.x,
-        u_dot.y,
-        u_dot.z,
+    rates = (
+        *u_dot,
         weight * q.uy - pull * (u_dot.z * w.x),
         -(weight * q.ux) - pull * (u_dot.z * w.y),
         0 * q.D,
         0 * q.lam,
     )
+    return ContactState._make(rates)
 
 
 @formula
 def vertical_force(q, carried, b):
-    """Normal force m (g - c z'') [N], z'' from (I1 + m |a|^2) z' = M_x u_y - M_y u_x."""
+    """Return the normal force m (g - c z'') [N], z'' from (I1 + m |a|^2) z' = M_x u_y - M_y u_x."""
     u_dot, rates = axis_rate(q, b), contact_rates(q, b)
     turn = rates.Mx * q.uy - rates.My * q.ux + q.Mx * u_dot.y - q.My * u_dot.x
     z_dot2 = (turn + 2 * (b.m * b.c * b.R) * (u_dot.z * u_dot.z)) / tipping_inertia(q, b)
@@ -115,7 +115,7 @@ def vertical_force(q, carried, b):
 
 @formula
 def contact_scalars(q, b):
-    """The scalars of a state about the contact."""
+    """Return the scalars of a state about the contact."""
     u, L, u_dot = axis(q), momentum(q, b), axis_rate(q, b)
     s = reaction.kinematics(u, L, u_dot, b)
     return reaction.completed(s, centre_velocity(q, b), reaction.reaction(u, L, u_dot, s, b))
@@ -123,24 +123,28 @@ def contact_scalars(q, b):
 
 @formula
 def vectors(q, b):
-    """The vector state: 3hat, and L about the centre of mass."""
+    """Return the vector state: 3hat, and L about the centre of mass."""
     return VectorState(*axis(q), *momentum(q, b))
 
 
 @formula
 def contact_of_angles(e, s, z, b):
-    """The state about the contact of the angles. [section 1]"""
+    """Return the state about the contact of the angles. [section 1]"""
     v = chart.vector_of_angles(e, s, z, b)
     u, L = axis(v), gliding_vector.momentum(v)
     k = reaction.kinematics(u, L, gliding_vector.axis_rate(v, b), b)
     w, arm = contact.angular_velocity(u, L, b), contact.arm(u, b)
     M = plus(L, times(b.m, cross(arm, cross(w, arm))))
-    return ContactState(u.x, u.y, u.z, M.x, M.y, tippe_top.routh(k, b), contact.jellett(k, b))
+    D, lam = tippe_top.routh(k, b), contact.jellett(k, b)
+    return ContactState._make((*u, M.x, M.y, D, lam))
 
 
 @formula
 def angles_of_contact(q, carried, b):
-    """The angles of a state about the contact; 0/0 exactly at a pole, where phi means nothing."""
+    """Return the angles of a state about the contact.
+
+    They are 0/0 exactly at a pole, where phi is undefined.
+    """
     return chart.angles_of_vector(vectors(q, b), carried, b)
 
 

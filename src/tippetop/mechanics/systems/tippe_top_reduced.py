@@ -1,5 +1,4 @@
-"""The rolling tippe top reduced by its integrals: z = cos(theta) moves, Routh's D and Jellett's
-lambda are numbers.
+"""The rolling tippe top reduced by its integrals: z moves, Routh's D and lambda are numbers.
 
 Singular at the poles, like Euler angles. Rounding reaches the energy through z and z' alone: over
 very long runs it drifts less than in vector form, in which every component of L is rounded at every
@@ -44,13 +43,13 @@ REDUCED_UNITS = ReducedState(ONE, PER_SECOND, ANGULAR_MOMENTUM, JELLETT)
 
 @formula
 def spin_momentum(z, D, b):
-    """L_3 = D/sqrt(d(z)) [kg m^2/s]. [T 4.7]"""
+    """Return L_3 = D/sqrt(d(z)) [kg m^2/s]. [T 4.7]"""
     return D / sqrt(tippe_top.d(z, b))
 
 
 @formula
 def reduced_kinematics(q, b):
-    """The kinematics of a reduced state."""
+    """Return the kinematics of a reduced state."""
     z, s2 = q.z, (1 - q.z) * (1 + q.z)
     L3 = spin_momentum(z, q.D, b)
     Lz = (q.lam + b.c * L3) / b.R
@@ -62,56 +61,46 @@ def reduced_kinematics(q, b):
 
 @formula
 def reduced_scalars(q, b):
-    """The scalars of a reduced state; the horizontal reaction by its parts along and across the
-    lean of the axis.
+    """Return the scalars of a reduced state.
+
+    The horizontal reaction has parts along and across the lean of the axis.
     """
     s = reduced_kinematics(q, b)
     along, across = reaction.push_along(s, b), b.I3 * reaction.spin_rate(s, b) / b.R
     speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
     friction_force2 = (along**2 + across**2) / s.s2
-    return reaction.Scalars(
-        s.z,
-        s.s2,
-        s.z_dot,
-        s.z_ddot_free,
-        s.phi_dot_s2,
-        s.axis_speed2,
-        s.L3,
-        s.Lz,
-        speed2,
-        friction_force2,
-    )
+    return reaction.Scalars._make((*s, speed2, friction_force2))
 
 
 @formula
 def reduced_rates(q, b):
-    """z'' of the rolling top; D and lambda stay. [T 4.2, 4.8]"""
+    """Return z'' of the rolling top; D and lambda stay. [T 4.2, 4.8]"""
     return ReducedState(q.z_dot, reaction.z_dot2(reduced_kinematics(q, b), b), 0 * q.D, 0 * q.lam)
 
 
 @formula
 def phi_rate(q, carried, b):
-    """phi' [rad/s]."""
+    """Return phi' [rad/s]."""
     s = reduced_kinematics(q, b)
     return s.phi_dot_s2 / s.s2
 
 
 @formula
 def psi_rate(q, carried, b):
-    """psi' = omega_3 - phi' cos(theta) [rad/s]."""
+    """Return psi' = omega_3 - phi' cos(theta) [rad/s]."""
     s = reduced_kinematics(q, b)
     return s.L3 / b.I3 - s.phi_dot_s2 / s.s2 * q.z
 
 
 @formula
 def sine_and_cosine(q):
-    """sin(theta), cos(theta)."""
+    """Return sin(theta), cos(theta)."""
     return sqrt((1 - q.z) * (1 + q.z)), q.z
 
 
 @formula
 def velocity(q, carried, b):
-    """x', y' of the centre of mass [m/s]."""
+    """Return x', y' of the centre of mass [m/s]."""
     s = reduced_kinematics(q, b)
     sine, phi_dot = sqrt(s.s2), s.phi_dot_s2 / s.s2
     along_e, along_2 = contact.rolling_velocity(
@@ -123,14 +112,14 @@ def velocity(q, carried, b):
 
 @formula
 def reduced_of_angles(e, s, z, b):
-    """The reduced state of the angles."""
+    """Return the reduced state of the angles."""
     c = rolling_euler.euler_scalars(e, b)
     return ReducedState(z, -(e.theta_dot * s), tippe_top.routh(c, b), contact.jellett(c, b))
 
 
 @formula
 def angles_of_reduced(q, carried, b):
-    """The angles of a reduced state, phi in (-pi, pi]."""
+    """Return the angles of a reduced state, phi in (-pi, pi]."""
     c = reduced_kinematics(q, b)
     s = sqrt(c.s2)
     phi = atan2(sin(carried.phi), cos(carried.phi))

@@ -17,13 +17,13 @@ class ClosedForm(NamedTuple):
 
     @property
     def period(self) -> float:
-        """2 K(k)/W [s]."""
+        """Return 2 K(k)/W [s]."""
         from scipy.special import ellipk
 
         return 2 * float(ellipk(self.k2)) / self.W
 
     def z(self, t: Any) -> np.ndarray:
-        """z = cos(theta) at times since a maximum of theta (z = z1)."""
+        """Return z = cos(theta) at times since a maximum of theta (z = z1)."""
         from scipy.special import ellipj
 
         sn, *_ = ellipj(self.W * np.asarray(t, dtype=float), self.k2)
@@ -33,7 +33,7 @@ class ClosedForm(NamedTuple):
 def closed_form(
     energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float
 ) -> ClosedForm:
-    """The closed form of theta(t) by the integrals. [section 8]
+    """Return the closed form of theta(t) by the integrals. [section 8]
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ NEAR = 1e-7
 def heavy_top_motion(
     energy: float, Lz: float, L3: float, inertia: float, I3: float, weight: float
 ) -> str:
-    """The name of the motion of a heavy top with a fixed tip; arguments as of `closed_form`.
+    """Return the name of the motion of a heavy top with a fixed tip; arguments as of `closed_form`.
 
     [T ch. 2]
     """

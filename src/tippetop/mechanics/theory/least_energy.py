@@ -10,32 +10,34 @@ spinning and tumbling states.
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..contact.body import Touch, height_energy
 from ..operand import formula
-from .regimes import regime
-from .thresholds import spin_of
+from .thresholds import lambda_s, lambda_u, poles, spin_of
 from .tumbling import tumbling, tumbling_is_stable, tumbling_states
 
 
 @formula
 def arm_inertia(z, b):
-    """a.I a = I1 R^2 sin(theta)^2 + I3 (c - R z)^2 [kg m^4], I1 times the G(z) of the source.
+    """Return a.I a = I1 R^2 sin(theta)^2 + I3 (c - R z)^2 [kg m^4].
 
-    [T 3.44, corrected]
+    It is I1 times the G(z) of the source. [T 3.44, corrected]
     """
     return b.I1 * b.R**2 * ((1 - z) * (1 + z)) + b.I3 * (b.c - b.R * z) ** 2
 
 
 @formula
 def least_energy(z, lam, b):
-    """E_lambda(z) = lambda^2/(2 a.I a) + m g s_z [J]. [T 3.44, corrected]"""
+    """Return E_lambda(z) = lambda^2/(2 a.I a) + m g s_z [J]. [T 3.44, corrected]"""
     return lam**2 / (2 * arm_inertia(z, b)) + height_energy(z, b)
 
 
 class AsymptoticState(NamedTuple):
-    """A state with v_A = 0 and a vertical reaction: kind (upright, tumbling, inverted), theta
-    [rad], phi' and omega_3 [rad/s], energy [J], and whether it is stable where the contact glides.
-    phi' of a spinning state is 0.
+    """A state with v_A = 0 and a vertical reaction.
+
+    kind (upright, tumbling, inverted), theta [rad], phi' (0 of a spinning state) and omega_3
+    [rad/s], energy [J], and whether it is stable if the contact glides.
     """
 
     kind: str
@@ -47,7 +49,7 @@ class AsymptoticState(NamedTuple):
 
 
 def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
-    """The critical points of E_lambda, from theta = 0 to pi.
+    """Return the critical points of E_lambda, from theta = 0 to pi.
 
     [T Theorems 3.3.1 and 3.3.2, corrected]
 
@@ -60,17 +62,19 @@ def asymptotic_states(lam: float, b: Touch) -> list[AsymptoticState]:
     """
 
     def state(kind: str, z: float, phi_dot: float, omega3: float, stable: bool) -> AsymptoticState:
-        energy: Any = least_energy(z, lam, b)
+        with np.errstate(over="ignore"):
+            energy: Any = least_energy(z, np.float64(lam), b)
         return AsymptoticState(kind, math.acos(z), phi_dot, omega3, float(energy), stable)
 
-    now, sense = regime(lam, b), math.copysign(1, lam)
-    between = []
+    low, high = poles(b)
+    spins = {low: abs(lam) < lambda_u(b), high: abs(lam) > lambda_s(b)}
+    sense, tumbling_ones = math.copysign(1, lam), []
     for z in map(float, tumbling_states(lam, b)[::-1] if lam else ()):
         phi_dot, omega3 = (sense * float(rate) for rate in tumbling(z, b))
-        between.append(state("tumbling", z, phi_dot, omega3, bool(tumbling_is_stable(z, b))))
-    upright = state("upright", 1.0, 0.0, spin_of(lam, b), bool(now.upright))
+        stable = bool(tumbling_is_stable(z, b))
+        tumbling_ones.append(state("tumbling", z, phi_dot, omega3, stable))
     return [
-        upright,
-        *between,
-        state("inverted", -1.0, 0.0, spin_of(lam, b, inverted=True), bool(now.inverted)),
+        state("upright", 1.0, 0.0, spin_of(lam, b), bool(spins["upright"])),
+        *tumbling_ones,
+        state("inverted", -1.0, 0.0, spin_of(lam, b, inverted=True), bool(spins["inverted"])),
     ]

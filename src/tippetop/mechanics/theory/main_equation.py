@@ -18,35 +18,42 @@ Where nothing depends on time, Q_t = 0 for every angle, and the equation of seco
 is needed.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from ..system import System
 
 
 COMPLEX_STEP = 1e-30
-WAYS = np.array([1j * COMPLEX_STEP, 0.0])  # of z, and of t
-ORDER = 10  # of the power series at a turning
-REACH = 0.06  # of the time between turnings, where the series hands over
-# reaches before a turning with p > 1, from which on the piece before it says which curvature it has
+# of z, without one and with one of t
+STEPS = np.array([1j * COMPLEX_STEP, 0.0])
+# order of the power series at a turning
+ORDER = 10
+# share of the time between turnings in which the series is used
+REACH = 0.06
+# reaches before a turning with p > 1, from which on the piece before it determines its curvature
 KNOWN = 3.0
-# of z where two pieces meet: nothing beyond is to be relied on; a good one has 1e-9 and less
+# most difference of z where two pieces meet; a good one has 1e-9 and less
 APART = 1e-6
-SLOW = 0.5, 0.1  # of the largest speed of a swing: below them a turning is looked for
-STEEP = -0.5  # p, below which errors grow too fast towards a turning for waiting until the second
-# of the equation in a piece, some thirty times what a swing takes: beyond, z' touches 0 without
-# turning
+# of the largest speed of a swing: below these a turning is sought
+SLOW = 0.5, 0.1
+# p below which errors grow too fast towards a turning to wait for the second speed
+STEEP = -0.5
+# evaluations in a piece, thirty times those of a swing: beyond, z' touches 0 without turning
 CALLS = 40_000
-CONSTANT = (
-    1e-11  # relative: momenta and energy that vary less than this are constants of the motion
-)
+# relative variation below which momenta and energy are constants of the motion
+CONSTANT = 1e-11
 
 
 class Reconstruction(NamedTuple):
-    """z = cos(theta) at the times asked for (NaN after the last swing that ends in a turning),
-    times of the turnings, the worst mismatch of z where pieces meet, and whether it ends early:
-    pieces do not meet, or no turning follows.
+    """A reconstructed motion.
+
+    z = cos(theta) at the given times (NaN after the last swing that ends in a turning), times of
+    the turnings, the worst mismatch of z where pieces meet, and whether it ends early: pieces do
+    not meet, or no turning follows.
     """
 
     z: np.ndarray
@@ -64,7 +71,7 @@ def reconstruct(
     z: float,
     period: float,
 ) -> Reconstruction:
-    """theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)). [T 4.40, 5.26]
+    """Return theta(t) from E~(t) = inertia(z) theta'^2 + V(z, *momenta(t)). [T 4.40, 5.26]
 
     Parameters
     ----------
@@ -102,14 +109,12 @@ def reconstruct(
             forward, there = equation.swing(here, end)
             early = there is None and forward.end < end
             if there is None or there.t + reach > end:
-                if (
-                    not early and here.power < 2
-                ):  # beyond, errors grow too fast where no later turning holds them
+                # from p = 2 on errors grow too fast without a later turning
+                if not early and here.power < 2:
                     _fill(out, times, edge, forward.end, forward)
                 return Reconstruction(out, np.array(turnings), mismatch, early)
-            last = meet = (
-                there.t - reach
-            )  # where p > 1 all that comes from before fades into the turning
+            # if p > 1, errors of earlier pieces fade towards the turning
+            last = meet = there.t - reach
             comes: _Series | _Piece = there
             goes = forward
             if not there.node:
@@ -137,9 +142,7 @@ class _Lost(Exception):
 
 
 class _Equation:
-    """Q(z, t) = z'^2 of a body whose momenta and E~ are known at some times, and the motion that
-    follows from it.
-    """
+    """Q(z, t) = z'^2 of a body whose momenta and E~ are known at some times, and its motion."""
 
     def __init__(
         self,
@@ -164,11 +167,9 @@ class _Equation:
         self.values = make_interp_spline(times, np.array([energy, *momenta]).T, k=7)
         self.rates = self.values.derivative()
 
-    def square(self, z: Any, t: Any, step: Any = 0.0) -> Any:
-        """Q(z, t) = z'^2; `step` is a complex step of time."""
-        return self._square(
-            z, (self.values(t) + step * self.rates(t) if step else self.values(t)).T
-        )
+    def square(self, z: Any, t: Any) -> Any:
+        """Return Q(z, t) = z'^2."""
+        return self._square(z, self.values(t).T)
 
     def _square(self, z: Any, given: Any) -> Any:
         return (
@@ -178,23 +179,23 @@ class _Equation:
             / self.inertia(z, self.b)
         )
 
-    def along_z(self, z: Any, t: Any) -> Any:
-        """Q_z."""
-        return self.square(z + 1j * COMPLEX_STEP, t).imag / COMPLEX_STEP
-
-    def along_t(self, z: Any, t: Any) -> Any:
-        """Q_t."""
-        return self.square(z, t, 1j * COMPLEX_STEP).imag / COMPLEX_STEP
+    def slopes(self, z: Any, t: Any) -> Any:
+        """Return Q_z and Q_t, from one evaluation with a complex step in each direction."""
+        values, rates = self.values(t).T, self.rates(t).T
+        given = np.stack([values, values + 1j * COMPLEX_STEP * rates], -1)
+        square = self._square(np.asarray(z)[..., None] + STEPS, given)
+        return np.moveaxis(square.imag / COMPLEX_STEP, -1, 0)
 
     def conserving(self, times: np.ndarray, z: float) -> Reconstruction:
-        """The motion where nothing depends on time: Q_t = 0 says nothing of the turnings, and z'' =
-        Q_z/2 needs no turnings, as it has no branch points. `mismatch` is that of z'^2 = Q, in the
-        largest z'^2.
+        """Return the motion where nothing depends on time.
+
+        Q_t = 0 does not determine the turnings, and z'' = Q_z/2 does not need them, because it has
+        no branch points. `mismatch` is that of z'^2 = Q, relative to the largest z'^2.
         """
         from scipy.integrate import solve_ivp
 
         def rates(t: float, y: np.ndarray) -> list[float]:
-            return [y[1], self.along_z(y[0], start) / 2]
+            return [y[1], self.slopes(y[0], start)[0] / 2]
 
         def turning(t: float, y: np.ndarray) -> float:
             return float(y[1])
@@ -220,36 +221,28 @@ class _Equation:
         )
 
     def motion(self, t: float, y: np.ndarray) -> np.ndarray:
-        """The rates of z and z': z'' = Q_z/2 + Q_t/(2 z')."""
+        """Return the rates of z and z': z'' = Q_z/2 + Q_t/(2 z')."""
         self.calls += 1
         if self.calls > CALLS:
             raise _Lost
-        # both slopes of Q from one evaluation: here the time of a reconstruction goes
-        momenta, rates = self.values(t), self.rates(t)
-        given = np.array([momenta, momenta + 1j * COMPLEX_STEP * rates]).T
-        along_z, along_t = self._square(y[0] + WAYS, given).imag / COMPLEX_STEP
+        along_z, along_t = self.slopes(y[0], t)
         return np.array([y[1], along_z / 2 + along_t / (2 * y[1])])
 
     def swing(self, here: "_Series", end: float) -> "tuple[_Piece, _Series | None]":
-        """From one turning to the next: the motion up to the edge of the next, and its series, or
-        None.
+        """Return the motion from one turning to the next, and its series.
+
+        The motion goes up to the edge of the next turning; without one its series is None.
         """
         piece, peak, share = _Piece(self, here, 1.0), 0.0, 0.0
         way = np.sign(piece.state[1])
 
-        def speed(t: float, y: np.ndarray) -> float:
+        def speed(y: np.ndarray) -> float:
             nonlocal peak
             peak = max(peak, way * y[1])
             return way * y[1] - share * peak
 
-        def slow(t: float, y: np.ndarray) -> float:
-            return speed(t, y)
-
-        def back(t: float, y: np.ndarray) -> float:
-            return way * y[1]
-
-        slow.terminal = speed.terminal = back.terminal = True  # type: ignore[attr-defined]
-        slow.direction, speed.direction, back.direction = -1, 1, -1  # type: ignore[attr-defined]
+        slow, fast = _event(speed, -1), _event(speed, 1)
+        back = _event(lambda y: way * y[1], -1)
         while True:
             for share in SLOW:
                 if piece.go(end, slow) >= end:
@@ -261,34 +254,28 @@ class _Equation:
                     piece.go(min(end, goal[1] - here.reach))
                     return piece, _series(self, *goal[:2], here.reach, piece)
             share *= 1.5  # it slows down, and does not turn
-            piece.go(end, (speed, back))
+            piece.go(end, (fast, back))
             if way * piece.state[1] <= 0:
                 return piece, None
             peak = way * piece.state[1]
 
     def turning(self, piece: "_Piece", reach: float) -> tuple[float, float, float] | None:
-        """Angle, time and power p where Q = Q_t = 0 soon after the end of a piece; None where there
-        is none.
+        """Return angle, time and power p where Q = Q_t = 0 soon after the end of a piece.
+
+        Return None if there is no such point.
         """
         start, (z, speed) = piece.end, piece.state
-        left = abs(
-            speed / self.motion(start, piece.state)[1]
-        )  # what a harmonic swing would still need, about
+        # about the time that a harmonic swing would still need
+        left = abs(speed / self.motion(start, piece.state)[1])
         z, t, h, far = z + speed * left / 2, start + left, 1e-4 * reach, 4 * abs(speed) * left
         first = z
         for _ in range(20):
-            jacobian = np.array(
-                [
-                    [self.along_z(z, t), self.along_t(z, t)],
-                    [
-                        (self.along_t(z + 1e-6, t) - self.along_t(z - 1e-6, t)) / 2e-6,
-                        (self.along_t(z, t + h) - self.along_t(z, t - h)) / (2 * h),
-                    ],
-                ]
-            )
+            across = self.slopes(z + 1e-6, t)[1] - self.slopes(z - 1e-6, t)[1]
+            along = self.slopes(z, t + h)[1] - self.slopes(z, t - h)[1]
+            jacobian = np.array([self.slopes(z, t), [across / 2e-6, along / (2 * h)]])
             if not (np.isfinite(jacobian).all() and np.linalg.det(jacobian)):
                 return None
-            step = np.linalg.solve(jacobian, [self.square(z, t), self.along_t(z, t)])
+            step = np.linalg.solve(jacobian, [self.square(z, t), jacobian[0, 1]])
             z, t = float(z - step[0]), float(t - np.clip(step[1], -reach, reach))
             if abs(step[0]) <= 4 * np.spacing(1.0) and abs(step[1]) <= 4 * np.spacing(
                 abs(t) + reach
@@ -298,11 +285,22 @@ class _Equation:
         if not (converged and start < t < start + 4 * left and abs(z - first) < far):
             return None
         (along_z, _), (_, q_tt) = jacobian
-        return (
-            z,
-            t,
-            2 * along_z / (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), speed)),
-        )
+        return z, t, along_z / (2 * _curvature(along_z, q_tt, speed))
+
+
+def _curvature(along_z: float, q_tt: float, way: float) -> float:
+    """Return a = z'' of a turning, of 2 a^2 - Q_z a = Q_tt; `way` is the sign of z' before it."""
+    return (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), way)) / 4
+
+
+def _event(function: Callable[[np.ndarray], float], direction: int) -> Any:
+    """Return an event of `solve_ivp` that ends the integration."""
+
+    def event(t: float, y: np.ndarray) -> float:
+        return function(y)
+
+    event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
+    return event
 
 
 class _Piece:
@@ -344,52 +342,39 @@ class _Piece:
 
 
 class _Series(NamedTuple):
-    """z as a power series in the time since a turning, in units of its reach; neighbours leave it
-    as |t|^power.
-    """
+    """z as a power series in (t - turning)/reach; neighbours leave it as |t|^power."""
 
     t: float
     reach: float
-    coefficients: np.ndarray
+    curve: Polynomial
     power: float
     node: bool
 
     def __call__(self, t: Any) -> Any:
-        return np.polynomial.polynomial.polyval(
-            (np.asarray(t) - self.t) / self.reach, self.coefficients
-        )
+        return self.curve((np.asarray(t) - self.t) / self.reach)
 
     def speed(self, t: Any) -> Any:
-        slope = np.polynomial.polynomial.polyder(self.coefficients)
-        return (
-            np.polynomial.polynomial.polyval((np.asarray(t) - self.t) / self.reach, slope)
-            / self.reach
-        )
+        return self.curve.deriv()((np.asarray(t) - self.t) / self.reach) / self.reach
 
 
 def _series(
     equation: _Equation, z: float, t: float, reach: float, before: _Piece | None
 ) -> _Series:
-    """The smooth solution through a turning, by least squares on z'^2 = Q; `before` is the piece
-    that leads to it, None at the first one, where time begins.
+    """Return the smooth solution through a turning, by least squares on z'^2 = Q.
+
+    `before` is the piece that leads to it, None at the first one, where time begins.
     """
-    along_z, h = equation.along_z(z, t), 1e-4 * reach
-    x = (
-        (1 - np.cos(np.linspace(0, np.pi, 4 * ORDER))) / 2
-        if before is None
-        else np.cos(np.linspace(0, np.pi, 4 * ORDER))
-    )
+    along_z, h = equation.slopes(z, t)[0], 1e-4 * reach
+    x = np.cos(np.linspace(0, np.pi, 4 * ORDER))
+    if before is None:
+        x = (1 - x) / 2
     powers, slopes = _powers(x), np.arange(ORDER + 1) * _powers(x)[:, [0, *range(ORDER)]] / reach
     c, free, node = np.zeros(ORDER + 1), [0, *range(2, ORDER + 1)], False
     c[:3] = z, 0.0, along_z / 4 * reach**2
     if before is not None:
-        q_tt = (equation.along_t(z, t + h) - equation.along_t(z, t - h)) / (2 * h)
+        q_tt = (equation.slopes(z, t + h)[1] - equation.slopes(z, t - h)[1]) / (2 * h)
         node = q_tt < 0 < -along_z * before.state[1]
-        c[2] = (
-            (along_z - np.copysign(np.sqrt(max(along_z**2 + 8 * q_tt, 0.0)), before.state[1]))
-            / 8
-            * reach**2
-        )
+        c[2] = _curvature(along_z, q_tt, before.state[1]) / 2 * reach**2
         if node:
             y = np.linspace(-min(KNOWN, (t - before.start) / reach), -1, 2 * ORDER)
             few = [2, 3, 4, 5]  # enough to say which of both curvatures it is
@@ -397,11 +382,10 @@ def _series(
     for _ in range(12):
         speed, place = slopes @ c, powers @ c
         left = speed**2 - equation.square(place, t + reach * x)
-        change = (
-            2 * speed[:, None] * slopes - equation.along_z(place, t + reach * x)[:, None] * powers
-        )
+        along = equation.slopes(place, t + reach * x)[0]
+        change = 2 * speed[:, None] * slopes - along[:, None] * powers
         c[free] -= np.linalg.lstsq(change[:, free], left, rcond=None)[0]
-    return _Series(t, reach, c, float(along_z * reach**2 / (4 * c[2])), bool(node))
+    return _Series(t, reach, Polynomial(c), float(along_z * reach**2 / (4 * c[2])), bool(node))
 
 
 def _powers(x: np.ndarray) -> np.ndarray:

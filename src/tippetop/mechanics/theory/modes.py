@@ -10,7 +10,7 @@ from ..friction import named, slip_coefficient, takes_nothing
 
 
 def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarray:
-    """The three rates p of u_x + i u_y ~ exp(pt) near a spinning state of a gliding body.
+    """Return the three rates p of u_x + i u_y ~ exp(pt) near a spinning state of a gliding body.
 
     [section 6; Friedl 1997]
 
@@ -40,22 +40,25 @@ def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarr
 
 
 def _gliding(omega3: Any, b: Touch, up: int, slip: Any) -> np.ndarray:
-    """The matrix (..., 3, 3) of the motion near the pole z = up, of one body or of many, with slip
-    coefficients.
+    """Return the matrix (..., 3, 3) of the motion near the pole z = up.
+
+    Of one body or of many, with slip coefficients.
     """
     Lz, h = up * b.I3 * omega3, b.R - up * b.c
-    n = _row(1j * Lz / b.I1, -1j * up / b.I1, 0)
-    momentum = _row(-1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g)
-    twist = np.asarray(h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c)
-    lever = np.asarray(1j * h / b.I1)
-    v = _row(0, 0, -slip * b.g) + lever[..., None] * momentum + 1j * twist[..., None] * n
-    return np.stack(np.broadcast_arrays(n, momentum, v), -2)
+    n = 1j * Lz / b.I1, -1j * up / b.I1, 0
+    momentum = -1j * b.m * b.g * b.c, 0, 1j * h * slip * b.m * b.g
+    twist, lever = h * (1 / b.I3 - 1 / b.I1) * up * Lz + Lz / b.I3 * b.c, 1j * h / b.I1
+    v0, v1, v2 = (lever * M + 1j * twist * N for M, N in zip(momentum, n, strict=True))
+    entries = np.broadcast_arrays(*n, *momentum, v0, v1, v2 - slip * b.g)
+    return np.stack(entries, -1).reshape(*entries[0].shape, 3, 3)
 
 
 def _slip(omega3: Any, up: int, law: Any) -> Any:
-    """The slip coefficient at rest [s/m]; of a disc that drills at omega3 the limit of small
-    sliding, 3 pi mu/(8 patch
-    |omega3|), its rolling resistance left out."""
+    """Return the slip coefficient at rest [s/m].
+
+    For a disc that drills at omega3 it is the limit of small sliding, 3 pi mu/(8 patch |omega3|),
+    without rolling resistance.
+    """
     known = named(type(law))
     if known is None or not known.regions:
         return slip_coefficient(0.0, float(up), law)
@@ -64,8 +67,9 @@ def _slip(omega3: Any, up: int, law: Any) -> Any:
 
 
 def is_nowhere_linear(omega3: float, law: Any, *, inverted: bool = False) -> bool:
-    """Whether a friction law has no finite slope at rest: Coulomb's law itself, or a disc that does
-    not drill.
+    """Return whether a friction law has no finite slope at rest.
+
+    Such laws are Coulomb's law itself, and a disc that does not drill.
     """
     with np.errstate(all="ignore"):
         return not np.isfinite(_slip(omega3, -1 if inverted else 1, law)).all()
@@ -75,9 +79,10 @@ SLIDES = 1e-3  # of sqrt(gR): what a motion that has settled may slide at most
 
 
 def shows_sliding(b: Touch, z: Any) -> Any:
-    """Return whether friction at z = cos(theta) is so strong that a slide of 1e-3 sqrt(gR) loses
-    more than 1e-12 of the unit of k |v_A|^2, below which a motion counts as settled. Of one body,
-    or of many, (n,).
+    """Return whether friction at z = cos(theta) is so strong that sliding shows as a loss.
+
+    A slide of 1e-3 sqrt(gR) loses more than 1e-12 of the unit of k |v_A|^2, below which a motion
+    counts as settled. Of one body, or of many, (n,).
     """
     known = named(type(b.friction))
     if (
@@ -88,10 +93,6 @@ def shows_sliding(b: Touch, z: Any) -> Any:
     return np.asarray(strength) * SLIDES**2 > 1e-12
 
 
-def _row(*entries: Any) -> np.ndarray:
-    return np.stack(np.broadcast_arrays(*(np.asarray(entry, complex) for entry in entries)), -1)
-
-
 ROUNDED = 1e-12  # of the fastest rate: a growth that is slower is zero to rounding
 # of the fastest angle's rate: where friction turns a spin into another more slowly, its sign alone
 # counts
@@ -100,8 +101,9 @@ LINEAR = 1e-2  # rad from a pole within which the modes tell what becomes of a m
 
 
 def will_leave(theta: float, omega3: float, b: Touch) -> bool:
-    """Whether a gliding body at theta [rad] with spin omega3 [rad/s] is about to leave the pole: it
-    is so near that its motion is linear, and a mode grows there. [section 6]
+    """Return whether a gliding body at theta [rad] with spin omega3 [rad/s] will leave the pole.
+
+    It is so near that its motion is linear, and a mode grows there. [section 6]
     """
     inverted = theta > math.pi / 2
     near = min(theta, math.pi - theta) < LINEAR
@@ -109,7 +111,7 @@ def will_leave(theta: float, omega3: float, b: Touch) -> bool:
 
 
 def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool = True) -> Any:
-    """Whether a spinning state is unstable; of one body, or of many, (n,).
+    """Return whether a spinning state is unstable; of one body, or of many, (n,).
 
     Parameters
     ----------
@@ -140,17 +142,16 @@ def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool 
             acts = (slip > 0) | dissipates
             matrix = _gliding(omega3, b, up, np.where(acts, np.maximum(slip, least), slip))
         finite = np.isfinite(matrix).all(axis=(-1, -2), keepdims=True)
-        modes = np.linalg.eigvals(
-            np.where(finite, matrix, 0)
-        )  # NaN beyond the doubles would end all
+        modes = np.linalg.eigvals(np.where(finite, matrix, 0))  # which refuses NaN
         return modes.real.max(-1) > ROUNDED * np.abs(modes).max(-1)
     h = b.R - up * b.c  # of the roots of `rolling_modes`: a discriminant
     return (omega3 * (b.I3 + b.m * h * b.R)) ** 2 < -4 * up * b.m * b.g * b.c * (b.I1 + b.m * h**2)
 
 
 def _fastest_first(p: np.ndarray) -> np.ndarray:
-    """Rates by their growth; those that grow alike, to rounding, by how fast they turn, positive
-    before negative.
+    """Sort rates by their growth.
+
+    Rates of equal growth, to rounding, are sorted by how fast they turn, positive first.
     """
     unit = ROUNDED * np.abs(p).max() or 1.0
     growth, turn = np.round(p.real / unit), np.round(np.abs(p.imag) / unit)
@@ -158,8 +159,9 @@ def _fastest_first(p: np.ndarray) -> np.ndarray:
 
 
 def rolling_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarray:
-    """The two rates p near a spinning state of a body whose contact is at rest: rolling, or a fixed
-    tip.
+    """Return the two rates p near a spinning state of a body whose contact is at rest.
+
+    It rolls, or its tip is fixed.
 
     Parameters
     ----------

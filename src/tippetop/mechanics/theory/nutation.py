@@ -1,6 +1,4 @@
-"""One degree of freedom: turning angles and period of E = inertia(z) theta'^2 + V(z), z =
-cos(theta).
-"""
+"""One degree of freedom: turning angles and period of E = inertia(z) theta'^2 + V(z)."""
 
 import math
 from collections.abc import Callable
@@ -28,7 +26,7 @@ def nutation(
     theta: float,
     span: tuple[float, float] = (0.0, math.pi),
 ) -> Nutation:
-    """The nutation that passes theta, or starts there, by quadrature; about 14 digits.
+    """Return the nutation that passes theta, or starts there, by quadrature; about 14 digits.
 
     [T 2.38, 4.21, 5.26]
 
@@ -85,8 +83,9 @@ def nutation(
 
 
 def _edge(kinetic: Callable, outside: Any, inside: Any) -> Any:
-    """The zero of kinetic between an angle outside the band and one inside, by bisection to the
-    last bit.
+    """Return the zero of kinetic between an angle outside the band and one inside.
+
+    By bisection to the last bit.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         while (middle := (outside + inside) / 2) not in (outside, inside):

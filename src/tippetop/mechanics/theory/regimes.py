@@ -2,11 +2,8 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
 from ..contact.body import Touch
-from .thresholds import lambda_s, lambda_u, poles
-from .tumbling import tumbling_is_stable, tumbling_states
+from .least_energy import asymptotic_states
 
 
 class Regime(NamedTuple):
@@ -19,13 +16,13 @@ class Regime(NamedTuple):
 
     @property
     def attractors(self) -> list[str]:
-        """The stable states in words."""
+        """Return the stable states in words."""
         words = ["the upright spin"] if self.upright else []
         words += [f"tumbling at theta = {theta:.6g} rad" for theta in self.tumbling]
         return words + (["the inverted spin"] if self.inverted else [])
 
     def sentence(self) -> str:
-        """What is stable."""
+        """Describe which states are stable."""
         states = self.attractors
         if not states:
             return "no spinning or tumbling state is stable"
@@ -36,7 +33,7 @@ class Regime(NamedTuple):
 
 
 def regime(lam: float, b: Touch) -> Regime:
-    """Which asymptotic states of a tippe top are stable. [T Theorem 3.3.2, corrected]
+    """Return which asymptotic states of a tippe top are stable. [T Theorem 3.3.2, corrected]
 
     Parameters
     ----------
@@ -45,13 +42,10 @@ def regime(lam: float, b: Touch) -> Regime:
     b
         The body, SI.
     """
-    states = tumbling_states(lam, b)[::-1] if lam else np.zeros(0)
-    stable = [bool(tumbling_is_stable(z, b)) for z in states]
-    angles = np.arccos(states)
-    spins = dict(zip(poles(b), (abs(lam) < lambda_u(b), abs(lam) > lambda_s(b)), strict=True))
+    upright, *tumbling, inverted = asymptotic_states(lam, b)
     return Regime(
-        upright=bool(spins["upright"]),
-        inverted=bool(spins["inverted"]),
-        tumbling=tuple(float(t) for t, s in zip(angles, stable, strict=True) if s),
-        unstable=tuple(float(t) for t, s in zip(angles, stable, strict=True) if not s),
+        upright.stable,
+        inverted.stable,
+        tuple(state.theta for state in tumbling if state.stable),
+        tuple(state.theta for state in tumbling if not state.stable),
     )

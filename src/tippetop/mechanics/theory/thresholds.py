@@ -18,7 +18,7 @@ from ..units import JELLETT, ONE, RADIAN_PER_SECOND, Unit
 
 
 class Threshold(NamedTuple):
-    """A number that separates regimes: value (SI), unit, and what it means."""
+    """A number that separates regimes: value (SI), unit, and meaning."""
 
     value: float
     unit: Unit
@@ -26,9 +26,7 @@ class Threshold(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """|alpha|, gamma = I1/I3, sigma = m R^2/I3 of a tippe top, and beta = sqrt(m g R^3 |alpha| I3)
-    [kg m^3/s].
-    """
+    """|alpha|, gamma = I1/I3, sigma = m R^2/I3, beta = sqrt(m g R^3 |alpha| I3) of a tippe top."""
 
     alpha: Any
     gamma: Any
@@ -37,7 +35,7 @@ class Shape(NamedTuple):
 
 
 def shape(b: Touch) -> Shape:
-    """The numbers that decide about a tippe top."""
+    """Return the numbers that decide about a tippe top."""
     alpha = np.abs(b.c) / b.R
     return Shape(
         alpha, b.I1 / b.I3, b.m * b.R**2 / b.I3, np.sqrt(b.m * b.g * b.R**3 * alpha * b.I3)
@@ -63,7 +61,9 @@ def poles(b: Touch) -> tuple[str, str]:
 
 
 def lambda_u(b: Touch) -> Any:
-    """The spin with the centre of mass lowest is stable for |lambda| below it; infinite if always.
+    """Return |lambda| below which the spin with the centre of mass lowest is stable.
+
+    It is infinite if the spin is always stable.
 
     [T Theorem 3.3.2]
     """
@@ -72,7 +72,9 @@ def lambda_u(b: Touch) -> Any:
 
 
 def lambda_s(b: Touch) -> Any:
-    """The spin with the centre of mass highest is stable for |lambda| above it; infinite if never.
+    """Return |lambda| above which the spin with the centre of mass highest is stable.
+
+    It is infinite if the spin is never stable.
 
     [T 4.30]
     """
@@ -81,13 +83,13 @@ def lambda_s(b: Touch) -> Any:
 
 
 def _over_root(number: Any, x: Any) -> Any:
-    """number/sqrt(x), infinite where x is not positive."""
+    """Return number/sqrt(x), infinite where x is not positive."""
     with np.errstate(divide="ignore"):
         return number / np.sqrt(np.maximum(x, 0.0))
 
 
 def lambda_de(b: Touch) -> Any:
-    """Above it the highest spin has less energy E~ than the lowest one of the same lambda.
+    """Return |lambda| above which the highest spin has less energy E~ than the lowest one.
 
     [T 4.29]
     """
@@ -96,24 +98,25 @@ def lambda_de(b: Touch) -> Any:
 
 
 def gamma_c(alpha: float) -> float:
-    """lambda_s > lambda_u if and only if gamma is above it. [section 6]"""
+    """Return gamma above which, and only there, lambda_s > lambda_u. [section 6]"""
     return (1 - alpha**2) * (1 + 3 * alpha**2) / (1 + 6 * alpha**2 + alpha**4)
 
 
 def gamma_plus(alpha: float) -> float:
-    """All tumbling states are stable if and only if gamma is at least this. [section 6]"""
+    """Return gamma from which on, and only there, all tumbling states are stable. [section 6]"""
     return (1 - alpha) * (7 + alpha + sqrt(1 + 14 * alpha + alpha**2)) / 8
 
 
 def gamma_de(alpha: Any) -> Any:
-    """lambda_s > lambda_de if and only if gamma is above it; below 1 - alpha for alpha > 3 -
-    sqrt(8). [T 4.31-4.34]
+    """Return gamma above which, and only there, lambda_s > lambda_de.
+
+    It is below 1 - alpha for alpha > 3 - sqrt(8). [T 4.31-4.34]
     """
     return (1 + alpha) * (1 - 3 * alpha) / (1 - alpha) ** 2
 
 
 def two_wells_from(b: Touch) -> float:
-    """gamma*, above which the potential can have two minima; infinite where it never can.
+    """Return gamma*, above which the potential can have two minima; infinite where it never can.
 
     [section 5, item 4]
     """
@@ -126,19 +129,20 @@ def two_wells_from(b: Touch) -> float:
 
 @formula
 def spin(z, lam, b):
-    """omega_3 of the spinning state z = cos(theta) = +1 or -1 with Jellett's integral lambda
-    [rad/s]. [T 4.23]
+    """Return omega_3 of the spinning state z = +1 or -1 with Jellett's integral lambda [rad/s].
+
+    [T 4.23]
     """
     return lam / (b.I3 * (b.R * z - b.c))
 
 
 def spin_of(lam: float, b: Touch, *, inverted: bool = False) -> float:
-    """omega_3 of the upright (or inverted) spin with Jellett's integral lam [rad/s]."""
+    """Return omega_3 of the upright (or inverted) spin with Jellett's integral lam [rad/s]."""
     return spin(-1 if inverted else 1, lam, b)
 
 
 def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Threshold]:
-    """Every threshold of a tippe top: name -> value (SI), unit and meaning.
+    """Return every threshold of a tippe top: name -> value (SI), unit and meaning.
 
     Parameters
     ----------
@@ -178,7 +182,8 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
 
 
 def sleeping_spin(b: Touch) -> float:
-    """|omega_3| above which the upright heavy top with a fixed tip is stable, 2 sqrt(m g l I1*)/I3
-    [rad/s]. [T 5.54]
+    """Return |omega_3| above which the upright heavy top with a fixed tip is stable [rad/s].
+
+    It is 2 sqrt(m g l I1*)/I3. [T 5.54]
     """
     return 2 * math.sqrt(b.m * b.g * -b.c * tip_inertia(b)) / b.I3

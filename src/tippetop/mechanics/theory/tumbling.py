@@ -14,7 +14,7 @@ from .thresholds import SPINS, lambda_s, lambda_u, poles, sense, shape
 
 
 def tumbling_limits(b: Touch) -> tuple[float, float]:
-    """The open interval of z = cos(theta) in which tumbling states exist. [T 3.62, 3.63]"""
+    """Return the open interval of z = cos(theta) in which tumbling states exist. [T 3.62, 3.63]"""
     alpha, gamma, *_ = shape(b)
     low = max(-1.0, -alpha / (gamma - 1)) if gamma > 1 else -1.0
     high = min(1.0, alpha / (1 - gamma)) if gamma < 1 else 1.0
@@ -22,7 +22,9 @@ def tumbling_limits(b: Touch) -> tuple[float, float]:
 
 
 def tumbling(z: Any, b: Touch) -> tuple[Any, Any]:
-    """phi' and omega_3 [rad/s] of the tumbling state at z, for phi' > 0; NaN where there is none.
+    """Return phi' and omega_3 [rad/s] of the tumbling state at z, for phi' > 0.
+
+    Both are NaN if there is no such state.
 
     [T 3.62]
     """
@@ -32,7 +34,7 @@ def tumbling(z: Any, b: Touch) -> tuple[Any, Any]:
 
 
 def tumbling_jellett(z: Any, b: Touch) -> Any:
-    """lambda of the tumbling state at z, for phi' > 0 [kg m^3/s]; NaN where there is none.
+    """Return lambda of the tumbling state at z, for phi' > 0 [kg m^3/s], or NaN.
 
     [T 3.42, 3.66]
     """
@@ -43,15 +45,17 @@ def tumbling_jellett(z: Any, b: Touch) -> Any:
 
 
 def lambda_t(b: Touch) -> Any:
-    """The least lambda of a tumbling state [kg m^3/s]; less than lambda_u where gamma_c < gamma <
-    gamma_plus: there the upright spin and tumbling are both stable in between. To about 1e-5.
+    """Return the least lambda of a tumbling state [kg m^3/s].
+
+    It is less than lambda_u for gamma_c < gamma < gamma_plus: between the two the upright spin and
+    tumbling are both stable. Its error is about 1e-5.
     """
     z = np.linspace(-1, 1, 401).reshape(-1, *(1,) * np.ndim(b.I1 + b.I3 + b.c))
     return np.nanmin(tumbling_jellett(z, b), axis=0)
 
 
 def tumbling_is_stable(z: Any, b: Touch) -> Any:
-    """Whether the tumbling state at z is stable, which is d|lambda|/dz < 0.
+    """Return whether the tumbling state at z is stable, which is d|lambda|/dz < 0.
 
     [T Theorem 3.3.2, corrected]
     """
@@ -61,7 +65,9 @@ def tumbling_is_stable(z: Any, b: Touch) -> Any:
 
 
 def tumbling_states(lam: float, b: Touch) -> np.ndarray:
-    """Every z at which a tumbling state has Jellett's integral lam, ascending: roots of a quartic.
+    """Return every z at which a tumbling state has Jellett's integral lam, ascending.
+
+    They are roots of a quartic.
 
     Terms that rounding hides for every z in [-1, 1] are left out: their roots lie far beyond, and
     were found anywhere.
@@ -79,9 +85,7 @@ def tumbling_states(lam: float, b: Touch) -> np.ndarray:
 
 
 class Branch(NamedTuple):
-    """A curve of asymptotic states in the plane of lambda [kg m^3/s] and z = cos(theta), all stable
-    or all not.
-    """
+    """A curve of asymptotic states, lambda [kg m^3/s] and z = cos(theta), all stable or all not."""
 
     kind: str
     stable: bool
@@ -90,7 +94,9 @@ class Branch(NamedTuple):
 
 
 def branches(b: Touch, most: float) -> list[Branch]:
-    """Every asymptotic state of a tippe top, as curves cut where stability changes. [T figure 3.3]
+    """Return every asymptotic state of a tippe top, as curves cut where stability changes.
+
+    [T figure 3.3]
 
     Parameters
     ----------

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
-from ...events import Event, Kept
+from ...event import Event, Kept
 from ...operand import formula
 from ...system import Alternative, Domain, Form, Integral, Number, Quantity
 from ...units import (

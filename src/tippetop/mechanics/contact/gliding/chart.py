@@ -43,7 +43,7 @@ def vector_of_angles(e, s, z, b):
 @formula
 def axis_angles(c, u):
     """theta, theta', phi', phi of the axis u with the scalars c; 0/0 exactly at a pole, where phi
-    and what is taken along it mean nothing. theta is atan2(sin, cos): no digits are lost near the
+    is undefined. theta is atan2(sin, cos): no digits are lost near the
     poles. [section 3.4]
     """
     s = sqrt(c.s2)

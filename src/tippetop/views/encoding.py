@@ -1,4 +1,4 @@
-"""What a page needs to integrate a problem by itself."""
+"""Data of pages: the numbers of a problem, and arrays as text."""
 
 import base64
 import math
@@ -10,8 +10,8 @@ from ..problem import Problem
 from .formulas import initial_names
 
 
-def given(problem: Problem) -> dict[str, Any]:
-    """What a page needs to integrate a problem: parameters, law, initial numbers other than 0."""
+def problem_data(problem: Problem) -> dict[str, Any]:
+    """Return parameters, friction law and initial numbers other than 0."""
     data, at_rest = dict(problem.initial), bool(problem.initial.get("centre_at_rest"))
     theta = data.get("theta", 0.0)
     angles = problem.system.start(data, math.sin(theta), math.cos(theta), problem.body())
@@ -26,6 +26,6 @@ def given(problem: Problem) -> dict[str, Any]:
     }
 
 
-def encoded(values: np.ndarray, kind: str) -> str:
-    """Numbers as text, in the type `kind` of numpy."""
+def encode(values: np.ndarray, kind: str) -> str:
+    """Return an array in base64, in the type `kind` of numpy."""
     return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode()

@@ -1,4 +1,4 @@
-"""The page of a sweep: the map of its tops, and the motion of each, which the page integrates."""
+"""The page of a sweep: the map of its tops, and their motions, integrated in the page."""
 
 from pathlib import Path
 from typing import Any
@@ -16,50 +16,44 @@ from ..sweeps.plan import Plan
 from ..sweeps.summary import column, open_sweep
 from . import formulas, pages
 from .borders import borders
-from .given import encoded, given
+from .encoding import encode, problem_data
 
 
 MOST = 100_000  # tops of a page
 LINE = (
-    *(
-        "class",
-        "theta_end",
-        "t_end",
-        "inverted_at",
-        "first_equator",
-        "lifted_at",
-        "settled_at",
-        "turnings",
-    ),
-    *(
-        "theta_min",
-        "theta_max",
-        "normal_force_min",
-        "normal_force_max",
-        "drift_jellett",
-        "drift_energy_balance",
-    ),
+    "class",
+    "theta_end",
+    "t_end",
+    "inverted_at",
+    "first_equator",
+    "lifted_at",
+    "settled_at",
+    "turnings",
+    "theta_min",
+    "theta_max",
+    "normal_force_min",
+    "normal_force_max",
+    "drift_jellett",
+    "drift_energy_balance",
 )
-"""Columns that a page has, if the sweep kept them; the class first."""
+"""Columns of a page, if the sweep kept them; the class first."""
 
 
 def page_of_sweep(path: Path) -> str:
-    """The text of the HTML file of a stored sweep. Raises InputError, StoreError."""
+    """Return the text of the HTML file of a stored sweep. Raises InputError, StoreError."""
     table = open_sweep(path)
     plan = Plan.from_tables(table.attrs["plan"])
     if plan.n > MOST:
         raise InputError(
-            [
-                f"a page must have at most {MOST} tops, but this sweep has {plan.n}: tippetop "
-                "plot draws it."
-            ]
+            f"a page must have at most {MOST} tops, but this sweep has {plan.n}: tippetop "
+            "plot draws it."
         )
     tops = np.arange(plan.n)
     numbers = plan.design.numbers(tops)
     names = [name for name in LINE if name in table]
     if not names:
         raise InputError(
-            [f"a page must have one of {', '.join(LINE)}, but the plan kept none of them."]
+            f"a page must have one of {', '.join(LINE)}, but the plan kept none of them."
         )
     axes = sorted(plan.design.axes, key=lambda axis: not _varies(axis))
     movable = is_movable(plan.base)
@@ -77,7 +71,7 @@ def page_of_sweep(path: Path) -> str:
         "axes": [_axis(axis, numbers[axis.key], table[axis.key].attrs) for axis in axes],
         "columns": [_column(name, _values(path, table, name), table[name].attrs) for name in names],
         "borders": borders(plan, axes, table),
-        "changes": {key: encoded(values, "<f8") for key, values in changes(plan, tops).items()},
+        "changes": {key: encode(values, "<f8") for key, values in changes(plan, tops).items()},
         "notes": notes,
     }
     about = f"{plan.n} tops; point at one for its line" + (
@@ -95,14 +89,12 @@ def _varies(axis: Axis) -> bool:
 
 
 def is_movable(base: Problem) -> bool:
-    """Whether a page can integrate a problem: its contact stays as it is, and its friction is a
-    multiple of v_A.
-    """
+    """Return whether a page can integrate a problem: one phase, friction a multiple of v_A."""
     return base.contact is None and (not base.system.frictional or base.law.coefficient is not None)
 
 
 def _formulas(base: Problem) -> str:
-    """The module of the system of a sweep, in vector form where it has one."""
+    """Return the module of the system of a sweep, in vector form if there is one."""
     forms = base.system.forms
     return formulas.motions(
         base.system, forms.get("vector", next(iter(forms.values()))), {base.law_name: base.law}
@@ -110,14 +102,14 @@ def _formulas(base: Problem) -> str:
 
 
 def _base(base: Problem) -> dict[str, Any]:
-    """The numbers that all tops have in common, and those that others stand for."""
-    about = given(base)
+    """Return the common numbers of all tops."""
+    about = problem_data(base)
     about["parameters"] |= about.pop("friction")
     return about | {"until": base.until}
 
 
 def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
-    """The numbers in which tops differ, by dotted key; psi' as the omega_3 that it stands for."""
+    """Return the numbers in which tops differ, by dotted key; psi' as the corresponding omega_3."""
     columns = {
         key: np.broadcast_to(values, tops.shape) for key, values in plan.columns(tops).items()
     }
@@ -135,28 +127,28 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
-    """An axis as the page takes it."""
+    """Return an axis as the page takes it."""
     log = axis.log and bool(np.nanmin(numbers) > 0)
     return {
         "key": axis.key,
         "label": maps.labelled(axis.key, attrs),
         "log": log,
         "sampled": axis.sampled,
-        "numbers": encoded(numbers, "<f8"),
+        "numbers": encode(numbers, "<f8"),
     }
 
 
 def _values(path: Path, table: Any, name: str) -> np.ndarray:
-    """A column of all tops; their classes as a map shows them."""
+    """Return a column of all tops; their classes as a map shows them."""
     return maps.shown_classes(path, table) if name == "class" else column(path, table, name)
 
 
 def _column(name: str, values: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
-    """A column as the page takes it."""
+    """Return a column as the page takes it."""
     about: dict[str, Any] = {"name": name, "words": greek(attrs["long_name"]).partition(";")[0]}
     about["unit"] = "" if attrs["units"] == "1" else units_text(attrs["units"])
     if name == "class":
         about |= {"words": "class", "names": list(maps.SHOWN)}
     elif "flag_meanings" in attrs:
         about["names"] = attrs["flag_meanings"].split()
-    return about | {"values": encoded(values, "<f4")}
+    return about | {"values": encode(values, "<f4")}

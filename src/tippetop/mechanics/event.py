@@ -1,12 +1,12 @@
-"""What an event is: a zero of a function of the state, what it means for a run, and what is kept of
-it.
-"""
+"""Events: zeros of functions of the state, their effect on a run, and the numbers kept of them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+
+from ..errors import names_its_faults
 
 
 NUMBERED = ("turning", "liftoff", "equator", "inverted", "settled")
@@ -42,18 +42,17 @@ start.
 
 
 class Kept(NamedTuple):
-    """A number that is kept of the passages of an event, of every run and of every top of an
-    ensemble.
+    """A number that is kept of the passages of an event, of every run and every top of an ensemble.
 
     Parameters
     ----------
     name : str
         Of the number in `run.summary.kept`, and of the column of an ensemble.
     what : str
-        "first" or "last": the time of that passage [s], NaN if there is none; "count": how many
-        there are.
+        "first" or "last": the time of that passage [s], NaN without one; "count": the number of
+        passages.
     long_name : str
-        What it is, in words.
+        The meaning, in words.
     direction : int
         The passages that are meant: +1 rising ones, -1 falling ones, 0 all that the event detects.
     """
@@ -73,7 +72,7 @@ class Event:
     name : str
         The kind, as the log and `run.events` have it.
     long_name : str
-        What happens, in words.
+        The meaning, in words.
     formula : callable
         formula(s, b), under `@formula`: `s` are the scalars of a state, `b` is the body, in units
         in which mass, length and time of the body are about 1. It must be regular: finite, with
@@ -93,7 +92,7 @@ class Event:
     extremes : str
         The quantity that the function is, if its least and greatest values are to be reported.
     kept : tuple of Kept
-        What is kept of its passages.
+        Numbers that are kept of its passages.
     sampled : bool
         Whether `formula` is a plain function of numbers, without a Taylor series, positive until it
         happens. It is evaluated in the middle and at the end of each step, so that a shorter
@@ -117,9 +116,14 @@ class Event:
     kept: tuple[Kept, ...] = ()
     sampled: bool = False
 
+    def __post_init__(self) -> None:
+        if callable(self.formula):
+            named = names_its_faults(self.formula, f"the event `{self.name}`")
+            object.__setattr__(self, "formula", named)
+
 
 def kinds(events: Sequence[Event]) -> tuple[str, ...]:
-    """Names of the kinds of events in a log; the place of a name is its number in a store.
+    """Return the names of the kinds of events in a log, in the order of their numbers in stores.
 
     Parameters
     ----------

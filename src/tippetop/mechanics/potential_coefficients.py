@@ -1,5 +1,6 @@
-"""Coefficients of the effective potential of a top, in a variable that keeps its digits at both
-poles. [section 5, 8]
+"""Coefficients of the effective potential of a top. [section 5, 8]
+
+They belong to a variable that keeps its digits at both poles.
 
 The systems say what these numbers are for their bodies; `landscape.formulas` evaluates V from them.
 """
@@ -32,7 +33,7 @@ class PotentialCoefficients(NamedTuple):
 
 
 def rounded(c: PotentialCoefficients) -> PotentialCoefficients:
-    """Coefficients of decimals as doubles or double-doubles, as the fields say."""
+    """Round coefficients of decimals to doubles or double-doubles, by field."""
     of = PotentialCoefficients.__annotations__
     parts: Any = (
         doubledouble(x) if of[name] is DoubleDouble else float(x) for name, x in c._asdict().items()

@@ -1,6 +1,4 @@
-"""Tops whose contact may change its phase, each by a driver of its own: lanes cannot
-follow them.
-"""
+"""Tops whose contact may change its phase, each followed by a separate driver instead of a lane."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -30,7 +28,7 @@ Alone = Callable[[Problem], Ended]
 
 
 def problem_of(tops: Problems, top: int) -> Problem:
-    """One of many, to run alone."""
+    """Return the problem of one top, to run alone."""
 
     def numbers(table: str) -> dict[str, Any]:
         given = tops.given(table)
@@ -66,13 +64,13 @@ def faults_of(problem: Problem) -> list[str]:
     return [*problem.faults(), *contact_faults(problem)]
 
 
-def one_by_one(
+def run_each(
     outcomes: Outcomes,
     numbers: np.ndarray,
     alone: Alone,
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    """Runs tops of these numbers one after the other, and writes their rows.
+    """Run tops one after the other, and write their rows.
 
     Parameters
     ----------
@@ -98,7 +96,7 @@ def one_by_one(
 
 
 def _write(outcomes: Outcomes, top: int, ended: Ended) -> None:
-    """The row of a top."""
+    """Write the row of a top."""
     report, force = ended.report, ended.report.get("normal_force", {})
     values = {
         **ended.kept,

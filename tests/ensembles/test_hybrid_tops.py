@@ -5,7 +5,7 @@ be.
 import numpy as np
 import pytest
 
-from tippetop.ensembles import ensemble, singly
+from tippetop.ensembles import ensemble, hybrid_tops
 from tippetop.problem import Problem
 from tippetop.scenario import build, reading
 from tippetop.sweeps.summary import _faults
@@ -25,9 +25,9 @@ def test_a_top_that_varies_stands_on_its_sphere_or_its_stem_as_it_would_alone(th
     thetas = np.array([0.2, 2.0, 2.6, 3.1])
     tops = ensemble.vary(standing_at(theta), {"initial.theta": thetas})
     for top, one in enumerate(thetas.tolist()):
-        alone = singly.problem_of(tops, top)
+        alone = hybrid_tops.problem_of(tops, top)
         assert alone.initial == standing_at(one).initial
-        assert not singly.faults_of(alone)
+        assert not hybrid_tops.faults_of(alone)
 
 
 def test_info_says_why_a_contact_cannot_be_followed() -> None:

@@ -1,0 +1,80 @@
+"""The effective potential V(z) with the energy level and the turning angles at several times."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import EngFormatter
+
+from .style import compact, figure, ink, legend, ticks_in_joules
+
+
+REACH = 2.8  # height of a panel without a level
+FEW = 3  # every third panel where there is no room for all
+MARGIN = np.radians(4.0)  # at least this is shown on either side of the band
+
+
+def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | None = None) -> Axes:
+    """Draw V(z) with the energy level and the turning angles, a panel for each time.
+
+    `curves` are titles, potentials and turning angles.
+
+    The potential has V along z; the turning angles have F, theta_star, and, where a level is drawn,
+    energy, theta_min and theta_max. In a panel of the user's only the first one is drawn.
+    """
+    curves = curves[:1] if ax is not None else curves[:: FEW if compact() else 1]
+    if ax is not None:
+        _well(ax, *curves[0])
+        ax.legend()
+        return ax
+    columns = min(3, len(curves))
+    rows = -(-len(curves) // columns)
+    fig = figure(
+        1.2 + 3.8 * columns if columns > 1 else 7.5, 1.3 + (2.9 * rows if columns > 1 else 4.4)
+    )
+    panels = np.atleast_1d(fig.subplots(rows, columns)).ravel()
+    for axes, curve in zip(panels, curves, strict=False):
+        _well(axes, *curve)
+    for axes in panels[len(curves) :]:
+        axes.remove()
+    legend(panels[0], "lower center", ncols=5)
+    fig.suptitle(title or "Effective potential V(z)", x=0.01, ha="left")
+    return panels[0]
+
+
+def _well(axes: Axes, title: str, V: Any, at: Any) -> None:
+    """Draw one potential with its level; the title has the numbers."""
+    colours, joules = ink(), EngFormatter("J")
+    z, values, least = V["z"].values, V["V"].values.ravel(), float(at["F"])
+    axes.plot(z, values, color=colours.run, lw=1.4, label="V(z)")
+    star = float(at["theta_star"])
+    dots = [(star, least, colours.quiet, "least V, which is F")]
+    window = (-1.0, 1.0)
+    high = least + REACH * 0.35 * (np.percentile(values[np.isfinite(values)], 70) - least)
+    words = f"F = {joules(least)} at θ = {np.degrees(star):.4g}°"
+    if "energy" in at:
+        level, inner, outer = (float(at[name]) for name in ("energy", "theta_min", "theta_max"))
+        axes.axhline(level, color=colours.upper, lw=0.9, label="level Ẽ")
+        numbers = f"Ẽ = {joules(level)}\nF = {joules(least)}"
+        if np.isfinite(inner) and level >= least:
+            margin = max(MARGIN, 0.7 * (outer - inner))
+            ends = min(np.pi, outer + margin), max(0.0, inner - margin)
+            window = (float(np.cos(ends[0])), float(np.cos(ends[1])))
+            seen = values[(z >= window[0]) & (z <= window[1]) & np.isfinite(values)]
+            high = max(float(min(seen[0], seen[-1])), level + 0.6 * (level - least))
+            dots += [
+                (outer, level, colours.upper, "θ greatest"),
+                (inner, level, colours.lower, "θ least"),
+            ]
+            words = f"{np.degrees(inner):.2f}° ≤ θ ≤ {np.degrees(outer):.2f}°\n{numbers}"
+        else:
+            words = f"no band: Ẽ is below F\n{numbers}"
+    for angle, height, color, label in dots:
+        axes.scatter(np.cos(angle), height, s=28, color=color, zorder=3, clip_on=False, label=label)
+    axes.set_title(f"{title}\n{words}" if title else words, fontsize="small")
+    axes.set(
+        xlim=window, ylim=(least - 0.08 * (high - least), high), xlabel="z = cos θ", ylabel="V"
+    )
+    ticks_in_joules(axes.yaxis)
+    axes.locator_params(axis="x", nbins=5)
+    axes.tick_params(labelsize="small")

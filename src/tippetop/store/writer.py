@@ -1,0 +1,107 @@
+"""Write a store in a thread that no KeyboardInterrupt enters, and begin or continue stores."""
+
+import contextlib
+import json
+from collections import deque
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, Self
+
+from ..errors import StoreError
+from . import files, root
+from .ledger import Ledger
+
+
+AHEAD = 8  # pieces of work that wait for the thread
+
+
+class Writer:
+    """The writing thread of a locked store.
+
+    A context; when it ends nothing is being written any more, and the lock is released.
+    """
+
+    def __init__(self, store: Ledger):
+        self.store = store
+        self.behind: deque[Future] = deque()
+        self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
+
+    def later(self, work: Callable[[], None]) -> None:
+        """Queue work for the thread; raise what went wrong there."""
+        while len(self.behind) > AHEAD or (self.behind and self.behind[0].done()):
+            self.behind.popleft().result()
+        self.behind.append(self.thread.submit(work))
+
+    def now(self, work: Callable[[], None]) -> None:
+        """Do work once all that was queued is done; return when it is done.
+
+        Where anything went wrong before, that is raised, and the work is not begun.
+        """
+        while self.behind:
+            self.behind.popleft().result()
+
+        def checked() -> None:
+            self.store.check()
+            work()
+
+        self.thread.submit(checked).result()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.thread.shutdown(cancel_futures=True)
+        self.store.release()
+
+
+def begin(target: str | Path, head: Callable[[], dict[str, Any]], **how: bool) -> Ledger:
+    """Create the store of a header, and lock it. Raises StoreError; see `root.new_store`."""
+    with contextlib.ExitStack() as held:
+        with root.new_store(target, **how) as scratch:
+            store = held.enter_context(Ledger.created(scratch, head()))
+        held.pop_all()
+    store.path = Path(target)
+    return store
+
+
+def begin_or_continue(
+    path: str | Path, head: Callable[[], dict[str, Any]], same: Iterable[str]
+) -> Ledger:
+    """Lock the store of a header, new or continued without the chunks that are damaged.
+
+    Raises StoreError if it differs in one of the attributes `same`, or has another writer.
+    """
+    path = files.own_folder(path)
+    if not path.exists():
+        store = begin(path, head)
+        with store.released_on_failure(), files.writing(path):
+            store.derive({})
+        return store
+    stored, wanted = root.root_of(path), json.loads(json.dumps(head()["attributes"]))
+    content, found = wanted["content"], stored.get("content", "run")
+    if content != found:
+        raise StoreError(f"`{path}` must be a {content} to be continued, but is a {found}.")
+    for key in same:
+        if stored.get(key) != wanted[key]:
+            raise StoreError(
+                f"`{path}` must have the same {key} to be continued, but "
+                f"{_difference(stored[key], wanted[key])}: name another store."
+            )
+    with files.writing(path):
+        files.refuse_links(path)
+        store = Ledger.opened(path)
+        with store.released_on_failure():
+            if unsound := store.unsound():
+                store.forget(unsound)
+    return store
+
+
+def _difference(old: Any, new: Any) -> str:
+    if not isinstance(new, dict):
+        return f"has {old}, and here is {new}"
+    texts = {
+        name: f"{name} {old.get(name)} (here {value})" if isinstance(value, str) else name
+        for name, value in new.items()
+    }
+    return f"differs in {', '.join(texts[name] for name in new if old.get(name) != new[name])}"

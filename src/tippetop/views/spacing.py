@@ -1,0 +1,62 @@
+"""Choice of the samples that a page keeps, so that the attitude between them stays accurate."""
+
+import numpy as np
+
+from ..exchange.motion import angle_between
+from ..mechanics import rotation
+from ..mechanics.operand import Vector
+from ..mechanics.rotation import Quaternion
+from .samples import OMEGA, ORIENTATION
+
+
+# Largest error of the attitude by leaving out a row; rows themselves add their own
+WITHIN = np.radians(0.1)
+# Samples that are kept if there are as many
+FEW = 20_000
+
+
+def attitude(
+    p: np.ndarray, wp: np.ndarray, q: np.ndarray, wq: np.ndarray, h: np.ndarray, s: np.ndarray
+) -> np.ndarray:
+    """Return attitudes (n, 4) at the fraction s of intervals of length h.
+
+    The ends are p and q (n, 4) with the angular velocities wp and wq (n, 3).
+    """
+    first, last = ((Quaternion(*a.T), Vector(*w.T)) for a, w in ((p, wp), (q, wq)))
+    return np.stack(rotation.between(*first, *last, h, s), axis=1)
+
+
+def chosen(times: np.ndarray, samples: np.ndarray, enough: int = FEW) -> np.ndarray:
+    """Return the indices of evenly spaced samples, and of the last one.
+
+    At least `enough`, and as many as the attitude of the others requires.
+    """
+    n = len(times)
+    step = max(1, n // enough)
+    while True:
+        keep = np.union1d(np.arange(0, n, step), n - 1)
+        if step == 1 or missed(times, samples, keep) <= WITHIN:
+            return keep
+        step = (step + 1) // 2
+
+
+def missed(times: np.ndarray, samples: np.ndarray, keep: np.ndarray) -> float:
+    """Return the largest error of the attitude of the samples that are not kept [rad]."""
+    left_out = np.setdiff1d(np.arange(len(times)), keep, assume_unique=True)
+    after = np.searchsorted(keep, left_out)
+    a, b = keep[after - 1], keep[after]
+    h = times[b] - times[a]
+    ends = [samples[i][:, part] for i in (a, b) for part in (ORIENTATION, OMEGA)]
+    between_ends = attitude(*ends, h, (times[left_out] - times[a]) / h)  # type: ignore[call-arg]
+    return float(angle_between(between_ends, samples[left_out][:, ORIENTATION]).max(initial=0.0))
+
+
+def row_error(times: np.ndarray, samples: np.ndarray) -> float:
+    """Estimate the error of the attitude between the rows themselves [rad].
+
+    It is an eighth of that of every second row if only the others were kept: the error of cubics
+    falls with the third power of the step or faster.
+    """
+    if len(times) < 5:
+        return 0.0
+    return missed(times, samples, np.union1d(np.arange(0, len(times), 2), len(times) - 1)) / 8
