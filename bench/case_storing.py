@@ -14,7 +14,7 @@ from typing import Any
 
 import zarr
 
-from tippetop.cli.memory import keep_memory
+from tippetop.cli.host import prepare
 from tippetop.problem import Problem
 from tippetop.runs import recording
 from tippetop.runs.integration import Integration
@@ -107,7 +107,7 @@ def zarr_alone(problem: Problem) -> dict[str, float]:
 
 def compare(quick: bool) -> dict[str, Any]:
     """Seconds of each run, bare, followed, and stored with keyframes, three columns or all."""
-    keep_memory()  # as `tippetop run` does
+    prepare()  # as `tippetop run` does
     found: dict[str, Any] = {"title": "Storing a run at 1 kHz", "runs": {}}
     for name, (preset, until) in RUNS.items():
         sets = ["run.output_step=0.001"] + (["friction.mu=0.0"] if preset == "inverting" else [])

@@ -28,7 +28,7 @@ from .mechanics.system import Quantity, System
 from .mechanics.systems.cylinder import Cylinder as Cylinder
 from .mechanics.systems.heavy_top import HeavyTop as HeavyTop
 from .mechanics.systems.tippe_top import TippeTop as TippeTop
-from .problem.one import Problem as Problem
+from .problem.problem import Problem as Problem
 from .runs.starting import load as load
 from .scenario.reading import presets as presets
 from .sweeps.sweep import sweep as sweep

@@ -3,7 +3,6 @@ half-written.
 """
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
@@ -119,52 +118,3 @@ def test_physics_that_stops_a_run_exits_with_3_and_keeps_the_store(
     sets = ["--set", "friction.mu=1e12", "--set", "initial.theta=0.0", "--set", "initial.nu_y=0.1"]
     assert "too stiff" in said(capsys, "run", "inverting", *sets, "--out", str(path), code=3)[1]
     assert json.loads(said(capsys, "info", str(path), "--json")[0])["status"] == "stalled"
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["run", "nowhere.toml"],
-        ["run", "inverting", "--set", "parameters.alpha=1"],
-        ["run", "inverting", "--until", "-1"],
-        ["run", "inverting", "--until", "soon"],
-        ["run"],
-        ["fly"],
-        ["check", "inverting", "--set", "friction.mu=-1"],
-        ["run", "inverting", "--figure", "x.txt"],
-    ],
-)
-def test_wrong_usage_exits_with_2_and_no_traceback(
-    arguments: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    err = said(capsys, *arguments, code=2)[1]
-    assert err.startswith("tippetop: ")
-    assert "Traceback" not in err
-
-
-def test_what_is_no_store_exits_with_5(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for arguments in (
-        ["info", str(tmp_path)],
-        ["plot", str(tmp_path / "none"), "--out", str(tmp_path / "a.png")],
-    ):
-        assert re.search(
-            "must be a store of tippetop|does not exist", said(capsys, *arguments, code=5)[1]
-        )
-
-
-def test_check_systems_and_presets_answer_in_json(capsys: pytest.CaptureFixture[str]) -> None:
-    assert json.loads(said(capsys, "check", "inverting", "--json")[0])["parameters"]["alpha"] == 0.3
-    assert "tippe-top" in json.loads(said(capsys, "systems", "--json")[0])
-    assert "inverting" in json.loads(said(capsys, "presets", "--json")[0])
-    for command in (["check", "inverting"], ["systems"], ["presets"]):
-        assert said(capsys, *command)[0]
-
-
-@pytest.mark.parametrize("kind", ["theta", "drift", "sphere"])
-def test_every_kind_of_figure_is_drawn(
-    store: Path, tmp_path: Path, kind: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    picture = tmp_path / "a.png"
-    said(capsys, "plot", str(store), kind, "--out", str(picture))
-    assert picture.read_bytes().startswith(b"\x89PNG")
-    assert [p.name for p in tmp_path.iterdir()] == ["a.png"]

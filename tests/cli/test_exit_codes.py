@@ -129,17 +129,6 @@ def test_a_bug_is_not_hidden(monkeypatch: Patch) -> None:
     assert codes == tuple(range(7))
 
 
-def test_what_was_interrupted_is_resumed_with_0(
-    code_of: Callable, monkeypatch: Patch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with monkeypatch.context() as patch:
-        asked(signal.SIGTERM)(patch)
-        assert code_of([*RUN, "--out", "STORE"], nothing) == 143
-    assert code_of(["resume", "STORE", "--json"], nothing) == 0
-    assert json.loads(capsys.readouterr().out)["status"] == "finished"
-    assert code_of(["resume", "STORE"], nothing) == 5, "a finished run has nothing to resume"
-
-
 def test_the_module_is_the_command() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "tippetop", "--version"], capture_output=True, text=True

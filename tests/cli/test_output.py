@@ -66,19 +66,6 @@ def test_messages_have_no_control_characters_of_a_file(
     assert r"`run.\x1b[2J`" in capsys.readouterr().err
 
 
-def test_info_pads_no_lines(store: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert outcome(["info", str(store)]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert lines == [line.rstrip() for line in lines]
-
-
-def test_check_prints_units_of_a_plan(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert outcome(["check", str(file)]) == 0
-    printed = " ".join(capsys.readouterr().out.split())  # lines break where the terminal ends
-    assert "m = 0.02 kg, R = 0.02 m" in printed
-    assert "events = turning" in printed
-
-
 def test_a_million_unknown_keys_are_counted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -31,12 +31,12 @@ def film(tmp_path: Path) -> Path:
         (
             ["--out", "film.csv", "--overwrite"],
             2,
-            "--out must be another file than the measurements",
+            "--out must end with .toml, but is",
         ),
-        (["--out", "./film.csv"], 2, "--out must be another file than the measurements"),
-        (["--out", "x.png", "--figure", "x.png"], 2, "--out must be another file than the figure"),
-        (["--out", "there.toml"], 5, "`there.toml` exists"),
-        (["--starts", "1.5"], 2, "--starts must be a whole number, but is `1.5`"),
+        (["--out", "./film.csv"], 2, "--out must end with .toml, but is"),
+        (["--out", "x.png", "--figure", "x.png"], 2, "--out must end with .toml, but is"),
+        (["--out", "there.toml"], 5, "`there.toml` must not exist yet"),
+        (["--starts", "1.5"], 2, "`--starts` must be a whole number, at least 1, but is 1.5"),
         (["--quaternion", "zyxw"], 2, "must be wxyz or xyzw, but is 'zyxw'"),
         (
             ["--quaternion", "wxyz"],

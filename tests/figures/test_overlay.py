@@ -171,9 +171,7 @@ def test_a_picture_that_is_there_stays(tmp_path: Path, capsys: pytest.CaptureFix
     ):
         option = "--out" if words[0] == "plot" else "--figure"
         assert outcome([*words, option, str(path)]) == 5
-        assert (
-            f"`{path}` exists: name another picture, or say --overwrite." in capsys.readouterr().err
-        )
+        assert f"`{path}` must not exist yet, but does: use --overwrite" in capsys.readouterr().err
     assert path.read_text() == "mine"
     with pytest.raises(Exception, match="must not exist"):
         save(figure(), path)

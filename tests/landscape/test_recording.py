@@ -143,9 +143,7 @@ def test_surface_command(tmp_path, capsys):
     assert outcome(["info", str(out), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["content"] == "surface"
     assert outcome(["surface", "inverting", *words]) == 5  # the picture is there
-    assert (
-        f"`{picture}` exists: name another picture, or say --overwrite." in capsys.readouterr().err
-    )
+    assert f"`{picture}` must not exist yet, but does: use --overwrite" in capsys.readouterr().err
     assert outcome(["surface", "inverting", *words[:-2]]) == 0
     assert "was finished: its chunks are checked" in "".join(capsys.readouterr())
 
@@ -204,8 +202,8 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
         (["surface", "inverting"], "give --out F.zarr, --figure F.png, or both"),
         (["surface", "inverting", "--D", "1:0:5", "--figure", "F.png"], "--D must be min:max:n"),
         (["surface", "inverting", "--D", "0:1", "--figure", "F.png"], "--D must be min:max:n"),
-        (["surface", "inverting", "--D", "0:nan:5", "--figure", "F.png"], "--D must be min:max:n"),
-        (["potential", "inverting", "--D", "nan", "--lambda", "0"], "--D must be finite"),
+        (["surface", "inverting", "--D", "0:nan:5", "--figure", "F.png"], "`--D` must be a number"),
+        (["potential", "inverting", "--D", "nan", "--lambda", "0"], "`--D` must be a number"),
         (
             ["potential", "inverting", "--D", "0", "--lambda", "0", "--n", "1"],
             "--n must be at least 2",

@@ -172,7 +172,7 @@ def test_whatever_fails_before_it_begins_leaves_the_finished_run(
 
 
 @pytest.mark.parametrize(
-    ("until", "sentence"), [("2", "later"), ("3", "later"), ("nan", "later"), ("-1", "later")]
+    ("until", "sentence"), [("2", "later"), ("3", "later"), ("nan", "a number"), ("-1", "later")]
 )
 def test_an_end_that_is_not_later_is_refused(
     until: str,

@@ -174,8 +174,7 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(
             ["--from", "1", "--until", "1.00000000000001", "--step", "1e-15"],
             "must be at least 1.78e-15 s",
         ),
-        (["--from", "nan", "--until", "2", "--step", "1"], "must be within"),
-        (["--from", "1", "--until", "2", "--step", "nan"], "must be greater than 0"),
+        (["--from", "nan", "--until", "2", "--step", "1"], "`--from` must be a number"),
     ],
 )
 def test_times_outside_the_run_are_refused_in_a_sentence(
@@ -275,7 +274,7 @@ def test_keyframes_need_a_store_and_a_picture_rows(
         "1",
     ]
     assert outcome([*words, "--figure", str(tmp_path / "a.png")]) == 2
-    assert "must keep rows" in capsys.readouterr().err
+    assert "requires rows" in capsys.readouterr().err
     assert outcome(["plot", str(kept), "theta", "--out", str(tmp_path / "a.png")]) == 2
     assert "has none: replay a part" in capsys.readouterr().err
     assert outcome(words) == 0

@@ -61,7 +61,7 @@ def sentences(base: dict[str, Any], changes: dict[str, Any]) -> list[str]:
         ({"stem": {"r": 0.004, "h": 1e300}}, ["`stem.h` must be less than 1e+06 parameters.R"]),
         (
             {"friction.eps": 0.01, "contact": None, "run.on_liftoff": "stop"},
-            ["`initial.gap` must stand with"],
+            ["`initial.gap` requires a contact that may open"],
         ),
         ({"initial.gap": 1e300}, ["`initial.gap` must be at most 1e+06 times the body"]),
         (

@@ -52,11 +52,6 @@ def test_a_doubt_is_a_warning_and_changes_no_exit_code(sets: list[str], word: st
     assert word in said.err
 
 
-def test_check_takes_another_end(capsys: pytest.CaptureFixture[str]) -> None:
-    assert outcome(["check", "rolling", "--until", "1 min", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["run"]["until"] == 60.0
-
-
 def test_check_of_a_plan_takes_no_end(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert outcome(["check", str(file), "--until", "1"]) == 2
     assert "`--until` cannot be used with a plan" in capsys.readouterr().err

@@ -6,6 +6,7 @@ import copy
 import json
 import math
 import string
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -162,3 +163,10 @@ def test_a_scenario_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text(presets()["inverting"], encoding="utf-8-sig")
     assert tt.load(path).initial == tt.load("inverting").initial
+
+
+def test_a_preset_is_read_anew_each_time() -> None:
+    tables = read("inverting")
+    tables["parameters"]["m"] = tables["initial"]["theta"] = 1.0
+    tables["run"].clear()
+    assert read("inverting") == tomllib.loads(presets()["inverting"])

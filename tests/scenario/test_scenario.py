@@ -126,27 +126,6 @@ def test_another_end_cuts_output_times(until: float, times: list[float], tmp_pat
     assert tables["run"] == {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
 
 
-def test_an_end_alone_does_not_cut_output_times() -> None:
-    """`--set run.until` says one thing and `output_times` another: that is the user's to solve."""
-    tables = tomllib.loads(reading.presets()["inverting"])
-    tables["run"] = {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
-    with pytest.raises(InputError, match=r"`run.output_times` must not exceed"):
-        build.problem(reading.override(tables, ["run.until=1"]))
-
-
-def test_another_end_keeps_the_step_of_the_grid() -> None:
-    tables = build.ending(reading.read("inverting"), 0.25)
-    grid = build.problem(tables).times[:]
-    assert grid[-1] == 0.25
-    np.testing.assert_allclose(np.diff(grid), tables["run"]["output_step"], rtol=1e-9)
-
-
-def test_every_preset_loads_and_cites_its_source() -> None:
-    for name, text in reading.presets().items():
-        assert text.startswith("#"), name
-        assert build.load(name).until > 0
-
-
 def test_centre_at_rest_means_no_velocity_of_the_centre() -> None:
     problem = build.load("inverting", ["initial.centre_at_rest=true"])
     names = problem.variables.names

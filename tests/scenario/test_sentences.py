@@ -32,10 +32,10 @@ class Model(BaseModel):
 
 
 CASES = [
-    ({"above": 0.0}, "`above` must be greater than 0.0, but is 0.0."),
+    ({"above": 0.0}, "`above` must be greater than 0, but is 0.0."),
     ({"least": -1.0}, "`least` must be at least 0.0, but is -1.0."),
-    ({"below": 1.0}, "`below` must be less than 1.0, but is 1.0."),
-    ({"most": 2.0}, "`most` must be at most 1.0, but is 2.0."),
+    ({"below": 1.0}, "`below` must be less than 1, but is 1.0."),
+    ({"most": 2.0}, "`most` must be less than or equal to 1, but is 2.0."),
     ({"finite": float("inf")}, "`finite` must be a finite number, but is inf."),
     ({"number": "1"}, "`number` must be a number, but is '1'."),
     ({"whole": 1.5}, "`whole` must be a whole number, but is 1.5."),

@@ -195,7 +195,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
 @pytest.mark.parametrize(
     ("document", "words"),
     [
-        ({"axis": []}, ["`axis` must have at least 1 items"]),
+        ({"axis": []}, ["`axis` must have at least 1 item"]),
         ({}, ["`axis` must be given"]),
         (
             {"axis": [OMEGA], "kep": []},
@@ -203,7 +203,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
         ),
         (
             {"axis": [{"of": "friction.mu", "values": []}]},
-            ["`axis.1.values` must have at least 1 items"],
+            ["`axis.1.values` must have at least 1 item"],
         ),
         (
             {"axis": [{"of": "friction.mu", "values": ["a"]}]},

@@ -25,7 +25,7 @@ def test_the_playground_of_the_docs_is_the_one_of_the_formulas() -> None:
 
 def test_one_thing_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     assert outcome(["view", "--out", str(tmp_path / "x.html")]) == 2
-    assert "give a store, or --playground" in capsys.readouterr().err
+    assert "pass a store or `--playground`" in capsys.readouterr().err
     assert outcome(["view", "--playground", "--out", str(tmp_path / "x.html")]) == 0
     assert (tmp_path / "x.html").read_text(encoding="utf-8") == playground()
 

@@ -54,7 +54,7 @@ def test_a_run_in_memory_and_its_store_have_the_same_page(store: Path) -> None:
             2,
             "must have rows between",
         ),
-        (["new.html", "--from", "nan"], 2, "must have rows between"),
+        (["new.html", "--from", "nan"], 2, "`--from` must be a number"),
         (["new.pdf"], 2, "--out must end with .html"),
     ],
 )
@@ -88,7 +88,7 @@ def test_a_part_of_what_has_no_time_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     assert outcome(["view", "--playground", "--until", "3", "--out", str(tmp_path / "P.html")]) == 2
-    assert "--from and --until are for runs" in capsys.readouterr().err
+    assert "`--from` and `--until` cannot be used with `--playground`" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 

@@ -1,6 +1,6 @@
 """The command line: arguments become calls, errors become sentences and an exit code.
 
-Imports wait until something needs them: `tippetop --help` takes no longer than to start Python.
+Modules are imported when they are needed, so that `tippetop --help` starts as fast as Python.
 """
 
 from __future__ import annotations
@@ -16,20 +16,15 @@ from typing import Any, NoReturn
 
 from .. import awaiting
 from . import overview, streams
+from .streams import complain
 
 
 DONE, BUG, USAGE, PHYSICS, ACCURACY, STORE, CHUNKS, INTERRUPTED, TERMINATED = (
-    0,
-    1,
-    2,
-    3,
-    4,
-    5,
-    6,
+    *range(7),
     130,
     143,
 )
-THE_DISKS = {  # errors of the system that are no bug of ours, wherever they come from
+DISK_ERRORS = {  # of the operating system, wherever they come from: the program has no bug
     *(errno.ENAMETOOLONG, errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EIO),
     *(errno.EACCES, errno.EPERM, errno.ELOOP, errno.EMFILE, errno.ENFILE, errno.ENOTDIR),
 }
@@ -39,23 +34,21 @@ _received: list[int] = []  # exit codes of the signals that came
 
 def _interrupt(*_: Any) -> NoReturn:
     if _received:
-        os._exit(_received[0])  # somebody is in a hurry: what was acknowledged is on the disk
+        os._exit(_received[0])  # a second signal: exit now; acknowledged data are on the disk
     _received.append(INTERRUPTED)
     raise KeyboardInterrupt
 
 
 def _terminate(*_: Any) -> NoReturn:
     _received.append(TERMINATED)
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # once is enough: what is open is being closed
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # open files are being closed
     raise SystemExit(TERMINATED)
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Runs the command line and exits with one of `reference.EXIT_CODES`."""
-    streams.ready()
-    gc.set_threshold(
-        100_000
-    )  # to look a hundred times through what is imported takes a tenth of a start
+    """Run the command line and exit with one of `reference.EXIT_CODES`."""
+    streams.prepare()
+    gc.set_threshold(100_000)  # a hundred collections while modules load take a tenth of a start
     signal.signal(signal.SIGTERM, _terminate)
     warnings.showwarning = _warn  # type: ignore[assignment]
     signal.signal(signal.SIGINT, _interrupt)
@@ -64,31 +57,26 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     except Exception:
         if not _received:
             raise
-        code = complain(
-            ["interrupted while it was loaded."], _received[0]
-        )  # an import makes an ImportError of it
+        # an import turned the signal into an ImportError
+        code = complain(["interrupted while it was loaded."], _received[0])
     except SystemExit as stopped:
         if stopped.code == TERMINATED and _received:
-            complain(["terminated; what was written to disk stays."], TERMINATED)
+            complain(["terminated; data on the disk are kept."], TERMINATED)
         code = stopped.code if isinstance(stopped.code, int) else BUG
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # only what is printed is left
-    code = streams.finished(code)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the output is left to be written
+    code = streams.flush(code)
     if awaiting.abandoned():
-        os._exit(
-            code
-        )  # a compilation still runs in its thread, and the interpreter would wait for it
+        os._exit(code)  # the interpreter would wait for the thread of a compilation
     sys.exit(code)
 
 
 def _warn(message: Warning | str, *_: Any) -> None:
-    """A warning of a library as one line of ours on stderr, without the place in the library's
-    source.
-    """
+    """Print a warning of a library in one line, without its place in the source."""
     streams.report(f"warning: {' '.join(str(message).split())}")
 
 
 def outcome(arguments: Sequence[str] | None = None) -> int:
-    """What `main` exits with."""
+    """Return the exit code of `main`."""
     words = sys.argv[1:] if arguments is None else [*arguments]
     try:
         if (answer := overview.answer(words)) is not None:
@@ -99,19 +87,17 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
         return called(words)
     except KeyboardInterrupt:
         return complain(["interrupted; nothing more was stored."], INTERRUPTED)
-    except BrokenPipeError:  # the reader of our output went away
+    except BrokenPipeError:  # the reader of the output is gone
         return DONE
     except Exception as error:
-        known = _known_errors(error)
-        if known is None:
+        code = _code_of(error)
+        if code is None:
             raise
-        return known
+        return code
 
 
-def _known_errors(error: Exception) -> int | None:
-    """Exit code of an error that is the user's or the machine's, after printing it;
-    None for a bug.
-    """
+def _code_of(error: Exception) -> int | None:
+    """Print an error of the user or the machine and return its exit code; None for a bug."""
     from ..errors import BuildError, InputError, StoreError, missing_extra
 
     if isinstance(error, ImportError) and (sentence := missing_extra(error)):
@@ -122,14 +108,7 @@ def _known_errors(error: Exception) -> int | None:
         return complain(error.sentences, USAGE)
     if isinstance(error, StoreError):
         return complain([str(error)], STORE)
-    if isinstance(error, OSError) and error.errno in THE_DISKS:
-        place = f"`{error.filename}`" if error.filename else "the disk"
-        return complain([f"{place} must be usable, but: {error.strerror}."], STORE)
+    if isinstance(error, OSError) and error.errno in DISK_ERRORS:
+        place = f"`{error.filename}`" if error.filename else "standard output"
+        return complain([f"{place} must be writable, but: {error.strerror}."], STORE)
     return None
-
-
-def complain(sentences: list[str], code: int) -> int:
-    """Prints sentences on stderr and gives the exit code back."""
-    for sentence in sentences:
-        streams.report(sentence)
-    return code

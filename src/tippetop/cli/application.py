@@ -1,6 +1,4 @@
-"""The words of the command line become a call: cyclopts, with the commands that the
-words can mean.
-"""
+"""A call of a command from the words of the command line, by cyclopts."""
 
 from __future__ import annotations
 
@@ -9,28 +7,29 @@ from importlib import import_module
 
 from cyclopts import App, CycloptsError, Parameter
 
-from ..errors import InputError
+from ..errors import InputError, suggestion
 from . import host, overview, usage
 
 
-HELP = {"--help", "-h", "--version"}
-
-
 def called(words: Sequence[str]) -> int:
-    """Calls the command that the words name.
-
-    Raises InputError for words that mean nothing, and what it raises.
-    """
-    named = words[0] if words else ""
-    app = app_of([named]) if named in overview.COMMANDS else app_of(overview.COMMANDS)
-    if HELP & set(words):
+    """Call the command named by the first word and return its exit code."""
+    name = words[0]
+    if name not in overview.COMMANDS:
+        raise InputError(
+            f"unknown command `{name}`.{suggestion(name, overview.COMMANDS)} The commands are "
+            f"{', '.join(overview.COMMANDS)}."
+        )
+    app = app_of([name])
+    if {"--help", "-h"} & {*words}:
         from .console import Console
 
         app.console = Console()
+    elif name not in overview.WITHOUT_ENGINE:
+        host.prepare()
     try:
         return app(words, exit_on_error=False, print_error=False) or 0
     except CycloptsError as error:
-        raise InputError(usage.sentence(error, list(overview.COMMANDS))) from None
+        raise InputError(usage.sentences(error)) from None
 
 
 def app_of(names: Iterable[str]) -> App:
@@ -38,24 +37,20 @@ def app_of(names: Iterable[str]) -> App:
     app = App(
         name="tippetop",
         help="\n\n".join(overview.PURPOSE),
-        version_flags=["--version"],
         version=overview.version,
         help_format="plaintext",
         result_action="return_value",
         default_parameter=Parameter(negative=(), name_transform=_option),
-        suppress_keyboard_interrupt=False,  # `cli.outcome` says how the run ended
+        suppress_keyboard_interrupt=False,  # `cli.outcome` reports how the run ended
     )
     for name in names:
-        function = command(name)
-        app.command(
-            function if name in overview.WITHOUT_ENGINE else host.prepared(function), name=name
-        )
+        app.command(command(name), name=name)
     return app
 
 
 def command(name: str) -> Callable[..., int]:
     """Return the function of a command."""
-    return getattr(import_module(f".{overview.MODULES[name]}", __package__), name)
+    return getattr(import_module(f".{overview.COMMANDS[name]}", __package__), name)
 
 
 def _option(name: str) -> str:

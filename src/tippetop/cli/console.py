@@ -1,13 +1,18 @@
-"""rich's console, for those commands that draw tables."""
+"""rich's console, for commands that print tables of several columns."""
 
 from typing import NoReturn
 
 from rich.console import Console as RichConsole
 
+from .text import width
+
 
 class Console(RichConsole):
-    """A console that leaves a reader who went away to `cli.outcome`."""
+    """A console that lets `cli.outcome` handle a reader that is gone."""
+
+    def __init__(self) -> None:
+        super().__init__(highlight=False, markup=False, width=width())
 
     def on_broken_pipe(self) -> NoReturn:
-        """Called in an except block: raises the BrokenPipeError again."""
+        """Raise the BrokenPipeError again: rich calls this in an except block."""
         raise

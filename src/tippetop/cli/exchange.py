@@ -1,4 +1,4 @@
-"""`tippetop compare, fit`: what others measured or computed, beside the exact motion."""
+"""`tippetop compare, fit`: measurements and motions of other programs, and the exact motion."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .numbers import Whole
+from ..errors import InputError, StoreError
 from .streams import print_json, visible
+from .values import Place, Whole
 
 
 def compare(
@@ -17,7 +18,7 @@ def compare(
     set_: list[str] | None = None,
     quaternion: str | None = None,
     up: str = "z",
-    figure: Path | None = None,
+    figure: Place | None = None,
     overwrite: bool = False,
     as_json: bool = False,
 ) -> int:
@@ -31,15 +32,15 @@ def compare(
         CSV or Parquet files of the other program, then the reference: a scenario, a preset, or the
         store of a run. Headers name columns and units: t [s], theta [deg], axis_x, axis_y, axis_z,
         q_w, q_x, q_y, q_z (body to space), x [m], vx [m/s], omega_x [rad/s] (space frame),
-        omega_body_x [rad/s]. A name such as dt=1e-3.csv says the time step: of several steps the
-        order of convergence is given.
+        omega_body_x [rad/s]. A name such as dt=1e-3.csv contains the time step: of several steps
+        the order of convergence is printed.
     set_
         Change a value of the reference: table.key=value. May be repeated.
     quaternion
         The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
     up
-        The letter of the vertical in the other's frames, and of the body's axis of symmetry: z or
-        y. With y their z, x, y are our x, y, z.
+        The letter of the vertical in its frames, and of the body's axis of symmetry: z or
+        y. With y their z, x, y are x, y, z here.
     figure
         Draw both motions, the differences and the drifts to this PNG, SVG or PDF.
     overwrite
@@ -47,7 +48,6 @@ def compare(
     as_json
         Print the result as one JSON object.
     """
-    from ..errors import InputError
     from ..exchange.motion import Convention
     from ..exchange.verdict import Verdict
     from ..runs.starting import load_any
@@ -83,13 +83,14 @@ def fit(
     quaternion: str | None = None,
     up: str = "z",
     noise: str | None = None,
-    figure: Path | None = None,
-    out: Path | None = None,
+    figure: Place | None = None,
+    out: Place | None = None,
     overwrite: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Fit numbers of a scenario to a measured motion: tippetop fit DATA SCENARIO --free
-    friction.mu,initial.omega3.
+    """Fit numbers of a scenario to a measured motion, by least squares.
+
+    Usage: tippetop fit DATA SCENARIO --free friction.mu,initial.omega3.
 
     Parameters
     ----------
@@ -97,12 +98,12 @@ def fit(
         CSV or Parquet. The header names columns and units: t [s], theta [deg], axis_x, axis_y,
         axis_z, q_w ... q_z, omega3 [rpm], x [mm], marker_x [mm] ... Empty cells are gaps.
     scenario
-        TOML file, preset, or the store of a run: what is not free is as it stands there, the rest
-        is a first guess.
+        TOML file, preset, or the store of a run: its numbers are kept, or are the first guess of
+        those that are free.
     free
-        What is fitted: dotted names with commas, time.offset [s] and time.scale of the table's
-        clock among them: the motion's time is scale t + offset, so that a clock that was started
-        before the motion has a negative offset.
+        The numbers that are fitted: dotted names separated by commas, time.offset [s] and
+        time.scale of the table's clock among them: the motion's time is scale t + offset, so that
+        a clock that was started before the motion has a negative offset.
     set_
         Change a value: table.key=value. May be repeated.
     loss
@@ -117,22 +118,21 @@ def fit(
         The order of columns q_0, q_1, q_2, q_3: wxyz or xyzw.
     up
         The letter of the vertical, and of the body's axis of symmetry: z or y. With y their z, x, y
-        are our x, y, z.
+        are x, y, z here.
     noise
         Standard deviation of measured angles and directions, such as "1.5 deg": theta may lie
         beyond 0 and 180 degrees by five of these, and larger residuals are reported.
     figure
-        Draw data, fit and residuals to this PNG, SVG or PDF; must not exist yet (or say
+        Draw data, fit and residuals to this PNG, SVG or PDF; must not exist yet (or use
         --overwrite).
     out
-        Write the scenario with the fitted numbers to this TOML file; must not exist yet (or say
+        Write the scenario with the fitted numbers to this TOML file; must not exist yet (or use
         --overwrite).
     overwrite
         Replace files that exist.
     as_json
         Print the result as one JSON object.
     """
-    from ..arguments import whole
     from ..exchange import fit_text, measured
     from ..exchange.fitting import names_of
     from ..exchange.motion import Convention
@@ -141,14 +141,16 @@ def fit(
     from .plot import check_picture
 
     check_picture(figure, "--figure", overwrite)
-    if out is not None:
-        _check_out(out, overwrite, {"the measurements": data, "the figure": figure})
+    if out and out.suffix != ".toml":
+        raise InputError(f"--out must end with .toml, but is `{out}`.")
+    if out and not overwrite and os.path.lexists(out):  # now rather than after the fit
+        raise StoreError(f"`{out}` must not exist yet, but does: use --overwrite to replace it.")
     problem = load_any(scenario, set_)
     place = fit_text.marker_of(marker)
     observation = measured.observation_of(
         problem, data, names_of(free), Convention(quaternion, up), place, noise
     )
-    result = measured.fitted(observation, loss, whole("--starts", starts), progress=True)
+    result = measured.fitted(observation, loss, starts, progress=True)
     text = fit_text.lines(result, observation)
     if out is not None:
         files.write_text(out, fit_text.toml(problem, result), overwrite=overwrite)
@@ -156,39 +158,10 @@ def fit(
         from ..figures import drawing
         from ..figures.fit import fit as draw_fit
 
-        picture = draw_fit(
-            result.t,
-            observation.dots(),
-            measured.curves(observation, result),
-            result.residuals,
-            text,
-        )
+        curves = measured.curves(observation, result)
+        picture = draw_fit(result.t, observation.dots(), curves, result.residuals, text)
         drawing.write(picture, figure, overwrite=overwrite)
     if as_json:
         return print_json(fit_text.plain(result))
     print(visible("\n".join(text)))
-    return 0
-
-
-def _check_out(out: Path, overwrite: bool, others: dict[str, str | Path | None]) -> None:
-    """Raises InputError or StoreError now rather than after the fit: what is written must be a file
-    of its own.
-    """
-    from ..errors import InputError, StoreError
-
-    for what, other in others.items():
-        if other is not None and os.path.realpath(out) == os.path.realpath(other):
-            raise InputError(f"--out must be another file than {what}, but is `{out}`.")
-    if not overwrite and os.path.lexists(out):
-        raise StoreError(f"`{out}` exists: name another file, or say --overwrite.")
-
-
-def describe(source: str, to: str, out: Path, *, overwrite: bool = False) -> int:
-    """Writes the body of a scenario, its start and friction for a simulator."""
-    from ..exchange.simulators import text_of
-    from ..runs.starting import load_any
-    from ..store import files
-
-    files.write_text(out, text_of(load_any(source), to), overwrite=overwrite)
-    print(f"file  {out}")
     return 0

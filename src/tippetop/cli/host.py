@@ -1,73 +1,48 @@
-"""What the command line does to its own process, and a library may not: memory, log levels, signal
-handlers.
-"""
+"""Changes to the process that a command line may make, and a library may not."""
 
 from __future__ import annotations
 
 import contextlib
-import functools
+import ctypes
 import logging
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
-from typing import Any
-
-from .memory import keep_memory
+from collections.abc import Iterator
 
 
-def prepared(command: Callable[..., int]) -> Callable[..., int]:
-    """The command, with the process made ready first for what computes: memory is kept, and
-    libraries do not speak between our lines (heyoka warns on standard output, dask on stderr; what
-    goes wrong there is reported here).
-    """
-
-    @functools.wraps(command)
-    def ready(*arguments: Any, **options: Any) -> int:
-        os.environ.setdefault(
-            "PYDANTIC_DISABLE_PLUGINS", "__all__"
-        )  # to look for them reads all that is installed
-        os.environ.setdefault(
-            "PYTHONWARNINGS", "ignore:resource_tracker"
-        )  # of a process that tidies up after workers
-        from ..engine import taylor
-
-        keep_memory()
-        taylor.silence()
-        logging.disable(logging.ERROR)
-        return command(*arguments, **options)
-
-    return ready
+# M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of <malloc.h>. Each slice of a run allocates and frees
+# about 20 MB: a fifth of the run's time where the system has to provide them again, page by page.
+ALLOCATOR = {-1: 1 << 30, -3: 32 << 20}
 
 
-class Stop:
-    """A request to stop: `event` is set by SIGINT or SIGTERM, whose number is then in `signal`."""
+def prepare() -> None:
+    """Keep freed memory and silence other libraries: heyoka warns on standard output."""
+    # pydantic reads all installed packages to find plugins
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    # of a process that tidies up after workers
+    os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
+    from ..engine import taylor
 
-    def __init__(self) -> None:
-        self.event = threading.Event()
-        self.signal = 0
-
-    def ask(self, number: int, _: object) -> None:
-        """The signal handler."""
-        self.signal = number
-        self.event.set()
+    with contextlib.suppress(AttributeError, OSError):  # a C library other than glibc
+        for option, size in ALLOCATOR.items():
+            ctypes.CDLL(None).mallopt(option, size)
+    taylor.silence()
+    logging.disable(logging.ERROR)
 
 
 @contextlib.contextmanager
-def stopping() -> Iterator[Stop]:
-    """A block in which SIGINT and SIGTERM ask to stop; handlers are put back after it.
+def stopping() -> Iterator[tuple[threading.Event, list[int]]]:
+    """Provide an event that SIGINT and SIGTERM set in this block, and the numbers that came."""
+    event, numbers = threading.Event(), list[int]()
 
-    Only the main thread may set handlers: in any other the block just runs.
-    """
-    stop = Stop()
-    main = threading.current_thread() is threading.main_thread()
-    handlers = (
-        {number: signal.signal(number, stop.ask) for number in (signal.SIGINT, signal.SIGTERM)}
-        if main
-        else {}
-    )
+    def ask(number: int, _: object) -> None:
+        numbers.append(number)
+        event.set()
+
+    handlers = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield stop
+        yield event, numbers
     finally:
         for number, handler in handlers.items():
             signal.signal(number, handler)

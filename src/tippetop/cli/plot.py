@@ -1,6 +1,4 @@
-"""`tippetop plot`: figures of runs, sweeps, surfaces and potentials, and of a scenario its diagram
-of states.
-"""
+"""`tippetop plot`: figures of runs, sweeps, surfaces and potentials."""
 
 from __future__ import annotations
 
@@ -10,15 +8,16 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..figures import catalogue, drawing
+from ..errors import InputError, StoreError, refuse_without
+from ..figures import catalogue
 from ..figures.catalogue import Look
-from .numbers import Seconds
+from .values import Place, Seconds
 
 
 def plot(
-    store: Path,
+    store: Place,
     *words: Annotated[str, Parameter(help=catalogue.described())],
-    out: Path,
+    out: Place,
     from_: Seconds | None = None,
     until: Seconds | None = None,
     title: str | None = None,
@@ -27,15 +26,14 @@ def plot(
     dark: bool = False,
     overwrite: bool = False,
 ) -> int:
-    """Draw a store to a PNG, SVG or PDF file; several runs in one panel; of a scenario its diagram
-    of states.
+    """Draw a store to a PNG, SVG or PDF file; several runs in one panel; the states of a scenario.
 
     Parameters
     ----------
     store
         A store that `run`, `sweep`, `surface` or `potential` wrote; for `states` also a scenario.
     out
-        The picture to write: a name that ends with .png, .svg or .pdf; must not exist yet (or say
+        The picture to write: a name that ends with .png, .svg or .pdf; must not exist yet (or use
         --overwrite).
     from_
         Draw a run from this time on [s].
@@ -54,11 +52,16 @@ def plot(
         Replace an existing picture.
     """
     from ..awaiting import awaited
+    from ..figures import drawing
 
     check_picture(out, "--out", overwrite)
     look = Look(title, _size(size), dpi, dark)
     catalogue.check_look(look)
-    stores, kind = _parted([str(store), *words])
+    names, kind = [str(store), *words], None
+    last = names[-1]
+    if words and not last.rstrip("/").endswith(".zarr") and not os.path.lexists(last):
+        kind = names.pop()
+    stores = [Path(name) for name in names]
     figure = awaited(
         lambda: _drawn(stores, kind, (from_, until), look),
         "the figure is being made (its formulas are compiled first)",
@@ -67,44 +70,36 @@ def plot(
     return 0
 
 
-def _parted(words: list[str]) -> tuple[list[Path], str | None]:
-    """The stores, and the kind of figure, which is the last word if that is no store."""
-    last = words[-1]
-    named = len(words) > 1 and not last.rstrip("/").endswith(".zarr") and not os.path.lexists(last)
-    return [Path(word) for word in (words[:-1] if named else words)], last if named else None
-
-
 def _drawn(
     stores: list[Path], kind: str | None, window: tuple[float | None, float | None], look: Look
 ) -> Any:
-    """The figure of some stores, or of a scenario."""
-    from ..errors import InputError
+    """Return the figure of some stores, or of a scenario."""
+    from ..figures import drawing
     from ..figures.window import in_window
     from ..runs import keyframes
     from ..scenario import build
     from ..store import chunks, root
 
-    if len(stores) == 1 and kind == "states" and not stores[0].is_dir():
-        return _states(str(stores[0]), look)
+    first, *others = stores
+    if not others and kind == "states" and not first.is_dir():
+        return _states(str(first), look)
     attributes = [root.attributes(store) for store in stores]
-    contents = [attrs.get("content", "run") for attrs in attributes]
-    if len(stores) > 1 and set(contents) != {"run"}:
-        other = next(
-            store for store, content in zip(stores, contents, strict=True) if content != "run"
-        )
-        raise InputError(
-            f"several stores are drawn together if all are runs, but `{other}` is not."
-        )
-    if contents[0] != "run" and window != (None, None):
-        raise InputError(f"--from and --until are for runs, but `{stores[0]}` is a {contents[0]}.")
-    if contents[0] == "sweep":
+    content = attributes[0].get("content", "run")
+    for store, attrs in zip(stores, attributes, strict=True):
+        if others and "content" in attrs:
+            raise InputError(
+                f"several stores are drawn together if all are runs, but `{store}` is not."
+            )
+    if content != "run" and window != (None, None):
+        raise InputError(f"`--from` and `--until` require a run, but `{first}` is a {content}.")
+    if content == "sweep":
         catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
-        return drawing.figure_of_sweep(kind or "class", stores[0], look)
-    if contents[0] != "run":
+        return drawing.figure_of_sweep(kind or "class", first, look)
+    if content != "run":
         from .landscape import picture
 
-        catalogue.check_kind(kind or contents[0], [contents[0]])
-        return picture(stores[0], attributes[0], look)
+        catalogue.check_kind(kind or content, [content])
+        return picture(first, attributes[0], look)
     kind = kind or "theta"
     catalogue.check_kind(kind)
     parts = []
@@ -113,15 +108,16 @@ def _drawn(
         if kind == "growth" and root.has_keyframes(attrs):
             groups["trajectory"] = keyframes.rows(store, build.stored(attrs))
         parts.append(in_window(groups, attrs, *window))
-    if len(stores) > 1:
-        names = [store.name.removesuffix(".zarr") for store in stores]
-        runs = [(groups["trajectory"], attrs) for groups, attrs in parts]
-        return drawing.several(kind, runs, names, look).get_figure(root=True)
-    return drawing.figure_of(kind, *parts[0], look)
+    if not others:
+        return drawing.figure_of(kind, *parts[0], look)
+    names = [store.name.removesuffix(".zarr") for store in stores]
+    runs = [(groups["trajectory"], attrs) for groups, attrs in parts]
+    return drawing.several(kind, runs, names, look).get_figure(root=True)
 
 
 def _states(scenario: str, look: Look) -> Any:
-    """The diagram of states of the body of a scenario, with lambda of its start."""
+    """Return the diagram of states of the body of a scenario, with lambda of its start."""
+    from ..figures import drawing
     from ..landscape import along_run
     from ..runs import forecast
     from ..scenario import build
@@ -134,9 +130,7 @@ def _states(scenario: str, look: Look) -> Any:
 
 
 def _size(text: str | None) -> tuple[float, float] | None:
-    """Width and height [inches] from WxH. Raises InputError."""
-    from ..errors import InputError
-
+    """Return width and height [inches] of WxH. Raises InputError."""
     if text is None:
         return None
     try:
@@ -150,11 +144,8 @@ def _size(text: str | None) -> tuple[float, float] | None:
 
 def check_picture(path: Path | None, option: str, overwrite: bool = False) -> None:
     """Refuse a picture before the run rather than after it; `option` gives its file."""
-    from ..errors import InputError, StoreError, refuse_without
-
     if path is None:
         return
-
     refuse_without("matplotlib")
     if path.suffix.lower() not in catalogue.ENDINGS:
         raise InputError(f"{option} must end with .png, .svg or .pdf, but is `{path}`.")
@@ -163,4 +154,4 @@ def check_picture(path: Path | None, option: str, overwrite: bool = False) -> No
     if not os.access(path.parent, os.W_OK):
         raise StoreError(f"`{path}` cannot be written: its folder is read-only.")
     if not overwrite and os.path.lexists(path):
-        raise StoreError(f"`{path}` exists: name another picture, or say --overwrite.")
+        raise StoreError(f"`{path}` must not exist yet, but does: use --overwrite to replace it.")

@@ -1,23 +1,20 @@
-"""`tippetop reconstruct`: theta(t) of a stored run again, from its D(t) and E~(t) alone."""
+"""`tippetop reconstruct`: theta(t) of a stored run by the main equation."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from .numbers import Seconds
 from .streams import print_json
+from .values import Place, Seconds
 
 
 def reconstruct(
-    store: Path,
+    store: Place,
     *,
     period: Seconds | None = None,
-    out: Path | None = None,
+    out: Place | None = None,
     overwrite: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Solve the main equation for theta(t) by a run's D(t) and E~(t), or L_z(t) and E~(t), and
-    compare it with the run.
+    """Solve the main equation for theta(t) by D(t) or L_z(t) and E~(t) of a run; compare with it.
 
     Parameters
     ----------
@@ -41,27 +38,27 @@ def reconstruct(
     from ..landscape.reconstruction import reconstruction
     from ..scenario import build
     from ..store import files, root
+    from . import text
 
     attrs = root.attributes(store)
     if "content" in attrs:
-        raise InputError(
-            f"what is reconstructed must be a run, but `{store}` is a {attrs['content']}."
-        )
-    if period is not None and not 0 < period < float("inf"):
+        raise InputError(f"a run is reconstructed, but `{store}` is a {attrs['content']}.")
+    if period is not None and period <= 0:
         raise InputError(f"--period must be positive and finite, but is {period}.")
-    rows = root.loaded(root.open_group(store, "trajectory"), store)
-    events = root.loaded(root.open_group(store, "events"), store)
+    rows, events = (
+        root.loaded(root.open_group(store, name), store) for name in ("trajectory", "events")
+    )
     result = awaited(
         lambda: reconstruction(build.stored(attrs), lambda: rows, lambda: events, period),
         "solving the main equation, from one turning to the next",
     )
     difference = np.abs(result["theta"].values - rows["theta"].values)
-    whole = np.isfinite(difference)
+    found = difference[np.isfinite(difference)]
     report = {
         "turnings": int(result.sizes["turning"]),
-        "rows": int(whole.sum()),
+        "rows": found.size,
         "rows_of_run": int(rows.sizes["time"]),
-        "difference": float(difference[whole].max()) if whole.any() else None,
+        "difference": float(found.max()) if found.size else None,
         "mismatch": float(result.attrs["mismatch"]),
     }
     if out is not None:
@@ -71,11 +68,11 @@ def reconstruct(
             np.savetxt(scratch, table, "%.17g", ",", header=header, comments="")
     if as_json:
         return print_json(report)
-    print(f"turnings     {report['turnings']}")
-    print(f"rows         {report['rows']} of {report['rows_of_run']}")
-    if whole.any():
-        print(f"difference   {report['difference']:.2g} rad at most from theta of the run")
-    print(f"mismatch     {report['mismatch']:.2g} of cos(theta) where pieces meet")
-    if out is not None:
-        print(f"file         {out}")
+    lines = [
+        ("turnings", f"{report['turnings']}"),
+        ("rows", f"{found.size} of {report['rows_of_run']}"),
+        ("difference", f"{report['difference'] or 0:.2g} rad at most from theta of the run"),
+        ("mismatch", f"{report['mismatch']:.2g} of cos(theta) where pieces meet"),
+    ]
+    text.table(lines if out is None else [*lines, ("file", str(out))])
     return 0

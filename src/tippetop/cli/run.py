@@ -8,17 +8,18 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-from .numbers import Seconds
-from .streams import print_json, report
+from ..errors import InputError
+from .streams import complain, print_json, report, visible
+from .values import Place, Seconds
 
 
 def run(
     scenario: str,
     *,
-    out: Path | None = None,
+    out: Place | None = None,
     until: Seconds | None = None,
     set_: list[str] | None = None,
-    figure: Path | None = None,
+    figure: Place | None = None,
     as_json: bool = False,
     overwrite: bool = False,
     certify: bool = False,
@@ -32,14 +33,14 @@ def run(
     scenario
         TOML file, or preset (see `tippetop presets`).
     out
-        Store to write, a zarr folder; must not exist yet (or say --overwrite).
+        Store to write, a zarr folder; must not exist yet (or use --overwrite).
     until
         End of the run [s, or with a unit: 2min], instead of the scenario's.
     set_
         Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be
         repeated.
     figure
-        Draw theta(t) with the nutational band to this PNG, SVG or PDF; must not exist yet (or say
+        Draw theta(t) with the nutational band to this PNG, SVG or PDF; must not exist yet (or use
         --overwrite).
     as_json
         Print the result as one JSON object.
@@ -49,27 +50,26 @@ def run(
         Repeat the run in wider numbers and report the difference; exit 4 if the accuracy contract
         is broken.
     window
-        Certify only the first so many seconds.
+        Certify only this many seconds from the start.
     columns
-        Keep these columns alone beside the time: names with commas between them, such as
+        Keep only these columns and the time: names separated by commas, such as
         theta,normal_force.
     """
     from ..columns import require
-    from ..errors import InputError
     from ..runs import attributes, starting
-    from ..runs.certificate import check_window
+    from ..runs.certificate import certificate, check_window
+    from ..runs.recording import record
+    from ..runs.run import solve
     from ..scenario.doubts import doubts
-    from ..store import root
+    from ..store.chunks import for_figures
+    from ..store.root import annotate, finite
     from .text import following, warn
 
     check_window(window, "--window")
     if window is not None and not certify:
-        raise InputError("--window must stand with --certify, whose part it is.")
-    kept = (
-        []
-        if columns is None
-        else [f"run.columns={json.dumps([name.strip() for name in columns.split(',')])}"]
-    )
+        raise InputError("`--window` requires `--certify`.")
+    names = [] if columns is None else [[name.strip() for name in columns.split(",")]]
+    kept = [f"run.columns={json.dumps(each)}" for each in names]
     try:
         problem = starting.load(scenario, [*(set_ or []), *kept], until)
     except InputError:
@@ -81,51 +81,48 @@ def run(
 
         check_picture(figure, "--figure", overwrite)
         if problem.output == "keyframes":
-            raise InputError(
-                '`run.output` must keep rows to be drawn by --figure, but is "keyframes".'
-            )
+            raise InputError('`--figure` requires rows, but `run.output` is "keyframes".')
         require(("theta",), problem.kept_columns, "what --figure draws")
-    if out is None:
-        from ..runs.run import solve
-
-        with following() as progress:
-            done = solve(problem, progress, keep=figure is not None)
-        attrs = root.finite(attributes.attributes(done.progress))
-        if certify:
-            attrs["certificate"] = _certificate(problem, window, None)
-        _picture(figure, attributes.groups(done), attrs, overwrite)
-        return _say(attrs, done.seconds, {"figure": figure}, as_json)
-    from ..runs.recording import record
-
     with following() as progress:
-        integration, attrs = _interruptible(
-            lambda stop: record(problem, out, overwrite=overwrite, progress=progress, stop=stop),
-            out,
-        )
+        if out is None:
+            done = solve(problem, progress, keep=figure is not None)
+            attrs, seconds = finite(attributes.attributes(done.progress)), done.seconds
+        else:
+            attrs, seconds = _interruptible(
+                lambda stop: record(
+                    problem, out, overwrite=overwrite, progress=progress, stop=stop
+                ),
+                out,
+            )
     if certify:
-        attrs["certificate"] = _certificate(problem, window, out)
-    _picture(figure, out, attrs, overwrite)
-    return _say(attrs, integration.seconds, {"store": out, "figure": figure}, as_json)
+        attrs["certificate"] = finite(certificate(problem, window, following))
+        if out is not None:
+            annotate(out, {"certificate": attrs["certificate"]})
+    if figure is not None:
+        from ..figures import drawing
+
+        groups = attributes.groups(done) if out is None else for_figures(out)
+        drawing.write(drawing.figure_of("theta", groups, attrs), figure, overwrite=overwrite)
+    return _print(attrs, seconds, {"store": out, "figure": figure}, as_json)
 
 
 def resume(
-    store: Path,
+    store: Place,
     *,
     until: Seconds | None = None,
     accept_other_version: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Continue an interrupted run, or a finished one to a later end; the store equals that of one
-    run, bit by bit.
+    """Continue an interrupted run, or a finished one to a later end, with the bits of one run.
 
     Parameters
     ----------
     store
         The store of the run.
     until
-        A later end of the run [s, or with a unit: 2min]: what is finished is continued too.
+        A later end of the run [s, or with a unit: 2min]: a finished run is continued too.
     accept_other_version
-        Continue also what other versions or another processor began: bits may differ, and the store
+        Continue a run of other versions or of another processor: bits may differ, and the store
         names both.
     as_json
         Print the result as one JSON object.
@@ -134,28 +131,27 @@ def resume(
     from .text import following
 
     with following() as progress:
-        integration, attrs = _interruptible(
+        attrs, seconds = _interruptible(
             lambda stop: continued(
                 store, until, progress, stop=stop, accept_other_version=accept_other_version
             ),
             store,
         )
-    return _say(attrs, integration.seconds, {"store": store}, as_json)
+    return _print(attrs, seconds, {"store": store}, as_json)
 
 
 def replay(
-    store: Path,
+    store: Place,
     *,
     from_: Seconds,
     until: Seconds,
     step: Seconds,
-    out: Path,
+    out: Place,
     overwrite: bool = False,
     accept_other_version: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Integrate a part of a stored run again, from its nearest keyframe: the rows it would have
-    stored, bit by bit.
+    """Make rows of a part of a stored run from its nearest keyframe, with the bits of the run.
 
     Parameters
     ----------
@@ -169,11 +165,11 @@ def replay(
     step
         Time between two rows [s].
     out
-        Store to write, a zarr folder; must not exist yet (or say --overwrite).
+        Store to write, a zarr folder; must not exist yet (or use --overwrite).
     overwrite
         Replace an existing store.
     accept_other_version
-        Replay also what other versions or another processor made: bits may differ.
+        Replay a run of other versions or of another processor: bits may differ.
     as_json
         Print the result as one JSON object.
     """
@@ -190,97 +186,53 @@ def replay(
     )
     if as_json:
         return print_json(done)
-    seconds = f"{done['steps']} steps, integrated in {1e3 * done['seconds']:.1f} ms"
     print(
         f"{done['rows']} rows, t = {from_:.9g} to {until:.9g} s, from t = {done['began']:.9g} "
-        f"s: {seconds}"
+        f"s: {done['steps']} steps, integrated in {1e3 * done['seconds']:.1f} ms\nstore  {out}"
     )
-    print(f"store  {out}")
     return 0
 
 
 def _interruptible(
     work: Callable[[Event], tuple[Any, dict[str, Any]]], store: Path
-) -> tuple[Any, dict[str, Any]]:
-    """Does the work; where a signal stopped it, says how to continue and exits with 128 + the
-    signal's number.
-    """
+) -> tuple[dict[str, Any], dict[str, float]]:
+    """Return the attributes and the seconds of a run; on a signal exit with 128 + its number."""
     from ..errors import Interrupted
     from .host import stopping
 
-    with stopping() as stop:
+    with stopping() as (stop, signals):
         try:
-            return work(stop.event)
+            integration, attrs = work(stop)
+            return attrs, integration.seconds
         except Interrupted:
             pass
     kept = (
-        f"what is done is kept. Continue with: tippetop resume {store}"
+        f"finished steps are kept. Continue with: tippetop resume {store}"
         if store.exists()
         else "nothing was stored."
     )
-    report(f"interrupted; {kept}")
-    raise SystemExit(128 + stop.signal)
+    raise SystemExit(complain([f"interrupted; {kept}"], 128 + signals[0]))
 
 
-def _certificate(problem: Any, window: float | None, store: Path | None) -> dict[str, Any]:
-    """The certificate of a problem, also written into the store."""
-    from ..runs.certificate import certificate
-    from ..store.root import annotate, finite
-    from .text import following
-
-    result = finite(certificate(problem, window, following))
-    if store is not None:
-        annotate(store, {"certificate": result})
-    return result
-
-
-def _picture(figure: Path | None, groups: Any, attrs: dict[str, Any], overwrite: bool) -> None:
-    """Draws theta(t) of a run in memory or of a store."""
-    if figure is None:
-        return
-    from ..figures import drawing
-    from ..store.chunks import for_figures
-
-    if isinstance(groups, Path):
-        groups = for_figures(groups)
-    drawing.write(drawing.figure_of("theta", groups, attrs), figure, overwrite=overwrite)
-
-
-def _say(
+def _print(
     attrs: dict[str, Any], seconds: dict[str, float], places: dict[str, Any], as_json: bool
 ) -> int:
-    """Prints the result; gives the exit code."""
+    """Print the result of a run; return its exit code."""
     from ..runs.attributes import headline_of
+    from ..runs.certificate import certificate_violations, contract_violations, suggest_form
     from ..runs.results import summary_of
-    from .text import summary
+    from ..runs.summary import lines
+    from .text import table
 
     content = summary_of(attrs)
     if as_json:
         print_json(content.to_dict())
     else:
-        summary(headline_of(attrs), content, seconds, places)
+        print(visible(headline_of(attrs)))
+        files = [(name, str(place)) for name, place in places.items() if place is not None]
+        table([*lines(content, seconds), *files])
     if attrs["status"] in ("non-finite", "stalled"):
-        report(attrs["reason"])
-        return 3
-    return _contract(attrs)
-
-
-def _refuse_plan(scenario: str) -> None:
-    """Raises InputError if what should be a scenario is a plan."""
-    from ..errors import InputError
-    from ..scenario import reading
-    from ..sweeps.plan import is_plan
-
-    if is_plan(reading.read(scenario)):
-        raise InputError(
-            f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it."
-        )
-
-
-def _contract(attrs: dict[str, Any]) -> int:
-    """4 and a sentence for each promise that was broken, else 0."""
-    from ..runs.certificate import certificate_violations, contract_violations, suggest_form
-
+        return complain([attrs["reason"]], 3)
     broken = contract_violations(attrs["report"], attrs["tolerance"])
     if "certificate" in attrs:
         broken += certificate_violations(attrs["certificate"])
@@ -289,3 +241,14 @@ def _contract(attrs: dict[str, Any]) -> int:
     for sentence in broken:
         report(f"the accuracy contract is broken: {sentence}")
     return 4 if broken else 0
+
+
+def _refuse_plan(scenario: str) -> None:
+    """Raise InputError if a plan was given instead of a scenario."""
+    from ..scenario import reading
+    from ..sweeps.plan import is_plan
+
+    if is_plan(reading.read(scenario)):
+        raise InputError(
+            f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it."
+        )

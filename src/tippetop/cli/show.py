@@ -1,18 +1,18 @@
-"""`tippetop info, check, export, systems, presets`: look at stores, scenarios, and what
-there is.
-"""
+"""`tippetop info, check, export, systems, presets`: look at stores and scenarios."""
 
 from __future__ import annotations
 
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from .numbers import Seconds
-from .streams import print_json
+from ..errors import InputError
+from .streams import print_json, visible
+from .values import Place, Seconds
 
 
-def info(store: Path, *, as_json: bool = False, errors: bool = False) -> int:
-    """Print what is in a store: status, events, inversion, drift of the invariants, provenance.
+def info(store: Place, *, as_json: bool = False, errors: bool = False) -> int:
+    """Print the content of a store: status, events, inversion, drift of invariants, provenance.
 
     Parameters
     ----------
@@ -21,55 +21,58 @@ def info(store: Path, *, as_json: bool = False, errors: bool = False) -> int:
     as_json
         Print it as one JSON object.
     errors
-        Of a run: also how fast small errors of its start grow, and from when on a double says
-        nothing. It is integrated again with its derivatives, which costs some ten runs.
+        Of a run: also how fast small errors of its start grow, and from when on a double has no
+        correct digit. It is integrated again with its derivatives, which costs about ten runs.
     """
     from ..runs.results import summary_of
     from ..runs.summary import lines
     from ..store import root
-    from .text import heading, table
+    from .text import table
 
     attrs = root.attributes(store)
-    if attrs.get("content") == "sweep":
+    content = attrs.get("content", "run")
+    if errors and content != "run":
+        raise InputError(f"`--errors` requires a run, but `{store}` is a {content}.")
+    if content == "sweep":
         from ..sweeps.summary import report
         from . import sweep
 
         return sweep.describe(report(store), as_json)
-    if "content" in attrs:
+    if content != "run":
         from .landscape import describe
 
         return describe(attrs, as_json)
-    content = summary_of(attrs)
-    growth = _growth(attrs) if errors else None
+    summary = summary_of(attrs)
+    growth = _growth(attrs) if errors else {}
     if as_json:
-        return print_json(content.to_dict() | ({"errors": growth} if growth else {}))
-    heading(attrs["title"])
-    rows = lines(content)
+        return print_json(summary.to_dict() | ({"errors": growth} if growth else {}))
+    print(visible(attrs["title"]))
+    rows = lines(summary)
     if growth:
         rows.append(("errors", growth["sentence"]))
-    units = attrs["units"] | _units(attrs)
+    units = attrs["units"] | units_of(attrs)
     for name in ("parameters", "friction", "contact", "stem", "initial", "run"):
-        if name in content:
-            rows.append((name, entries(content[name], units)))
-    rows.append(
-        (
-            "versions",
-            ", ".join(f"{name} {version}" for name, version in content["versions"].items()),
-        )
-    )
-    rows.append(("tolerance", f"{content['tolerance']:.3g}, {content['precision']} precision"))
-    rows.append(("processor", content["cpu"]))
+        if name in summary:
+            rows.append((name, entries(summary[name], units)))
+    rows += [
+        ("versions", _pairs(summary["versions"])),
+        ("tolerance", f"{summary['tolerance']:.3g}, {summary['precision']} precision"),
+        ("processor", summary["cpu"]),
+    ]
     for before in attrs.get("begun_with", []):
-        words = ", ".join(f"{name} {version}" for name, version in before["versions"].items())
-        rows.append(("begun with", f"{words}; {before['cpu']}"))
+        rows.append(("begun with", f"{_pairs(before['versions'])}; {before['cpu']}"))
     table(rows)
     return 0
 
 
-def _growth(attrs: dict[str, Any]) -> dict[str, Any]:
-    """How errors of the start of a stored run grow.
+def _pairs(versions: Any) -> str:
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
 
-    Raises InputError where it has no derivatives.
+
+def _growth(attrs: dict[str, Any]) -> dict[str, Any]:
+    """Return how errors of the start of a stored run grow.
+
+    Raises InputError if the run has no derivatives.
     """
     import numpy as np
 
@@ -94,13 +97,11 @@ def check(
     *,
     until: Seconds | None = None,
     set_: list[str] | None = None,
-    try_: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Validate a scenario: invariants at the start, thresholds, expected fate; cost, by the first
-    steps of the run.
+    """Validate a scenario or a plan; print thresholds, expected fate, and cost by the first steps.
 
-    The plan of a sweep is validated too: its axes, its size, its cost.
+    Of the plan of a sweep its axes, its size and its cost are printed.
 
     Parameters
     ----------
@@ -111,20 +112,15 @@ def check(
     set_
         Change a value: table.key=value, such as initial.theta=0.2. table.key= removes it. May be
         repeated.
-    try_
-        Run it, without storing anything, as far as a second of computing goes: its end, and the
-        least normal force.
     as_json
         Print the result as one JSON object.
     """
-    from ..errors import InputError
     from ..runs import forecast, starting
     from ..runs.cost import measured
-    from ..runs.summary import form_sentence, regularisation
     from ..scenario import build, reading
     from ..scenario.doubts import doubts
     from ..sweeps import plan
-    from .text import table, warn
+    from .text import warn
 
     tables = reading.override(reading.read(scenario), set_ or [])
     if plan.is_plan(tables):
@@ -132,49 +128,49 @@ def check(
 
         if until is not None:
             raise InputError("`--until` cannot be used with a plan: give `set.run.until` in it.")
-        return sweep.examine(tables, Path(scenario).parent, as_json)
+        facts, units = sweep.examine(tables, Path(scenario).parent)
+        return _print_facts(facts, units, as_json)
     if until is not None:
         tables = build.ending(tables, until)
     problem = starting.problem(tables, scenario)
-    facts = {**build.resolved(problem), **forecast.assessment(problem)}
-    facts["warnings"] = warn(doubts(problem))
-    if try_ or problem.precision == "double":  # wider numbers compile for a minute
+    resolved = build.resolved(problem)
+    facts = {**resolved, **forecast.assessment(problem), "warnings": warn(doubts(problem))}
+    if problem.precision == "double":  # wider numbers compile for a minute
         facts["expected"] |= measured(problem)
-    if try_:
-        facts["tried"] = forecast.tried(problem)
+    return _print_facts(facts, units_of(resolved), as_json)
+
+
+def _print_facts(facts: dict[str, Any], units: dict[str, str], as_json: bool) -> int:
+    """Print a checked scenario or plan."""
+    from ..runs.summary import form_sentence, regularisation
+    from .text import table
+
     if as_json:
         return print_json(facts)
-    units = units_of(problem)
-    rows = []
-    for name, value in facts.items():
-        if name == "regularisation":
-            text = regularisation(facts)
-        elif name == "form":
-            text = form_sentence(facts)
-        elif isinstance(value, dict):
-            text = entries(value, units)
-        else:
-            text = plain(value)
-        if name not in (
-            "auto_form",
-            "inversion_by_eps",
-            "warnings",
-        ):  # in `regularisation`; on standard error
-            rows.append((name.replace("_", " "), text))
-    table(rows)
+    facts |= facts.pop("plan", {}).get("scenario", {})
+    sentences = {"regularisation": regularisation, "form": form_sentence}
+    if "auto_form" not in facts:  # a plan
+        sentences = {}
+    table(
+        (
+            name.replace("_", " "),
+            sentences[name](facts) if name in sentences else plain(value, units),
+        )
+        for name, value in facts.items()
+        if name not in ("auto_form", "inversion_by_eps", "warnings")  # printed with others
+    )
     return 0
 
 
 def export(
-    store: Path,
+    store: Place,
     *,
     to: str,
-    out: Path,
+    out: Place,
     group: str | None = None,
     overwrite: bool = False,
 ) -> int:
-    """Write a store as one netCDF, CSV or Parquet file, or the body of a scenario for a simulator
-    (MJCF, URDF).
+    """Write a store as netCDF, CSV or Parquet, or the body of a scenario for a simulator.
 
     Parameters
     ----------
@@ -184,32 +180,33 @@ def export(
     to
         The format: netcdf, csv or parquet; mjcf or urdf for the body, its start and its friction.
     out
-        The file to write; must not exist yet (or say --overwrite).
+        The file to write; must not exist yet (or use --overwrite).
     group
         `trajectory` or `events` of a run, `phases` or `impacts` of one whose contact changes its
-        phase. Without it CSV and Parquet hold the first, netCDF holds all.
+        phase. Without it CSV and Parquet contain the first, netCDF contains all.
     overwrite
         Replace an existing file.
     """
-    from ..errors import InputError
-    from ..store.export import export as write
+    if to not in ("mjcf", "urdf"):
+        from ..store.export import export as write
 
-    if to in ("mjcf", "urdf"):
-        from . import exchange
+        write(store, to, out, group, overwrite=overwrite)
+        return 0
+    from ..exchange.simulators import text_of
+    from ..runs.starting import load_any
+    from ..store import files
 
-        if group is not None:
-            raise InputError(
-                f"--group must be left out with --to {to}: a scenario has no tables, but is "
-                f"`{group}`."
-            )
-        return exchange.describe(str(store), to, out, overwrite=overwrite)
-    write(store, to, out, group, overwrite=overwrite)
+    if group is not None:
+        raise InputError(
+            f"--group must be left out with --to {to}: a scenario has no tables, but is `{group}`."
+        )
+    files.write_text(out, text_of(load_any(str(store)), to), overwrite=overwrite)
+    print(f"file  {out}")
     return 0
 
 
 def systems(*, as_json: bool = False) -> int:
-    """List the systems: forms, parameters and initial keys with their units, friction laws,
-    integrals, events.
+    """List the systems: forms, parameters and initial keys with units, laws, integrals, events.
 
     Parameters
     ----------
@@ -217,21 +214,22 @@ def systems(*, as_json: bool = False) -> int:
         Print the list as one JSON object.
     """
     from ..mechanics.systems import SYSTEMS, laws_of, load_entry_points
-    from .text import heading, table
+    from .text import table
 
     load_entry_points()
+
+    def symbols(rules: Any) -> dict[str, str]:
+        return {name: rule.unit.symbol for name, rule in rules.items()}
+
     listing: dict[str, dict[str, Any]] = {
         name: {
             "title": s.title,
             "forms": list(s.forms),
-            "parameters": {n: p.unit.symbol for n, p in s.parameters.items()},
-            "friction": {
-                n: {k: p.unit.symbol for k, p in law.parameters.items()}
-                for n, law in laws_of(s).items()
-            },
-            "initial": {n: p.unit.symbol for n, p in s.initial.items()}
-            | ({"centre_at_rest": "true or false"} if "nu_x" in s.initial else {}),
-            "quantities": {q.name: q.unit.symbol for q in s.quantities},
+            "parameters": symbols(s.parameters),
+            "friction": {law: symbols(its.parameters) for law, its in laws_of(s).items()},
+            "initial": symbols(s.initial)
+            | {a.name: "true or false" for a in s.alternatives if a.flag},
+            "quantities": symbols({q.name: q for q in s.quantities}),
             "integrals": list(s.integrals),
             "events": [e.name for e in s.events],
             "source": s.source,
@@ -240,15 +238,16 @@ def systems(*, as_json: bool = False) -> int:
     }
     if as_json:
         return print_json(listing)
-    keys = ("forms", "parameters", "friction", "initial", "quantities", "integrals", "events")
-    for number, (name, s) in enumerate(listing.items()):
-        heading(f"{chr(10) if number else ''}{name}: {s['title']}")
-        table((f"  {key}", _listed(s[key])) for key in keys if s[key])
+    for name, listed in listing.items():
+        print(f"{name}: {listed.pop('title')}")
+        del listed["source"]
+        table((f"  {key}", _listed(value)) for key, value in listed.items() if value)
+        print()
     return 0
 
 
 def _listed(names: Any) -> str:
-    """Names with their units in brackets; a friction law with the numbers that it takes."""
+    """Return names with units in brackets; a friction law with its numbers."""
     if isinstance(names, list):
         return ", ".join(names)
     words = []
@@ -271,61 +270,48 @@ def presets(*, as_json: bool = False) -> int:
     from ..scenario.reading import presets as texts
     from .text import table
 
-    sources = {name: _comment(text) for name, text in texts().items()}
+    sources = {
+        name: " ".join(
+            line.lstrip("# ").strip()
+            for line in takewhile(lambda line: line.startswith("#"), text.splitlines())
+        )
+        for name, text in texts().items()
+    }
     if as_json:
         return print_json(sources)
     table(sources.items())
     return 0
 
 
-def _comment(text: str) -> str:
-    """The leading comment of a preset: its source."""
-    head = []
-    for line in text.splitlines():
-        if not line.startswith("#"):
-            break
-        head.append(line.lstrip("# ").strip())
-    return " ".join(head)
+def units_of(tables: dict[str, Any]) -> dict[str, str]:
+    """Return the units of the keys of a scenario; none if its system is unknown here."""
+    from ..mechanics.systems import find
+    from ..scenario import build
+
+    system = find(tables["system"])
+    units = build.units_of(system, tables).values() if system is not None else ()
+    return {name: unit.symbol for table in units for name, unit in table.items()}
 
 
-def plain(value: Any) -> str:
-    """Return a value as text; numbers have eight digits."""
+def plain(value: Any, units: dict[str, str]) -> str:
+    """Return a value as text: numbers have eight digits, tables are written as `entries`."""
+    if isinstance(value, dict):
+        return entries(value, units)
     if isinstance(value, list):
-        return ", ".join(map(plain, value))
+        return ", ".join(plain(each, units) for each in value)
     if isinstance(value, bool):
         return "true" if value else "false"
     return f"{value:.8g}" if isinstance(value, float) else str(value)
 
 
-def _units(tables: dict[str, Any]) -> dict[str, str]:
-    """Units of the keys of [friction] and [run]; of a law that is not known here, none."""
-    from ..mechanics.friction import PARTS
-    from ..mechanics.systems import find
-    from ..problem.options import UNITS
-
-    system = find(tables["system"])
-    law = system.laws.get(tables.get("friction", {}).get("law")) if system is not None else None
-    rules = PARTS | dict(law.parameters) if law is not None else {}
-    friction = {name: p.unit.symbol for name, p in rules.items()}
-    return friction | {name: unit.symbol for name, unit in UNITS.items()}
+def entries(table: Any, units: dict[str, str]) -> str:
+    """Return a table of a scenario, or of quantities, on one line: key = value unit."""
+    return ", ".join(f"{key} = {_with_unit(value, units.get(key))}" for key, value in table.items())
 
 
-def units_of(problem: Any) -> dict[str, str]:
-    """Return the units of the keys of a scenario."""
-    units = {key.partition(".")[2]: rule.unit.symbol for key, rule in problem.rules.items()}
-    return units | _units({"system": problem.system.name, "friction": {"law": problem.law_name}})
-
-
-def entries(table: dict[str, Any], units: dict[str, str]) -> str:
-    """A table of a scenario, or of quantities, on one line: key = value unit."""
-    return ", ".join(
-        f"{key} = {_with_unit(entry, units.get(key, '1'))}" for key, entry in table.items()
-    )
-
-
-def _with_unit(entry: Any, unit: str) -> str:
-    """A number with its unit: `entry` is the number, or a record of value and unit."""
+def _with_unit(entry: Any, unit: str | None) -> str:
+    """Return a number with its unit: `entry` is the number, or a record of value and unit."""
     if isinstance(entry, dict):
         entry, unit = entry["value"], entry["unit"]
-    bare = isinstance(entry, bool) or not isinstance(entry, int | float | list)
-    return plain(entry) if bare or unit == "1" else f"{plain(entry)} {unit}"
+    bare = unit in ("1", None) or isinstance(entry, bool | str)
+    return plain(entry, {}) if bare else f"{plain(entry, {})} {unit}"

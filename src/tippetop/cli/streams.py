@@ -1,67 +1,27 @@
-"""Standard output and standard error of the command line: closed, full or narrow ones become a
-sentence at most.
-"""
+"""Standard output and standard error of the command line, which may be closed, full or narrow."""
 
 from __future__ import annotations
 
-import io
+import contextlib
 import os
 import sys
+from pathlib import Path
 from typing import Any
 
-from ..errors import StoreError
 
+def prepare() -> None:
+    """Make the standard streams usable: escape characters that their encoding does not have.
 
-class _Output(io.FileIO):
-    """Standard output: what cannot be written is a StoreError."""
-
-    def write(self, data: Any) -> int:
-        try:
-            return super().write(data)
-        except BrokenPipeError:
-            raise
-        except OSError as error:
-            raise StoreError(
-                f"standard output must be writable, but: {error.strerror or error}."
-            ) from None
-
-
-class _Errors(io.FileIO):
-    """Standard error: what cannot be written is lost, because there is no other place to say so."""
-
-    def write(self, data: Any) -> int:
-        try:
-            return super().write(data)
-        except OSError:
-            return memoryview(data).nbytes
-
-
-def ready() -> None:
-    """Makes the standard streams of this process usable, whatever they are.
-
-    Closed ones (`>&-`) become the null device: no store may get their number, for others write to
-    it. Characters that an encoding lacks are escaped.
+    Closed ones (`>&-`) become the null device, because a store must not get their number.
     """
-    fd = 0
-    while fd <= 2:
-        fd = os.open(os.devnull, os.O_RDWR)
-        if fd <= 2:
-            os.set_inheritable(fd, True)
+    while (fd := os.open(os.devnull, os.O_RDWR)) <= 2:
+        os.set_inheritable(fd, True)
     os.close(fd)
-    if sys.stdout is sys.__stdout__:  # not where whoever called us put another
-        sys.stdout = _text(_Output, 1, sys.stdout)
-    if sys.stderr is sys.__stderr__:
-        sys.stderr = _text(_Errors, 2, sys.stderr)
-
-
-def _text(raw: type[io.FileIO], fd: int, old: Any) -> io.TextIOWrapper:
-    """The text stream of a descriptor, encoded as `old`."""
-    file = raw(fd, "w", closefd=False)
-    encoding = getattr(old, "encoding", None) or "utf-8"
-    line_buffering = fd == 2 or file.isatty()
-    return io.TextIOWrapper(
-        io.BufferedWriter(file), encoding, "backslashreplace", line_buffering=line_buffering
-    )
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name) or Path(os.devnull).open("w")  # noqa: SIM115
+        setattr(sys, name, stream)
+        with contextlib.suppress(AttributeError):  # the caller of `main` replaced it
+            stream.reconfigure(errors="backslashreplace")
 
 
 def visible(text: str) -> str:
@@ -74,9 +34,7 @@ def visible(text: str) -> str:
 
 
 def print_json(facts: Any) -> int:
-    """Print plain data as one JSON object, in which non-finite numbers are null; return the exit
-    code.
-    """
+    """Print plain data as one JSON object with null for non-finite numbers; return exit code 0."""
     import json
 
     from ..store.root import finite
@@ -87,23 +45,33 @@ def print_json(facts: Any) -> int:
 
 def report(sentence: str) -> None:
     """Print a sentence on standard error."""
-    print(f"tippetop: {visible(sentence)}", file=sys.stderr)
+    try:
+        print(f"tippetop: {visible(sentence)}", file=sys.stderr)
+    except OSError:
+        _discard(2)
 
 
-def finished(code: int) -> int:
-    """Writes what is left, at the end of the process; gives the exit code, which is another if that
-    fails.
-    """
+def complain(sentences: list[str], code: int) -> int:
+    """Print sentences on standard error and return the exit code."""
+    for sentence in sentences:
+        report(sentence)
+    return code
+
+
+def flush(code: int) -> int:
+    """Write the rest of the output at the end of the process; return the exit code."""
     try:
         sys.stdout.flush()
-    except BrokenPipeError:
-        pass
-    except StoreError as error:
-        report(str(error))
-        code = code or 5
-    else:
-        return code
-    null = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(null, 1)  # what could not be written goes nowhere, rather than be tried again at exit
-    os.close(null)
+    except OSError as error:
+        _discard(1)
+        if not isinstance(error, BrokenPipeError):
+            report(f"standard output must be writable, but: {error.strerror}.")
+            return code or 5
     return code
+
+
+def _discard(fd: int) -> None:
+    """Send the rest of a stream to the null device, so that it is not tried again at exit."""
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, fd)
+    os.close(null)

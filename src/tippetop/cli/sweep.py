@@ -2,131 +2,123 @@
 
 from __future__ import annotations
 
-import re
-import sys
+import shlex
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .numbers import Whole
-from .streams import print_json
+from .streams import complain, print_json, report, visible
+from .values import Place, Whole
 
 
 def sweep(
-    plan: Path,
+    plan: Place,
     *,
-    out: Path,
+    out: Place,
     workers: Whole | None = None,
     scheduler: str | None = None,
     overwrite: bool = False,
     as_json: bool = False,
 ) -> int:
-    """Run the many tops of a plan into a store; the same command continues an unfinished one: the
-    same bits.
+    """Run the many tops of a plan into a store, or continue an unfinished one with the same bits.
 
     Parameters
     ----------
     plan
         TOML file: a scenario, and the axes along which it varies.
     out
-        Store to write or to continue, a zarr folder. Of a finished one there is nothing to do.
+        Store to write or to continue, a zarr folder. A finished one is left as it is.
     workers
         Processes on this machine; by default as many as usable cores. 1 computes in this process.
     scheduler
         Address of a running dask scheduler, such as tcp://host:8786, whose workers compute instead.
     overwrite
-        Make a store anew that exists, finished or not.
+        Replace a store that exists, finished or not.
     as_json
         Print the result as one JSON object.
     """
     from .. import errors
-    from ..cli import CHUNKS, INTERRUPTED, TERMINATED, complain
-    from ..store import root
+    from ..cli import CHUNKS, INTERRUPTED, TERMINATED
     from ..sweeps import summary, sweep
-    from .overwrite import remove_store
 
-    again = f"Continue with: {_command(plan, out, workers, scheduler)}"
-    if overwrite:
-        remove_store(out)
-    was_finished = out.is_dir() and root.attributes(out, whole=False).get("status") == "finished"
+    words = ["tippetop", "sweep", str(plan), "--out", str(out)]
+    for name, value in (("--workers", workers), ("--scheduler", scheduler)):
+        words += [] if value is None else [name, str(value)]
+    again = f"Continue with: {shlex.join(words)}"
+    was_finished = finished(out, overwrite)
+    failed: list[str] = []
     try:
         sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
-        failed = []
-    except errors.InputError as error:
-        words = (
-            re.sub("^`(workers|scheduler)` must", r"--\1 must", sentence)
-            for sentence in error.sentences
-        )
-        raise errors.InputError(list(words)) from None
     except errors.Unfinished as unfinished:
         failed = unfinished.sentences
-    except (
-        KeyboardInterrupt,
-        SystemExit,
-    ) as stopped:  # at once: not after the chunks that are being computed
+    except (KeyboardInterrupt, SystemExit) as stopped:  # not after the chunks under way
         code = INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
         return complain([f"interrupted; every finished chunk is kept. {again}"], code)
-    report = summary.report(out)
     if was_finished and not failed:
-        print(f"tippetop: `{out}` was finished: its chunks are checked.", file=sys.stderr)
-    describe(report, as_json)
-    return (
-        complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS)
-        if failed
-        else 0
-    )
+        report(f"`{out}` was finished: its chunks are checked.")
+    describe(summary.report(out), as_json)
+    if not failed:
+        return 0
+    return complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS)
 
 
-def _command(plan: Path, out: Path, workers: int | None, scheduler: str | None) -> str:
-    """The command line that continues the sweep."""
-    words = ["tippetop", "sweep", str(plan), "--out", str(out)]
-    words += ["--workers", str(workers)] if workers is not None else []
-    return " ".join(words + (["--scheduler", scheduler] if scheduler is not None else []))
+def finished(store: Path, overwrite: bool) -> bool:
+    """Return whether a store exists and is finished; with `overwrite` remove it.
+
+    Raises StoreError if it is not a store of tippetop, is being written, or is not writable.
+    """
+    import os
+    import shutil
+
+    from ..errors import StoreError
+    from ..store import files, root
+
+    if not overwrite:
+        return store.is_dir() and root.attributes(store, whole=False).get("status") == "finished"
+    if store.is_symlink():
+        raise StoreError(f"`{store}` is a link: it is not overwritten; name the store itself.")
+    if store.exists():
+        root.refuse_foreign(store)  # a damaged one may be overwritten
+        with files.writing(store), files.lock_of(store):  # raises StoreError, naming the writer
+            old = files.scratch_name(store)
+            os.rename(store, old)  # immediately: a kill leaves no half store under its name
+            shutil.rmtree(old, ignore_errors=True)
+    return False
 
 
 def describe(report: dict[str, Any], as_json: bool) -> int:
-    """Prints what is in a sweep's store."""
+    """Print the content of a sweep's store."""
     from ..sweeps.summary import lines
-    from .text import heading, table
+    from .text import table
 
     if as_json:
         return print_json(report)
-    heading(report["title"])
+    print(visible(report["title"]))
     table(lines(report))
     return 0
 
 
-def examine(tables: dict[str, Any], folder: Path, as_json: bool) -> int:
-    """Prints what a plan would take."""
+def examine(tables: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the axes, the size and the cost of a plan, and the units of its scenario."""
     from ..awaiting import awaited
+    from ..scenario import build
     from ..sweeps import chunk
     from ..sweeps.measuring import measured
     from ..sweeps.plan import Plan
-    from .show import entries, plain, units_of
-    from .text import table
+    from .show import units_of
 
     plan = Plan.from_tables(tables, folder)
     columns = chunk.column_schema(plan.base, plan.keep).values()
-    report: dict[str, Any] = {
+    expected = awaited(
+        partial(measured, plan), "some tops are being run (their equations are compiled first)"
+    )
+    size = round(plan.n * sum(c.values.itemsize for c in columns) / 1e6, 3)
+    facts = {
         "tops": plan.n,
         "axes": plan.design.sizes,
         "chunks": plan.chunks,
         "tops_per_chunk": plan.chunk,
-        "expected": {
-            **awaited(
-                partial(measured, plan),
-                "some tops are being run (their equations are compiled first)",
-            ),
-            "megabytes_at_most": round(plan.n * sum(c.values.itemsize for c in columns) / 1e6, 3),
-        },
+        "expected": {**expected, "megabytes_at_most": size},
         "plan": plan.document,
     }
-    if as_json:
-        return print_json(report)
-    units = units_of(plan.base) | {"compiling": "s"}
-    facts = report | report.pop("plan")["scenario"]
-    table(
-        (name.replace("_", " "), entries(value, units) if isinstance(value, dict) else plain(value))
-        for name, value in facts.items()
-    )
-    return 0
+    return facts, units_of(build.resolved(plan.base)) | {"compiling": "s"}

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .numbers import Seconds
+from .values import Place, Seconds
 
 
 def view(
-    store: Path | None = None,
+    store: Place | None = None,
     *,
     playground: bool = False,
-    out: Path | None = None,
+    out: Place | None = None,
     from_: Seconds | None = None,
     until: Seconds | None = None,
     overwrite: bool = False,
 ) -> int:
-    """Write one HTML file that shows a run in motion, or the map of a sweep, in a browser, without
-    a network.
+    """Write one HTML file that shows a run in motion, or the map of a sweep, without a network.
 
     Parameters
     ----------
@@ -40,14 +39,12 @@ def view(
     from ..views import pages
 
     if (store is None) != playground:
-        raise InputError("one thing must be shown: give a store, or --playground.")
+        raise InputError("nothing to show: pass a store or `--playground`.")
     if out is not None and not out.is_dir() and out.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"--out must end with .html, but is `{out}`.")
     if playground and (from_, until) != (None, None):
-        raise InputError("--from and --until are for runs, but the playground has none.")
-    place = (
-        out if out is not None else Path(f"{store.resolve().stem if store else 'playground'}.html")
-    )
+        raise InputError("`--from` and `--until` cannot be used with `--playground`.")
+    place = out or Path(f"{store.resolve().stem if store else 'playground'}.html")
     pages.check(place, overwrite=overwrite)
     text = awaited(lambda: _text(store, from_, until), "the page is being made")
     pages.write(text, place, overwrite=overwrite)
@@ -56,7 +53,7 @@ def view(
 
 
 def _text(store: Path | None, start: float | None, until: float | None) -> str:
-    """The page of a store, or the playground."""
+    """Return the page of a store, or the playground."""
     from ..errors import InputError
 
     if store is None:
@@ -67,14 +64,13 @@ def _text(store: Path | None, start: float | None, until: float | None) -> str:
     from ..views.run_page import page_of_store
 
     attrs = root.attributes(store)
-    if attrs.get("content") == "sweep":
-        from ..views.sweep_page import page_of_sweep
+    content = attrs.get("content", "run")
+    if content == "run":
+        return page_of_store(store, attrs, start, until)
+    if content != "sweep":
+        raise InputError(f"a page shows a run or a sweep, but `{store}` is a {content}.")
+    from ..views.sweep_page import page_of_sweep
 
-        if (start, until) != (None, None):
-            raise InputError(f"--from and --until are for runs, but `{store}` is a sweep.")
-        return page_of_sweep(store)
-    if "content" in attrs:
-        raise InputError(
-            f"a page is made of a run or a sweep, but `{store}` is a {attrs['content']}."
-        )
-    return page_of_store(store, attrs, start, until)
+    if (start, until) != (None, None):
+        raise InputError(f"`--from` and `--until` require a run, but `{store}` is a sweep.")
+    return page_of_sweep(store)

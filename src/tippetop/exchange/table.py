@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError
-from ..problem.one import UNTIL
+from ..problem import UNTIL
 from .headers import heading
 
 

@@ -1,17 +1,15 @@
-"""What is to be integrated: checked bodies, starts and spans, and the units in which they are
-integrated.
+"""Checked problems: bodies, starts and spans, and the internal units of their integration.
 
-`Problem` is one run. `Problems` are many that differ in numbers only, arrays of shape (n,);
-everything that is computed of a run is computed there, and a single run is the case n = 1.
+`Problem` is one run. `Problems` are runs that differ only in numbers, arrays of shape (n,); the
+numbers of a single run are computed there, as the case n = 1.
 """
 
-from .choice import AUTO, Choice, choice
-from .differentiable import MOST_DERIVATIVES, derivative_faults, kept_faults, refuse
-from .faults import key_faults, shape_faults, variation_faults
-from .kept import ORIENTATION, PSI, TURN, column_faults, column_names
-from .many import Problems
-from .one import PRECISIONS, Problem
+from .batch import Problems
+from .derivability import MOST_DERIVATIVES, derivative_faults, refuse, sensitivity_faults
+from .faults import key_faults, variation_faults
 from .options import KEYFRAME_STEPS, ROUNDING, UNTIL
+from .problem import AUTO, PRECISIONS, Problem
+from .row_columns import ORIENTATION, PSI, TURN, column_faults, column_names
 
 
 __all__ = [
@@ -24,16 +22,13 @@ __all__ = [
     "ROUNDING",
     "TURN",
     "UNTIL",
-    "Choice",
     "Problem",
     "Problems",
-    "choice",
     "column_faults",
     "column_names",
     "derivative_faults",
-    "kept_faults",
     "key_faults",
     "refuse",
-    "shape_faults",
+    "sensitivity_faults",
     "variation_faults",
 ]

@@ -1,6 +1,4 @@
-"""The options of a run, [run] in a scenario: each is declared once, and everything else is derived
-from its field.
-"""
+"""The options of a run, [run] in a scenario: each is declared once, as a field of `RunOptions`."""
 
 import inspect
 import itertools
@@ -54,34 +52,27 @@ def option(
     unit
         The unit of a number, for which a text such as "2 min" may be given.
     default
-        Where it is left out; without, it must be given.
+        Its value where it is left out; without, it must be given.
     note
-        What callers from Python should know beyond `words`.
+        Further words for callers from Python.
     given
-        The type that callers may pass, where it is wider than that of the field.
+        The type that callers may pass, where it is wider than the type of the field.
     example
-        A value for templates, where the default is none.
+        A value for templates, if there is no default.
     rule
         The record of a number that may vary.
     interval
         `above`, `least`, `below` of a number, or of each in a list.
     """
-    metadata = {
-        "words": words,
-        "unit": unit,
-        "note": note,
-        "given": given,
-        "example": example,
-        "rule": rule,
-    }
-    return field(default=default, metadata=metadata | {"interval": interval})
+    metadata = {"words": words, "unit": unit, "note": note, "given": given, "interval": interval}
+    return field(default=default, metadata=metadata | {"example": example, "rule": rule})
 
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """How long, how accurately, and what is kept."""
+    """The end of a run, its accuracy, and the rows and columns that are kept."""
 
-    until: float = option("how long", SECOND, rule=UNTIL, note="a preset has an end")
+    until: float = option("end of the run", SECOND, rule=UNTIL, note="a preset has an end")
     output_step: float | None = option(
         "time between two rows, or output_times instead",
         SECOND,
@@ -99,7 +90,7 @@ class RunOptions:
         example=(0.0, 1.0),
     )
     output: Literal["times", "events", "steps", "keyframes"] = option(
-        "rows at times, at events, at the integrator's own steps, or none: its exact state now "
+        "rows at times, at events, at the steps of the integrator, or none: its exact state now "
         "and then",
         default="times",
         note='"keyframes" needs `out`: `StoredRun.replay` makes the rows of any part',
@@ -133,7 +124,7 @@ class RunOptions:
         "error of a step, relative; 0: the precision's rounding", default=0.0, least=0, below=1
     )
     columns: tuple[str, ...] | None = option(
-        "the columns that rows have beside the time; all",
+        "the columns that rows have in addition to the time; all",
         default=None,
         note="columns that are left out are not stored, and the turn of the body is only "
         "integrated for them. "
@@ -158,15 +149,6 @@ class RunOptions:
         example=True,
     )
 
-    def table(self) -> dict[str, Any]:
-        """Return the options as the table [run] of a scenario."""
-        given = {f.name: getattr(self, f.name) for f in fields(RunOptions)}
-        return {
-            name: [*value] if isinstance(value, tuple) else value
-            for name, value in given.items()
-            if value is not None
-        }
-
     def rows(self) -> EvenTimes | ListedTimes:
         """Return the times of the rows; a grid always ends with `until` itself."""
         if self.output_times is not None:
@@ -175,60 +157,46 @@ class RunOptions:
         return EvenTimes(step, self.until)
 
     def option_faults(self, events: Sequence[str]) -> list[str]:
-        """Return a sentence for each fault of the options together, in a system with
-        these events.
-        """
+        """Return sentences on options that contradict each other, in a system with these events."""
+        step, times, until = self.output_step, self.output_times or (), self.until
         faults = [
             f"`run.events` must be of {', '.join(events)}, but has "
             f"{name!r}.{suggestion(name, events)}"
             for name in self.events or ()
             if name not in events
         ]
-        step, times = self.output_step, self.output_times
-        if step is not None and times is not None:
+        if step is not None and self.output_times is not None:
             faults.append(
-                "`run.output_step` must stand alone, but `run.output_times` is given too: "
-                "remove one "
-                "(--set run.output_step=)."
+                "`run.output_step` must stand alone, but `run.output_times` is given too: remove "
+                "one (--set run.output_step=)."
             )
-        if step is not None and not self.until / step <= MOST_ROWS:
+        if step is not None and not until / step <= MOST_ROWS:
             faults.append(
                 f"`run.output_step` must give at most {MOST_ROWS:.0e} rows, but {step:g} gives "
-                f"{self.until / step:.3g}."
+                f"{until / step:.3g}."
             )
-        faults += tolerance_faults(self.precision, self.tolerance)
+        least = LEAST_TOLERANCE * ROUNDING[self.precision]
+        if 0 < self.tolerance < least:  # which costs order after order for nothing
+            faults.append(
+                f"`run.tolerance` must be 0 (the rounding unit) or at least {least:.1g} in "
+                f"{self.precision} precision, but is {self.tolerance:g}: rounding hides what lies "
+                "below, and each power of ten takes longer to compile."
+            )
         rows = "output_times" if step is None else "output_step"
         for name, output in ((rows, "times"), ("keyframe_steps", "keyframes")):
             if self.output != output and getattr(self, name) is not None:
                 faults.append(
                     f'`run.output` must be "{output}" where `run.{name}` is given, but is '
-                    f'"{self.output}": remove one '
-                    f"(--set run.{name}=)."
+                    f'"{self.output}": remove one (--set run.{name}=).'
                 )
-        times = times or ()
         if any(b <= a for a, b in itertools.pairwise(times)):
             faults.append("`run.output_times` must ascend strictly, but do not.")
-        if times and times[-1] > self.until:
+        if times and times[-1] > until:
             faults.append(
-                f"`run.output_times` must not exceed run.until = {self.until:g}, but reach "
+                f"`run.output_times` must not exceed run.until = {until:g}, but reach "
                 f"{times[-1]:g}."
             )
         return faults
-
-
-def tolerance_faults(precision: str, tolerance: float) -> list[str]:
-    """Return a sentence on a tolerance far below the rounding unit, which costs order after order
-    for nothing.
-    """
-    least = LEAST_TOLERANCE * ROUNDING[precision]
-    if tolerance == 0 or tolerance >= least:
-        return []
-    return [
-        f"`run.tolerance` must be 0 (the rounding unit) or at least {least:.1g} in {precision} "
-        "precision, but is "
-        f"{tolerance:g}: rounding hides what lies below, and each power of ten takes longer to "
-        "compile."
-    ]
 
 
 OPTIONS: dict[str, Field[Any]] = {f.name: f for f in fields(RunOptions)}
@@ -236,36 +204,26 @@ HINTS = get_type_hints(RunOptions)
 UNITS: dict[str, Unit] = {
     name: f.metadata["unit"] for name, f in OPTIONS.items() if f.metadata["unit"]
 }
-NUMBERS = {
-    name: unit for name, unit in UNITS.items() if float in (HINTS[name], *get_args(HINTS[name]))
-}
-"""Options that are a number with a unit: a text may be given instead."""
 
 
 def given_type(name: str) -> str:
-    """Return the type that callers may pass for an option: with a unit also a text; None where it
-    is not given.
-    """
+    """Return the type that callers may pass for an option: with a unit also a text, or None."""
     about, hint = OPTIONS[name].metadata, HINTS[name]
-    union = get_origin(hint) in (types.UnionType, Union)
-    parts = [part for part in (get_args(hint) if union else (hint,)) if part is not type(None)]
-    words = [about["given"]] if about["given"] else [_written(part) for part in parts]
-    texts = ["str"] if about["unit"] and not about["given"] else []
-    return " | ".join([*words, *texts, "None"])
-
-
-def _written(kind: Any) -> str:
-    """Return a type as it is written."""
-    if get_origin(kind) is Literal:
-        return f"Literal[{', '.join(map(repr, get_args(kind)))}]"
-    return kind.__name__
+    if about["given"]:
+        return f"{about['given']} | None"
+    union = get_args(hint) if get_origin(hint) in (types.UnionType, Union) else (hint,)
+    words = [
+        f"Literal[{', '.join(map(repr, get_args(part)))}]"
+        if get_origin(part) is Literal
+        else part.__name__
+        for part in union
+        if part is not types.NoneType
+    ]
+    return " | ".join([*words, *(["str"] if about["unit"] else []), "None"])
 
 
 def run_options(**options: Any) -> dict[str, Any]:
-    """Return the options that are given, as the table [run] of a scenario.
-
-    Its signature has each option.
-    """
+    """Return the options that are given, as the table [run]; its signature has each option."""
     return {name: value for name, value in options.items() if value is not None}
 
 

@@ -7,7 +7,7 @@ from ..engine.status import Status
 from ..mechanics.systems import find
 from ..problem import ROUNDING
 from ..scenario.build import resolved, tables_of
-from ..scenario.own_records import OWN, own_of
+from ..scenario.identity import DIGESTS, digests_of
 from ..store.provenance import provenance
 from . import phases
 from .events import event_columns
@@ -56,10 +56,10 @@ def attributes(progress: RunProgress) -> dict[str, Any]:
         "reason": reason(progress),
         **resolved(problem),
         **({"start": problem.origin} if problem.origin else {}),
-        **({OWN: own} if (own := own_of(problem)) else {}),
+        **({DIGESTS: digests} if (digests := digests_of(problem)) else {}),
         "tolerance": problem.tolerance or ROUNDING[problem.precision],
         "precision": problem.precision,
-        "auto_form": {"form": problem.choice.form.name, "because": problem.choice.because},
+        "auto_form": problem.auto_form,
         "units": {name: parameter.unit.symbol for name, parameter in parameters.items()},
         "final_state": dict(zip(names, values, strict=True)),
         "report": report(progress),

@@ -19,7 +19,7 @@ from ..mechanics.event import Event
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..scenario.own_records import is_users
+from ..scenario.identity import is_user_defined
 from .events import EventTable
 
 
@@ -155,7 +155,7 @@ class EventLog:
         self.known = known = _known(problem.system, problem.events)
         self.tallies, self.kinds = tallies, known.kinds
         logged = [event for event in known.events if event.name in problem.events]
-        self.keeps_states = any(is_users(event.formula) for event in logged)
+        self.keeps_states = any(is_user_defined(event.formula) for event in logged)
         self.empty = replace(known.empty, state=self._states(np.zeros(0), first[:0]))
         self.rows = 0  # of the log
         self.counts = dict.fromkeys(self.kinds, 0)  # rows of the log

@@ -28,8 +28,8 @@ def assessment(problem: Problem) -> dict[str, Any]:
         q.name: {"value": _in_words(q, start[q.name]), "unit": q.unit.symbol} for q in columns
     }
     predicted = _outlook(problem, start) | regularisation(problem, expected) | _advice(problem)
-    form = {"auto_form": {"form": problem.choice.form.name, "because": problem.choice.because}}
-    return {**form, "at_start": quantities, **predicted, "expected": expected}
+    facts = {"auto_form": problem.auto_form, "at_start": quantities}
+    return {**facts, **predicted, "expected": expected}
 
 
 def at_start(problem: Problem) -> dict[str, float]:

@@ -18,7 +18,7 @@ from ..mechanics.event import Event
 from ..mechanics.friction import has_parts
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
-from ..scenario.own_records import is_users
+from ..scenario.identity import is_user_defined
 from .event_log import LogReport
 
 
@@ -229,7 +229,7 @@ def _lost(progress: RunProgress) -> str:
     if not progress.problem.system.frictional:
         law = "the equations of the system are singular or too stiff"
     stiff = f"the coordinates are regular there, so {law}"
-    if any(is_users(event.formula) for event in progress.problem.system.events):
+    if any(is_user_defined(event.formula) for event in progress.problem.system.events):
         stiff += ", or the formula of an event of yours is singular"
     if t == 0 and is_infinite:
         stiff += ", or a number of the start, the body or the law is too large"

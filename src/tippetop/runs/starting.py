@@ -15,7 +15,7 @@ from ..errors import InputError, StoreError
 from ..mechanics.system import System
 from ..problem import Problem
 from ..scenario import build, reading
-from ..scenario.own_records import OWN
+from ..scenario.identity import DIGESTS
 from ..store import ledger, root
 
 
@@ -143,7 +143,7 @@ def _without_own(attrs: dict[str, Any]) -> dict[str, Any]:
     know.
     """
     run = {key: value for key, value in attrs["run"].items() if key != "columns"}
-    return {key: value for key, value in attrs.items() if key != OWN} | {
+    return {key: value for key, value in attrs.items() if key != DIGESTS} | {
         "run": run | {"events": []}
     }
 

@@ -1,8 +1,7 @@
-"""A scenario's tables become a checked Problem, or sentences that say all that is wrong
-with them.
-"""
+"""A scenario's tables become a checked Problem, or sentences on all that is wrong with them."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,83 +10,90 @@ from pydantic import ValidationError
 from ..arguments import measured, path_of, plain
 from ..errors import InputError, first_sentences, suggestion
 from ..mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
-from ..mechanics.contact.restitution import CONTACT, STEM
-from ..mechanics.friction import LAWS
+from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw
+from ..mechanics.friction import LAWS, FrictionLaw
 from ..mechanics.quantity import worked_out
-from ..mechanics.system import System
+from ..mechanics.system import Form, System
 from ..mechanics.systems import SYSTEMS, find, load_entry_points
 from ..mechanics.units import SECOND, Unit
 from ..problem import (
-    AUTO,
+    KEYFRAME_STEPS,
     TURN,
     Problem,
-    choice,
     column_faults,
     column_names,
-    kept_faults,
-    shape_faults,
+    sensitivity_faults,
 )
-from ..problem.options import KEYFRAME_STEPS, NUMBERS, RunOptions
-from .contact import contact_faults, contact_tables, on_stem, rules_of, system_with_contact
+from ..problem.options import UNITS, RunOptions
+from ..sampling import EvenTimes, ListedTimes
+from .contact import contact_faults, on_stem, rules_of, system_with_contact
+from .identity import changed_records, missing_records, user_records
 from .law_change import law_name
-from .own_records import other_records, own_records
 from .reading import override, read, times_until
 from .schema import scenario_model
 from .sentences import scenario_sentence
 
 
 # [rad] where z = cos(theta) is integrated: its rounding changes theta by 2.2e-15/theta in 4 s,
-NEAREST_POLE = 1e-3
 # measured against the vector form from 1.9e-5 to 0.3 rad. As sqrt(t), that is the promise, 1e-10
 # rad, after 1e4 s
+NEAREST_POLE = 1e-3
 
-
-# --- checking -----------------------------------------------------------------------------------
+TABLES = ("system", "form", "parameters", "friction", "contact", "stem", "initial", "run")
 
 
 def problem(
     tables: dict[str, Any], known: System | None = None, origin: dict[str, Any] | None = None
 ) -> Problem:
-    """The checked Problem of a scenario's tables.
+    """Return the checked Problem of a scenario's tables.
 
-    Raises InputError with every fault that was found.
+    Parameters
+    ----------
+    tables
+        The scenario.
+    known
+        The record of the system, if it is not the registered one of that name.
+    origin
+        The exact state in which the run starts, if that is the end of another.
 
-    `known` is the record of the system, where it is not the registered one of that name; `origin`
-    the exact state in which the run starts, where that is the end of another.
+    Raises
+    ------
+    InputError
+        With every fault that was found.
     """
     system = system_with_contact(known or system_of(tables), tables)
     name = law_name(tables)
     if name is not None and name not in system.laws:
         load_entry_points()
     tables = worked_out(tables, units_of(system, tables))
-    shape = scenario_model(system)
     try:
-        scenario: Any = shape.model_validate(tables)
+        scenario: Any = scenario_model(system).model_validate(tables)
     except ValidationError as error:
         errors = error.errors(include_url=False)
-        sentences = first_sentences(errors, lambda e: scenario_sentence(e, system, tables, shape))
-        raise InputError(sentences) from None
-    parameters = scenario.parameters.model_dump()
-    initial = {
-        k: v for k, v in scenario.initial.model_dump().items() if v is not None and v is not False
+        raise InputError(
+            first_sentences(errors, lambda e: scenario_sentence(e, system, tables))
+        ) from None
+    given: dict[str, Any] = {
+        key: tuple(v) if isinstance(v, list) else v for key, v in dict(scenario.run).items()
     }
-    asked: dict[str, Any] = {
-        key: tuple(v) if isinstance(v, list) else v for key, v in scenario.run.model_dump().items()
-    }
-    run = RunOptions(**asked)
+    run = RunOptions(**given)
     system = system.with_requested(run.columns or ())
     law = system.laws[scenario.friction.law] if system.frictional else LAWS["none"]
-    form = choice(system).form if scenario.form == AUTO else system.forms[scenario.form]
+    form = system.forms.get(scenario.form) or next(iter(system.forms.values()))
     known_columns = column_names(system, form, run.orientation is not False, run.precision)
-    values = scenario.friction.model_dump() if system.frictional else {}
+    columns = run.columns
+    if columns is not None or known not in (None, find(system.name)):  # the store names them
+        columns = tuple(n for n in known_columns if run.columns is None or n in run.columns)
     rules, kinds = rules_of(scenario, system), tuple(event.name for event in system.events)
-    turns = any(name in TURN for name in (TURN if run.columns is None else run.columns))
-    del asked["output_step"], asked["output_times"]
-    asked |= {
+    parameters = dict(scenario.parameters)
+    initial = {k: v for k, v in dict(scenario.initial).items() if v is not None and v is not False}
+    turns = run.columns is None or any(name in TURN for name in run.columns)
+    del given["output_step"], given["output_times"]
+    given |= {
         "events": kinds if run.events is None else run.events,
         "on_liftoff": run.on_liftoff or ("stop" if system.contact is None else "fly"),
         "keyframe_steps": run.keyframe_steps or KEYFRAME_STEPS,
-        "columns": _columns(run.columns, known_columns, known),
+        "columns": columns,
         "orientation": turns if run.orientation is None else run.orientation,
         "sensitivities": run.sensitivities or (),
     }
@@ -95,12 +101,12 @@ def problem(
         system=system,
         form=form,
         parameters=parameters,
-        friction=law._make(values[name] for name in law.parameters),
+        friction=law._make(getattr(scenario.friction, key) for key in law.parameters),
         initial=on_stem(initial, parameters.get("R", 0.0), rules),
         times=run.rows(),
         contact=rules,
         origin=origin,
-        **asked,
+        **given,
     )
     faults = [
         *system.checks(parameters),
@@ -108,54 +114,65 @@ def problem(
         *contact_faults(built),
         *_pole_faults(built),
         *run.option_faults(kinds),
-        *column_faults(run.columns or [], known_columns, run.orientation),
-        *kept_faults(built),
-    ] or built.start_faults()
+        *column_faults(run.columns or (), known_columns, run.orientation),
+        *sensitivity_faults(built),
+    ] or [sentence for _, sentence in built.alone.check()[1]]
     if faults:
         raise InputError(faults)
     vars(built)["checked"] = True
     return built
 
 
+KINDS: dict[str, Any] = {
+    "system": System,
+    "form": Form,
+    "parameters": Mapping,
+    "friction": FrictionLaw,
+    "initial": Mapping,
+    "times": EvenTimes | ListedTimes,
+    "events": tuple | list,
+    "columns": tuple | list | None,
+    "sensitivities": tuple | list,
+    "contact": ContactLaw | None,
+}
+"""The types of fields that are read before a problem is checked."""
+
+
 def checked(given: Problem) -> Problem:
-    """A problem that was checked as it is; any other, such as dataclasses.replace makes, as its
-    scenario would give it. Raises InputError.
+    """Return a problem that was checked, or check one that dataclasses.replace made.
+
+    Raises InputError.
     """
     if given.checked:
         return given
-    if faults := shape_faults(given):
+    faults = [
+        f"`{name}` of a Problem must be a {getattr(kind, '__name__', kind)}, but is "
+        f"{getattr(given, name)!r:.60}."
+        for name, kind in KINDS.items()
+        if not isinstance(getattr(given, name), kind)
+    ]
+    if faults:
         raise InputError(faults)
-    known = given.system if given.system.contact is None or any(own_records(given.system)) else None
-    return problem(plain(resolved(given)), known, given.origin)
-
-
-def _columns(
-    asked: tuple[str, ...] | None, all_columns: tuple[str, ...], known: System | None
-) -> tuple[str, ...] | None:
-    """The columns that rows have, None for all; by name where the system is not the registered one,
-    so that its store says which columns it has.
-    """
-    if asked is None and (known is None or known is find(known.name)):
-        return None
-    return tuple(name for name in all_columns if asked is None or name in asked)
+    opened = given.system.contact is not None and not any(user_records(given.system))
+    return problem(plain(resolved(given)), None if opened else given.system, given.origin)
 
 
 def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit]]:
-    """What the numbers of a scenario measure, by table and key: where a text may stand for one."""
+    """Return the units of the numbers of a scenario, by table and key."""
     law = system.laws.get(law_name(tables) or "")
-    rules = {
+    rules: dict[str, Any] = {
         "parameters": system.parameters,
-        "friction": law.parameters if law else {},
+        "friction": law.given(tables["friction"]).parameters if law else {},
         "initial": system.initial,
         "stem": STEM,
         "contact": CONTACT,
     }
     units = {table: {name: rule.unit for name, rule in its.items()} for table, its in rules.items()}
-    return units | {"run": NUMBERS}
+    return units | {"run": UNITS}
 
 
 def system_of(tables: dict[str, Any]) -> System:
-    """The registered system that a scenario names. Raises InputError."""
+    """Return the registered system that a scenario names. Raises InputError."""
     name = tables.get("system")
     system = find(name) if isinstance(name, str) else None
     if system is None:
@@ -168,17 +185,27 @@ def system_of(tables: dict[str, Any]) -> System:
 def load(
     source: str | Path, assignments: list[str] | None = None, until: float | None = None
 ) -> Problem:
-    """The checked Problem of a TOML file or a preset, with `--set` assignments and another end: as
-    `tippetop.load`, but of a run that does not start from another. Raises InputError.
+    """Return the checked Problem of a TOML file or a preset that starts from no other run.
+
+    Parameters
+    ----------
+    source
+        The file, or the name of the preset.
+    assignments
+        `table.key=value` texts, as `--set` takes them.
+    until
+        Another end of the run [s].
+
+    Raises
+    ------
+    InputError
     """
     tables = override(read(str(path_of("source", source))), assignments or [])
     return problem(tables if until is None else ending(tables, until))
 
 
 def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:
-    """The tables with another `run.until`, which may be a text with a unit; output times beyond it
-    go.
-    """
+    """Return the tables with another `run.until`, a number or a text, and no later output times."""
     until = measured("until", until, SECOND)
     tables = override(tables, [f"run.until={until!r}"])
     times = tables["run"].get("output_times")
@@ -188,98 +215,68 @@ def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:
 
 
 def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
-    """The tables that a store's root attributes hold: what `resolved` wrote."""
-    names = ("system", "form", "parameters", "friction", "contact", "stem", "initial", "run")
-    return {name: attrs[name] for name in names if name in attrs}
+    """Return the tables in a store's root attributes: those of `resolved`."""
+    return {name: attrs[name] for name in TABLES if name in attrs}
 
 
 def stored(
     attrs: dict[str, Any], until: float | None = None, known: System | None = None
 ) -> Problem:
-    """The Problem of a store's root attributes, or one with another end.
+    """Return the Problem of a store's root attributes, or one with another end.
 
-    Raises InputError; so it does where an event or a column is not the one that the run was made
-    with.
+    Parameters
+    ----------
+    attrs
+        The root attributes.
+    until
+        Another end [s].
+    known
+        The record of its system, if that has user-defined events and columns.
 
-    `known` is the record of its system where that has events and columns of the user's own."""
+    Raises
+    ------
+    InputError
+        Also if an event or a column is not the one that the run was made with.
+    """
     tables = tables_of(attrs)
-    try:
-        result = problem(
-            tables if until is None else ending(tables, until), known, origin=attrs.get("start")
+    if names := missing_records(attrs, known or system_of(tables)):
+        raise InputError(
+            f"the run has {', '.join(f'`{name}`' for name in names)}, which {attrs['system']} has "
+            "not: give the records that it was made with, as in Python "
+            "tippetop.resume(path, events=[...], columns=[...]); tippetop.open takes them too."
         )
-    except InputError:
-        if own := own_names(attrs, known):
-            raise InputError(_give(own, attrs["system"])) from None
-        raise
-    if faults := other_records(attrs, result, known):
+    result = problem(
+        tables if until is None else ending(tables, until), known, origin=attrs.get("start")
+    )
+    if faults := changed_records(attrs, result, known):
         raise InputError(faults)
     return result
 
 
-def own_names(attrs: dict[str, Any], known: System | None = None) -> list[str]:
-    """The events and columns of a stored run that its system does not have: whoever made it gave
-    them.
-    """
-    system = known or system_of(tables_of(attrs))
-    if "contact" in attrs:  # takes none
-        return []
-    events = {event.name for event in system.events}
-    form = system.forms.get(attrs["form"], next(iter(system.forms.values())))
-    columns = {
-        "time",
-        *TURN,
-        *column_names(system, form, orientation=True, precision=attrs["precision"]),
-    }
-    run = attrs["run"]
-    return [n for n in run["events"] if n not in events] + [
-        n for n in run.get("columns", ()) if n not in columns
-    ]
-
-
-def _give(own: list[str], system: str) -> str:
-    names = ", ".join(f"`{name}`" for name in own)
-    return (
-        f"the run has {names}, which {system} has not: give the records that it was made with, "
-        "as in Python "
-        "tippetop.resume(path, events=[...], columns=[...]); tippetop.open takes them too."
-    )
-
-
 def resolved(problem: Problem) -> dict[str, Any]:
-    """The scenario as it was understood, defaults filled in: plain data, also what the
-    store keeps.
-    """
-    return {
-        "system": problem.system.name,
-        "form": problem.form.name,
-        "parameters": dict(problem.parameters),
-        **(
-            {"friction": {"law": problem.law_name, **problem.friction._asdict()}}
-            if problem.system.frictional
-            else {}
-        ),
-        **contact_tables(problem),
-        "initial": dict(problem.initial),
-        "run": problem.table(),
-    }
+    """Return the scenario with all defaults as plain data, which a store keeps too."""
+    tables: dict[str, Any] = {name: dict(table) for name, table in problem.tables.items()}
+    tables["run"] = problem.table()
+    if problem.system.frictional:
+        tables["friction"] = {"law": problem.law_name, **tables["friction"]}
+    else:
+        del tables["friction"]
+    if problem.contact is not None:
+        tables["contact"] = {"restitution": problem.contact.restitution, **tables["contact"]}
+    return {"system": problem.system.name, "form": problem.form.name, **tables}
 
 
 def _pole_faults(problem: Problem) -> list[str]:
+    """Return a sentence on a start too near a pole where the form is singular."""
+    theta = problem.initial.get("theta", 0.0)
+    near, form = min(theta, math.pi - theta), f'where form = "{problem.form.name}" is singular'
     if AWAY_FROM_POLE not in problem.form.domains:
         return []
-    name, theta = problem.form.name, problem.initial.get("theta", 0.0)
-    if (
-        "z_dot" in problem.variables.names
-        and 0 < (near := min(theta, math.pi - theta)) < (1 - 1e-9) * NEAREST_POLE
-    ):
-        return [
-            f"`initial.theta` must be at least {NEAREST_POLE:g} rad from the poles 0 and pi "
-            "where form = "
-            f'"{name}" is singular, but is {near:.3g} from one: form = "vector" can.'
-        ]
-    if theta not in (0.0, math.pi):
+    if near == 0:
+        return [f'`initial.theta` must not be 0 or pi {form}; form = "vector" can.']
+    if "z_dot" not in problem.variables.names or not 0 < near < (1 - 1e-9) * NEAREST_POLE:
         return []
     return [
-        f'`initial.theta` must not be 0 or pi where form = "{name}" is singular; form = '
-        '"vector" can.'
+        f"`initial.theta` must be at least {NEAREST_POLE:g} rad from the poles 0 and pi {form}, "
+        f'but is {near:.3g} from one: form = "vector" can.'
     ]

@@ -1,14 +1,10 @@
-"""Numbers of a friction law when the law changes: the same name may measure something else."""
+"""Numbers of a friction law when the law changes: a name may have another unit in the new law."""
 
 from collections.abc import Collection, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..errors import InputError
 from ..mechanics.units import ONE, Unit
-
-
-if TYPE_CHECKING:
-    from ..mechanics.friction import FrictionLaw
 
 
 def change_law(before: Mapping[str, Any], after: dict[str, Any], given: Collection[str]) -> None:
@@ -30,42 +26,35 @@ def change_law(before: Mapping[str, Any], after: dict[str, Any], given: Collecti
     names = law_name(before), law_name(after)
     if None in names or names[0] == names[1]:
         return
-    old, new = _law(before, names[0]), _law(after, names[1])
-    if old is None or new is None:
+    from ..mechanics.systems import find, laws_of  # half a second, needed only here
+
+    found = [
+        laws_of(system).get(str(name)) if (system := find(str(tables.get("system")))) else None
+        for tables, name in zip((before, after), names, strict=True)
+    ]
+    if None in found:
         return
+    old, new = (law.parameters for law in found if law)
     numbers, faults = after["friction"], []
-    for name in set(old.parameters) - set(new.parameters) - set(given):
-        numbers.pop(name, None)
-    for name, rule in new.parameters.items():
-        if name not in old.parameters or name not in numbers or name in given:
-            continue
-        unit = old.parameters[name].unit
-        if rule.unit != unit:
+    for name in old.keys() & numbers.keys() - {*given}:
+        value, unit = numbers[name], old[name].unit
+        if name not in new:
+            del numbers[name]
+        elif new[name].unit != unit:
             faults.append(
-                f"`friction.{name}` must be given anew: `{names[1]}` takes it {_in(rule.unit)}, "
-                "but "
-                f"{numbers[name]} is that of `{names[0]}`, {_in(unit)} (--set friction.{name}=...)."
+                f"`friction.{name}` must be given anew: `{names[1]}` takes it "
+                f"{_in(new[name].unit)}, but {value} is that of `{names[0]}`, {_in(unit)} "
+                f"(--set friction.{name}=...)."
             )
     if faults:
         raise InputError(faults)
 
 
 def law_name(tables: Mapping[str, Any]) -> str | None:
-    """Return the name of the law that tables give; None where there is none, or no text."""
+    """Return the name of the law in the tables of a scenario; None if there is none."""
     friction = tables.get("friction")
     name = friction.get("law") if isinstance(friction, dict) else None
     return name if isinstance(name, str) else None
-
-
-def _law(tables: Mapping[str, Any], name: str | None) -> "type[FrictionLaw] | None":
-    """Return a law of the system of a scenario; None if the system or the law is not known."""
-    from ..mechanics.systems import (
-        find,
-        laws_of,
-    )  # half a second, which scenarios that keep their law do without
-
-    system = find(tables["system"]) if isinstance(tables.get("system"), str) else None
-    return laws_of(system).get(name or "") if system is not None else None
 
 
 def _in(unit: Unit) -> str:

@@ -11,8 +11,8 @@ def plan() -> list[Section]:
             "A plan",
             "A TOML file that says how the tops of a sweep differ.",
             KEYS,
-            keys_of(PlanTable, {}),
+            keys_of(PlanTable),
         ),
-        Section("[[axis]]", "", KEYS, keys_of(AxisTable, {})),
-        Section("[sample]", "", KEYS, keys_of(SampleTable, {})),
+        Section("[[axis]]", "", KEYS, keys_of(AxisTable)),
+        Section("[sample]", "", KEYS, keys_of(SampleTable)),
     ]

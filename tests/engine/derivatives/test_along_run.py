@@ -194,7 +194,7 @@ def test_a_flag_and_a_number_that_is_not_given() -> None:
     ("preset", "wrt", "words"),
     [
         ("inverting", ["friction.nu"], "friction.mu"),
-        ("inverting", ["run.until"], "must be a number of the body"),
+        ("inverting", ["run.until"], "must be one of parameters.m"),
         ("inverting", ["initial.psi_dot"], "must stand alone"),
         ("inverting", ["friction.mu", "friction.mu"], "must be given once"),
         ("leine-glocker-stem", ["friction.mu"], "set-valued"),

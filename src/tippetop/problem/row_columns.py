@@ -1,4 +1,4 @@
-"""What the rows of a run say, by name, and which of it a scenario asks for."""
+"""The names of the columns of a run."""
 
 from collections.abc import Collection
 
@@ -7,23 +7,21 @@ from ..mechanics.system import Form, System
 from ..mechanics.variables import Variables
 
 
-TIME = "time"  # a column of every run, whatever is asked for
-TURN = ("psi", "orientation")  # what needs the turn of the body about its axis
-PSI = (
-    "turn psi of the body about its axis, from 1hat, in (-pi, pi]; undefined (NaN) exactly at "
-    "a pole"
-)
+TIME = "time"  # a column of every run
+TURN = ("psi", "orientation")  # columns that need the turn of the body about its axis
+PSI = "turn psi of the body about its axis, from 1hat, in (-pi, pi]; undefined (NaN) at a pole"
 ORIENTATION = "unit quaternion that turns body axes into space axes, w >= 0"
 
 
 def column_names(system: System, form: Form, orientation: bool, precision: str) -> tuple[str, ...]:
-    """The columns that a run can have beside the time; in wider precisions each may have a second
-    one, `name_lo`.
+    """Return the columns that a run can have in addition to the time.
+
+    In wider precisions each may have a second one, `name_lo`.
 
     Parameters
     ----------
     system, form
-        What moves, and how it is written.
+        The equations, and how they are written.
     orientation
         Whether the turn of the body about its axis is integrated.
     precision
@@ -38,22 +36,20 @@ def column_names(system: System, form: Form, orientation: bool, precision: str) 
     if orientation and form.orientation:
         turn = TURN if form.orientation.psi else ("orientation",)
     quantities = [q.name for q in system.quantities if q.meanings or q.is_column]
-    states = (
-        [f"state_{name}" for name in Variables(form, orientation).names]
-        if precision == "quad"
-        else []
-    )
+    variables = Variables(form, orientation).names if precision == "quad" else ()
+    states = [f"state_{name}" for name in variables]
     return (*system.angles._fields, *system.vectors, *turn, *quantities, *states)
 
 
 def column_faults(
     asked: Collection[str], known: Collection[str], orientation: bool | None
 ) -> list[str]:
-    """Sentences on columns that are asked for and that the run cannot have; `orientation` as the
-    scenario gives it.
+    """Return sentences on columns that the run cannot have.
+
+    `orientation` is that of the scenario, None if it is left out.
     """
     faults = []
-    for name in asked:
+    for name in dict.fromkeys(asked):
         if name in TURN and orientation is False:
             faults.append(
                 f"`run.orientation` must be true where `run.columns` has {name!r}, but is false."

@@ -1,6 +1,4 @@
-"""Which problems have derivatives by their numbers, and by which of them: what is wrong, in
-sentences.
-"""
+"""Whether a problem has derivatives by its numbers, and by which of them."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -10,26 +8,27 @@ from .faults import key_faults
 
 
 if TYPE_CHECKING:
-    from .one import Problem
+    from .problem import Problem
 
 
-NO_NUMBERS = ("run.", "contact.", "stem.")  # tables whose numbers a motion has no derivatives by
+EXCLUDED = ("run.", "contact.", "stem.")  # tables: a motion has no derivatives by their numbers
 MOST_DERIVATIVES = 1_000_000  # rows times numbers: 400 MB of states and columns
 
 
 def derivative_faults(problem: "Problem") -> list[str]:
-    """Why a run has no derivatives, or none that is computed; empty if it has."""
+    """Return why a run has no derivatives, or none that is computed; empty if it has."""
     if problem.system.is_hybrid:
         why = (
-            "sticks and slips under a set-valued law"
+            "is a disc, which may come to rest"
+            if problem.law.regions
+            else "sticks and slips under a set-valued law"
             if problem.law.set_valued
             else "may open and close"
         )
-        why = "is a disc, which may come to rest" if problem.law.regions else why
         return [
             "the contact must never change for derivatives to exist along the run, but this "
-            f"one {why}: give a smooth "
-            'law (a Coulomb law with `eps`), and no [contact], no [stem], no `on_liftoff = "fly"`.'
+            f"one {why}: give a smooth law (a Coulomb law with `eps`), and no [contact], no "
+            '[stem], no `on_liftoff = "fly"`.'
         ]
     if problem.precision != "double":
         return [f'`run.precision` must be "double" for derivatives, but is "{problem.precision}".']
@@ -42,34 +41,23 @@ def derivative_faults(problem: "Problem") -> list[str]:
 
 
 def name_faults(problem: "Problem", wrt: Sequence[str]) -> list[str]:
-    """What is wrong with names that derivatives are asked by, in sentences."""
-    faults = []
-    for name in wrt:
-        if name.startswith(NO_NUMBERS):
-            faults.append(
-                f"`{name}` must be a number of the body, the friction law or the start, but is "
-                "none."
-            )
+    """Return sentences on the names of the numbers by which there are derivatives."""
     twice = dict.fromkeys(name for name in wrt if list(wrt).count(name) > 1)
-    faults += [f"`{name}` must be named once, but is named twice." for name in twice]
-    faults += key_faults(
-        problem, [name for name in wrt if not name.startswith(NO_NUMBERS)], without=NO_NUMBERS
-    )
+    faults = [f"`{name}` must be named once, but is named twice." for name in twice]
+    faults += key_faults(problem, wrt, without=EXCLUDED)
     initial = [name.partition(".")[2] for name in wrt if name.startswith("initial.")]
     given = [name for name, value in problem.initial.items() if value is not False]
     return faults or problem.system.clashes([*given, *initial])
 
 
 def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
-    """Raises InputError for a run that has no derivatives, and for wrong names."""
+    """Raise InputError for a run that has no derivatives, and for wrong names."""
     if faults := derivative_faults(problem) or name_faults(problem, wrt):
         raise InputError(faults)
 
 
-def kept_faults(problem: "Problem") -> list[str]:
-    """What is wrong with the derivatives that a run is to keep (`run.sensitivities`),
-    in sentences.
-    """
+def sensitivity_faults(problem: "Problem") -> list[str]:
+    """Return sentences on the derivatives that a run is to keep (`run.sensitivities`)."""
     wrt = problem.sensitivities
     if not wrt:
         return []
@@ -82,7 +70,6 @@ def kept_faults(problem: "Problem") -> list[str]:
     if rows > most:
         return [
             f"`run.output_step` must give at most {most:,} rows where `run.sensitivities` names "
-            f"{len(wrt)}, but gives "
-            f"{rows:,}."
+            f"{len(wrt)}, but gives {rows:,}."
         ]
     return derivative_faults(problem) or name_faults(problem, wrt)

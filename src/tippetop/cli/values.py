@@ -1,0 +1,33 @@
+"""Types of arguments: whole numbers, quantities with units, and paths."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter, Token
+
+from ..arguments import measured, path_of, whole
+from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, ONE, SECOND, Unit
+
+
+def _read(read: Callable[[str, str], Any], hyphen: bool = True) -> Parameter:
+    """Declare an argument that a function reads from its name and its text."""
+
+    def convert(_: Any, tokens: Sequence[Token]) -> Any:
+        return read(tokens[0].keyword or "the argument", tokens[0].value)
+
+    return Parameter(converter=convert, allow_leading_hyphen=hyphen)
+
+
+def _in(unit: Unit) -> Parameter:
+    """Declare a quantity in a unit; it may be negative."""
+    return _read(lambda name, text: measured(name, text, unit))
+
+
+Whole = Annotated[int, _read(lambda name, text: whole(name, measured(name, text, ONE)))]
+Seconds = Annotated[float, _in(SECOND)]
+Routh = Annotated[float, _in(ANGULAR_MOMENTUM)]
+Jellett = Annotated[float, _in(JELLETT)]
+Place = Annotated[Path, _read(path_of, hyphen=False)]

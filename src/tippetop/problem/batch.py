@@ -1,0 +1,262 @@
+"""Runs that differ only in numbers, arrays of shape (n,), and their internal units.
+
+The numbers of a single run are computed here too: it is the case n = 1.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..mechanics.caching import cached_property
+from ..mechanics.moment import Moment, moment
+from ..mechanics.operand import leaves, refill
+from ..mechanics.units import SECOND, Scales, Unit
+from ..mechanics.variables import Variables
+from .faults import contradictions, start_faults, variation_faults
+
+
+if TYPE_CHECKING:
+    from .problem import Problem
+
+
+ROUNDING = 1e-9  # of the numbers that a system declares to be 0 or 1
+
+
+@dataclass(frozen=True, eq=False)
+class Problems:
+    """n runs that differ only in numbers: `columns` has arrays (n,), SI, by dotted key.
+
+    A run's numbers depend on its own alone, to the bit. Units are converted in 80 bits, or in the
+    precision of the base if that is wider; the numbers of an integrator are rounded once.
+    """
+
+    base: "Problem"
+    columns: Mapping[str, np.ndarray]
+    orientation: bool = False  # whether the turn of the body about its axis is integrated too
+    state: np.ndarray | None = None  # internal, (variables, 1): where a run starts from another
+
+    @classmethod
+    def vary(
+        cls, base: "Problem", columns: Mapping[str, Any], orientation: bool = False
+    ) -> "Problems":
+        """Return problems of arrays or lists (n,); `check` finds faults of single numbers.
+
+        Parameters
+        ----------
+        base
+            The problem that varies.
+        columns
+            Arrays (n,), SI, by dotted key.
+        orientation
+            Whether the turn of the body about its axis is integrated too.
+
+        Returns
+        -------
+        Problems
+
+        Raises
+        ------
+        InputError
+            If a key or a shape is wrong.
+        """
+        sentences = variation_faults(base, columns)
+        if base.origin is not None:
+            sentences = ["`initial.from` must be the start of a single run, but there are many."]
+        if sentences:
+            raise InputError(sentences)
+        arrays = {key: np.array(values, dtype=float) for key, values in columns.items()}
+        return cls(base, arrays, orientation)
+
+    @property
+    def n(self) -> int:
+        """Return the number of runs."""
+        return len(next(iter(self.columns.values()))) if self.columns else 1
+
+    def given(self, table: str) -> dict[str, Any]:
+        """Return the numbers of a table by name: arrays where they vary."""
+        varied = {
+            key.removeprefix(f"{table}."): values
+            for key, values in self.columns.items()
+            if key.startswith(f"{table}.")
+        }
+        base = self.base.tables[table]
+        if table == "initial":
+            return self.base.system.replaced(base, varied)
+        return {**base, **varied}
+
+    @cached_property
+    def _single(self) -> bool:
+        """Whether numbers replace arrays of one: they are faster, and give the same bits."""
+        return not self.columns and self.base.exact is np.longdouble
+
+    def _wide(self, value: Any) -> Any:
+        """Return a number or a column, (n,), in the type in which units are converted."""
+        if isinstance(value, bool):
+            return value
+        if self._single:
+            return np.longdouble(value)
+        value = np.asarray(value, dtype=self.base.exact)
+        return value if value.ndim else np.full(self.n, value)
+
+    def body(self, number: Callable) -> Any:
+        """Return the bodies in SI units, with numbers passed through `number`."""
+        friction = self.base.friction
+        friction = friction._replace(**self.given("friction")) if self.columns else friction
+        return self.base.system.body_of(self.given("parameters"), friction, number)
+
+    @cached_property
+    def _body(self) -> Any:
+        body = self.body(self._wide)
+        return refill(body, map(self._wide, leaves(body)))  # some may be constants
+
+    @cached_property
+    def scales(self) -> Scales:
+        """The internal units of mass, length and time, (n,)."""
+        return Scales(*map(np.atleast_1d, self._scales))
+
+    @cached_property
+    def _scales(self) -> Scales:
+        """The internal units, (n,) or numbers.
+
+        Time is in the power of two seconds that is nearest sqrt(length/g), or in seconds without
+        `g`: times convert without rounding, so that output and event times are exact.
+        """
+        mass, length = map(self._wide, self.base.system.scales(self._body))
+        length = length * self._wide(self.base.form.length_unit)
+        gravity = getattr(self._body, "g", length)  # without gravity the unit is a second
+        ratio = np.sqrt(length.astype(float) / gravity.astype(float))
+        return Scales(mass, length, (2.0 ** np.round(np.log2(ratio))).astype(self.base.exact))
+
+    def unit(self, unit: Unit) -> np.ndarray:
+        """Return the SI value of one internal unit, (n,), doubles."""
+        return self.scales.of(unit).astype(float)
+
+    @cached_property
+    def weights(self) -> list:
+        """The SI value of one internal unit of each integrated variable, (n,) or a number each."""
+        return self.variables.weights(self._scales)
+
+    @cached_property
+    def variables(self) -> Variables:
+        """The integrated variables."""
+        return Variables(self.base.form, self.orientation)
+
+    @cached_property
+    def pars(self) -> np.ndarray:
+        """The leaves of the bodies in internal units, (leaves, n), in the working precision."""
+        system = self.base.system
+        units = leaves(system.body_units(self.base.law.units()))
+        values = zip(leaves(self._body), units, strict=True)
+        body = refill(self._body, (value / self._scales.of(unit) for value, unit in values))
+        folds = system.folds(self.base.form)
+        names = [name for name, v in body._asdict().items() if not isinstance(v, tuple)]
+        for name, value in folds.items():  # the equations have it for 0 or 1
+            if name not in names:
+                raise InputError(
+                    f"`normalised_to` of `{system.name}` must name numbers of its body "
+                    f"({', '.join(names)}), but has `{name}`."
+                )
+            numbers = np.atleast_1d(getattr(body, name)).astype(float)
+            far = abs(numbers - value) > ROUNDING  # NaN is refused elsewhere
+            if far.any():
+                raise InputError(
+                    f"`normalised_to` of `{system.name}` must hold in its internal units "
+                    "(`scales`; the unit of time is a power of two seconds), but "
+                    f"`{name}` is {numbers[far][0]:.6g} there, not {value:g}."
+                )
+        return self._rounded(leaves(body._replace(**folds)))
+
+    @cached_property
+    def internal_body(self) -> Any:
+        """The bodies in internal units; numbers that are 0 or 1 by construction are exact."""
+        return self.body_of_pars(self.pars)
+
+    def body_of_pars(self, pars: np.ndarray) -> Any:
+        """Return the bodies of leaves (leaves, n), as `internal_body`."""
+        return refill(self._body, iter(pars))._replace(**self.base.system.folds(self.base.form))
+
+    @cached_property
+    def start(self) -> np.ndarray:
+        """The internal states at t = 0, (variables, n), in the working precision."""
+        if self.state is not None:
+            return self.state
+        data = {name: self._wide(value) for name, value in self.given("initial").items()}
+        theta = np.atleast_1d(data.get("theta", self._wide(0.0)))
+        s, z = np.sin(theta), np.cos(theta)
+        pole = theta.astype(float) == math.pi  # 3.141592653589793 means the pole
+        s[pole], z[pole] = 0, -1
+        if self._single:
+            theta, s, z = theta[0], s[0], z[0]
+        angles = self.base.system.start(data, s, z, self._body)
+        q, carried = self.variables.start(data, angles, s, z, self._body)
+        values = zip((*q, *carried), self.weights, strict=True)
+        return self._rounded([(v + 0 * theta) / weight for v, weight in values])
+
+    def _rounded(self, rows: list) -> np.ndarray:
+        """Return rows of numbers or arrays (n,) in the working precision, (rows, n)."""
+        rounded = np.empty((len(rows), self.n), dtype=self.base.number)
+        for i, row in enumerate(rows):
+            rounded[i] = row
+        return rounded
+
+    @cached_property
+    def end(self) -> np.ndarray:
+        """The internal times at which the runs end, (n,), doubles."""
+        return np.asarray(
+            np.broadcast_to(self.given("run")["until"], (self.n,)) / self.unit(SECOND), float
+        )
+
+    def record(self, states: np.ndarray) -> Any:
+        """Return the state record of states (variables, k), in internal units."""
+        return self.variables.split(states)[0]
+
+    def moment(self, states: np.ndarray, body: Any) -> Moment:
+        """Return the arguments of formulas for states (variables, k), in internal units."""
+        return moment(self.base.system, self.base.form, *self.variables.split(states), body)
+
+    def check(self) -> tuple[np.ndarray, list[tuple[int, str]]]:
+        """Return which runs are valid, (n,), and a sentence with its number for each fault.
+
+        Returns
+        -------
+        valid
+            (n,) bool.
+        faults
+            Pairs of the number of a run and a sentence, ascending.
+
+        Notes
+        -----
+        Checks every number that varies, contradictions between parameters, and the start: all that
+        is computed of it must be finite, and there must be a motion.
+        """
+        return self._checked
+
+    @property
+    def valid(self) -> np.ndarray:
+        """Which runs are valid, (n,)."""
+        return self._checked[0]
+
+    @cached_property
+    def _checked(self) -> tuple[np.ndarray, list[tuple[int, str]]]:
+        valid, faults = np.ones(self.n, bool), []
+        for key, column in self.columns.items():
+            rule = self.base.rules[key]
+            broken = np.flatnonzero(rule.broken(column))
+            faults += [(int(i), rule.fault(key, column[i])) for i in broken]
+            valid[broken] = False
+        if any(key.startswith("parameters.") for key in self.columns):
+            clashes = contradictions(self, valid)
+            valid[[i for i, _ in clashes]] = False
+            faults += clashes
+        with np.errstate(all="ignore"):
+            sentences = start_faults(self)
+        for sentence, bad in sentences:
+            if bad.any():
+                faults += [(int(i), sentence) for i in np.flatnonzero(valid & bad)]
+                valid &= ~bad
+        valid.flags.writeable = False
+        return valid, sorted(faults)
