@@ -371,7 +371,7 @@ def _sdf(problem: Problem) -> str:
       </joint>"""
     return f"""<?xml version="1.0"?>
 {_comment(problem, [*sentences, *_settings(problem)])}<sdf version="1.9">
-  <world name="world">
+  <world name="default">
     <gravity>0 0 {_numbers(-body.g)}</gravity>{"" if fixed else floor}
     <model name="top">
       <pose rotation_format="quat_xyzw">{pose}</pose>
