@@ -53,7 +53,7 @@ def test_coulomb_friction_sticks_when_the_literature_s_tops_do(
 
 
 def test_mujoco_tutorial_stays_upright_under_exact_coulomb_friction() -> None:
-    events = datasets(solve(load("mujoco-tutorial")))["events"]
+    events = Run(solve(load("mujoco-tutorial"))).events
     assert events["theta"].max() == pytest.approx(0.002943501, abs=1e-9)
 
 
