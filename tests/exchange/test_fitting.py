@@ -268,3 +268,14 @@ def test_the_command_prints_json_and_writes_a_scenario(
     assert out.is_file()
     assert figure.is_file()
     assert cli.outcome([*arguments, "--out", str(out)]) == 5  # it stands already
+
+
+def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
+    found = tt.fit(
+        film,
+        tt.load("inverting", ["initial.theta=0.5", "initial.omega3=130.0"]),
+        "friction.mu",
+        starts=1,
+    )
+    assert not found.trustworthy
+    assert "the residuals are not noise" in found.reason

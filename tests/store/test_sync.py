@@ -131,3 +131,16 @@ def test_an_unreadable_disk_is_not_a_damaged_store(
     monkeypatch.setattr(Folder, "tip", failing(errno.EIO))
     with pytest.raises(StoreError, match=r"S.zarr` must be readable, but: Input/output error"):
         root.attributes(whole)
+
+
+def test_a_sweep_that_cannot_be_read_is_not_said_to_be_checked(
+    file: Path,
+    whole: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    store = shutil.copytree(whole, tmp_path / "S.zarr")
+    monkeypatch.setattr("tippetop.sweeps.summary.report", failing(errno.EIO))
+    assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == 5
+    assert "was finished" not in capsys.readouterr().err
