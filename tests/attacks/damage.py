@@ -2,10 +2,9 @@
 store gives.
 
 A copy of a store is damaged once (a bit, a length, a missing, swapped, empty or foreign file, a
-value of its JSON, a link, a pipe), and one command reads or continues
-it. What is compared: the JSON of `info`, the bytes of a picture or of a CSV file, all values and
-attributes that `tippetop.open` gives, and of a command that continues a store every file of the
-finished one.
+value of its JSON, a link, a pipe), and one command reads or continues it. What is compared: the
+JSON of `info`, the bytes of a picture or of a CSV file, all values and attributes that
+`tippetop.open` gives, and of a command that continues a store every file of the finished one.
 
 What it cannot see: flags of an unfinished run (they may change until it ends), damage in two places
 that fit each other, a forger who computes digests and checksums again, faults of the disk under the
