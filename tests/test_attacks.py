@@ -11,11 +11,17 @@ import pytest
 
 
 ATTACKS = Path(__file__).parent / "attacks"
+CAMPAIGNS = [
+    "kills",
+    "damage",
+    "scenarios",
+    "extremes",
+]
 
 
 @pytest.mark.parametrize(
     "campaigns",
-    [["scenarios"], pytest.param(["damage", "scenarios", "extremes"], marks=pytest.mark.slow)],
+    [["scenarios"], pytest.param(CAMPAIGNS, marks=pytest.mark.slow)],
     ids=["scenarios", "most"],
 )
 def test_a_few_attacks_find_nothing(campaigns: list[str], tmp_path: Path) -> None:

@@ -10,6 +10,19 @@ from forking import command
 
 
 RUN = ["run", "inverting", "--set", "run.output_step=0.001"]
+# words of runs whose contact changes its phase: on one store flight, slip, roll and the stem are
+# left
+TOUCHING = {
+    "dropped": [
+        "initial.theta=2.6",
+        "initial.gap=0.02",
+        "contact.e_n=0.5",
+        "initial.omega3=60.0",
+        "run.until=0.4",
+    ],
+    "sticking": ["run.until=0.15"],
+    "onto its stem": ["friction.law=viscous", "friction.mu=3.93", "run.until=0.8"],
+}
 PLAN = """
 scenario = "inverting"
 set.run.until = 0.3
@@ -56,6 +69,15 @@ def run(folder: Path, until: float = 0.9) -> Path:
     """A finished run."""
     must(*RUN, "--until", until, "--out", folder / "R.zarr")
     return folder / "R.zarr"
+
+
+def touching(name: str) -> list[object]:
+    """The words of a run whose contact changes its phase, without --out."""
+    return [
+        "run",
+        "leine-glocker-stem",
+        *(w for key in (*TOUCHING[name], "run.output_step=0.0005") for w in ("--set", key)),
+    ]
 
 
 def interrupted(folder: Path, until: float = 0.9) -> Path:
