@@ -63,13 +63,3 @@ def test_a_bar_says_so_while_the_first_thing_is_made(monkeypatch: pytest.MonkeyP
             time.sleep(0.01)
     assert "0/72 tops" in terminal.getvalue()
     assert "starting (compiling)" in terminal.getvalue()
-
-
-def test_a_bar_that_ended_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = Terminal()
-    monkeypatch.setattr("sys.stderr", terminal)
-    monkeypatch.setenv("TERM", "xterm")
-    with progress.Bar("tops") as bar:
-        bar.update(0, 72)
-    bar._starting(0, 72)
-    assert terminal.getvalue() == ""
