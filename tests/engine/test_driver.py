@@ -25,7 +25,7 @@ from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import Solution, solve
-from tippetop.runs.sinks import Memory
+from tippetop.runs.sinks import Memory, Sink
 from tippetop.scenario import build, reading
 
 
@@ -417,7 +417,7 @@ def test_slices_of_any_length_are_one_run() -> None:
 
 def test_nothing_is_asked_of_rows_that_nobody_keeps() -> None:
     integration = Integration(build.load("inverting", None, 0.2))
-    integration.run(Memory(keeps_rows=False))
+    integration.run(Sink())
     assert (integration.status, integration.filled) == (Status.FINISHED, 0)
 
 
