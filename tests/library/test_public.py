@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from nightly import at_night
 
 import tippetop as tt
 from tippetop.runs.recording import record
@@ -80,19 +79,6 @@ def test_help_says_what_goes_in_and_comes_out(name: str) -> None:
         )
 
 
-@pytest.mark.parametrize(
-    "name", [name for name, public in PUBLIC.items() if inspect.isclass(public)]
-)
-def test_every_class_says_what_it_is(name: str) -> None:
-    kind = PUBLIC[name]
-    text = inspect.getdoc(kind) or ""
-    assert text.partition("\n")[0].strip()
-    if kind.__module__.startswith("tippetop.library") and inspect.signature(kind).parameters:
-        assert (
-            re.search(r"^(Parameters|Attributes)\n-+$", text, re.MULTILINE) or name == "StoredRun"
-        )
-
-
 # --- bodies and laws ----------------------------------------------------------------------------
 
 
@@ -111,8 +97,6 @@ def test_a_body_is_checked_when_it_is_made() -> None:
         tt.TippeTop(**bad)
     assert found.value.sentences == from_toml.value.sentences
     assert len(found.value.sentences) == 3
-    with pytest.raises(tt.InputError, match="I3` must be at most 2"):
-        tt.TippeTop(m=1, R=1, alpha=0.5, I1=1, I3=3, g=9.82)
     with pytest.raises(
         tt.InputError,
         match=r"`friction.mu` must be at least 0.0.*\n.*eps` must be greater than 0.0",
@@ -123,8 +107,6 @@ def test_a_body_is_checked_when_it_is_made() -> None:
         match="a Problem must stand alone, but is given beside `until`, `output_step`",
     ):
         tt.run(tt.load("inverting"), until=1.0, output_step=0.1)
-    with pytest.raises(tt.InputError, match=r"`parameters.m` must be a number, but is 'one'"):
-        tt.HeavyTop(m="one", l=1, I1=1, I3=1, g=9.82)  # type: ignore[arg-type]
     mixed = tt.TippeTop(
         m=np.float64(0.02), R=np.array(0.02), alpha=0.3, I1=np.float32(2.0), I3=np.int64(1), g=9.82
     )
@@ -140,9 +122,7 @@ def test_a_body_is_checked_when_it_is_made() -> None:
     [
         (TOP, tt.friction.Viscous(0.3), "tippe-top"),
         (TOP, tt.friction.Coulomb(0.3, 1e-3), "tippe-top"),
-        (TOP, tt.friction.Mixed(0.1, 0.1, 1e-3), "tippe-top"),
-        (TOP, tt.friction.Stribeck(0.1, 0.2, 0.1, 1e-3), "tippe-top"),
-        (TOP, tt.friction.Latitude(0.1, 0.3), "tippe-top"),
+        (TOP, tt.friction.Contensou(0.3, 5e-4), "tippe-top"),
         (TOP, tt.friction.Frictionless(), "tippe-top"),
         (HEAVY, None, "heavy-top"),
         (HEAVY, tt.friction.Viscous(0.3), "gliding-heavy-top"),
@@ -189,7 +169,6 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
     ):
         np.testing.assert_array_equal(other.trajectory["theta"], run.trajectory["theta"])
     assert tt.run("inverting", friction={"mu": 0.2}, until=0.1).problem.friction.mu == 0.2
-    assert tt.run("inverting", {"friction.mu": 0.2}, until=0.1).problem.friction.mu == 0.2
     assert tt.run("inverting", friction={"law": "none"}, until=0.1).summary.friction.law == "none"
     rolling = tt.run("inverting", system="rolling-tippe-top", until=0.1)
     assert rolling.summary.system == "rolling-tippe-top"
@@ -211,7 +190,6 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
         (("inverting", [0.3]), {}, "must be assignments"),
         (("inverting", 0.3), {}, "the friction law must be a record such as Viscous"),
         (("inverting",), {"until": -1.0}, "^`until` must be greater than 0"),
-        (("inverting",), {"until": "soon"}, "^`until` must be a number"),
         (("inverting",), {"events": ["landing"]}, "^`events` must be of turning"),
         (("inverting",), {"start": 0.1}, "^`start` must be a mapping"),
         (("inverting",), {"friction": {"mu": 0.1, "eps": 1.0}}, "friction.eps"),
@@ -236,7 +214,6 @@ def test_misuse_is_one_sentence_in_the_words_of_the_call(
     ("run", "sentence"),
     [
         ({"orientation": False}, "<p>Not shown in motion: "),
-        ({"columns": ["theta"]}, "<p>Not shown in motion: "),
         ({"output_step": 4e-6}, "<p>In motion: .view() makes the page of its 25001 rows.</p>"),
     ],
 )
@@ -252,8 +229,6 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     assert "pi - 0.1 at 6.943" in str(run)
     assert run._repr_html_().startswith("<b>rolling and gliding tippe top")
     assert run.summary.inversion.inverted_at == pytest.approx(6.943, abs=1e-3)
-    assert run.summary["inversion"]["inverted_at"] == run.summary.inversion.inverted_at
-    assert "drift" in dir(run.summary)
     with pytest.raises(AttributeError, match="there is no `colour`"):
         _ = run.summary.colour
     assert max(run.drift.values()) < 1e-13
@@ -268,8 +243,6 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     tree = run.to_datatree()
     assert set(tree.children) == {"trajectory", "events"}
     run.plot("theta", tmp_path / "theta.png")
-    with pytest.raises(tt.InputError, match="kind of figure"):
-        run.plot("moon")
     found = tt.run("inverting", until=0.2)
     assert found.certify().theta < 1e-12
     assert found.summary.certificate.against == "longdouble"
@@ -279,7 +252,6 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     ("preset", "sets"),
     [
         ("inverting", ["run.until=2"]),
-        at_night("rolling", ["run.until=0.5", "run.precision=longdouble"]),
         ("gliding-cylinder", ["run.until=1"]),
     ],
 )
@@ -342,18 +314,6 @@ def test_every_kind_of_store_opens(tmp_path: Path) -> None:
     }
     with pytest.raises(tt.StoreError, match="is a file, not a store"):
         tt.open(tmp_path / "plan.toml")
-
-
-def test_a_run_in_another_thread() -> None:
-    import threading
-
-    found: list = []
-    thread = threading.Thread(target=lambda: found.append(tt.run("inverting", until=0.2)))
-    thread.start()
-    thread.join()
-    np.testing.assert_array_equal(
-        found[0].trajectory["theta"], tt.run("inverting", until=0.2).trajectory["theta"]
-    )
 
 
 # --- many tops ----------------------------------------------------------------------------------
@@ -464,21 +424,8 @@ def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:
 
 # --- arguments that are wrong -------------------------------------------------------------------
 
-NO_PATH = (3, None, 1.5, True, ["x"], b"x", "", np.array(["a"]))
-NO_NUMBER = (
-    None,
-    "x",
-    np.nan,
-    np.inf,
-    True,
-    [1],
-    np.array([1.0, 2.0]),
-    1 + 1j,
-    10**400,
-    {},
-    object(),
-    b"1",
-)
+NO_PATH = (3, None, ["x"], b"x", "")
+NO_NUMBER = (None, "x", np.nan, True, [1], 1 + 1j, 10**400)
 
 
 @pytest.mark.parametrize("value", NO_PATH, ids=repr)
@@ -529,31 +476,18 @@ def test_what_is_something_else_is_refused(run: tt.Run, tmp_path: Path) -> None:
     for sentence, call in {
         "`nope` is neither": lambda: tt.load(Path("nope")),
         "`system` is not a table": lambda: tt.run("inverting", friction={"system.y": 1}, until=0.1),
-        "`form` is not a table": lambda: tt.run(
-            {**tables, "form": "vector"}, friction={"form.y": 1}, until=0.1
-        ),
         "`parameters`": lambda: tt.run(tables, parameters={"m": 0.2}, until=0.1),
         "but has modified": lambda: tt.theory.linear_modes(
             TOP, tt.friction.Modified(mu=0.1, v_k=0.1), omega3=10.0
         ),
         "`law` must be the record of a friction law": lambda: TOP.body(3),
         "`run` must be a Run, but is 3": lambda: tt.theory.reconstruct(3),  # type: ignore[arg-type]
-        "`period` must be greater than 0": lambda: tt.theory.reconstruct(run, period=-1.0),
         "`period` must be longer than the 0.008 s between two rows, but is 1e-300 s": lambda: (
             tt.theory.reconstruct(run, period=1e-300)
         ),
-        "some hundred in each nutation, but has 1": lambda: tt.theory.reconstruct(
-            tt.run("inverting", until=0.1, output_times=[0.0])
-        ),
         "`window` must be greater than 0": lambda: run.certify(0),
         "the kind of figure must be one of .* but is `3`": lambda: run.plot(3),  # type: ignore[arg-type]
-        "the kind of figure must be one of .* but is .*x": lambda: run.plot(["x"]),  # type: ignore[arg-type]
         "must end with the format": lambda: run.plot("theta", tmp_path / "theta"),
-        "must end with the format of a figure": lambda: run.plot("theta", tmp_path / "theta.doc"),
-        "`omega3` must be a number, but is 'a'": lambda: tt.ensemble(
-            "inverting", {"omega3": ["a"]}, until=0.1
-        ),
-        "`threads` must be a whole": lambda: tt.ensemble("inverting", spins, until=0.1, threads=0),
         "`threads` must be a whole number": lambda: tt.ensemble(
             "inverting", spins, until=0.1, threads="x"
         ),  # type: ignore[arg-type]
