@@ -68,6 +68,7 @@ from tippetop.store import root
             "tippe tops only; this is a rolling cylinder.",
         ),
         ("sweep inverting --out s.zarr", "this is a scenario, not a plan"),
+        ("export inverting --to mjcf --group events --out a", "must be left out with --to mjcf"),
         ("surface inverting --D -1:1:1000000000000 --out f.zarr", "at most 10000000 points"),
         (
             "surface inverting --D 0:1e300:5 --out f.zarr",

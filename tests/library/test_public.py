@@ -534,13 +534,6 @@ def test_what_is_set_in_the_rows_leaves_the_run_as_it_is() -> None:
     assert "theta" in run.trajectory
 
 
-def test_thresholds_print_one_to_a_line() -> None:
-    lines = repr(tt.theory.thresholds("inverting")).splitlines()
-    assert len(lines) == len(tt.theory.thresholds("inverting"))
-    assert any(line.startswith("spin_upright") and "rad s-1" in line for line in lines)
-    assert len(repr(tt.theory.thresholds("heavy-top")).splitlines()) == 1
-
-
 def test_a_number_beyond_the_doubles_is_not_called_stiffness() -> None:
     run = tt.run("inverting", friction={"mu": 1e100}, until=0.1)
     assert run.summary.status == "non-finite"

@@ -82,7 +82,7 @@ def test_a_summary_says_that_a_top_is_under_way() -> None:
     assert "under way" in dict(lines(run.summary))["outcome"]
 
 
-@pytest.mark.parametrize("theta", [0.05, 0.3, 3.1])
+@pytest.mark.parametrize("theta", [0.05, 3.1])
 def test_without_friction_nothing_ends(theta: float) -> None:
     """Not even within 0.1 rad of a pole: as `check` says."""
     assert outcomes([f"initial.theta={theta}", "friction.mu=0"], 0.5) == ("nutating", "nutating")

@@ -99,11 +99,6 @@ def test_a_run_is_continued_with_its_own_records_only(tmp_path: Path) -> None:
     assert tt.resume(place, until=0.2, columns=columns).trajectory.height.size == 5
 
 
-def test_a_store_has_digests_of_own_records_alone(store: Path) -> None:
-    assert sorted(tt.open(store, **MINE).attributes["own"]) == ["column", "event"]
-    assert "own" not in tt.run("inverting", until=1e-3).attributes
-
-
 def test_the_window_of_a_certificate_ends_where_the_run_does(store: Path) -> None:
     run = tt.open(store, **MINE)
     assert 0 < run.summary.t_end < 0.01
