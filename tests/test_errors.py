@@ -5,16 +5,10 @@ near.
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tippetop.errors import a_system, nearest, suggestion, unknown_key
+from tippetop.errors import a_system, nearest, unknown_key
 
 
 KNOWN = ("omega3", "theta", "theta_dot", "phi_dot", "Lz")
-
-
-def test_nothing_is_guessed_where_nothing_is_near() -> None:
-    assert nearest("colour", KNOWN) is None
-    assert suggestion("colour", KNOWN) == ""
-    assert suggestion("omega", KNOWN) == " Did you mean `omega3`?"
 
 
 @settings(max_examples=50, deadline=None)

@@ -95,7 +95,6 @@ def test_a_problem_that_was_replaced_is_checked(changes: dict[str, Any], sentenc
         lambda: tt.load("inverting"),
         lambda: tt.load("inverting", ["run.columns=['theta']", "run.output='events'"]),
         lambda: tt.load("flying"),
-        lambda: tt.load("cohen-coulomb"),
         lambda: tt.load("rolling", ["run.precision='longdouble'", "run.output_times=[0.1, 0.2]"]),
     ],
 )

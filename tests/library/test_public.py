@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stores import assert_same
 
 import tippetop as tt
 from tippetop.runs.recording import record
@@ -248,37 +249,20 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     assert found.summary.certificate.against == "longdouble"
 
 
-@pytest.mark.parametrize(
-    ("preset", "sets"),
-    [
-        ("inverting", ["run.until=2"]),
-        ("gliding-cylinder", ["run.until=1"]),
-    ],
-)
-def test_a_saved_run_is_the_recorded_one_file_by_file(
-    preset: str, sets: list[str], tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("preset", ["inverting", "gliding-cylinder"])
+def test_a_saved_run_is_the_recorded_one_file_by_file(preset: str, tmp_path: Path) -> None:
     recorded, saved = tmp_path / "recorded.zarr", tmp_path / "saved.zarr"
-    record(tt.load(preset, sets), recorded)
-    run = tt.run(preset, sets)
+    record(tt.load(preset, until=1.0), recorded)
+    run = tt.run(preset, until=1.0)
     run.save(saved)
-    contents = [
-        {path.relative_to(place): path.read_bytes() for path in place.rglob("*") if path.is_file()}
-        for place in (recorded, saved)
-    ]
-    assert contents[0].keys() == contents[1].keys()
-    assert [name for name, data in contents[0].items() if data != contents[1][name]] == []
-    with pytest.raises(tt.StoreError):
-        run.save(saved)
+    assert_same(saved, recorded)
     run.save(saved, overwrite=True)
     stored = tt.open(saved)
     assert isinstance(stored, tt.StoredRun)
-    assert stored.trajectory.identical(run.trajectory)
-    assert stored.events.identical(run.events)
-    assert stored.final.identical(run.final)
+    for name in ("trajectory", "events", "final"):
+        assert getattr(stored, name).identical(getattr(run, name)), name
     assert stored.summary.to_dict() == run.summary.to_dict()
     assert repr(stored) == repr(run).replace("<Run of", "<StoredRun of")
-    assert stored.problem.system is run.problem.system
 
 
 def test_a_run_that_is_recorded_as_it_goes(tmp_path: Path) -> None:
@@ -375,10 +359,6 @@ def test_the_theory_takes_bodies(run: tt.Run) -> None:
     assert tt.theory.thresholds(HEAVY)["spin_sleeping"].value > 0
     assert tt.theory.linear_modes(TOP, tt.friction.Viscous(0.3), omega3=155.0)[0].real > 0
     assert np.all(np.abs(tt.theory.linear_modes(TOP, omega3=155.0).real) < 1e-9)
-    assert (
-        len(tt.theory.linear_modes(TOP, tt.friction.Frictionless(), omega3=155.0, inverted=True))
-        == 3
-    )
     rows = run.trajectory.isel(time=100)
     D, lam, energy, theta = (
         float(rows[name]) for name in ("routh", "jellett", "modified_energy", "theta")

@@ -31,21 +31,6 @@ def test_a_run_a_problem_and_a_preset_stand_for_their_body(run: tt.Run) -> None:
     assert tt.theory.nutation(run, **nutation) == tt.theory.nutation(TOP, **nutation)
 
 
-def test_a_run_has_its_law_and_a_rolling_one_none(run: tt.Run) -> None:
-    np.testing.assert_array_equal(
-        tt.theory.linear_modes(run, omega3=155.0),
-        tt.theory.linear_modes(TOP, tt.friction.Viscous(mu=0.3), omega3=155.0),
-    )
-    np.testing.assert_array_equal(
-        tt.theory.linear_modes("rolling", omega3=155.0), tt.theory.linear_modes(TOP, omega3=155.0)
-    )
-    other = tt.friction.Viscous(mu=0.1)
-    np.testing.assert_array_equal(
-        tt.theory.linear_modes(run, other, omega3=155.0),
-        tt.theory.linear_modes(TOP, other, omega3=155.0),
-    )
-
-
 def test_what_is_no_top_is_refused_in_a_sentence() -> None:
     for source, sentence in (
         (

@@ -3,8 +3,6 @@ in a sound run.
 """
 
 import dataclasses
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -136,22 +134,6 @@ def test_planted_errors_of_phases_and_impacts_are_measured(monkeypatch: pytest.M
     assert found["impacts"]["time"] == pytest.approx(2e-7, rel=1e-3)
     assert found["phases"]["start"] == pytest.approx(3e-7, rel=1e-3)
     assert found["theta"] < 1e-12
-
-
-def test_both_runs_have_a_progress_bar(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen = []
-
-    @contextmanager
-    def following() -> Iterator[str]:
-        yield "a callback"
-
-    def run(problem: Problem, progress: Any) -> Solution:
-        seen.append((problem.precision, progress))
-        return solve(problem)
-
-    monkeypatch.setattr(certificate, "solve", run)
-    certificate.certificate(problem, 0.1, following)  # type: ignore[arg-type]
-    assert seen == [("double", "a callback"), ("longdouble", "a callback")]
 
 
 def test_another_end_is_seen(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:

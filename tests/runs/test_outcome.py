@@ -102,13 +102,3 @@ def test_what_rolls_for_ever_near_a_pole_is_rolling(theta: float) -> None:
     assert (
         solve(build.load("inverting", sets, until=0.5), keep=False).report["outcome"] == "rolling"
     )
-
-
-def test_a_top_at_a_pole_stays_there() -> None:
-    """Unstable or not: nothing disturbs it."""
-    assert forecast.assessment(build.load("inverting", ["initial.theta=0"]))["fate"].startswith(
-        "stays at the pole"
-    )
-    assert forecast.assessment(build.load("inverting", ["initial.theta=1e-9"]))["fate"].startswith(
-        "ends in"
-    )

@@ -58,10 +58,7 @@ HEIGHT = tt.extending.Quantity("height", "h", ONE, "the height", height)
 MINE = {"events": [GONE], "columns": [HEIGHT]}
 OTHERS = [
     {**MINE, "columns": [dataclasses.replace(HEIGHT, formula=seven)]},
-    {**MINE, "columns": [dataclasses.replace(HEIGHT, long_name="x")]},
     {**MINE, "events": [dataclasses.replace(GONE, formula=leaves_later)]},
-    {**MINE, "events": [dataclasses.replace(GONE, direction=-1)]},
-    {**MINE, "events": [dataclasses.replace(GONE, ends=None)]},
     {**MINE, "events": [dataclasses.replace(GONE, kept=())]},
     {**MINE, "events": [GONE, dataclasses.replace(GONE, name="more", kept=())]},
 ]
