@@ -2,8 +2,7 @@
 
 The error of a reference is the largest difference between its runs in double and in 80-bit numbers.
 Its horizon is the time at which an error of 1e-10 of the start has grown to 1e-3: by the
-variational
-equations, or, where the contact may open, by a second run whose start differs by 1e-12.
+variational equations, or, where the contact may open, by a second run whose start differs by 1e-12.
 The result is a data file of the package; with `--check` nothing is written, and the exit code is 1
 if a reference has lost its certificate.
 """
@@ -94,7 +93,7 @@ def main() -> int:
     for name, each in made.items():
         print(
             f"{name:22} error {each['error']:.1e}, horizon {each['horizon']:g} s, "
-            f"{each['growth']:g}"
+            f"growth {each['growth']:g}"
         )
     lost = [name for name, each in made.items() if not each["error"] < LARGEST]
     if check:

@@ -1,40 +1,35 @@
 """The adapters of contact engines, and the friction derived for MuJoCo's contact."""
 
-import itertools
 import math
+from pathlib import Path
 
-import numpy as np
 import pytest
 
+from tippetop import benchmark
+
 from .simulators import mujoco as adapter
-from .simulators.case import rotation
+from .simulators.__main__ import run
+from .simulators.case import read
 from .simulators.soft_contact import (
     SoftContact,
     effective,
     equator,
     passage,
     simulated,
-    tutorial,
 )
 
 
 mujoco = pytest.importorskip("mujoco")
 
 
-def test_flight_in_mujoco_is_exact() -> None:
-    case = tutorial()
-    case = case._replace(position=case.position + np.array([0, 0, 0.1]))
-    step, count = 2.5e-4, 400
-    motion = adapter.motion(case, adapter.SETTINGS["best"], step)
-    first, *_, last = itertools.islice(motion, count + 1)
-
-    def momentum(row: np.ndarray) -> np.ndarray:
-        axes = rotation(row[3:7])
-        return axes @ (case.inertia * (axes.T @ row[10:]))
-
-    np.testing.assert_allclose(momentum(last), momentum(first), rtol=1e-8, atol=1e-13)
-    fallen = first[:3] + first[7:10] * step * count - [0, 0, case.gravity * (step * count) ** 2 / 2]
-    np.testing.assert_allclose(last[:3], fallen, atol=1e-10)
+def test_flight_in_mujoco_scores_well(tmp_path: Path) -> None:
+    benchmark.export(tmp_path, ["torque-free"])
+    path = tmp_path / "mujoco/best/torque-free/dt=0.0005.csv"
+    run(adapter, read(tmp_path / "torque-free"), adapter.SETTINGS["best"], 5e-4, path, limit=60)
+    [scored] = benchmark.score(path).to_dict()
+    assert scored["outcome_is_right"]
+    assert scored["largest"]["attitude"] < 1e-9
+    assert scored["largest"]["position"] < 1e-9
 
 
 @pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])

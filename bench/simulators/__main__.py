@@ -3,7 +3,7 @@
 DIR is a folder of `tippetop benchmark export`. Of each engine its defaults and the best that its
 manual offers are run with several steps while the contact model is fixed; `--scan` then varies the
 contact model at one small step. OUT/ENGINE/SETTING/CASE/dt=STEP.csv are the results:
-`tippetop benchmark score OUT/*/*/*/*.csv` compares them with the references.
+`tippetop benchmark score OUT` compares them with the references.
 """
 
 import argparse

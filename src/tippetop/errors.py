@@ -25,7 +25,7 @@ def suggestion(word: str, known: Iterable[str]) -> str:
 
 
 def sentence(key: str, must: str, given: Any) -> str:
-    """Return the sentence on a value that is wrong: what must be true, and what was found."""
+    """Return the sentence on a value that is wrong: the condition and the value found."""
     words = "a table" if isinstance(given, dict) else repr(given)
     return f"`{key}` {must}, but is {words if len(words) <= 60 else words[:57] + '...'}."
 
@@ -208,7 +208,7 @@ def names_its_faults(formula: Callable, words: str) -> Callable:
     formula
         A function.
     words
-        What it computes: "the event `mine`".
+        Its name: "the event `mine`".
     """
     module = str(getattr(formula, "__module__", ""))
     if module.startswith("tippetop.") or isinstance(formula, NamedFormula):

@@ -23,7 +23,7 @@ class Bar:
     Parameters
     ----------
     things
-        What is counted, or the unit of what is measured.
+        The counted thing, or the unit of the measured one.
     count
         A format of how far it has come, with `done`, `of` and `things`.
     """

@@ -103,5 +103,5 @@ def test_a_double_run_stays_within_its_certificate():
 
 
 def test_unknown_case():
-    with pytest.raises(InputError, match=r"unknown case `bounces`.*bounce"):
+    with pytest.raises(InputError, match="unknown case `bounces`"):
         benchmark.case("bounces")

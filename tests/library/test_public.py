@@ -105,7 +105,7 @@ def test_a_body_is_checked_when_it_is_made() -> None:
         tt.friction.Coulomb(mu=-1, eps=0)
     with pytest.raises(
         tt.InputError,
-        match="a Problem must stand alone, but is given beside `until`, `output_step`",
+        match="a Problem must be the only argument, but `until`, `output_step` is given too",
     ):
         tt.run(tt.load("inverting"), until=1.0, output_step=0.1)
     mixed = tt.TippeTop(

@@ -212,8 +212,8 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
             "`others` must be a path or a list of paths, but is 3",
         ),  # type: ignore[arg-type]
         (
-            lambda: tt.run("inverting", until=0.01).plot("theta", beside=3),
-            "`beside` must be a list of Runs, but is 3",
+            lambda: tt.run("inverting", until=0.01).plot("theta", others=3),
+            "`others` must be a list of Runs, but is 3",
         ),  # type: ignore[arg-type]
         (
             lambda: tt.theory.linear_modes(tt.TippeTop(**BODY), tt.friction.Coulomb(0.3), omega3=1),

@@ -61,7 +61,7 @@ Each folder is a case; `case.json` describes it (`case.schema.json` is its schem
 3. Run `tippetop benchmark score ENGINE/*/*/*.csv`.
 
 `case.json` contains the certified error of the reference and its horizon.
-Beyond the horizon a small error of the start has grown so much that a difference says nothing
+Beyond the horizon a small error of the start has grown so much that a difference means nothing
 about an engine.
 Numbers have 12 significant digits of the largest number of their vector.
 
@@ -191,7 +191,7 @@ def _columns(motion: Truth) -> dict[str, np.ndarray]:
 
 
 def _tables(run: Solution) -> dict[str, dict[str, Any]]:
-    """Return phases and impacts by column; empty if there are none."""
+    """Return phases and impacts by column; possibly empty."""
     result: dict[str, dict[str, Any]] = {}
     for name, table in phases.joined(run.problem.system, run.others).items():
         columns: dict[str, Any] = {}

@@ -22,7 +22,7 @@ class Case(NamedTuple):
     Attributes
     ----------
     name, title, text
-        What it is, in words.
+        Description.
     law
         Its friction law: `words`, and by engine the settings that express it (`exact`).
     problem

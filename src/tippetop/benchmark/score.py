@@ -19,7 +19,7 @@ from .truth import VECTORS, Truth, axis_of, energy, theta_of, truth
 
 
 QUANTITIES = ("attitude", "theta", "position", "spin", "energy", "force")
-"""What is scored: rad, rad, m, rad/s, relative to the first value, and in units of m g."""
+"""Units of the errors: rad, rad, m, rad/s, relative to the first value, and in units of m g."""
 
 WRONG_START = 0.1
 """Difference of the first attitude [rad] above which a file is not a result of its case."""
@@ -32,7 +32,7 @@ HEAD = (
 
 
 class Result(NamedTuple):
-    """One result beside its reference.
+    """One result and its reference.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Result(NamedTuple):
 
 
 class Score:
-    """The results of engines beside the references. `tippetop.benchmark.score` makes it.
+    """The results of engines and their references. `tippetop.benchmark.score` makes it.
 
     Attributes
     ----------

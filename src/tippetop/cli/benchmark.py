@@ -10,6 +10,7 @@ from .streams import print_json, visible
 
 def benchmark(
     action: Literal["list", "export", "score"],
+    /,
     *arguments: str,
     case: str | None = None,
     figures: Path | None = None,
@@ -18,9 +19,6 @@ def benchmark(
     as_json: bool = False,
 ) -> int:
     """Export reference cases for contact simulators, and score the results of an engine.
-
-    Usage: tippetop benchmark list; tippetop benchmark export DIR [CASE ...]; tippetop benchmark
-    score RESULTS...
 
     Parameters
     ----------

@@ -193,7 +193,7 @@ def _cannot(problem: Problem) -> tuple[Friction, list[str]]:
     if problem.contact is not None and problem.contact.e_n:
         sentences.append(f"restitution e_n = {problem.contact.e_n:g}: set it in the simulator")
     if "axis" not in problem.system.vectors:
-        sentences.append("a cylinder: here a ball, which moves alike in the plane of motion")
+        sentences.append("a cylinder: here a ball, with the same motion in the plane of motion")
     if body.R == 0 and problem.system.name != "heavy-top":
         sentences.append(f"a tip that is a point: here a ball of radius {TIP * abs(body.c):.3g} m")
     if problem.contact is None:
@@ -371,7 +371,7 @@ def _sdf(problem: Problem) -> str:
       </joint>"""
     return f"""<?xml version="1.0"?>
 {_comment(problem, [*sentences, *_settings(problem)])}<sdf version="1.9">
-  <world name="world">
+  <world name="default">
     <gravity>0 0 {_numbers(-body.g)}</gravity>{"" if fixed else floor}
     <model name="top">
       <pose rotation_format="quat_xyzw">{pose}</pose>

@@ -1,4 +1,4 @@
-"""The results of engines on one case: error against step, and theta beside the reference."""
+"""The results of engines on one case: error against step, and theta with the reference."""
 
 from collections.abc import Sequence
 from typing import Any

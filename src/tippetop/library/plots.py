@@ -43,7 +43,7 @@ class Plots:
         path: str | Path | None = None,
         *,
         ax: "Axes | None" = None,
-        beside: "Sequence[Run]" = (),
+        others: "Sequence[Run]" = (),
         overwrite: bool = False,
         **options: Any,
     ) -> "Figure":
@@ -58,7 +58,7 @@ class Plots:
             A file to write as well; its ending (.png, .svg, .pdf) names the format.
         ax : matplotlib.axes.Axes, optional
             Where to draw; its figure keeps its own settings.
-        beside : sequence of Run, optional
+        others : sequence of Run, optional
             Other runs to draw in the same panel: theta, normal-force, drift, growth or energy.
         overwrite : bool
             Whether an existing file is replaced.
@@ -80,7 +80,7 @@ class Plots:
         Raises
         ------
         InputError
-            If there is no such figure, or the run lacks what it shows.
+            If the figure does not exist, or the run lacks its columns.
         StoreError
             If the file cannot be written, or exists already.
         """
@@ -91,7 +91,7 @@ class Plots:
         if file is not None:
             catalogue.check_format(file)
         look = _look(options)
-        figure = self._axes(kind, ax, look, beside, **options).get_figure(root=True)
+        figure = self._axes(kind, ax, look, others, **options).get_figure(root=True)
         if file is not None:
             drawing.write(figure, file, look, overwrite=overwrite)
         return figure
@@ -102,9 +102,9 @@ class Plots:
             raise AttributeError(f"a run has no figure `{name}`: it has {', '.join(dir(self))}")
 
         def figure(
-            ax: "Axes | None" = None, *, beside: "Sequence[Run]" = (), **options: Any
+            ax: "Axes | None" = None, *, others: "Sequence[Run]" = (), **options: Any
         ) -> "Axes":
-            return self._axes(kind, ax, _look(options), beside, **options)
+            return self._axes(kind, ax, _look(options), others, **options)
 
         shows = FIGURES[kind].shows
         figure.__name__, figure.__doc__ = name, f"{shows}. Takes and returns Axes."
@@ -114,7 +114,7 @@ class Plots:
         return [kind.replace("-", "_") for kind in FIGURES]
 
     def _axes(
-        self, kind: str, ax: Any, look: Look, beside: Any, start: Any = None, until: Any = None
+        self, kind: str, ax: Any, look: Look, others: Any, start: Any = None, until: Any = None
     ) -> Any:
         """Draw a part of the run."""
         from ..figures.window import in_window
@@ -123,18 +123,18 @@ class Plots:
         if ax is not None and not hasattr(ax, "get_figure"):
             raise InputError(f"`ax` must be Axes of matplotlib, but is {ax!r:.60}.")
         window = seconds("start", start), seconds("until", until)
-        others = [beside] if isinstance(beside, Run) else beside
-        if not isinstance(others, list | tuple) or not all(isinstance(run, Run) for run in others):
-            raise InputError(f"`beside` must be a list of Runs, but is {beside!r:.60}.")
+        runs = [others] if isinstance(others, Run) else others
+        if not isinstance(runs, list | tuple) or not all(isinstance(run, Run) for run in runs):
+            raise InputError(f"`others` must be a list of Runs, but is {others!r:.60}.")
         parts = [
             in_window(run._for_figures(kind, window), run.attributes, *window)
-            for run in (self._run, *others)
+            for run in (self._run, *runs)
         ]
-        if not others:
+        if not runs:
             return drawing.axes_of(kind, *parts[0], look, ax)
         names = [f"run {number}" for number in range(1, len(parts) + 1)]
-        runs = [(groups["trajectory"], attrs) for groups, attrs in parts]
-        return drawing.several(kind, runs, names, look, ax)
+        tables = [(groups["trajectory"], attrs) for groups, attrs in parts]
+        return drawing.several(kind, tables, names, look, ax)
 
 
 def _look(options: dict[str, Any]) -> Look:

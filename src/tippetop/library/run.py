@@ -152,7 +152,7 @@ class Run:
         -------
         dict of xarray.Dataset
             `trajectory` and `events`; `phases` and `impacts` where the contact may change its
-            phase; `sensitivities` and `event_sensitivities` where the scenario asks for them.
+            phase; `sensitivities` and `event_sensitivities` if the scenario lists them.
         """
         return {name: getattr(self, name) for name in self._names}
 

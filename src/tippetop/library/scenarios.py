@@ -44,7 +44,8 @@ def problem_of(
         if given:
             surplus = ", ".join(f"`{name}`" for name in given)
             raise InputError(
-                f"a Problem must stand alone, but is given beside {surplus}: change it in `load`."
+                f"a Problem must be the only argument, but {surplus} is given too: "
+                "change it in `load`."
             )
         return checked(source)
     if not given and isinstance(source, str) and not Path(source).is_file():

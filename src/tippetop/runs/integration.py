@@ -32,7 +32,7 @@ SETTLED_SLICE, SETTLED_SLICE_OF_PHASES = 1024, 64
 class Integration:
     """A run on its way from start to end.
 
-    It also implements `Request`: the driver asks it for the times of the rows that are wanted.
+    It also implements `Request`: the driver reads the times of the wanted rows from it.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class Integration:
         Parameters
         ----------
         sink
-            Takes rows and events; after each slice a snapshot corresponds to what it has taken.
+            Takes rows and events; after each slice a snapshot corresponds to its rows.
         progress
             Called after every slice.
 

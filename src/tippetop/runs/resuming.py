@@ -165,7 +165,7 @@ def _put_back(target: Path, integration: Integration, kept: dict[str, Any]) -> N
         integration.restore(kept)
     except (ValueError, LookupError, TypeError, AttributeError) as error:
         raise StoreError(
-            f"`{target}` must have a whole checkpoint that fits what is installed to be "
+            f"`{target}` must have a whole checkpoint that fits the installed versions to be "
             f"resumed, but: {error}."
         ) from None
 

@@ -64,7 +64,7 @@ class Solution:
 
     @cached_property
     def sensitivities(self) -> dict[str, dict[str, Column]]:
-        """Return the tables of derivatives that the scenario asks for, by name."""
+        """Return the tables of derivatives that the scenario lists, by name."""
         return sensitivities.tables(self.problem, self.times, self.events)
 
     def columns(self) -> dict[str, Any]:

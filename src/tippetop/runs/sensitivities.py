@@ -1,4 +1,4 @@
-"""The derivatives that a scenario asks for in addition to rows and events: made at its end."""
+"""Derivatives that a scenario lists in addition to rows and events: made at its end."""
 
 from typing import TYPE_CHECKING
 
@@ -18,7 +18,7 @@ PER_CHUNK = 1 << 12
 
 
 def tables(problem: Problem, times: np.ndarray, events: EventTable) -> dict[str, dict[str, Column]]:
-    """Return the tables of derivatives by name; none where the scenario asks for none.
+    """Return the tables of derivatives by name; possibly empty.
 
     Parameters
     ----------
