@@ -213,7 +213,7 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     phases = {
         "both `enter` and `leave`": {"rest": dataclasses.replace(rest, enter=lambda x, b: x)},
         "must take arrays": {"rest": dataclasses.replace(rest, enter=lambda x, b: x, leave=scalar)},
-        "an event of its own that has a formula": {
+        "one of its events that has a formula": {
             "fall": dataclasses.replace(fall, exits=(Exit("rests", ("rest",), None),))
         },
         "Event `ground` with the direction of the phases before": {

@@ -14,7 +14,6 @@ from tippetop.mechanics.operand import Vector, atan2, formula, sqrt
 from tippetop.mechanics.units import (
     METRE_PER_SECOND,
     ONE,
-    PER_SECOND,
     SECOND_PER_METRE,
 )
 
@@ -126,19 +125,6 @@ def test_a_column_of_ones_own_is_not_where_the_contact_is(name: str) -> None:
         tt.run("inverting", until=0.1, columns=[column])
 
 
-def test_an_end_by_an_event_of_ones_own_is_named() -> None:
-    for ends in ("fallen", "liftoff"):
-        tilted = tt.extending.Event(
-            "tilted", "theta = 30 deg", formula(lambda s, b: s.z - 0.75**0.5), ends=ends
-        )
-        run = tt.run("inverting", until=8.0, events=[tilted])
-        assert run.summary.reason.startswith(f"`tilted` ended the run as {ends} at t = 4.872")
-    lifted = tt.run(
-        "inverting", start={"omega3": 300.0}, events=[tilted], until=2.0, output_step=0.01
-    )
-    assert ("tilted" in lifted.summary.reason) == (abs(lifted.summary.theta_end - np.pi / 6) < 1e-6)
-
-
 class Spin(NamedTuple):
     """A state that is written with a vector."""
 
@@ -152,17 +138,6 @@ WITHOUT_POLES = dataclasses.replace(PHASE.forms["vector"], scalars=lambda q, b: 
 LIFTOFF = next(event for event in BASE.events if event.name == "liftoff")
 WITHOUT_WORK = namedtuple("WithoutWork", [n for n in BASE.angles._fields if n != "work"])
 WITHOUT_RATE = namedtuple("WithoutRate", [n for n in BASE.angles._fields if n != "theta_dot"])
-
-
-def test_quantities_of_a_top_are_columns_of_runs_whose_contact_changes() -> None:
-    rate = tt.extending.Quantity(
-        "z_rate", "z'", PER_SECOND, "rate of cos(theta)", lambda s, b: s.z_dot
-    )
-    name = registered(quantities=(*BASE.quantities, rate))
-    rows = tt.run("inverting", {"law": "coulomb", "mu": 0.3}, system=name, until=0.05).trajectory
-    np.testing.assert_allclose(
-        rows.z_rate, -rows.theta_dot * np.sin(rows.theta), rtol=1e-9, atol=1e-12
-    )
 
 
 def without(record: Any) -> Any:

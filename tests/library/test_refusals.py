@@ -239,20 +239,6 @@ def test_what_is_known_by_name_is_changed_by_register_alone() -> None:
     assert "mine" in tt.extending.LAWS
 
 
-def test_a_top_of_another_name_is_still_a_top() -> None:
-    """thresholds and linear_modes know the body, by whatever name the system goes; potential takes
-    a preset's name.
-    """
-    mine = tt.extending.register(tt.extending.SYSTEMS["tippe-top"].replace(name="mine"))
-    from tippetop.library.scenarios import problem_of
-
-    problem = problem_of("inverting", system=mine.name)
-    assert tt.theory.thresholds(problem) == tt.theory.thresholds("inverting")
-    assert tt.landscapes.potential("inverting", 0.5, D=3e-4, lam=4e-6).equals(
-        tt.landscapes.potential(problem, 0.5, D=3e-4, lam=4e-6)
-    )
-
-
 def test_a_page_says_which_columns_it_lacks() -> None:
     """`run.orientation = true` is no remedy where the run keeps other columns."""
     run = tt.run("inverting", until=0.05, columns=["theta", "orientation"])

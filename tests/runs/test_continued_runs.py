@@ -23,17 +23,9 @@ from tippetop.store.folder import Folder
 ROWS = "run.output_step=0.01"
 OUTPUT = {
     "rows": [],
-    "steps": ["run.output_step=", "run.output=steps"],
     "events": ["run.output_step=", "run.output=events"],
     "keyframes": ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=300"],
     "listed": ["run.output_step=", "run.output_times=[0.0, 0.5, 3.25]"],
-    "inverting": [
-        "initial.phi_dot=0.0",
-        "initial.theta=0.1",
-        "initial.omega3=155.0",
-        "friction.mu=0.3",
-    ],
-    "settled": ["run.stop_when=settled"],
 }
 
 
