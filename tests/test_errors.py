@@ -8,9 +8,6 @@ from hypothesis import strategies as st
 from tippetop.errors import a_system, nearest, unknown_key
 
 
-KNOWN = ("omega3", "theta", "theta_dot", "phi_dot", "Lz")
-
-
 @settings(max_examples=50, deadline=None)
 @given(
     st.text("abcXY_", max_size=12), st.lists(st.text("abcXY_", min_size=1, max_size=8), max_size=5)

@@ -17,7 +17,6 @@ TOP = tt.TippeTop(
     m=0.02, R=0.02, alpha=0.3, I1=2.4e-6, I3=3.2e-6, g=9.82
 )  # gamma = 0.75 < gamma_plus
 LAM = 2.6e-6
-RATES = ["theta", "routh", "modified_energy", "routh_rate", "modified_energy_rate"]
 
 
 def test_asymptotic_states_are_the_critical_points_of_the_least_energy() -> None:

@@ -132,7 +132,6 @@ class Spin(NamedTuple):
 
 
 PHASE = BASE.phase
-UP = tt.extending.Event("up", "z = 1/2", formula(lambda s, b: s.z - 0.5))
 VECTORIAL = dataclasses.replace(PHASE.forms["vector"], units=Spin(Vector(ONE, ONE, ONE)))
 WITHOUT_POLES = dataclasses.replace(PHASE.forms["vector"], scalars=lambda q, b: Spin(q.uz))
 LIFTOFF = next(event for event in BASE.events if event.name == "liftoff")
