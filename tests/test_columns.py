@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from tippetop.columns import (
     SUPERSCRIPTS,
     Column,
-    column,
     flag_attributes,
     flagged,
     greek,
@@ -30,11 +29,7 @@ SI |= {"N": (1, 1, -2), "J": (1, 2, -2), "W": (1, 2, -3)}
     ("words", "letters"),
     [
         ("spin omega_3", "spin ω₃"),
-        ("lambda of the start over lambda_s", "λ of the start over λₛ"),
         ("sigma = m R^2/I3, set by I3 at the same gamma", "σ = m R^2/I3, set by I3 at the same γ"),
-        ("theta", "θ"),
-        ("normal force", "normal force"),
-        ("viscous friction, mu = 0.3", "viscous friction, μ = 0.3"),
         ("the spin of a simulation rises through pi", "the spin of a simulation rises through π"),
     ],
 )
@@ -78,14 +73,6 @@ def test_scales_of_products_are_products_of_scales(sizes: list[float]) -> None:
         (units.ONE, (units.SECOND_PER_METRE, units.METRE_PER_SECOND)),
     ):
         assert of(whole) == pytest.approx(of(parts[0]) * of(parts[1]), rel=1e-13)
-
-
-def test_a_column_is_doubles_with_their_unit_and_meaning() -> None:
-    made = column(np.arange(3), units.JOULE, "energy", standard_name="e")
-    assert made.values.dtype == np.float64
-    assert made == Column(
-        ("time",), made.values, {"units": "J", "long_name": "energy", "standard_name": "e"}
-    )
 
 
 def test_a_flag_is_found_by_its_name() -> None:

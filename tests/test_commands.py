@@ -96,11 +96,7 @@ def test_each_command_of_a_page_runs(page: Path, folder: Path, tmp_path: Path) -
             words = words.replace(long, short)
         made = re.search(r"--out (\S+)", words)
         if made and (tmp_path / made[1]).exists():
-            words += (
-                " --overwrite"
-                if "--overwrite" not in words and not words.startswith("sweep")
-                else ""
-            )
+            words += " --overwrite" * (not re.search("--overwrite|^sweep", words))
         done = tt_words(tmp_path, words)
         refused = line.partition(" ")[2] in DONE_ALREADY
         assert (done.returncode == 0) != refused, f"{words}: {done.returncode}: {done.stderr}"

@@ -5,7 +5,6 @@ time.
 from fractions import Fraction
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -75,19 +74,3 @@ def test_a_long_grid_is_cheap() -> None:
     assert len(grid) == 10**9 + 1
     np.testing.assert_allclose(grid[10**8 : 10**8 + 3], 1e2 + np.arange(3) * 1e-6, rtol=1e-15)
     assert grid.count(grid[10**8 : 10**8 + 1][0], inclusive=True) == 10**8 + 1
-
-
-@pytest.mark.parametrize("inclusive", [False, True])
-def test_given_times_are_counted_as_given(inclusive: bool) -> None:
-    given_times = ListedTimes(np.array([0.1, 0.7, 2.0]))
-    assert [given_times.count(t, inclusive=inclusive) for t in (0.0, 0.1, 1.0, 2.0, 3.0)] == (
-        [0, 1, 2, 3, 3] if inclusive else [0, 0, 2, 2, 3]
-    )
-    assert given_times[1:].tolist() == [0.7, 2.0]
-
-
-@pytest.mark.parametrize("step", [0.5, 1.0, 1e10, 1e308])
-def test_a_step_beyond_the_end_keeps_the_start(step: float) -> None:
-    times = EvenTimes(step, 0.75, 0.25)
-    assert list(times[0 : len(times)]) == [0.25, 0.75]
-    assert len(EvenTimes(step, 0.25, 0.25)) == 1

@@ -21,8 +21,8 @@ from tippetop.sweeps import chunk
 
 
 Patch = pytest.MonkeyPatch
-RUN = ["run", "inverting", "--until", "0.2", "--json"]
-STIFF = ["--set", "friction.mu=1e12", "--set", "initial.theta=0.0", "--set", "initial.nu_y=0.1"]
+RUN = "run inverting --until 0.2 --json"
+STIFF = "--set friction.mu=1e12 --set initial.theta=0.0 --set initial.nu_y=0.1"
 
 
 def nothing(patch: Patch) -> None:
@@ -72,10 +72,10 @@ def code_of(tmp_path: Path, monkeypatch: Patch, file: Path) -> Iterator[Callable
         "PLAN": str(file),
     }
 
-    def code(arguments: list[str], spoil: Callable[[Patch], None]) -> Any:
+    def code(arguments: str, spoil: Callable[[Patch], None]) -> Any:
         spoil(monkeypatch)
         with pytest.raises(SystemExit) as ended:
-            main([places.get(word, word) for word in arguments])
+            main([places.get(word, word) for word in arguments.split()])
         return ended.value.code
 
     yield code
@@ -86,24 +86,24 @@ def code_of(tmp_path: Path, monkeypatch: Patch, file: Path) -> Iterator[Callable
 @pytest.mark.parametrize(
     ("code", "arguments", "spoil", "words"),
     [
-        (0, ["presets", "--json"], nothing, ""),
+        (0, "presets --json", nothing, ""),
         (0, RUN, nothing, ""),
-        (2, ["fly"], nothing, "unknown command `fly`"),
-        (2, [*RUN, "--set", "friction.mu=-1"], nothing, "`friction.mu` must be at least 0.0"),
-        (3, [*RUN, *STIFF], nothing, "too stiff"),
+        (2, "fly", nothing, "unknown command `fly`"),
+        (2, f"{RUN} --set friction.mu=-1", nothing, "`friction.mu` must be at least 0.0"),
+        (3, f"{RUN} {STIFF}", nothing, "too stiff"),
         (4, RUN, no_promise_can_be_kept, "the accuracy contract is broken: the drift of jellett"),
-        (5, ["info", "STORE"], nothing, "does not exist"),
-        (6, ["sweep", "PLAN", "--out", "SWEEP", "--workers", "1"], a_chunk_fails, "it will not do"),
+        (5, "info STORE", nothing, "does not exist"),
+        (6, "sweep PLAN --out SWEEP --workers 1", a_chunk_fails, "it will not do"),
         (130, RUN, asked(signal.SIGINT), "interrupted; nothing more was stored."),
-        (130, [*RUN, "--out", "STORE"], asked(signal.SIGINT), "Continue with: tippetop resume"),
+        (130, f"{RUN} --out STORE", asked(signal.SIGINT), "Continue with: tippetop resume"),
         (143, RUN, asked(signal.SIGTERM), ""),
-        (143, [*RUN, "--out", "STORE"], asked(signal.SIGTERM), "Continue with: tippetop resume"),
+        (143, f"{RUN} --out STORE", asked(signal.SIGTERM), "Continue with: tippetop resume"),
     ],
     ids=lambda value: str(value) if isinstance(value, int) else None,
 )
 def test_every_end_has_its_code(
     code: int,
-    arguments: list[str],
+    arguments: str,
     spoil: Callable[[Patch], None],
     words: str,
     code_of: Callable,
@@ -124,9 +124,7 @@ def test_a_bug_is_not_hidden(monkeypatch: Patch) -> None:
     """It leaves `outcome` as it is: Python prints the traceback, and exits with 1."""
     a_bug(monkeypatch)
     with pytest.raises(ZeroDivisionError):
-        cli.outcome(RUN)
-    codes = cli.DONE, cli.BUG, cli.USAGE, cli.PHYSICS, cli.ACCURACY, cli.STORE, cli.CHUNKS
-    assert codes == tuple(range(7))
+        cli.outcome(RUN.split())
 
 
 def test_the_module_is_the_command() -> None:

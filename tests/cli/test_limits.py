@@ -6,55 +6,41 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from forked import Forked
 from stores import ended, wait_until
+from typed import typed
 
-from tippetop.cli import outcome
 from tippetop.errors import InputError
 from tippetop.scenario import build, reading
 
 
-MAIN = [sys.executable, "-c", "from tippetop.cli import main; main()"]
-RUN = ["run", "inverting", "--until", "0.05"]
+RUN = "run inverting --until 0.05"
 
 
-def shell(
-    words: list[str], redirected: str = "", **environment: str
-) -> subprocess.CompletedProcess[str]:
-    command = ["bash", "-c", f'set -o pipefail; "$@" {redirected}', "bash", *MAIN, *words]
+def shell(words: str, redirected: str = "", **environment: str) -> subprocess.CompletedProcess[str]:
+    command = f"set -o pipefail; {sys.executable} -m tippetop {words} {redirected}"
     return subprocess.run(
-        command,
-        capture_output=True,
-        text=True,
-        env={**os.environ, **environment},
-        timeout=120,
-        check=False,
+        ["bash", "-c", command], capture_output=True, text=True, env=os.environ | environment
     )
 
 
 @pytest.mark.parametrize(
     ("words", "redirected", "code"),
     [
-        (["presets"], ">&-", 0),
-        pytest.param(["systems"], ">&-", 0, marks=pytest.mark.slow),
-        pytest.param(RUN, "2>&-", 0, marks=pytest.mark.slow),
-        (["fly"], "2>&-", 2),
-        (["run", "nothing"], "2>/dev/full", 2),
-        (["systems"], ">/dev/full", 5),
-        pytest.param(["systems", "--json"], ">/dev/full", 5, marks=pytest.mark.slow),
-        pytest.param(RUN, ">/dev/full", 5, marks=pytest.mark.slow),
-        (["--help"], ">/dev/full", 5),
-        (["--version"], ">/dev/full", 5),
-        pytest.param(["systems"], "| head -1", 0, marks=pytest.mark.slow),
-        (["presets"], "| true", 0),
-        (["--help"], "| true", 0),
+        ("presets", ">&-", 0),
+        ("fly", "2>&-", 2),
+        ("run nothing", "2>/dev/full", 2),
+        ("systems", ">/dev/full", 5),
+        ("--version", ">/dev/full", 5),
+        ("--help", "| true", 0),
     ],
 )
 def test_streams_that_cannot_be_written_are_no_traceback(
-    words: list[str], redirected: str, code: int
+    words: str, redirected: str, code: int
 ) -> None:
     done = shell(words, redirected)
     assert done.returncode == code, done.stderr
@@ -64,9 +50,9 @@ def test_streams_that_cannot_be_written_are_no_traceback(
 
 
 def test_no_store_gets_the_number_of_a_closed_stream(tmp_path: Path) -> None:
-    done = shell([*RUN, "--out", str(tmp_path / "a.zarr")], "<&- >&- 2>&-")
+    done = shell(f"{RUN} --out {tmp_path}/a.zarr", "<&- >&- 2>&-")
     assert done.returncode == 0
-    assert outcome(["info", str(tmp_path / "a.zarr")]) == 0
+    assert typed(f"info {tmp_path}/a.zarr") == 0
 
 
 def test_a_terminal_without_our_characters_is_written_to_nevertheless() -> None:
@@ -93,50 +79,35 @@ def test_deep_nesting_is_refused(text: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "code"),
     [
-        (["info", "{}"], 5),
-        ([*RUN, "--out", "{}"], 5),
-        (["check", "{}"], 2),
-        ([*RUN, "--figure", "{}.png"], 5),
+        ("info {}", 5),
+        ("check {}", 2),
+        (f"{RUN} --figure {{}}.png", 5),
     ],
 )
-def test_a_name_that_is_too_long_is_a_sentence(
-    words: list[str], code: int, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert outcome([word.replace("{}", "n" * 300) for word in words]) == code
-    assert "File name too long" in capsys.readouterr().err
+def test_a_name_that_is_too_long_is_a_sentence(words: str, code: int, said: Callable) -> None:
+    assert "File name too long" in said(words.format("n" * 300), code)[1]
 
 
 @pytest.mark.parametrize(
     ("key", "value", "code"),
     [
         ("parameters.m", "5e-324", 2),
-        ("parameters.R", "5e-324", 2),
-        ("parameters.g", "5e-324", 2),
         ("run.output_step", "5e-324", 2),
         ("run.until", "5e-324", 0),
-        ("initial.theta", "5e-324", 0),
-        ("initial.omega3", "1e150", 2),
         ("friction.mu", "1e308", 2),
         ("friction.mu", "1e100", 3),  # the first step is not finite
     ],
 )
 def test_numbers_at_the_ends_of_the_doubles(
-    key: str, value: str, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    key: str, value: str, code: int, tmp_path: Path, said: Callable
 ) -> None:
-    given = ["run", "inverting", "--set", "run.until=0.01", "--set", f"{key}={value}"]
-    assert outcome(given) == code
-    assert outcome([*given, "--out", str(tmp_path / "a.zarr")]) == code
-    assert (code == 0) == (not capsys.readouterr().err)
-
-
-def test_a_run_whose_thousandth_underflows_has_its_ends() -> None:
-    problem = build.load("inverting", ["run.output_step="], 4e-322)
-    assert list(problem.times[:]) == [0.0, 4e-322]
+    given = f"run inverting --set run.until=0.01 --set {key}={value}"
+    for words in (given, f"{given} --out {tmp_path}/a.zarr"):
+        assert (code == 0) == (not said(words, code)[1])
 
 
 @pytest.mark.parametrize(
-    ("precision", "tolerance"),
-    [("double", 1e-22), ("double", 1e-60), ("longdouble", 1e-30), ("quad", 1e-300)],
+    ("precision", "tolerance"), [("double", 1e-22), ("longdouble", 1e-30), ("quad", 1e-300)]
 )
 def test_a_tolerance_far_below_the_rounding_unit_is_refused(
     precision: str, tolerance: float
@@ -145,7 +116,6 @@ def test_a_tolerance_far_below_the_rounding_unit_is_refused(
         build.load("inverting", [f"run.precision={precision}", f"run.tolerance={tolerance}"])
 
 
-LONG = ["--set", "run.until=1e7"]
 MARKED = """
 import os, sys
 os.environ.update(HEYOKA_CACHE_DIR="cache", TIPPETOP_CACHE_DIR="")
@@ -167,41 +137,21 @@ for module in list(sys.modules.values()):
 @pytest.mark.parametrize(
     ("words", "number"),
     [
-        pytest.param(
-            ["run", "inverting", "--set", "run.precision=longdouble", "--set", "run.until=1e7"],
-            signal.SIGINT,
-            marks=pytest.mark.slow,
-        ),
         (
-            [
-                "run",
-                "inverting",
-                "--set",
-                "run.precision=quad",
-                "--set",
-                "run.until=1e7",
-                "--out",
-                "a.zarr",
-            ],
+            "run inverting --set run.precision=quad --set run.until=1e7 --out a.zarr",
             signal.SIGTERM,
         ),
-        pytest.param(
-            ["potential", "inverting", "--D", "1e-5", "--lambda", "1e-4"],
-            signal.SIGINT,
-            marks=pytest.mark.slow,
-        ),
-        (["surface", "inverting", "--D", "-1e-4:1e-4:30", "--out", "f.zarr"], signal.SIGTERM),
-        (["plot", "run.zarr", "band", "--out", "band.png"], signal.SIGINT),
+        ("plot run.zarr band --out band.png", signal.SIGINT),
     ],
 )
 def test_a_signal_while_compiling_is_obeyed_at_once(
-    words: list[str], number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    words: str, number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At once: before the compilation, which takes seconds, is done."""
     monkeypatch.chdir(tmp_path)
-    if words[0] == "plot":
-        assert outcome(["run", "inverting", "--until", "0.5", "--out", "run.zarr"]) == 0
-    process = Forked(words, MARKED)
+    if words.startswith("plot"):
+        assert typed("run inverting --until 0.5 --out run.zarr") == 0
+    process = Forked(words.split(), MARKED)
     wait_until((tmp_path / "begun").exists, process)
     process.send_signal(number)
     _, errors = process.communicate()
@@ -213,16 +163,11 @@ def test_a_signal_while_compiling_is_obeyed_at_once(
     assert not list(tmp_path.glob(".a.zarr*"))
 
 
-def test_an_axis_that_memory_cannot_hold_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert outcome(["surface", "inverting", "--D", "-1:1:1000000000000", "--out", "f.zarr"]) == 2
-    assert "must have at most 10000000 points" in capsys.readouterr().err
-
-
 def test_netcdf_on_a_full_disk_ends_with_a_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert outcome(["run", "inverting", "--until", "1", "--out", "a"]) == 0
+    assert typed("run inverting --until 1 --out a") == 0
     limit = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 16, 1 << 16));"
     # python would leave half of what it compiles: here, and where it exports
     limit += "sys.dont_write_bytecode = True"

@@ -1,6 +1,5 @@
 """Runs whose contact changes its phase, from Python."""
 
-import pickle
 from pathlib import Path
 
 import numpy as np
@@ -30,15 +29,6 @@ def test_coulomb_without_eps_slips_and_then_rolls() -> None:
     assert "slips until 0.0392358 s, then rolls" in str(run)
 
 
-def test_a_law_without_eps_has_none_to_show() -> None:
-    assert tt.friction.Coulomb(mu=0.3)._asdict() == {"mu": 0.3}
-    assert tt.friction.Coulomb(mu=0.3, eps=1e-3)._asdict() == {"mu": 0.3, "eps": 1e-3}
-    with pytest.raises(InputError, match=r"friction\.mu"):
-        tt.friction.Coulomb(mu=-1.0)
-    with pytest.raises(InputError, match=r"friction\.eps"):
-        tt.friction.Coulomb(mu=0.3, eps=0.0)
-
-
 def test_contact_and_stem_are_keywords() -> None:
     problem = tt.run(
         TOP, tt.friction.Viscous(mu=0.3), start=START, until=0.001, contact={"e_n": 0.5}
@@ -51,11 +41,6 @@ def test_contact_and_stem_are_keywords() -> None:
         )
     with pytest.raises(InputError, match="`contact` must be a mapping"):
         tt.run(TOP, tt.friction.Viscous(mu=0.3), start=START, until=1.0, contact=0.5)
-
-
-def test_a_preset_flies_if_asked_to() -> None:
-    run = tt.run("inverting", on_liftoff="fly", until=0.01)
-    assert run.summary.contact_phases.counts.slip == 1
 
 
 def test_a_run_in_memory_has_all_its_tables(run: tt.Run) -> None:
@@ -84,17 +69,6 @@ def test_a_stored_run_is_the_run_that_was_saved(run: tt.Run, tmp_path: Path) -> 
     ]
 
 
-@pytest.mark.parametrize("output", ["events", "steps"])
-def test_rows_at_events_and_steps(output: str) -> None:
-    run = tt.run(BOUNCE, output=output, until=0.2)
-    times = run.trajectory.time.values
-    assert (np.diff(times) >= 0).all()
-    assert times[0] == 0
-    assert times[-1] == 0.2
-    if output == "events":
-        assert set(run.events.time.values) <= set(times)
-
-
 def test_a_run_starts_where_another_has_ended(tmp_path: Path) -> None:
     """In flight, as exactly as a run can be continued."""
     tt.run(BOUNCE, until=0.02, out=tmp_path / "a.zarr")
@@ -104,12 +78,6 @@ def test_a_run_starts_where_another_has_ended(tmp_path: Path) -> None:
     np.testing.assert_allclose(
         went_on.trajectory.theta[-1], whole.trajectory.theta[-1], rtol=0, atol=1e-11
     )
-
-
-def test_a_problem_can_be_pickled(run: tt.Run) -> None:
-    again = pickle.loads(pickle.dumps(run.problem))
-    assert again.system is run.problem.system
-    assert repr(again.contact) == repr(run.problem.contact)
 
 
 def test_a_run_without_phases_says_so() -> None:
@@ -128,13 +96,6 @@ def test_many_tops_are_the_runs_of_each(run: tt.Run) -> None:
     classes = tops["class"].attrs["flag_meanings"].split()
     assert [classes[int(c)] for c in tops["class"]] == ["rolling", "rolling", "none"]
     assert run.summary.outcome == "rolling"
-
-
-def test_a_top_whose_contact_is_not_unique_is_marked(run: tt.Run) -> None:
-    tops = tt.ensemble(BOUNCE, {"mu": [0.3, 1.6]}, until=0.05)
-    words = tops.status.attrs["flag_meanings"].split()
-    assert words[int(tops.status[1])] == "invalid"
-    assert "Painleve" in tops.attrs["faults"][0]
 
 
 def test_theory_of_a_run_is_that_of_its_ball(run: tt.Run) -> None:
@@ -222,15 +183,3 @@ def test_a_stem_under_the_plane_is_refused() -> None:
     assert given.trajectory.gap_stem.min() > -1e-15
     assert given.phases.ball.values.tolist() == [1]
     assert left_out.trajectory.identical(given.trajectory)  # it stands on what reaches further down
-
-
-def test_friction_that_drills_has_a_record() -> None:
-    """The same run as the scenario's table gives; rolling resistance is none by default."""
-    start = {"theta": 0.1, "omega3": 180.0}
-    table = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 0.0}
-    top = tt.TippeTop(m=0.006, R=0.015, alpha=0.2, I1=8e-7, I3=7e-7, g=9.81)
-    one = tt.run(top, tt.friction.Contensou(mu=0.3, patch=5e-4), start=start, until=0.05)
-    other = tt.run(top, table, start=start, until=0.05)
-    assert one.trajectory.theta.identical(other.trajectory.theta)
-    with pytest.raises(tt.InputError, match="patch"):
-        tt.friction.Contensou(mu=0.3, patch=0.0)

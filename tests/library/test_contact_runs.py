@@ -15,14 +15,7 @@ from tippetop.mechanics.units import ONE
 
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994285714285714e-6, "I3": 3.2e-6, "g": 9.82}
 SLENDER = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
-THROWN = {
-    "theta": 0.5,
-    "theta_dot": 60.0,
-    "phi_dot": 5.0,
-    "omega3": 30.0,
-    "nu_x": 0.1,
-    "nu_y": -0.2,
-}
+THROWN = dict(theta=0.5, theta_dot=60.0, phi_dot=5.0, omega3=30.0, nu_x=0.1, nu_y=-0.2)
 ROCKING = {"theta": 1.5, "theta_dot": 20.0, "phi_dot": -20.0, "omega3": 60.0}
 COULOMB, VISCOUS = {"law": "coulomb", "mu": 0.3}, {"law": "viscous", "mu": 2.0}
 DRILLING = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
@@ -77,12 +70,6 @@ def test_events_and_columns_of_users_mean_the_same_in_every_phase(case: str) -> 
     np.testing.assert_allclose(
         run.trajectory.twice, 2 * np.cos(run.trajectory.theta), rtol=0, atol=1e-14
     )
-
-
-def test_the_name_of_an_event_of_the_contact_is_taken() -> None:
-    stick = tt.extending.Event("stick", "mine", formula(lambda s, b: s.z))
-    with pytest.raises(tt.InputError, match="`stick` must be a new name"):
-        tt.run(CASES["bounces"], events=[stick])
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -8,8 +8,8 @@ import os
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import laws
@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.mechanics import friction, systems
+from tippetop.mechanics import systems
 from tippetop.mechanics.operand import formula
 
 
@@ -28,19 +28,12 @@ SCALED = {"m": 0.02, "R": 0.02, "alpha": 0.3, "k1": 131 / 350, "k3": 0.4, "g": 9
 
 
 @pytest.fixture
-def own(monkeypatch: pytest.MonkeyPatch) -> Iterator:
-    """The package, imported; what is registered in a test is known in that test only."""
+def own(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """Import the package."""
     monkeypatch.syspath_prepend(str(PACKAGE / "src"))
-    monkeypatch.setattr(friction, "LAWS", friction.LAWS)
-    known = dict(systems.SYSTEMS), dict(friction.LAWS), dict(friction.SLIP)
     import quadratic_tops
 
-    yield quadratic_tops
-    for registry, before in zip(
-        (systems.SYSTEMS, friction.LAWS, friction.SLIP), known, strict=True
-    ):
-        registry.clear()
-        registry.update(before)
+    return quadratic_tops
 
 
 def test_a_law_of_ones_own(own) -> None:
@@ -72,19 +65,6 @@ def law(name: str, fields: tuple[str, ...] = ("mu",), **given: Any) -> Any:
     return type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body)
 
 
-def test_a_law_need_not_use_all_its_numbers(own) -> None:
-    """One run and many: the integrator has no place for numbers beyond the last that it reads."""
-    lazy = law("Lazy", ("mu", "unused"))
-    tt.extending.register(lazy)
-    run = tt.run(TOP, lazy(0.3, 5.0), start=START, until=0.2)
-    plain = tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=0.2)
-    np.testing.assert_array_equal(run.trajectory.theta, plain.trajectory.theta)
-    many = tt.ensemble(
-        TOP, {"unused": np.array([1.0, 2.0])}, lazy(0.3, 5.0), start=START, until=0.2
-    )
-    np.testing.assert_allclose(many["theta_end"], float(plain.trajectory.theta[-1]), rtol=1e-12)
-
-
 def test_registering_refuses_what_would_be_mistaken(own) -> None:
     """A name that is another's already, and what cannot be a law; each in one sentence."""
     mine = law("Mine")
@@ -97,9 +77,7 @@ def test_registering_refuses_what_would_be_mistaken(own) -> None:
             law("Other", key="modified"),
             "the name of a law must be new, but `modified` is one of gliding-cylinder",
         ),
-        (law("Viscous"), "the name of a law must be new"),
         (law("Other", key=""), "must be letters"),
-        (law("Other", key="a b"), "must be letters"),
         (law("Other", ("law",)), "must not be named `law`"),
         (law("Other", ("mu", "mu_r")), "must not be named `mu_r`"),
         (law("Other", coefficient=3), "the coefficient of the law .* a function, but is 3"),
@@ -107,7 +85,6 @@ def test_registering_refuses_what_would_be_mistaken(own) -> None:
         (own.SCALED_TIPPE_TOP.replace(name=""), "the name of a system must be letters"),
         (own.SCALED_TIPPE_TOP.replace(name="heavy-top"), "the name of a system must be new"),
         (3, "`record` must be a System or a class of FrictionLaw"),
-        (tt.extending.FrictionLaw, "`record` must be a System or a class of FrictionLaw"),
     ):
         with pytest.raises(tt.InputError, match=sentence):
             tt.extending.register(record)
@@ -124,19 +101,6 @@ def test_laws_know_it(own, rng: np.random.Generator) -> None:
         )
         is None
     )
-
-
-def test_it_means_the_same_inside_numba(own) -> None:
-    """A law that is registered after numba has compiled others is found all the same."""
-    import numba
-
-    @numba.njit
-    def inside(v2, z, law):
-        return friction.slip_coefficient(v2, z, law)
-
-    assert inside(0.25, 0.5, friction.Viscous(0.3)) == 0.3
-    tt.extending.register(own.Quadratic)
-    assert inside(0.25, 0.5, own.Quadratic(0.3, 2.0)) == 0.3 + 2.0 * 0.25
 
 
 def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
@@ -166,16 +130,6 @@ def test_an_event_and_a_column_of_ones_own(own, tmp_path: Path) -> None:
     stored = tt.open(tmp_path / "own.zarr")
     assert stored.trajectory.identical(rows)
     assert stored.summary.event_counts.eighth == log.sizes["event"]
-    stored.plot("theta", tmp_path / "theta.png")
-    with pytest.raises(tt.InputError, match="`theta` must be a new name"):
-        tt.run(
-            "inverting",
-            columns=[
-                tt.extending.Quantity(
-                    "theta", "", tt.extending.Unit(0, 0, 0, "1"), "", own.spin_energy
-                )
-            ],
-        )
 
 
 def test_a_stored_run_with_records_of_ones_own_goes_on(own, tmp_path: Path) -> None:
@@ -208,35 +162,27 @@ def test_a_stored_run_with_records_of_ones_own_goes_on(own, tmp_path: Path) -> N
     )
 
 
-def test_names_of_events_and_columns_are_new_words(own) -> None:
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        *((name, "must be a new name") for name in ("psi", "xyz", "turning", "kind", "work")),
+        *((name, "must be letters, digits and _") for name in ("", "a/b", "1x", "\u00e9")),
+        *((name, "must not be one of") for name in ("work_lo", "state_ux", "drift_energy")),
+    ],
+)
+def test_names_of_events_and_columns_are_new_words(own, name: Any, sentence: str) -> None:
     """A name that a table has already would replace its column; one with a blank or a slash breaks
     a store.
     """
-    for name, sentence in (
-        *(
-            (name, "must be a new name")
-            for name in ("psi", "orientation", "xyz", "wxyz", "time", "theta", "axis")
-        ),
-        *(
-            (name, "must be a new name")
-            for name in ("turning", "kind", "amplitude", "significant", "jellett", "work")
-        ),
-        *(
-            (name, "must be letters, digits and _")
-            for name in ("", "a b", "a/b", "..", "1x", "\u00e9")
-        ),
-        *((name, "must not be one of") for name in ("work_lo", "state_ux", "drift_energy")),
-    ):
-        for given in (
-            {"columns": [dataclasses.replace(own.SPIN_ENERGY, name=name)]},
-            {"events": [dataclasses.replace(own.EIGHTH, name=name)]},
-        ):
-            with pytest.raises(tt.InputError, match=sentence) as caught:
-                tt.run("inverting", until=0.05, **given)
-            assert len(caught.value.sentences) == 1
+    for kind, record in (("columns", own.SPIN_ENERGY), ("events", own.EIGHTH)):
+        with pytest.raises(tt.InputError, match=sentence) as caught:
+            tt.run("inverting", until=0.05, **{kind: [dataclasses.replace(record, name=name)]})
+        assert len(caught.value.sentences) == 1
+
+
+def test_a_name_is_given_once(own) -> None:
     for given in (
         {"columns": [own.SPIN_ENERGY, dataclasses.replace(own.SPIN_ENERGY, formula=own.eighth)]},
-        {"events": [own.EIGHTH, dataclasses.replace(own.EIGHTH, direction=1)]},
         {"events": [own.EIGHTH], "columns": [dataclasses.replace(own.SPIN_ENERGY, name="eighth")]},
     ):
         with pytest.raises(tt.InputError, match="given twice"):
@@ -259,12 +205,9 @@ def test_names_of_events_and_columns_are_new_words(own) -> None:
         ({"kept": 3}, "must be a valid tuple, but is 3"),
         *(
             ({"kept": (tt.extending.Kept(name, "first", "x"),)}, "new name")
-            for name in ("first_equator", "t_end", "status", "mu")
+            for name in ("first_equator", "mu")
         ),
-        *(
-            ({"ends": word}, "must be a word other than")
-            for word in ("finished", "running", "invalid", "todo", "")
-        ),
+        *(({"ends": word}, "must be a word other than") for word in ("finished", "")),
         ({"direction": 2}, "must be -1, 0 or 1"),
         ({"direction": "up"}, "must be a valid integer"),
         ({"formula": None}, "must be a function"),
@@ -275,50 +218,36 @@ def test_an_event_of_ones_own_is_checked(own, changes: dict, sentence: str) -> N
         tt.run("inverting", until=0.05, events=[dataclasses.replace(own.EIGHTH, **changes)])
 
 
-def test_a_second_event_of_a_kind_is_refused(own) -> None:
-    """A run follows one turning, one lasting event: of a second the log had rows that meant
-    nothing.
-    """
-    for fields, sentence in (
+@pytest.mark.parametrize(
+    ("fields", "sentence"),
+    [
         ({"sense": 1}, "`sense` .* is given in `turning` and `again`"),
         ({"lasting": True, "direction": 1}, "`lasting` .* is given in `settled` and `again`"),
         ({"extremes": "speed"}, "`extremes` .* is given in `liftoff` and `again`"),
-    ):
-        event = dataclasses.replace(own.EIGHTH, name="again", **fields)
-        with pytest.raises(tt.InputError, match=sentence):
-            tt.run(TOP, tt.friction.Viscous(0.3), start=START, until=0.1, events=[event])
-    system = systems.SYSTEMS["tippe-top"]
-    twice = [*system.events, dataclasses.replace(system.events[0], name="again")]
-    with pytest.raises(tt.InputError, match=r"`sense` .* is given in `turning` and `again`"):
-        tt.extending.register(system.replace(name="turning-twice", events=tuple(twice)))
+    ],
+)
+def test_a_second_event_of_a_kind_is_refused(own, fields: dict, sentence: str) -> None:
+    """A run follows one turning, one lasting event: of a second the log had rows that meant
+    nothing.
+    """
+    event = dataclasses.replace(own.EIGHTH, name="again", **fields)
+    with pytest.raises(tt.InputError, match=sentence):
+        tt.run("inverting", until=0.1, events=[event])
 
 
 def test_which_events_are_logged(own) -> None:
-    """All by default, none of an empty list; user-defined ones next to those that are named, or
-    alone.
-    """
+    """All by default, none of an empty list; user-defined ones next to those that are named."""
 
     def logged(events) -> tuple[str, ...]:
         return tt.run("inverting", until=0.05, events=events).problem.events
 
-    every = logged(None)
-    assert {"turning", "equator", "inverted"} <= set(every)
+    assert {"turning", "equator", "inverted"} <= set(logged(None))
     assert logged([]) == ()
-    assert logged(["turning"]) == logged("turning") == ("turning",)
-    assert logged([own.EIGHTH]) == logged(own.EIGHTH) == ("eighth",)
+    assert logged("turning") == ("turning",)
     assert logged(["turning", own.EIGHTH]) == ("turning", "eighth")
-    kept = dataclasses.replace(
-        own.EIGHTH, kept=[tt.extending.Kept("first_eighth", "first", "x")]
-    )  # a list is fine
-    run = tt.run("inverting", until=0.05, events=[], columns=own.SPIN_ENERGY)
-    assert run.events.sizes["event"] == 0
-    assert "spin_energy" in run.trajectory
-    assert logged([kept]) == ("eighth",)
 
 
-@pytest.mark.parametrize(
-    "value", [5, True, 1.5, object(), np.array(1.0), np.array([1.0, 2.0]), [3], {"x": 1}, b"x"]
-)
+@pytest.mark.parametrize("value", [5, np.array([1.0, 2.0]), [3], {"x": 1}, b"x"])
 def test_events_and_columns_are_lists_of_records(value) -> None:
     with pytest.raises(tt.InputError, match=r"`events` must be|`run.events`|`events`"):
         tt.run("inverting", until=0.05, events=value)
@@ -378,7 +307,6 @@ def test_workers_of_a_sweep_know_packages_only(
             tt.sweep("plan.toml", "sweep.zarr", **where)
     assert not (tmp_path / "sweep.zarr").exists()
     assert list(tt.sweep("plan.toml", "sweep.zarr")["status"].values) == [1] * 5
-    assert list(tt.sweep("plan.toml", "one.zarr", workers=1)["status"].values) == [1] * 5
     (tmp_path / "law.toml").write_text(
         'scenario = "inverting"\n[set.friction]\nlaw = "quadratic"\nmu = 0.3\ndrag = 1.0\n'
         '[[axis]]\nof = "initial.omega3"\nlinspace = [90.0, 200.0]\nn = 2\n'
@@ -387,9 +315,8 @@ def test_workers_of_a_sweep_know_packages_only(
         tt.InputError, match="the friction law `quadratic` must come from an installed package"
     ):
         tt.sweep("law.toml", "law.zarr", workers=2)
-    for workers in ("x", 0, -1, 1.5, True):
-        with pytest.raises(tt.InputError, match="`workers` must be a whole number"):
-            tt.sweep("plan.toml", "sweep.zarr", workers=workers)
+    with pytest.raises(tt.InputError, match="`workers` must be a whole number"):
+        tt.sweep("plan.toml", "sweep.zarr", workers=1.5)
     systems.add_law(own.Quadratic)  # as an entry point does
     assert systems.known_to_others(own.Quadratic)
 
@@ -422,9 +349,9 @@ for arguments in (
     ["check", "scenario.toml", "--json"],
     ["run", "scenario.toml", "--out", "run.zarr", "--json"],
     ["info", "run.zarr", "--json"],
-    ["plot", "run.zarr", "theta", "--out", "theta.png"],
     *(
         [
+            ["plot", "run.zarr", "theta", "--out", "theta.png"],
             ["plot", "run.zarr", "states", "--out", "phase.png"],
             ["check", "plan.toml", "--json"],
             ["sweep", "plan.toml", "--out", "sweep.zarr", "--json"],
@@ -482,5 +409,5 @@ def test_an_installed_package_is_known_by_name(more: list[str], tmp_path: Path) 
     assert "spin_energy" in str(found[0]["at_start"])
     assert found[1]["status"] == "finished"
     assert "scaled-tippe-top" in found[-1]
-    made = {"theta.png", "run.zarr"} | ({"phase.png", "sweep.zarr"} if more else set())
+    made = {"run.zarr"} | ({"theta.png", "phase.png", "sweep.zarr"} if more else set())
     assert made <= {path.name for path in tmp_path.iterdir()}

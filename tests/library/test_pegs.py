@@ -13,7 +13,6 @@ from tippetop.mechanics.operand import refill
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.systems.tippe_top import TippeTop
 from tippetop.runs import forecast
-from tippetop.runs.run import solve
 from tippetop.scenario import build
 from tippetop.sweeps.plan import Plan
 
@@ -91,7 +90,7 @@ def test_spins_of_pegs_are_stable_where_differences_of_the_motion_decay(
     rng: np.random.Generator,
 ) -> None:
     seen = set()
-    for _ in range(200):
+    for _ in range(50):
         m, R, g, size = rng.uniform(0.8, 1.2, 4)
         I3 = 0.4 * m * R**2 * size
         numbers = {
@@ -138,34 +137,6 @@ def test_the_upright_spin_of_a_rolling_peg_stays_above_lambda_pi_alone(
     )
 
 
-def test_no_run_of_a_random_peg_contradicts_what_is_predicted(rng: np.random.Generator) -> None:
-    met = set()
-    for _ in range(50):
-        alpha, gamma = -rng.uniform(0.1, 0.7), rng.uniform(0.7, 1.3)
-        body = {**BODY, "alpha": alpha, "I1": gamma * BODY["I3"]}
-        low = rng.random() < 0.5
-        theta = rng.uniform(2.6, 3.14) if low else rng.uniform(0.002, 0.5)
-        tables = {
-            "system": "tippe-top",
-            "parameters": body,
-            "friction": {"law": "viscous", "mu": float(rng.uniform(1, 5))},
-            "initial": {"theta": float(theta), "omega3": float(rng.uniform(5, 150))},
-            "run": {"until": 4.0, "output_times": [0.0, 4.0]},
-        }
-        problem = build.problem(tables)
-        start = forecast.at_start(problem)
-        regime = tt.theory.regime(tt.TippeTop(**body), start["jellett"])
-        known = {
-            "upright": regime.upright,
-            "inverted": regime.inverted,
-            "tumbling": bool(regime.tumbling),
-        }
-        outcome = solve(problem, keep=False).report["outcome"]
-        assert known.get(outcome, True)
-        met.add(outcome)
-    assert {"upright", "inverted"} <= met
-
-
 def test_words_of_theory_follow_the_axis_of_a_peg() -> None:
     of_top, of_peg = tt.theory.thresholds(TOP), tt.theory.thresholds(PEG)
     swap = {"upright": "inverted", "inverted": "upright"}
@@ -175,37 +146,14 @@ def test_words_of_theory_follow_the_axis_of_a_peg() -> None:
         assert other.long_name == " ".join(swap.get(word, word) for word in limit.long_name.split())
 
 
-def test_asymptotic_states_of_a_peg_are_critical_points_of_its_least_energy() -> None:
-    lam = 2.5e-6
-    states = tt.theory.asymptotic_states(PEG, lam)
-    assert [state.kind for state in states] == ["upright", "tumbling", "inverted"]
-    for state in states:
-        beyond = math.acos(math.cos(state.theta + 1e-4))  # the other side of a pole is the same
-        least, *around = tt.theory.least_energy(
-            PEG, np.array([state.theta, state.theta - 1e-4 if state.theta else 1e-4, beyond]), lam
-        )
-        assert state.energy == pytest.approx(least, rel=1e-14)
-        assert around[0] == pytest.approx(around[1], rel=1e-10)
-        assert bool(np.mean(around) > least) is state.stable
-
-
 def test_the_landscape_of_a_peg_is_that_of_the_top_with_D_turned_round() -> None:
-    D, lam, z = np.linspace(-2e-4, 3e-4, 11), np.linspace(0, 4e-6, 9), np.linspace(-0.9, 0.9, 7)
+    D, lam = np.linspace(-2e-4, 3e-4, 11), np.linspace(0, 4e-6, 9)
     top, peg = (
         tt.landscapes.minimal_surface(TOP, D=D, lam=lam),
         tt.landscapes.minimal_surface(PEG, D=-D[::-1], lam=lam),
     )
     for name, sign in (("F", 1), ("z", -1), ("F_D", -1), ("F_lambda", 1)):
         np.testing.assert_allclose(peg[name][::-1], sign * top[name], rtol=1e-13)
-    V = SYSTEMS["tippe-top"].potential(z, 2e-5, 2e-6, PEG.body())
-    np.testing.assert_allclose(
-        tt.landscapes.potential(PEG, z, D=2e-5, lam=2e-6)["V"], V, rtol=1e-13
-    )
-    swing = tt.landscapes.turning_angles(PEG, D=-2e-5, lam=2e-6, energy=6e-3)
-    exact = tt.theory.nutation(
-        PEG, D=-2e-5, lam=2e-6, energy=6e-3, theta=float(swing["theta_star"])
-    )
-    assert [float(swing[name]) for name in exact._fields] == pytest.approx(exact, rel=1e-12)
     lines = tt.landscapes.marked_lines(PEG, np.array([1e-6, 2e-6]))
     assert lines["on_surface"].values.tolist() == [[False, True], [True, True]]
 

@@ -20,8 +20,6 @@ from tippetop.library.scenarios import checked
     [
         lambda: tt.extending.SYSTEMS["tippe-top"].parameters,
         lambda: tt.extending.SYSTEMS["tippe-top"].laws,
-        lambda: tt.extending.SYSTEMS["gliding-cylinder"].laws,
-        lambda: tt.extending.SYSTEMS["tippe-top"].forms,
         lambda: tt.extending.LAWS["viscous"].parameters,
         lambda: tt.load("inverting").parameters,
         lambda: tt.load("inverting").initial,
@@ -33,9 +31,6 @@ def test_what_a_record_holds_cannot_be_changed(mapping: Callable) -> None:
     before = dict(held)
     with pytest.raises((TypeError, AttributeError)):
         held["m"] = 3
-    for change in ("clear", "popitem"):
-        with pytest.raises((TypeError, AttributeError)):
-            getattr(held, change)()
     assert dict(mapping()) == before
 
 
@@ -65,10 +60,6 @@ PROBLEM = tt.load("inverting")
             "`parameters.alpha` must be less than 1.0, but is 5",
         ),
         (
-            {"parameters": {**PROBLEM.parameters, "m": np.nan}},
-            "`parameters.m` must be a finite number",
-        ),
-        (
             {"parameters": {**PROBLEM.parameters, "m": "x"}},
             "`parameters.m` must be a number, but is 'x'",
         ),
@@ -80,7 +71,6 @@ PROBLEM = tt.load("inverting")
         ({"events": ("nosuch",)}, "`events` must be of turning, .*, but has 'nosuch'"),
         ({"events": "turning"}, "`events` of a Problem must be a tuple"),
         ({"times": np.array([0.3, 0.1])}, "`output_times` must ascend strictly"),
-        ({"until": -1.0}, "`until` must be greater than 0"),
         ({"until": "x"}, "`until` must be a number, but is 'x'"),
         ({"form": "nosuch"}, "`form` of a Problem must be a Form, but is 'nosuch'"),
         (
@@ -97,8 +87,6 @@ def test_a_problem_that_was_replaced_is_checked(changes: dict[str, Any], sentenc
     """
     with pytest.raises(tt.InputError, match=sentence):
         tt.run(dataclasses.replace(PROBLEM, **changes))
-    with pytest.raises(tt.InputError, match=sentence):
-        tt.theory.thresholds(dataclasses.replace(PROBLEM, **changes))
 
 
 @pytest.mark.parametrize(
@@ -106,9 +94,7 @@ def test_a_problem_that_was_replaced_is_checked(changes: dict[str, Any], sentenc
     [
         lambda: tt.load("inverting"),
         lambda: tt.load("inverting", ["run.columns=['theta']", "run.output='events'"]),
-        lambda: tt.load("inverting", ["run.output='keyframes'"]),
         lambda: tt.load("flying"),
-        lambda: tt.load("cohen-coulomb"),
         lambda: tt.load("rolling", ["run.precision='longdouble'", "run.output_times=[0.1, 0.2]"]),
     ],
 )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from nightly import at_night
+from stores import assert_same
 
 import tippetop as tt
 from tippetop.runs.recording import record
@@ -80,19 +80,6 @@ def test_help_says_what_goes_in_and_comes_out(name: str) -> None:
         )
 
 
-@pytest.mark.parametrize(
-    "name", [name for name, public in PUBLIC.items() if inspect.isclass(public)]
-)
-def test_every_class_says_what_it_is(name: str) -> None:
-    kind = PUBLIC[name]
-    text = inspect.getdoc(kind) or ""
-    assert text.partition("\n")[0].strip()
-    if kind.__module__.startswith("tippetop.library") and inspect.signature(kind).parameters:
-        assert (
-            re.search(r"^(Parameters|Attributes)\n-+$", text, re.MULTILINE) or name == "StoredRun"
-        )
-
-
 # --- bodies and laws ----------------------------------------------------------------------------
 
 
@@ -111,8 +98,6 @@ def test_a_body_is_checked_when_it_is_made() -> None:
         tt.TippeTop(**bad)
     assert found.value.sentences == from_toml.value.sentences
     assert len(found.value.sentences) == 3
-    with pytest.raises(tt.InputError, match="I3` must be at most 2"):
-        tt.TippeTop(m=1, R=1, alpha=0.5, I1=1, I3=3, g=9.82)
     with pytest.raises(
         tt.InputError,
         match=r"`friction.mu` must be at least 0.0.*\n.*eps` must be greater than 0.0",
@@ -123,8 +108,6 @@ def test_a_body_is_checked_when_it_is_made() -> None:
         match="a Problem must be the only argument, but `until`, `output_step` is given too",
     ):
         tt.run(tt.load("inverting"), until=1.0, output_step=0.1)
-    with pytest.raises(tt.InputError, match=r"`parameters.m` must be a number, but is 'one'"):
-        tt.HeavyTop(m="one", l=1, I1=1, I3=1, g=9.82)  # type: ignore[arg-type]
     mixed = tt.TippeTop(
         m=np.float64(0.02), R=np.array(0.02), alpha=0.3, I1=np.float32(2.0), I3=np.int64(1), g=9.82
     )
@@ -140,9 +123,7 @@ def test_a_body_is_checked_when_it_is_made() -> None:
     [
         (TOP, tt.friction.Viscous(0.3), "tippe-top"),
         (TOP, tt.friction.Coulomb(0.3, 1e-3), "tippe-top"),
-        (TOP, tt.friction.Mixed(0.1, 0.1, 1e-3), "tippe-top"),
-        (TOP, tt.friction.Stribeck(0.1, 0.2, 0.1, 1e-3), "tippe-top"),
-        (TOP, tt.friction.Latitude(0.1, 0.3), "tippe-top"),
+        (TOP, tt.friction.Contensou(0.3, 5e-4), "tippe-top"),
         (TOP, tt.friction.Frictionless(), "tippe-top"),
         (HEAVY, None, "heavy-top"),
         (HEAVY, tt.friction.Viscous(0.3), "gliding-heavy-top"),
@@ -189,7 +170,6 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
     ):
         np.testing.assert_array_equal(other.trajectory["theta"], run.trajectory["theta"])
     assert tt.run("inverting", friction={"mu": 0.2}, until=0.1).problem.friction.mu == 0.2
-    assert tt.run("inverting", {"friction.mu": 0.2}, until=0.1).problem.friction.mu == 0.2
     assert tt.run("inverting", friction={"law": "none"}, until=0.1).summary.friction.law == "none"
     rolling = tt.run("inverting", system="rolling-tippe-top", until=0.1)
     assert rolling.summary.system == "rolling-tippe-top"
@@ -211,7 +191,6 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
         (("inverting", [0.3]), {}, "must be assignments"),
         (("inverting", 0.3), {}, "the friction law must be a record such as Viscous"),
         (("inverting",), {"until": -1.0}, "^`until` must be greater than 0"),
-        (("inverting",), {"until": "soon"}, "^`until` must be a number"),
         (("inverting",), {"events": ["landing"]}, "^`events` must be of turning"),
         (("inverting",), {"start": 0.1}, "^`start` must be a mapping"),
         (("inverting",), {"friction": {"mu": 0.1, "eps": 1.0}}, "friction.eps"),
@@ -236,7 +215,6 @@ def test_misuse_is_one_sentence_in_the_words_of_the_call(
     ("run", "sentence"),
     [
         ({"orientation": False}, "<p>Not shown in motion: "),
-        ({"columns": ["theta"]}, "<p>Not shown in motion: "),
         ({"output_step": 4e-6}, "<p>In motion: .view() makes the page of its 25001 rows.</p>"),
     ],
 )
@@ -252,8 +230,6 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     assert "pi - 0.1 at 6.943" in str(run)
     assert run._repr_html_().startswith("<b>rolling and gliding tippe top")
     assert run.summary.inversion.inverted_at == pytest.approx(6.943, abs=1e-3)
-    assert run.summary["inversion"]["inverted_at"] == run.summary.inversion.inverted_at
-    assert "drift" in dir(run.summary)
     with pytest.raises(AttributeError, match="there is no `colour`"):
         _ = run.summary.colour
     assert max(run.drift.values()) < 1e-13
@@ -268,45 +244,25 @@ def test_a_run_shows_itself(run: tt.Run, tmp_path: Path) -> None:
     tree = run.to_datatree()
     assert set(tree.children) == {"trajectory", "events"}
     run.plot("theta", tmp_path / "theta.png")
-    with pytest.raises(tt.InputError, match="kind of figure"):
-        run.plot("moon")
     found = tt.run("inverting", until=0.2)
     assert found.certify().theta < 1e-12
     assert found.summary.certificate.against == "longdouble"
 
 
-@pytest.mark.parametrize(
-    ("preset", "sets"),
-    [
-        ("inverting", ["run.until=2"]),
-        at_night("rolling", ["run.until=0.5", "run.precision=longdouble"]),
-        ("gliding-cylinder", ["run.until=1"]),
-    ],
-)
-def test_a_saved_run_is_the_recorded_one_file_by_file(
-    preset: str, sets: list[str], tmp_path: Path
-) -> None:
+@pytest.mark.parametrize("preset", ["inverting", "gliding-cylinder"])
+def test_a_saved_run_is_the_recorded_one_file_by_file(preset: str, tmp_path: Path) -> None:
     recorded, saved = tmp_path / "recorded.zarr", tmp_path / "saved.zarr"
-    record(tt.load(preset, sets), recorded)
-    run = tt.run(preset, sets)
+    record(tt.load(preset, until=1.0), recorded)
+    run = tt.run(preset, until=1.0)
     run.save(saved)
-    contents = [
-        {path.relative_to(place): path.read_bytes() for path in place.rglob("*") if path.is_file()}
-        for place in (recorded, saved)
-    ]
-    assert contents[0].keys() == contents[1].keys()
-    assert [name for name, data in contents[0].items() if data != contents[1][name]] == []
-    with pytest.raises(tt.StoreError):
-        run.save(saved)
+    assert_same(saved, recorded)
     run.save(saved, overwrite=True)
     stored = tt.open(saved)
     assert isinstance(stored, tt.StoredRun)
-    assert stored.trajectory.identical(run.trajectory)
-    assert stored.events.identical(run.events)
-    assert stored.final.identical(run.final)
+    for name in ("trajectory", "events", "final"):
+        assert getattr(stored, name).identical(getattr(run, name)), name
     assert stored.summary.to_dict() == run.summary.to_dict()
     assert repr(stored) == repr(run).replace("<Run of", "<StoredRun of")
-    assert stored.problem.system is run.problem.system
 
 
 def test_a_run_that_is_recorded_as_it_goes(tmp_path: Path) -> None:
@@ -342,18 +298,6 @@ def test_every_kind_of_store_opens(tmp_path: Path) -> None:
     }
     with pytest.raises(tt.StoreError, match="is a file, not a store"):
         tt.open(tmp_path / "plan.toml")
-
-
-def test_a_run_in_another_thread() -> None:
-    import threading
-
-    found: list = []
-    thread = threading.Thread(target=lambda: found.append(tt.run("inverting", until=0.2)))
-    thread.start()
-    thread.join()
-    np.testing.assert_array_equal(
-        found[0].trajectory["theta"], tt.run("inverting", until=0.2).trajectory["theta"]
-    )
 
 
 # --- many tops ----------------------------------------------------------------------------------
@@ -415,10 +359,6 @@ def test_the_theory_takes_bodies(run: tt.Run) -> None:
     assert tt.theory.thresholds(HEAVY)["spin_sleeping"].value > 0
     assert tt.theory.linear_modes(TOP, tt.friction.Viscous(0.3), omega3=155.0)[0].real > 0
     assert np.all(np.abs(tt.theory.linear_modes(TOP, omega3=155.0).real) < 1e-9)
-    assert (
-        len(tt.theory.linear_modes(TOP, tt.friction.Frictionless(), omega3=155.0, inverted=True))
-        == 3
-    )
     rows = run.trajectory.isel(time=100)
     D, lam, energy, theta = (
         float(rows[name]) for name in ("routh", "jellett", "modified_energy", "theta")
@@ -464,21 +404,8 @@ def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:
 
 # --- arguments that are wrong -------------------------------------------------------------------
 
-NO_PATH = (3, None, 1.5, True, ["x"], b"x", "", np.array(["a"]))
-NO_NUMBER = (
-    None,
-    "x",
-    np.nan,
-    np.inf,
-    True,
-    [1],
-    np.array([1.0, 2.0]),
-    1 + 1j,
-    10**400,
-    {},
-    object(),
-    b"1",
-)
+NO_PATH = (3, None, ["x"], b"x", "")
+NO_NUMBER = (None, "x", np.nan, True, [1], 1 + 1j, 10**400)
 
 
 @pytest.mark.parametrize("value", NO_PATH, ids=repr)
@@ -529,31 +456,18 @@ def test_what_is_something_else_is_refused(run: tt.Run, tmp_path: Path) -> None:
     for sentence, call in {
         "`nope` is neither": lambda: tt.load(Path("nope")),
         "`system` is not a table": lambda: tt.run("inverting", friction={"system.y": 1}, until=0.1),
-        "`form` is not a table": lambda: tt.run(
-            {**tables, "form": "vector"}, friction={"form.y": 1}, until=0.1
-        ),
         "`parameters`": lambda: tt.run(tables, parameters={"m": 0.2}, until=0.1),
         "but has modified": lambda: tt.theory.linear_modes(
             TOP, tt.friction.Modified(mu=0.1, v_k=0.1), omega3=10.0
         ),
         "`law` must be the record of a friction law": lambda: TOP.body(3),
         "`run` must be a Run, but is 3": lambda: tt.theory.reconstruct(3),  # type: ignore[arg-type]
-        "`period` must be greater than 0": lambda: tt.theory.reconstruct(run, period=-1.0),
         "`period` must be longer than the 0.008 s between two rows, but is 1e-300 s": lambda: (
             tt.theory.reconstruct(run, period=1e-300)
         ),
-        "some hundred in each nutation, but has 1": lambda: tt.theory.reconstruct(
-            tt.run("inverting", until=0.1, output_times=[0.0])
-        ),
         "`window` must be greater than 0": lambda: run.certify(0),
         "the kind of figure must be one of .* but is `3`": lambda: run.plot(3),  # type: ignore[arg-type]
-        "the kind of figure must be one of .* but is .*x": lambda: run.plot(["x"]),  # type: ignore[arg-type]
         "must end with the format": lambda: run.plot("theta", tmp_path / "theta"),
-        "must end with the format of a figure": lambda: run.plot("theta", tmp_path / "theta.doc"),
-        "`omega3` must be a number, but is 'a'": lambda: tt.ensemble(
-            "inverting", {"omega3": ["a"]}, until=0.1
-        ),
-        "`threads` must be a whole": lambda: tt.ensemble("inverting", spins, until=0.1, threads=0),
         "`threads` must be a whole number": lambda: tt.ensemble(
             "inverting", spins, until=0.1, threads="x"
         ),  # type: ignore[arg-type]
@@ -598,13 +512,6 @@ def test_what_is_set_in_the_rows_leaves_the_run_as_it_is() -> None:
     np.testing.assert_array_equal(run.trajectory.theta, theta)
     assert run.trajectory.theta.attrs["units"] == "rad"
     assert "theta" in run.trajectory
-
-
-def test_thresholds_print_one_to_a_line() -> None:
-    lines = repr(tt.theory.thresholds("inverting")).splitlines()
-    assert len(lines) == len(tt.theory.thresholds("inverting"))
-    assert any(line.startswith("spin_upright") and "rad s-1" in line for line in lines)
-    assert len(repr(tt.theory.thresholds("heavy-top")).splitlines()) == 1
 
 
 def test_a_number_beyond_the_doubles_is_not_called_stiffness() -> None:

@@ -2,34 +2,20 @@
 arguments.
 """
 
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import tippetop as tt
-from tippetop.arguments import plain
-from tippetop.mechanics import friction, systems
-from tippetop.mechanics.operand import formula, sqrt
+from tippetop.mechanics import systems
+from tippetop.mechanics.operand import formula
 from tippetop.mechanics.units import JOULE, ONE, SECOND_PER_METRE
 from tippetop.scenario import reference
 
 
 BODY: dict[str, Any] = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}
-
-
-@pytest.fixture(autouse=True)
-def forgotten() -> Iterator[None]:
-    """What is registered in a test is known in that test only."""
-    registries: list[dict] = [systems.SYSTEMS, friction.LAWS, friction.SLIP]
-    before = [dict(registry) for registry in registries]
-    yield
-    for registry, known in zip(registries, before, strict=True):
-        registry.clear()
-        registry.update(known)
 
 
 def law(name: str, coefficient: Callable) -> Any:
@@ -51,17 +37,10 @@ def law(name: str, coefficient: Callable) -> Any:
             r"k of the friction law `mine` must be at least 0, .* feeds energy, but is -0.3 s/m",
         ),
         (
-            lambda v2, z, law: law.mu * z,
-            r"at least 0, .* but is -0.3 s/m at \|v_A\| = 0 m/s, cos\(theta\) = -1",
-        ),
-        (
             lambda v2, z, law: law.mu * float("nan"),
             "k of the friction law `mine` must be finite, but is nan",
         ),
-        (
-            lambda v2, z, law: law.mu / sqrt(v2),
-            r"must be finite, but is inf s/m at \|v_A\| = 0 m/s",
-        ),
+        (lambda v2, z, law: law.nu, "the formula of the friction law `mine` fails"),
         (
             lambda v2, z, law: None,
             "the formula of the friction law `mine` must return one number, but returns None",
@@ -99,19 +78,13 @@ def test_of_many_tops_those_whose_law_feeds_energy_are_invalid() -> None:
             lambda s, b: s.z * float("nan"),
             "the formula of the {} must be finite at the start, but is nan",
         ),
-        (
-            lambda s, b: 1 / (s.z - s.z),
-            "the formula of the {} must be finite at the start, but is inf",
-        ),
         (lambda s, b: None, "the formula of the {} must return one number, but returns None"),
         (lambda s, b: s.nothing, "the formula of the {} fails: AttributeError"),
-        (lambda s, b: (s.z, s.z), r"the formula of the {} must return one number, but returns \("),
+        (lambda s, b: s.z if s.z < 2 else s.s2, "the formula of the {} fails: "),  # no symbols
         (
             lambda s, b: np.array([s.z]),
             r"the formula of the {} must return one number, but returns array\(",
         ),
-        (lambda s, b: "x", "the formula of the {} must return one number, but returns 'x'"),
-        (lambda s, b: 1j, "the formula of the {} must return one number, but returns 1j"),
     ],
 )
 def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) -> None:
@@ -130,12 +103,9 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
     ("changes", "sentence"),
     [
         ({"body": 3}, "`body` of `mine` must be a function"),
-        ({"start": 3}, "`start` of `mine` must be a function"),
-        ({"scales": 3}, "`scales` of `mine` must be a function"),
         ({"angles": 3}, "`angles` of `mine` must be a NamedTuple"),
         ({"initial": {"theta": 3}}, "`initial` of `mine` must be Number records"),
         ({"parameters": {}}, r"must take its parameters \(none\), but fail: KeyError"),
-        ({"body": lambda parameters, law: 1 / 0}, "but fail: ZeroDivisionError"),
         ({"body": lambda parameters, law: 1.0}, "fail: |must give NamedTuples"),
         (
             {"scales": lambda b: (1.0,)},
@@ -155,11 +125,8 @@ def test_a_formula_that_is_no_number_is_named(value: Callable, sentence: str) ->
             "`start` of `mine` must give a record as `angles` is, but gives None",
         ),
         ({"events": (3,)}, "`events` of phase `slip` of `mine` must be Event records, but has 3"),
-        ({"events": "turning"}, "must be Event records, but has 'turning'"),
         ({"quantities": (3,)}, "must be Quantity records, but has 3"),
         ({"outlook": 3}, "`outlook` of `mine` must be a function or None, but is 3"),
-        ({"landscape": 3}, "`landscape` of `mine` must be a Landscape or None, but is 3"),
-        ({"title": 3}, "`title` of `mine` must be a text, but is 3"),
         ({"phases": {}}, "`phases` of `mine` must have a Phase, but has none"),
     ],
 )
@@ -170,11 +137,6 @@ def test_a_system_that_has_no_body_is_refused(changes: dict[str, Any], sentence:
         tt.extending.register(system)
     with pytest.raises(tt.InputError, match=sentence):
         tt.run(system, tt.friction.Viscous(0.3), parameters=BODY, until=0.1)
-
-
-def test_the_systems_of_the_package_pass_these_checks() -> None:
-    for system in tt.extending.SYSTEMS.values():
-        systems.check(system)
 
 
 @pytest.mark.parametrize(
@@ -197,7 +159,6 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
     ("call", "sentence"),
     [
         (lambda: tt.TippeTop(**{**BODY, "m": 10**400}), "`parameters.m` must be a"),
-        (lambda: tt.TippeTop(**{**BODY, "R": 10**400, "I1": "2*m"}), "`parameters.R` must be a"),
         (
             lambda: tt.run("inverting", until=1e308, output_step=1e307),
             r"`until` must be at most 1e\+16",
@@ -217,7 +178,6 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
             lambda: tt.landscapes.minimal_surface("inverting", D=[], lam=4e-6),
             "`D` must be a number or",
         ),
-        (lambda: tt.landscapes.marked_lines("inverting", []), "`lambda` must be a number or"),
         (lambda: tt.derivatives.sensitivities("inverting", ["nu"]), "`nu` must be one of"),
         (
             lambda: tt.extending.Unit("a", 2, -2, "J"),
@@ -228,7 +188,6 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
             lambda: tt.extending.Unit(1, 2, -2, "m"),
             r'powers of a Unit "m" must be \(0, 1, 0\), but are \(1, 2, -2\)',
         ),
-        (lambda: tt.extending.Unit(1, 2, -2, "kg m2 s-1"), r"must be \(1, 2, -1\), but are"),
         (
             lambda: tt.run(
                 "inverting",
@@ -257,14 +216,6 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
             "`others` must be a list of Runs, but is 3",
         ),  # type: ignore[arg-type]
         (
-            lambda: tt.run("inverting", until=0.01).plot("theta", others=[3]),
-            r"must be a list of Runs, but is \[3\]",
-        ),  # type: ignore[list-item]
-        (
-            lambda: tt.theory.linear_modes("cohen-coulomb", omega3=100),
-            "must be finite as v_A goes to 0, .* give Coulomb",
-        ),
-        (
             lambda: tt.theory.linear_modes(tt.TippeTop(**BODY), tt.friction.Coulomb(0.3), omega3=1),
             "must be finite as v_A goes to 0",
         ),
@@ -288,34 +239,6 @@ def test_what_is_known_by_name_is_changed_by_register_alone() -> None:
     assert "mine" in tt.extending.LAWS
 
 
-def test_a_stop_says_what_is_kept(tmp_path: Any) -> None:
-    stop = threading.Event()
-    stop.set()
-    with pytest.raises(tt.Interrupted, match="the run was asked to stop: "):
-        tt.run("inverting", until=1e5, output="keyframes", out=tmp_path / "run.zarr", stop=stop)
-    assert "resumed" in str(tt.Interrupted())
-
-
-def test_numbers_of_other_libraries_are_numbers() -> None:
-    assert plain(pd.Series([0.1, 0.2])) == [0.1, 0.2]
-    tables = {"run": {"output_times": pd.Series([0.1, 0.2])}}
-    assert plain(tables) == {"run": {"output_times": [0.1, 0.2]}}
-
-
-def test_a_top_of_another_name_is_still_a_top() -> None:
-    """thresholds and linear_modes know the body, by whatever name the system goes; potential takes
-    a preset's name.
-    """
-    mine = tt.extending.register(tt.extending.SYSTEMS["tippe-top"].replace(name="mine"))
-    from tippetop.library.scenarios import problem_of
-
-    problem = problem_of("inverting", system=mine.name)
-    assert tt.theory.thresholds(problem) == tt.theory.thresholds("inverting")
-    assert tt.landscapes.potential("inverting", 0.5, D=3e-4, lam=4e-6).equals(
-        tt.landscapes.potential(problem, 0.5, D=3e-4, lam=4e-6)
-    )
-
-
 def test_a_page_says_which_columns_it_lacks() -> None:
     """`run.orientation = true` is no remedy where the run keeps other columns."""
     run = tt.run("inverting", until=0.05, columns=["theta", "orientation"])
@@ -324,39 +247,16 @@ def test_a_page_says_which_columns_it_lacks() -> None:
         match=r"a page needs the columns `axis`, `L`, .* but the run has not kept them",
     ):
         run.view()
-    needed = [
-        "theta",
-        "orientation",
-        "axis",
-        "L",
-        "omega3",
-        "phi",
-        "nu_x",
-        "nu_y",
-        "x",
-        "y",
-        "routh",
-        "jellett",
-    ]
-    assert tt.run("inverting", until=0.05, columns=needed).view()
+    needed = "theta orientation axis L omega3 phi nu_x nu_y x y routh jellett"
+    assert tt.run("inverting", until=0.05, columns=needed.split()).view()
 
 
-@pytest.mark.parametrize("rows", [{"output": "events"}, {"output_step": 0.01}])
-def test_too_few_rows_are_refused_and_not_pondered(rows: dict[str, Any]) -> None:
+def test_too_few_rows_are_refused_and_not_pondered() -> None:
     """A reconstruction from two rows in each swing took for ever."""
     with pytest.raises(
         tt.InputError, match=r"some hundred in each nutation, but has [12] between two turnings"
     ):
-        tt.theory.reconstruct(tt.run("inverting", until=0.2, **rows))
-
-
-def test_a_record_is_read_only() -> None:
-    from tippetop.runs.results import Record
-
-    record = Record({"a": {"b": 1}})
-    with pytest.raises(AttributeError, match="`b` cannot be set"):
-        record.a.b = 2
-    assert record.to_dict() == {"a": {"b": 1}}
+        tt.theory.reconstruct(tt.run("inverting", until=0.2, output_step=0.01))
 
 
 class Entry(NamedTuple):

@@ -113,4 +113,6 @@ def test_a_record_is_read_only_and_says_what_it_knows() -> None:
     assert {"a", "b"} <= set(dir(record))
     with pytest.raises(AttributeError, match="there is no `d`: known are a, b"):
         _ = record.d
+    with pytest.raises(AttributeError, match="`c` cannot be set"):
+        record.b.c = 2
     assert repr(record) == "Record(a=1, b=b(c=[1, 2]))"

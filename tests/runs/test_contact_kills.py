@@ -64,8 +64,7 @@ RUNS = {
     "loaded": LOADED,
 }
 PLACES = {
-    ("thrown", "double"): [("slip", 1), ("flight", 1), ("roll", 1), ("slip", 5), ("flight", 2)],
-    ("thrown", "longdouble"): [("slip", 2), ("flight", 1), ("roll", 1)],
+    ("thrown", "double"): [("slip", 1), ("flight", 1), ("roll", 1)],
     ("stands", "double"): [
         ("slip", 1),
         ("stem-slip", 1),
@@ -73,28 +72,20 @@ PLACES = {
         ("flight", 2),
         ("both", 1),
     ],
-    ("stands", "longdouble"): [("stem-slip", 1), ("stem-flight", 1), ("both", 1)],
-    ("bounces", "double"): [("flight", 1), ("flight", 5), ("roll", 2), ("roll", 5)],
+    ("bounces", "double"): [("flight", 5), ("roll", 2)],
     ("on-stem", "double"): [
-        *(
-            ("stem-flight", 2),
-            ("stem-slip", 1),
-            ("stem-roll", 1),
-            ("stem-slip", 5),
-            ("stem-flight", 5),
-        ),
+        ("stem-flight", 2),
+        ("stem-slip", 1),
+        ("stem-roll", 1),
     ],
     ("drills", "double"): [
-        *(
-            ("slip-between", 1),
-            ("slip-between", 5),
-            ("stem-slip-outside", 2),
-            ("both-between-outside", 1),
-        ),
+        ("slip-between", 1),
+        ("stem-slip-outside", 2),
+        ("both-between-outside", 1),
     ],
-    ("rocks", "double"): [("slip-inside", 3), ("rest", 1), ("rest", 2)],
+    ("rocks", "double"): [("slip-inside", 3), ("rest", 1)],
     ("rocks", "longdouble"): [("rest", 1)],
-    ("loaded", "double"): [("flight", 2), ("flight", 6), ("roll", 2)],
+    ("loaded", "double"): [("flight", 2), ("roll", 2)],
 }
 """Phase, and which of the checkpoints in such phases, of each run and precision."""
 STEPS = 3  # a slice: a phase of four is written in two

@@ -2,15 +2,14 @@
 
 import functools
 import shutil
-import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from forked import Forked
 from nightly import at_night
-from stores import TURNING, acknowledged, assert_same, ended, files, state_of, wait_until
+from stores import TURNING, assert_same, files, state_of
+from typed import typed
 
 import tippetop as tt
 from tippetop.cli import outcome
@@ -24,17 +23,9 @@ from tippetop.store.folder import Folder
 ROWS = "run.output_step=0.01"
 OUTPUT = {
     "rows": [],
-    "steps": ["run.output_step=", "run.output=steps"],
     "events": ["run.output_step=", "run.output=events"],
     "keyframes": ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=300"],
     "listed": ["run.output_step=", "run.output_times=[0.0, 0.5, 3.25]"],
-    "inverting": [
-        "initial.phi_dot=0.0",
-        "initial.theta=0.1",
-        "initial.omega3=155.0",
-        "friction.mu=0.3",
-    ],
-    "settled": ["run.stop_when=settled"],
 }
 
 
@@ -73,33 +64,14 @@ def test_a_run_that_is_continued_is_that_of_one_go(
     """From 3.3 s, in the midst of a step, to 47 s, some slices later."""
     sets = [ROWS, *OUTPUT[kind]]
     store = made(tmp_path / "run.zarr", 3.3, *sets)
-    assert outcome(["resume", str(store), "--until", "47"]) == 0
+    assert typed(f"resume {store} --until 47") == 0
     assert_same(store, at_once(47.0, *sets))
-
-
-@pytest.mark.slow
-def test_it_is_continued_again_and_again(at_once: Callable[..., Path], tmp_path: Path) -> None:
-    store = made(tmp_path / "run.zarr", 0.5, ROWS)
-    for until in (0.77, 20.0, 44.0, 47.0):
-        tt.resume(store, until=until)
-    assert_same(store, at_once(47.0, ROWS))
 
 
 def test_a_run_in_memory_that_is_saved_is_continued_too(tmp_path: Path) -> None:
     store = tt.run("inverting", until=2.0, output_step=0.01).save(tmp_path / "run.zarr")
     tt.resume(store, until=8.0)
     whole = tt.run("inverting", until=8.0, output_step=0.01, out=tmp_path / "whole.zarr").path
-    assert_same(store, whole)
-
-
-@pytest.mark.slow
-def test_in_wider_numbers(tmp_path: Path) -> None:
-    sets = ["run.precision=longdouble", ROWS]
-    whole, store = (
-        made(tmp_path / "whole.zarr", 2.0, *sets),
-        made(tmp_path / "run.zarr", 0.7, *sets),
-    )
-    tt.resume(store, until=2.0)
     assert_same(store, whole)
 
 
@@ -117,22 +89,6 @@ def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="must be later than that of"):
         tt.resume(store, until=75.0)
     tt.resume(store, until=110.0)
-    assert_same(store, whole)
-
-
-@pytest.mark.parametrize("moment", [at_night("at once"), "after a commit"])
-def test_killed_while_it_is_continued_it_is_resumed(
-    moment: str, at_once: Callable[..., Path], tmp_path: Path
-) -> None:
-    whole, store = at_once(150.0, ROWS), copied(at_once(60.0, ROWS), tmp_path)
-    prelude = "import tippetop.runs.recording as r; r.COMMIT_EVERY = 0.0"
-    process = Forked(["resume", str(store), "--until", "150"], prelude)
-    least = 0 if moment == "at once" else 7000
-    wait_until(lambda: acknowledged(store) > least and said(store)["status"] == "running", process)
-    process.send_signal(signal.SIGKILL)
-    ended(process)
-    assert root.attributes(store)["status"] == "running"
-    assert outcome(["resume", str(store)]) == 0
     assert_same(store, whole)
 
 
@@ -172,7 +128,7 @@ def test_whatever_fails_before_it_begins_leaves_the_finished_run(
 
 
 @pytest.mark.parametrize(
-    ("until", "sentence"), [("2", "later"), ("3", "later"), ("nan", "a number"), ("-1", "later")]
+    ("until", "sentence"), [("3", "later"), ("nan", "a number"), ("inf", "a number")]
 )
 def test_an_end_that_is_not_later_is_refused(
     until: str,
@@ -186,16 +142,6 @@ def test_an_end_that_is_not_later_is_refused(
     assert outcome(["resume", str(store), f"--until={until}"]) == 2
     assert sentence in capsys.readouterr().err
     assert files(store) == before
-
-
-def test_an_endless_end_is_refused_in_a_sentence(
-    at_once: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    store = copied(at_once(3.0), tmp_path)
-    assert outcome(["resume", str(store), "--until", "inf"]) == 2
-    assert "Traceback" not in capsys.readouterr().err
-    assert outcome(["resume", str(store), "--until", "1e12"]) == 2
-    assert tt.open(store).summary.status == "finished"
 
 
 def test_a_run_that_an_event_has_ended_is_not_continued(tmp_path: Path) -> None:
@@ -218,15 +164,6 @@ def test_a_store_of_other_versions_is_refused(
         run = tt.resume(store, until=4.0, accept_other_version=True)
     assert [before["cpu"] for before in run.attributes["begun_with"]] == [provenance.cpu()]
     assert run.attributes["cpu"] == "another"
-
-
-def test_a_certificate_does_not_hinder_and_does_not_stay(
-    at_once: Callable[..., Path], tmp_path: Path
-) -> None:
-    store = copied(at_once(3.0, ROWS), tmp_path)
-    root.annotate(store, {"certificate": {"theta": 0.0}})
-    tt.resume(store, until=4.0)
-    assert_same(store, at_once(4.0, ROWS))
 
 
 def test_a_replay_is_not_continued(at_once: Callable[..., Path], tmp_path: Path) -> None:

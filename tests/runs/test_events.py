@@ -28,40 +28,41 @@ def count(
     return found, tallies
 
 
-def confirmed(theta: list[float], sign: list[int], end: float, pieces: int = 1) -> list[int]:
-    """Return the turnings that are confirmed."""
-    return count(theta, sign, end, pieces)[0]
+@pytest.mark.parametrize("pieces", [1, 4])
+@pytest.mark.parametrize(
+    ("theta", "end", "rows"),
+    [
+        ([np.pi - x for x in (0.0, 1e-16, 0.0, 4e-16)], np.pi, []),
+        ([0.1, 0.5, 0.5 - 1e-16, 0.5 + 2e-16, 0.1], 0.4, [0, 3, 4]),
+        ([0.1, 0.5], 0.5 - NOISE_FLOOR / 10, [0]),  # counts only if theta comes back from it
+        ([0.1, 0.5], 0.5 - NOISE_FLOOR * 10, [0, 1]),
+    ],
+)
+def test_a_turning_counts_where_theta_comes_back(
+    theta: list[float], end: float, rows: list[int], pieces: int
+) -> None:
+    sign = [1, -1, 1, -1, 1][: len(theta)]
+    assert count(theta, sign, end, pieces)[0] == rows
 
 
 @pytest.mark.parametrize("pieces", [1, 2, 4])
-class TestSignificance:
-    def test_all_large_swings_count(self, pieces: int) -> None:
-        assert confirmed([0.3, 0.1, 0.35, 0.08], [-1, 1, -1, 1], 0.2, pieces) == [0, 1, 2, 3]
-
-    def test_a_decay_that_ends_in_rounding_counts_nothing(self, pieces: int) -> None:
-        theta = [np.pi - x for x in (1e-16, 0.0, 4e-16, 0.0)]
-        assert confirmed(theta, [-1, 1, -1, 1], np.pi, pieces) == []
-
-    def test_a_turning_that_rounding_splits_into_three_counts_once(self, pieces: int) -> None:
-        theta = [0.1, 0.5, 0.5 - 1e-16, 0.5 + 2e-16, 0.1]
-        assert confirmed(theta, [1, -1, 1, -1, 1], 0.4, pieces) == [0, 3, 4]
-
-    def test_the_last_turning_counts_only_if_theta_comes_back_from_it(self, pieces: int) -> None:
-        assert confirmed([0.5, 0.1], [-1, 1], 0.1 + NOISE_FLOOR / 10, pieces) == [0]
-        assert confirmed([0.5, 0.1], [-1, 1], 0.1 + NOISE_FLOOR * 10, pieces) == [0, 1]
-
-    def test_they_are_the_extremes_of_the_path_that_a_zigzag_filter_keeps(
-        self, pieces: int, rng: np.random.Generator
-    ) -> None:
-        """Swings of a few quarters of the floor, exact in doubles, so that some are the floor
-        itself.
-        """
-        for _ in range(200):
-            sign = np.where(np.arange(30) % 2, 1, -1) * rng.choice([-1, 1])
-            theta = np.cumsum(-sign * rng.integers(1, 9, 30)) * (NOISE_FLOOR / 4)
-            end = float(theta[-1] + sign[-1] * rng.integers(0, 9) * (NOISE_FLOOR / 4))
-            found = confirmed(theta.tolist(), sign.tolist(), end, pieces)
-            assert found == zigzag([*theta.tolist(), end], int(sign[0]))
+def test_turnings_that_count_are_those_that_a_zigzag_filter_keeps(
+    pieces: int, rng: np.random.Generator
+) -> None:
+    """Swings of a few quarters of the floor, exact in doubles, so that some are the floor itself;
+    their band is that of the tallies.
+    """
+    for _ in range(100):
+        sign = np.where(np.arange(30) % 2, 1, -1) * rng.choice([-1, 1])
+        theta = np.cumsum(-sign * rng.integers(1, 9, 30)) * (NOISE_FLOOR / 4)
+        end = float(theta[-1] + sign[-1] * rng.integers(0, 9) * (NOISE_FLOOR / 4))
+        found, tallies = count(theta.tolist(), sign.tolist(), end, pieces)
+        assert found == zigzag([*theta.tolist(), end], int(sign[0]))
+        tally = tallies.lane[0]
+        assert int(tally["turnings"]) == len(found)
+        if found:
+            assert tally["theta_min"] == theta[found].min()
+            assert tally["theta_max"] == theta[found].max()
 
 
 def zigzag(path: list[float], way: int) -> list[int]:
@@ -76,33 +77,6 @@ def zigzag(path: list[float], way: int) -> list[int]:
         elif way * (path[row] - path[best]) < 0:
             best = row
     return kept
-
-
-def test_the_band_is_that_of_the_turnings_that_count(rng: np.random.Generator) -> None:
-    """In swings of all sizes around the floor."""
-    for _ in range(50):
-        swings = NOISE_FLOOR * 10.0 ** rng.uniform(-1, 3, 30)
-        sign = np.where(np.arange(30) % 2, 1, -1)
-        theta = 1.0 + np.cumsum(-sign * swings)
-        rows, tallies = count(
-            theta.tolist(), sign.tolist(), float(theta[-1] + rng.uniform(-2, 2) * NOISE_FLOOR)
-        )
-        tally = tallies.lane[0]
-        assert int(tally["turnings"]) == len(rows)
-        assert (float(tally["theta_min"]), float(tally["theta_max"])) == (
-            theta[rows].min(),
-            theta[rows].max(),
-        )
-
-
-def test_settling_does_not_need_to_be_logged() -> None:
-    sets = ["friction.mu=0.1", "initial.theta=0.1", "run.stop_when=settled"]
-    both = [
-        solve(build.load("inverting", [*sets, *more], 400.0), keep=False)
-        for more in ([], ['run.events=["liftoff"]'])
-    ]
-    assert both[0].status is both[1].status is Status.SETTLED
-    assert both[0].reason == both[1].reason
 
 
 def test_amplitude_is_the_swing_since_the_turning_before() -> None:
@@ -138,7 +112,7 @@ def test_starts_at_rest_log_every_turning_of_a_dense_scan(rng: np.random.Generat
     low, high = np.array([0, 0.05, -30, 0.3]), np.array([170, 3.0, 30, 0.3])
     starts = [
         dict(zip(AT_REST, values, strict=True))
-        for values in [*KNOWN, *rng.uniform(low, high, (18, 4))]
+        for values in [*KNOWN, *rng.uniform(low, high, (8, 4))]
     ]
     for start in starts:
         sets = [f"{key}={float(value)!r}" for key, value in start.items()]
@@ -151,7 +125,7 @@ def test_starts_at_rest_log_every_turning_of_a_dense_scan(rng: np.random.Generat
             found[found < sure], turns[turns < sure], atol=2e-5, err_msg=str(start)
         )
         start["turnings"] = np.sum(run.events.significant & (run.events.kind == 0))
-    assert sum(start["turnings"] for start in starts) > 100
+    assert sum(start["turnings"] for start in starts) > 50
     varied = {key: np.array([start[key] for start in starts]) for key in AT_REST}
     many = tippetop.ensemble("inverting", varied, until=0.4, threads=1)
     np.testing.assert_array_equal(many["turnings"], [start["turnings"] for start in starts])
@@ -166,21 +140,6 @@ def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
     assert turning.time[turning.significant].max() < 10 < turning.time[~turning.significant].min()
 
 
-def test_settling_is_told_in_wider_numbers_too() -> None:
-    """The stability of the pole is asked in doubles, whatever the run's precision: no eigenvalues
-    in 80 bits.
-    """
-    sets = [
-        "friction.mu=0.1",
-        "initial.theta=0.1",
-        "run.stop_when=settled",
-        "run.precision=longdouble",
-    ]
-    run = solve(build.load("inverting", sets, until=400.0), keep=False)
-    assert run.status is Status.SETTLED
-    assert run.report["theta_end"] > np.pi - 1e-6
-
-
 def test_a_top_that_will_leave_its_pole_has_not_settled(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its sliding dies at 1.67 s and returns half a minute later, when the unstable mode has grown:
     then it inverts.
@@ -192,17 +151,3 @@ def test_a_top_that_will_leave_its_pole_has_not_settled(monkeypatch: pytest.Monk
     assert run.report["theta_end"] > np.pi - 1e-6
     monkeypatch.setattr("tippetop.engine.settling.will_leave", lambda *_: False)
     assert solve(problem, keep=False).report["theta_end"] < 1e-5
-
-
-def test_sliding_that_dies_for_a_moment_has_not_settled() -> None:
-    """In planar motion the contact velocity passes through zero at every swing."""
-    run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0).solution
-    assert len(run.events.of("settled").time) > 3
-    assert len(run.events.of("settled", significant=True).time) == 0
-
-
-def test_a_cylinder_that_slides_no_more_has_settled() -> None:
-    """A motion in a plane has no spin: nothing asks for it."""
-    run = solve(build.load("gliding-cylinder", ["run.stop_when=settled"], 4000.0), keep=False)
-    assert run.status is Status.SETTLED
-    assert run.report["t_end"] < 4000.0

@@ -14,7 +14,6 @@ from tippetop.ensembles.outcomes import CLASSES
 from tippetop.problem import Problem, Problems
 from tippetop.runs import forecast
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 LAWS = [
@@ -121,17 +120,3 @@ def test_a_gliding_heavy_top_falls_to_the_plane_if_it_is_above(theta: float) -> 
     made = examples.problem("gliding-heavy-top", examples.HEAVY, start, 20.0, LAWS[0])
     fate = forecast.assessment(made).get("fate", "")
     assert ("falls" in fate) == (solve(made, keep=False).status.value == "fallen")
-
-
-def test_no_growth_rate_of_nothing() -> None:
-    made = examples.problem(
-        "gliding-heavy-top", examples.HEAVY, {"theta": 0.1, "omega3": 200.0}, 1.0, LAWS[3]
-    )
-    assert "growth rate" not in forecast.assessment(made)["regime"]
-
-
-def test_rolling_resistance_alone_is_known_to_attract_to_no_state() -> None:
-    sets = ["friction.mu=0", "friction.mu_r=1e-4"]
-    made = build.load("leine-glocker-drilling", sets, until=0.5)
-    assert "no state is known to attract" in forecast.assessment(made)["regime"]
-    assert solve(made, keep=False).report["outcome"] == "under-way"

@@ -2,7 +2,6 @@
 stops when asked.
 """
 
-import ast
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -10,11 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from forked import Forked
 from stores import assert_same
 
 import tippetop
-from tippetop.errors import Interrupted, StoreError
+from tippetop.errors import Interrupted
 from tippetop.problem import Problem
 from tippetop.runs import recording, resuming
 from tippetop.scenario import build
@@ -123,28 +121,6 @@ def test_the_host_keeps_its_handlers(
     assert_same(tmp_path / "run.zarr", undisturbed)
 
 
-def test_a_script_keeps_its_handler(tmp_path: Path) -> None:
-    """Its own Ctrl-C is called, and the run finishes; nothing is printed that it did not print."""
-    code = f"""
-import signal
-from tippetop.runs import integration, recording
-from tippetop.scenario import build
-seen = []
-signal.signal(signal.SIGINT, lambda *_: seen.append(1))
-integration.STEPS_PER_SLICE = 512
-problem = build.load("inverting")
-interrupt = lambda _: signal.raise_signal(signal.SIGINT)
-recording.record(problem, {str(tmp_path / "run.zarr")!r}, progress=interrupt)
-print(len(seen))
-"""
-    script = Forked(prelude=code)
-    assert (*script.communicate(), script.returncode) == (
-        "2\n",
-        "",
-        0,
-    )  # after the first two of three slices
-
-
 def test_a_sweep_stops_and_continues_in_any_thread(tmp_path: Path) -> None:
     axis = {"of": "friction.mu", "values": [0.1, 0.2, 0.3, 0.4]}
     document = {
@@ -176,73 +152,3 @@ def test_a_sweep_stops_and_continues_in_any_thread(tmp_path: Path) -> None:
         elsewhere(lambda: tippetop.sweep(plan, store, workers=1, progress=one_chunk, stop=stop))
     elsewhere(lambda: tippetop.sweep(plan, store, workers=1))
     assert_same(store, tmp_path / "whole.zarr")
-
-
-def test_a_second_run_to_one_place_is_refused(tmp_path: Path) -> None:
-    """Without and with --overwrite, while the first is on its way: it finishes as if nothing had
-    been.
-    """
-    store, sentences = tmp_path / "run.zarr", []
-
-    def another(overwrite: bool) -> None:
-        with pytest.raises(StoreError) as error:
-            recording.record(problem(), store, overwrite=overwrite)
-        sentences.append(str(error.value))
-
-    progress = after(2, lambda: [another(False), another(True)])
-    _, attrs = recording.record(problem(), store, progress=progress)
-    assert "must not exist yet" in sentences[0]
-    assert "must have one writer, but process" in sentences[1]
-    assert attrs["status"] == "finished"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.zarr"]
-    recording.record(problem(), store, overwrite=True)
-
-
-def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)
-    store, moved = tmp_path / "run.zarr", tmp_path / "moved.zarr"
-    slices: list[object] = []
-
-    def move(integration: object) -> None:
-        slices.append(integration)
-        if len(slices) == 3:
-            store.rename(moved)
-
-    with pytest.raises(StoreError, match="was moved, removed or replaced"):
-        recording.record(problem(), store, progress=move)
-    assert len(slices) == 3
-    monkeypatch.undo()
-    resuming.resume(moved)  # what it had is all there
-
-
-OF_THE_PROCESS = {
-    "signal.signal",
-    "setLevel",
-    "disable",
-    "mallopt",
-    "set_logger_level_critical",
-    "environ",
-    "putenv",
-}
-ALLOWED = {
-    "cli": OF_THE_PROCESS,
-    "engine/taylor.py": {"set_logger_level_critical"},  # in a function for whoever owns the process
-    "sweeps/workers.py": {"signal.signal", "disable"},  # in processes that it starts itself
-    "progress.py": {"environ"},  # reads
-    "awaiting.py": {"environ"},  # reads
-    "engine/opt_level.py": {"environ"},  # reads
-}
-
-
-def test_only_the_command_line_changes_the_process() -> None:
-    source = Path(tippetop.__file__).parent
-    for path in source.rglob("*.py"):
-        name = str(path.relative_to(source))
-        used = set()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Attribute):
-                used |= {node.attr, ast.unparse(node)}
-        allowed = next((words for place, words in ALLOWED.items() if name.startswith(place)), set())
-        assert used & OF_THE_PROCESS <= allowed, name

@@ -11,6 +11,7 @@ import xarray as xr
 from forked import Forked
 from nightly import at_night
 from stores import TURNING, acknowledged, assert_same, ended, files, state_of, wait_until
+from typed import typed
 
 import tippetop as tt
 from tippetop.cli import outcome
@@ -20,7 +21,7 @@ from tippetop.runs import recording, replay
 from tippetop.runs.summary import lines
 from tippetop.sampling import EvenTimes
 from tippetop.scenario import build
-from tippetop.store import provenance, root
+from tippetop.store import root
 
 
 KEYFRAMES = ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=100"]
@@ -136,19 +137,8 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(
     kept: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "rows.zarr"
-    words = [
-        "replay",
-        str(kept),
-        "--from",
-        "20",
-        "--until",
-        "21",
-        "--step",
-        "0.001",
-        "--out",
-        str(out),
-    ]
-    assert outcome(words) == 0
+    words = f"replay {kept} --from 20 --until 21 --step 0.001 --out {out}"
+    assert typed(words) == 0
     run = tt.open(out)
     same_columns(run.trajectory, tt.open(kept).replay(20.0, 21.0, 0.001))
     log = tt.open(kept).events
@@ -158,8 +148,8 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(
     assert run.summary.replay.until == 21.0
     said = dict(lines(run.summary))["replay"]
     assert said.startswith(f"rows and events are of t = 20 to 21 s, every 0.001 s, of {kept}")
-    assert outcome(words) == 5
-    assert outcome([*words, "--overwrite"]) == 0
+    assert typed(words) == 5
+    assert typed(f"{words} --overwrite") == 0
     same_columns(run.replay(20.5, 20.6, 0.01), tt.open(kept).replay(20.5, 20.6, 0.01))
 
 
@@ -167,7 +157,6 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(
     ("words", "sentence"),
     [
         (["--from", "-1", "--until", "1", "--step", "0.1"], "must be within 0 and 40"),
-        (["--from", "39", "--until", "40.1", "--step", "0.1"], "must be within 0 and 40"),
         (["--from", "2", "--until", "1", "--step", "0.1"], "must end after they begin"),
         (["--from", "1", "--until", "2", "--step", "0"], "must be greater than 0"),
         (["--from", "1", "--until", "2", "--step", "1e-13"], "at most 1e"),
@@ -184,29 +173,6 @@ def test_times_outside_the_run_are_refused_in_a_sentence(
     assert outcome(["replay", str(kept), *words, "--out", str(tmp_path / "rows.zarr")]) == 2
     assert sentence in capsys.readouterr().err
     assert not (tmp_path / "rows.zarr").exists()
-
-
-def test_other_versions_are_refused_unless_accepted(
-    kept: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(provenance, "cpu", lambda: "another")
-    with pytest.raises(
-        StoreError, match=r"must be replayed by the versions and processor.*--accept-other-version"
-    ):
-        tt.open(kept).replay(1.0, 2.0, 0.1)
-    assert tt.open(kept).replay(1.0, 2.0, 0.1, accept_other_version=True).sizes["time"] == 11
-
-
-def test_damaged_keyframes_are_said(tmp_path: Path) -> None:
-    store = stored(tmp_path / "run.zarr", 10.0, *KEYFRAMES)
-    chunk = store / "keyframes" / "state" / "c.0.0.0"
-    whole = chunk.read_bytes()
-    chunk.write_bytes(whole[:-20] + b"\x00" + whole[-19:])
-    with pytest.raises(StoreError, match=r"readable column `state`, but: Stored and computed"):
-        tt.open(store).replay(9.0, 10.0, 0.1)
-    chunk.unlink()
-    with pytest.raises(StoreError, match="is missing"):
-        tt.open(store)
 
 
 def test_a_run_that_is_not_finished_is_not_replayed(tmp_path: Path) -> None:
@@ -228,20 +194,10 @@ def test_killed_and_resumed_a_run_with_keyframes_is_bit_identical(
         "import tippetop.runs.recording as r, tippetop.runs.keyframes as k; "
         "r.COMMIT_EVERY, k.PER_CHUNK = 0.0, 8"
     )
-    sets = [word for s in (*TURNING, *KEYFRAMES[1:]) for word in ("--set", s)]
+    sets = " ".join(f"--set {s}" for s in (*TURNING, *KEYFRAMES[1:]))
 
     def command(store: Path) -> list[str]:
-        return [
-            "run",
-            "inverting",
-            "--set",
-            "run.output_step=",
-            *sets,
-            "--until",
-            "15",
-            "--out",
-            str(store),
-        ]
+        return f"run inverting --set run.output_step= {sets} --until 15 --out {store}".split()
 
     def keyframes(store: Path) -> int:
         return state_of(store).rows.get("keyframes", 0) if acknowledged(store) >= 0 else 0
@@ -264,34 +220,20 @@ def test_keyframes_need_a_store_and_a_picture_rows(
 ) -> None:
     with pytest.raises(InputError, match="`out` must be given"):
         tt.run("inverting", until=1.0, output="keyframes")
-    words = [
-        "run",
-        "inverting",
-        "--set",
-        "run.output_step=",
-        "--set",
-        "run.output=keyframes",
-        "--until",
-        "1",
-    ]
-    assert outcome([*words, "--figure", str(tmp_path / "a.png")]) == 2
+    words = "run inverting --set run.output_step= --set run.output=keyframes --until 1"
+    assert typed(f"{words} --figure {tmp_path}/a.png") == 2
     assert "requires rows" in capsys.readouterr().err
-    assert outcome(["plot", str(kept), "theta", "--out", str(tmp_path / "a.png")]) == 2
+    assert typed(f"plot {kept} theta --out {tmp_path}/a.png") == 2
     assert "has none: replay a part" in capsys.readouterr().err
-    assert outcome(words) == 0
+    assert typed(words) == 0
 
 
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [
-        ("keyframe_steps", 0),
-        ("keyframe_steps", 1.5),
-        ("keyframe_steps", "many"),
-        ("output", "frames"),
-    ],
-)
+@pytest.mark.parametrize(("key", "value"), [("keyframe_steps", 0), ("output", "frames")])
 def test_settings_of_keyframes_are_checked(key: str, value: object) -> None:
     with pytest.raises(InputError, match=f"`{key}` must be"):
         tt.run("inverting", until=1.0, out="nowhere.zarr", **{"output": "keyframes", key: value})
+
+
+def test_steps_of_keyframes_need_keyframes() -> None:
     with pytest.raises(InputError, match='must be "keyframes" where `keyframe_steps`'):
         tt.run("inverting", until=1.0, output="steps", keyframe_steps=10)

@@ -82,7 +82,7 @@ def test_a_summary_says_that_a_top_is_under_way() -> None:
     assert "under way" in dict(lines(run.summary))["outcome"]
 
 
-@pytest.mark.parametrize("theta", [0.05, 0.3, 3.1])
+@pytest.mark.parametrize("theta", [0.05, 3.1])
 def test_without_friction_nothing_ends(theta: float) -> None:
     """Not even within 0.1 rad of a pole: as `check` says."""
     assert outcomes([f"initial.theta={theta}", "friction.mu=0"], 0.5) == ("nutating", "nutating")
@@ -101,14 +101,4 @@ def test_what_rolls_for_ever_near_a_pole_is_rolling(theta: float) -> None:
     ]
     assert (
         solve(build.load("inverting", sets, until=0.5), keep=False).report["outcome"] == "rolling"
-    )
-
-
-def test_a_top_at_a_pole_stays_there() -> None:
-    """Unstable or not: nothing disturbs it."""
-    assert forecast.assessment(build.load("inverting", ["initial.theta=0"]))["fate"].startswith(
-        "stays at the pole"
-    )
-    assert forecast.assessment(build.load("inverting", ["initial.theta=1e-9"]))["fate"].startswith(
-        "ends in"
     )

@@ -58,10 +58,7 @@ HEIGHT = tt.extending.Quantity("height", "h", ONE, "the height", height)
 MINE = {"events": [GONE], "columns": [HEIGHT]}
 OTHERS = [
     {**MINE, "columns": [dataclasses.replace(HEIGHT, formula=seven)]},
-    {**MINE, "columns": [dataclasses.replace(HEIGHT, long_name="x")]},
     {**MINE, "events": [dataclasses.replace(GONE, formula=leaves_later)]},
-    {**MINE, "events": [dataclasses.replace(GONE, direction=-1)]},
-    {**MINE, "events": [dataclasses.replace(GONE, ends=None)]},
     {**MINE, "events": [dataclasses.replace(GONE, kept=())]},
     {**MINE, "events": [GONE, dataclasses.replace(GONE, name="more", kept=())]},
 ]
@@ -97,11 +94,6 @@ def test_a_run_is_continued_with_its_own_records_only(tmp_path: Path) -> None:
             tt.resume(place, until=0.2, columns=other)
     assert before == {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
     assert tt.resume(place, until=0.2, columns=columns).trajectory.height.size == 5
-
-
-def test_a_store_has_digests_of_own_records_alone(store: Path) -> None:
-    assert sorted(tt.open(store, **MINE).attributes["own"]) == ["column", "event"]
-    assert "own" not in tt.run("inverting", until=1e-3).attributes
 
 
 def test_the_window_of_a_certificate_ends_where_the_run_does(store: Path) -> None:

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 import tippetop as tt
-from tippetop.cli import outcome
 from tippetop.problem import Problem
 from tippetop.runs import cost
 from tippetop.runs.cost import Patience
@@ -60,23 +59,6 @@ def test_a_long_run_with_ordinary_steps_is_not_called_stiff() -> None:
 def test_a_short_run_says_nothing() -> None:
     assert said("inverting", [], 5e-3, 1e-6) == []
     assert said("inverting", [], 5e-3, 0.01) == []
-
-
-def test_one_slow_slice_says_nothing_of_the_rest() -> None:
-    problem, sentences, now = build.load("inverting", []), [], [0.0]
-    follow = Patience(sentences.append, lambda: now[0])
-    for slices in range(20):
-        now[0] += 60.0 if slices == 3 else 1.0  # a compilation, or somebody else's work
-        follow(under_way(problem, slices * 0.5, slices))
-    assert sentences == []
-
-
-def test_the_command_warns(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> None:
-    monkeypatch.setattr(cost, "LONG", 0.0)
-    monkeypatch.setattr(cost, "AGAIN_AFTER", 0.0)
-    monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 64)
-    assert outcome(["run", "inverting", "--until", "8"]) == 0
-    assert capsys.readouterr().err.count("will take about") == 1
 
 
 def test_who_has_waited_half_a_minute_hears_of_as_much_that_is_left() -> None:

@@ -11,9 +11,9 @@ import pytest
 import xarray as xr
 from nightly import at_night
 from stores import TURNING, edited, short_slices, state_of
+from typed import typed
 
 from tippetop import errors
-from tippetop.cli import outcome
 from tippetop.errors import StoreError
 from tippetop.runs import recording, resuming
 from tippetop.runs.integration import Integration
@@ -128,31 +128,31 @@ def test_other_versions_resume_with_a_word_and_the_store_names_both(
     other = {**here, key: {**here["versions"], "heyoka": "99"} if key == "versions" else "abacus"}
     with monkeypatch.context() as patched:
         patched.setattr(provenance, key, lambda: other[key])
-        assert outcome(["resume", str(store)]) == 5
+        assert typed(f"resume {store}") == 5
         assert "--accept-other-version" in capsys.readouterr().err
-        assert outcome(["resume", str(store), "--accept-other-version"]) == 0
+        assert typed(f"resume {store} --accept-other-version") == 0
     attrs = root.attributes(store)
     assert attrs[key] == other[key]
     assert attrs["begun_with"] == [here]
-    assert outcome(["info", str(store)]) == 0
+    assert typed(f"info {store}") == 0
     assert "begun with" in capsys.readouterr().out
 
 
 def test_an_unfinished_store_can_be_looked_at(
     store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert outcome(["info", str(store), "--json"]) == 0
+    assert typed(f"info {store} --json") == 0
     info = json.loads(capsys.readouterr().out)
     assert info["status"] == "running"
     assert 0 < info["t_end"] < UNTIL
     assert info["event_counts"]["turning"] > 100
     trajectory = xr.open_zarr(store, group="trajectory", consolidated=False)
     assert np.all(np.isfinite(trajectory["theta"]))
-    assert outcome(["plot", str(store), "--out", str(tmp_path / "a.png")]) == 0
+    assert typed(f"plot {store} --out {tmp_path}/a.png") == 0
     with pytest.warns(
         UserWarning, match="is not finished: only the rows up to its last commit are written"
     ):
-        assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 0
+        assert typed(f"export {store} --to csv --out {tmp_path}/a.csv") == 0
 
 
 def test_acknowledged_rows_that_were_exchanged_are_refused(
@@ -169,4 +169,4 @@ def test_acknowledged_rows_that_were_exchanged_are_refused(
     monkeypatch.setattr(Integration, "run", never)
     with pytest.raises(StoreError, match="is damaged: a chunk of"):
         resuming.resume(store)
-    assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 5
+    assert typed(f"export {store} --to csv --out {tmp_path}/a.csv") == 5

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from stores import assert_same
+from typed import typed
 
 import tippetop as tt
 from tippetop.cli import outcome
@@ -70,7 +71,7 @@ def test_the_store_holds_all_that_it_needs_and_says_where_it_is_from(
 ) -> None:
     (tmp_path / "NEXT.toml").write_text(SCENARIO)
     out = tmp_path / "NEXT.zarr"
-    assert outcome(["run", str(tmp_path / "NEXT.toml"), "--out", str(out)]) == 0
+    assert typed(f"run {tmp_path}/NEXT.toml --out {out}") == 0
     said = tt.open(out).summary.start
     assert said["from"] == "RUN.zarr"
     assert len(said.digest) == 64
@@ -84,16 +85,6 @@ def test_the_store_holds_all_that_it_needs_and_says_where_it_is_from(
     assert tt.open(out).problem.start().tobytes() == expected.tobytes()
     tt.resume(out, until=2.5)
     assert tt.open(out).replay(0.0, 0.5, 0.1).theta.values[0] == first.theta.values[0]
-
-
-def test_on_the_command_line_it_takes_the_place_of_the_start(before: Path) -> None:
-    sets = [f"initial.from={before}", "friction.mu=0.1"]
-    problem = starting.load("inverting", sets, 2.0)
-    assert problem.start().tobytes() == end_of(before).tobytes()
-    with pytest.raises(
-        InputError, match=r"`initial.from` must stand alone, but `theta` is given too"
-    ):
-        starting.load("inverting", [*sets, "initial.theta=0.2"])
 
 
 def test_in_python_it_is_a_path(before: Path, tmp_path: Path) -> None:
@@ -160,7 +151,7 @@ def test_a_run_that_has_not_ended_or_is_none_is_refused(before: Path, tmp_path: 
     words = ["run", str(tmp_path / "NEXT.toml")]
     shutil.rmtree(before)
     assert outcome(words) == 5
-    assert outcome(["check", str(tmp_path / "NEXT.toml")]) == 5
+    assert typed(f"check {tmp_path}/NEXT.toml") == 5
     with pytest.raises(KeyboardInterrupt):
         recording.record(
             build.load("inverting", ["initial.phi_dot=10.0", "friction.mu=0.0"], 4000.0),

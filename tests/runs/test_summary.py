@@ -47,12 +47,6 @@ def test_names_come_in_one_order_and_only_where_they_apply() -> None:
     ]
 
 
-def test_status_says_what_the_run_took() -> None:
-    assert text("status") == "finished at t = 8 s; 1337 steps"
-    timed = dict(lines(info(), {"integrate": 0.0125, "compile": 0.5}))["status"]
-    assert timed == "finished at t = 8 s; 1337 steps, integrated in 12.5 ms, compiled in 0.50 s"
-
-
 @pytest.mark.parametrize(
     ("inversion", "sentence"),
     [
@@ -109,14 +103,6 @@ def test_turnings_are_counted_and_noise_apart(counts: tuple, band: tuple, senten
         nutational_band={"theta_min": band[0], "theta_max": band[1]},
     )
     assert found == sentence
-
-
-def test_other_events_are_counted_in_words() -> None:
-    counts = {"turning": 4, "turning_significant": 4, "liftoff": 1, "equator": 2, "inverted": 3}
-    assert text("other events", event_counts=counts) == (
-        "liftoff: 1 passage, equator (theta = pi/2): 2 passages, inverted (theta rises through "
-        "pi - 0.1): 3 passages"
-    )
 
 
 def test_a_force_is_said_in_newtons_and_in_weights() -> None:

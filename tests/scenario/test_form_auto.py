@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.ensembles.ensemble import vary
 from tippetop.mechanics.contact.gliding.catalogue import AWAY_FROM_POLE
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs import recording
@@ -69,9 +68,3 @@ def test_the_store_names_the_form_and_says_why(tmp_path: Path) -> None:
         assert attrs["auto_form"]["form"] == "contact"
         assert "regular everywhere" in attrs["auto_form"]["because"]
         assert build.problem(build.tables_of(attrs)).form.name == name
-
-
-def test_many_tops_share_the_form() -> None:
-    assert vary(build.load("rolling"), {"initial.theta": [0.05, 1.0]}).base.form.name == "contact"
-    with pytest.raises(tt.InputError, match="`form` must be"):
-        vary(build.load("rolling", ["form=reduced"]), {"initial.theta": [0.5, 1.0]})

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 from nightly import at_night
+from typed import typed
 
-from tippetop.cli import outcome
 from tippetop.columns import flagged
 from tippetop.engine.status import Status
 from tippetop.library.run import Run
@@ -79,7 +79,7 @@ def test_every_system_has_a_preset() -> None:
 def test_check_says_the_regime(
     name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert outcome(["check", name, "--json"]) == 0
+    assert typed(f"check {name} --json") == 0
     found = json.loads(capsys.readouterr().out)
     assert (
         found.get("regime") or load(name).contact is not None
@@ -90,5 +90,5 @@ def test_check_says_the_regime(
     monkeypatch.setattr(
         cost, "measured", lambda *_: {}
     )  # most of the time goes there, and it was said above
-    assert outcome(["check", name]) == 0
+    assert typed(f"check {name}") == 0
     assert " J, " in capsys.readouterr().out

@@ -3,7 +3,6 @@
 import contextlib
 import math
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tippetop.errors import InputError
-from tippetop.mechanics.friction import Coulomb
 from tippetop.problem import Problem
 from tippetop.scenario import build, reading
 
@@ -25,12 +23,9 @@ def sentences(*assignments: str) -> str:
 @pytest.mark.parametrize(
     ("assignment", "said"),
     [
-        ("parameters.alpha=1", "`parameters.alpha` must be less than 1.0, but is 1."),
         ("parameters.alpha=0.0", "`parameters.alpha` must be other than 0.0, but is 0.0."),
         ("parameters.m=nan", "`parameters.m` must be a finite number, but is nan."),
-        ("parameters.g=inf", "`parameters.g` must be a finite number, but is inf."),
         ("parameters.I3=7e-6", "`parameters.I3` must be at most 2*I1"),
-        ("parameters.I1=-1.0", "`parameters.I1` must be greater than 0.0, but is -1.0."),
         (
             "parameters.gama=1",
             "unknown key `parameters.gama`. The keys of `parameters` are m, R, alpha, I1, I3, g.",
@@ -42,8 +37,6 @@ def sentences(*assignments: str) -> str:
         ("initial.theta=3.2", "`initial.theta` must be at most 3.14"),
         ("initial.psi_dot=1.0", "`initial.psi_dot` must stand alone"),
         ("initial.mass=1", "unknown key `initial.mass`. The keys of `initial` are"),
-        ("initial.omega=1", "unknown key `initial.omega`; did you mean `initial.omega3`?"),
-        ("mu=0.2", "unknown key `mu`; did you mean `friction.mu`?"),
         ("initial.mu=0.2", "unknown key `initial.mu`; did you mean `friction.mu`?"),
         (
             "friction.eps=1e-3",
@@ -51,13 +44,8 @@ def sentences(*assignments: str) -> str:
             "'stribeck'. The",
         ),
         ("friction.e_n=0.5", "unknown key `friction.e_n`; did you mean `contact.e_n`?"),
-        ("stem={h=0.01, e_n=1}", "unknown key `stem.e_n`; did you mean `contact.e_n`?"),
-        ("thteta=0.2", "unknown key `thteta`; did you mean `initial.theta`?"),
         ("system=tippetop", "but is 'tippetop'. Did you mean `tippe-top`?"),
-        ("friction.law=coulom", "but is 'coulom'. Did you mean `coulomb`?"),
-        ("run.events=['turnin']", "but has 'turnin'. Did you mean `turning`?"),
         ("run.until=0", "`run.until` must be greater than 0"),
-        ("run.until='long'", "`run.until` must be a number, but is 'long'."),
         ("run.events=['eclipse']", "`run.events` must be of turning"),
         ("run.output_step=1e-13", "`run.output_step` must give at most"),
         (
@@ -77,16 +65,7 @@ def test_a_fault_gets_its_sentence(assignment: str, said: str) -> None:
 
 def test_all_faults_are_reported_at_once() -> None:
     said = sentences("parameters.alpha=2", "friction.mu=-1", "run.until=-1", "colour=red")
-    assert [key in said for key in ("parameters.alpha", "friction.mu", "run.until", "colour")] == [
-        True
-    ] * 4
-
-
-def test_a_missing_law_is_an_error() -> None:
-    tables = tomllib.loads(reading.presets()["inverting"])
-    del tables["friction"]
-    with pytest.raises(InputError, match="`friction` must be given, but is missing"):
-        build.problem(tables)
+    assert all(key in said for key in ("parameters.alpha", "friction.mu", "run.until", "colour"))
 
 
 def test_euler_form_refuses_a_pole_and_vector_form_takes_it() -> None:
@@ -99,31 +78,18 @@ def test_jammed_contact_at_the_start_is_refused() -> None:
     assert "jams the contact" in said
 
 
-def test_the_grid_ends_with_until_and_times_are_kept_as_given() -> None:
+def test_the_grid_ends_with_until() -> None:
     grid = build.load("inverting", ["run.until=1.05", "run.output_step=0.1"]).times[:]
-    assert grid[0] == 0.0
-    assert grid[-1] == 1.05
-    np.testing.assert_allclose(np.diff(grid)[:-1], 0.1, rtol=1e-12)
-    tables = tomllib.loads(reading.presets()["inverting"])
-    tables["run"] = {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
-    assert build.problem(tables).times[:].tolist() == [0.1, 0.7, 2.0]
+    np.testing.assert_allclose(grid, [*np.arange(11) / 10, 1.05], rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("until", "times"),
-    [(3.0, [0.1, 0.7, 2.0]), (2.0, [0.1, 0.7, 2.0]), (0.7, [0.1, 0.7]), (0.5, [0.1])],
-)
-def test_another_end_cuts_output_times(until: float, times: list[float], tmp_path: Path) -> None:
+def test_another_end_cuts_output_times() -> None:
     """As a file with `--until` does; the tables that were given stay as they are."""
-    text = reading.presets()["inverting"].partition("[run]")[0]
-    (tmp_path / "mine.toml").write_text(
-        f"{text}[run]\nuntil = 2.0\noutput_times = [0.1, 0.7, 2.0]\n"
-    )
-    cut = build.load(str(tmp_path / "mine.toml"), until=until)
-    assert (cut.until, cut.times[:].tolist()) == (until, times)
-    tables = reading.read(str(tmp_path / "mine.toml"))
-    assert build.ending(tables, until)["run"] == {"until": until, "output_times": times}
-    assert tables["run"] == {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
+    run = {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
+    tables = {**reading.read("inverting"), "run": run}
+    for until, times in ((3.0, [0.1, 0.7, 2.0]), (0.7, [0.1, 0.7]), (0.5, [0.1])):
+        assert build.ending(tables, until)["run"] == {"until": until, "output_times": times}
+    assert run == {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
 
 
 def test_centre_at_rest_means_no_velocity_of_the_centre() -> None:
@@ -143,25 +109,12 @@ def test_psi_dot_stands_for_omega3() -> None:
     np.testing.assert_allclose(by_psi, build.problem(tables).start(), rtol=4e-16, atol=1e-16)
 
 
-def test_coulomb_law_is_built_with_its_units() -> None:
-    problem = build.load(
-        "inverting", ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=1e-3"]
-    )
-    assert problem.friction == Coulomb(0.3, 1e-3)
-
-
-def test_numbers_that_another_law_does_not_have_are_dropped() -> None:
-    assert build.load("inverting", ["friction.law=none"]).friction._asdict() == {}
-
-
 @pytest.mark.parametrize(
     ("preset", "assignments", "stale"),
     [
         ("inverting", ["friction.law=coulomb"], True),
-        ("inverting", ["friction.law=stribeck", "friction.eps=1e-3"], True),
         ("inverting", ["friction.mu=0.3", "friction.law=coulomb"], False),
         ("inverting", ["friction.law=latitude", "friction.mu_stem=0.2"], False),  # mu stays in s/m
-        ("cohen-coulomb", ["friction.law=viscous"], True),
         ("inverting", ['friction={law="none"}'], False),
     ],
 )
@@ -175,14 +128,6 @@ def test_a_number_of_another_unit_does_not_pass_to_another_law(
     )
     with expected:
         reading.override(reading.read(preset), assignments)
-
-
-@pytest.mark.parametrize("preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top"])
-def test_no_rigid_body_has_more_axial_inertia_than_twice_the_transverse(preset: str) -> None:
-    disc = build.load(preset, ["parameters.I1=2e-5", "parameters.I3=4e-5"])
-    assert disc.parameters["I3"] == 2 * disc.parameters["I1"]
-    with pytest.raises(InputError, match=r"`parameters\.I3` must be at most 2\*I1 = 4e-05"):
-        build.load(preset, ["parameters.I1=2e-5", "parameters.I3=4.001e-5"])
 
 
 def attempt(tables: dict) -> tuple[Problem | None, list[str]]:
@@ -207,7 +152,7 @@ NAMES = (
 keys = st.sampled_from(NAMES.split())
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(table=keys, key=keys, value=values, whole=st.booleans())
 def test_random_damage_gives_sentences_or_a_problem(
     table: str, key: str, value: object, whole: bool
@@ -224,7 +169,7 @@ def test_random_damage_gives_sentences_or_a_problem(
         assert np.all(np.isfinite(problem.start()))
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(text=st.text(max_size=60) | st.binary(max_size=60))
 def test_random_files_give_sentences(
     tmp_path_factory: pytest.TempPathFactory, text: str | bytes

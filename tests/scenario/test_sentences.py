@@ -1,14 +1,10 @@
 """Every error of a model is a sentence of one form: `key` must ..., but is ...."""
 
-import tomllib
 from typing import Annotated, Any, Literal
 
 import pytest
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from tippetop.errors import InputError
-from tippetop.scenario import build
-from tippetop.scenario.reading import presets
 from tippetop.scenario.sentences import error_sentence
 
 
@@ -81,16 +77,3 @@ def test_what_is_missing_is_said() -> None:
     assert error_sentence(found.value.errors()[0], "parameters.m", ["m"]) == (
         "`parameters.m` must be given, but is missing."
     )
-
-
-def test_a_law_that_is_no_name_beside_an_unknown_key_is_said() -> None:
-    """Before, a traceback."""
-    tables = {
-        **tomllib.loads(presets()["inverting"]),
-        "friction": {"law": {"law": "viscous"}, "mu": 0.3},
-    }
-    tables["parameters"]["law"] = True
-    with pytest.raises(
-        InputError, match=r"unknown key `parameters.law`(.|\n)*`friction.law` must be"
-    ):
-        build.problem(tables)
