@@ -151,27 +151,6 @@ def test_what_is_kept_is_that_of_the_roots(shift: int, rng: np.random.Generator)
                 assert np.isnan([first, last]).all()
 
 
-def test_a_direction_lets_the_other_passages_through(rng: np.random.Generator) -> None:
-    roots = [np.array([0.3, 0.7, 1.1])] * LANES
-    functions = [with_roots(r) for r in roots]
-    kept = followed(
-        rows_of((event("falling", direction=-1), 0, 0.0)),
-        *slice_of([[f] for f in functions], rng),
-        signs_of(functions),
-    ).kept
-    np.testing.assert_allclose(
-        kept[:3], np.array([[0.7], [0.7], [1]]) * np.ones(LANES), rtol=0, atol=1e-12
-    )
-
-
-def test_an_offset_moves_the_level(rng: np.random.Generator) -> None:
-    """The variable is the time itself: it passes the level when it is there."""
-    functions = [Polynomial([0.0, 1.0])] * LANES
-    rows = rows_of((event("level"), 0, -1.25))
-    kept = followed(rows, *slice_of([[f] for f in functions], rng), -np.ones((1, LANES))).kept
-    np.testing.assert_allclose(kept[0], 1.25, rtol=0, atol=1e-14)
-
-
 @pytest.mark.parametrize("offset", [3.0, -3.0])
 def test_an_offset_counts_where_the_variable_alone_has_no_zero(
     offset: float, rng: np.random.Generator
@@ -238,20 +217,6 @@ def test_extremes_are_those_of_the_function_until_the_top_ends(rng: np.random.Ge
             )
 
 
-def test_where_slices_end_changes_no_bit(rng: np.random.Generator) -> None:
-    functions = [with_roots(r) for r in random_roots(rng)]
-    rows = rows_of((event("passage", extremes="passage"), 0, 0.0))
-    times, tcs = slice_of([[f] for f in functions], rng)
-    whole = followed(rows, times, tcs, signs_of(functions))
-    for cut in (1, 13, STEPS - 1):
-        parts = followed(rows, times[: cut + 1], tcs[:cut], signs_of(functions))
-        continued(parts, rows, times[cut:], tcs[cut:])
-        assert parts.kept.tobytes() == whole.kept.tobytes()
-        for known in (LEAST, MOST, T_LEAST, T_MOST):
-            assert parts.functions[known].tobytes() == whole.functions[known].tobytes()
-        assert parts.lane["t"].tolist() == whole.lane["t"].tolist()
-
-
 def test_steps_that_lead_nowhere_are_a_stall() -> None:
     """Sixty-four in a row; one that leads somewhere begins the count anew.
 
@@ -272,16 +237,6 @@ def test_steps_that_lead_nowhere_are_a_stall() -> None:
     assert found["steps"].tolist() == [PATIENCE, PATIENCE + 1, PATIENCE, PATIENCE]
     few = NO_RULES._replace(most_steps=5)
     assert followed(rows, times, tcs, signs, few).lane["steps"].tolist() == [5] * LANES
-
-
-def test_steps_that_move_no_double_are_a_stall() -> None:
-    """A run would else go on for ever."""
-    rows, signs = rows_of((event("passage"), 0, 0.0)), np.ones((1, LANES))
-    tcs = np.zeros((PATIENCE + 1, 4, ORDER + 1, LANES))
-    tcs[:, [0, 3], 0] = 1.0
-    found = followed(rows, np.zeros((PATIENCE + 2, LANES)), tcs, signs).lane
-    assert found["status"].tolist() == [Status.STALLED.code] * LANES
-    assert found["steps"].tolist() == [0] * LANES
 
 
 # --- the zeros themselves -----------------------------------------------------------------------
@@ -369,26 +324,6 @@ def test_a_start_on_the_zero_is_no_passage(leaves_to: int, noise: float) -> None
     assert tallies.kept[2, 0] == 1
 
 
-@pytest.mark.parametrize("zero", [0.13, 0.4, 0.77, 1.9])
-def test_a_force_ends_the_run_at_its_first_falling_zero(zero: float) -> None:
-    """Inside a step and between two; its least value is that zero, and nothing later is seen."""
-    force, other = (
-        Polynomial.fromroots([zero, zero + 2.0]),
-        with_roots(np.array([zero - 0.1, zero + 0.05])),
-    )
-    liftoff = event("liftoff", ends="liftoff", direction=-1, extremes="force")
-    tallies, log = passages_of([(liftoff, 0, 0.0), (event("other"), 0, 0.0)], [force, other])
-    tally, n = tallies.lane[0], log.filled[0]
-    assert tally["status"] == Status.LIFTOFF.code
-    assert tally["t"] == pytest.approx(zero, abs=1e-14)
-    assert tallies.functions[LEAST, 0, 0] == pytest.approx(0.0, abs=1e-14)
-    assert tallies.functions[T_LEAST, 0, 0] == pytest.approx(zero, abs=1e-14)
-    assert sorted(zip(log.event[:n].tolist(), log.time[:n], strict=True)) == [
-        (0, pytest.approx(zero, abs=1e-14)),
-        (1, pytest.approx(zero - 0.1, abs=1e-13)),
-    ]
-
-
 @pytest.mark.parametrize("least", [0.5, 1e-9, 0.0, -1e-14])
 def test_a_force_within_rounding_of_zero_ends_nothing(least: float) -> None:
     """It comes down to a bottom at 0.77: its zeros, if there are any, are closer than anything that
@@ -421,19 +356,6 @@ def test_a_force_that_is_zero_at_the_start_and_falls_ends_the_run_there() -> Non
     )
     assert tallies.lane[0]["status"] == Status.LIFTOFF.code
     assert tallies.lane[0]["t"] == pytest.approx(0.0, abs=1e-11)
-
-
-def test_what_is_not_watched_has_no_passages_but_keeps_its_extremes() -> None:
-    f = with_roots(np.array([0.3, 0.7, 1.15]))
-    rows = rows_of((event("passage", extremes="f"), 0, 0.0))
-    rows.events["watched"] = False
-    log, tallies = new_log(200, 4), new_tallies(rows, 1)
-    continued(tallies, rows, *one_lane([f]), log=log)
-    values = f(np.concatenate([[0.0, UNTIL], f.deriv().roots()]))
-    assert log.filled[0] == 0
-    assert tallies.functions[[LEAST, MOST], 0, 0].tolist() == pytest.approx(
-        [values.min(), values.max()], abs=1e-13
-    )
 
 
 def test_extremes_of_a_rate_lie_at_the_roots_of_its_slope(rng: np.random.Generator) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.systems import cylinder, tippe_top
+from tippetop.mechanics.systems import tippe_top
 from tippetop.mechanics.theory import nutation
 from tippetop.runs.run import solve
 
@@ -65,13 +65,6 @@ def test_liftoff_where_theta_dot_squared_cos_theta_is_minus_g_over_R_alpha(mu: f
         zip(last, made.final * np.array([float(w) for w in made.problem.weights()]), strict=True)
     )
     assert state["theta_dot"] ** 2 * state["z"] == pytest.approx(-9.82 / (0.02 * 0.3), rel=1e-12)
-
-
-def test_turning_points_of_an_oscillation_alternate() -> None:
-    made = examples.run("rolling-cylinder", BODY, {"theta": -0.5}, 3.0)
-    turning = made.events.of("turning", significant=True)
-    np.testing.assert_allclose(np.abs(turning.theta), 0.5, rtol=1e-13)
-    assert np.all(turning.theta_dot_sign == np.where(turning.theta > 0, -1, 1))
 
 
 @pytest.mark.parametrize(
@@ -141,19 +134,6 @@ def modified(
         ("modified", {"mu": mu, "v_k": v_k}),
         **options,
     )
-
-
-def test_modified_reaction_of_a_round_cylinder() -> None:
-    """theta'' and nu_x' of [T 6.21] and the energy rate of [T 6.22], at random states."""
-    b = cylinder.Cylinder.body_of(ROUND, cylinder.Modified(0.05, 0.1))
-    nu = np.linspace(-1, 1, 21)
-    q = cylinder.State(np.sin(nu), np.cos(nu), 5 * nu + 1, nu)
-    rates, share, m, R, inertia = cylinder.rates(q, b), 1 / (1 + nu**2 / 0.01), 0.02, 0.02, 4e-6
-    drag = 0.05 * nu / (inertia + m * share * R**2)
-    np.testing.assert_allclose(rates.theta_dot, R * drag, rtol=1e-13)
-    np.testing.assert_allclose(rates.nu_x, -(inertia + m * R**2) * drag / m, rtol=1e-12)
-    power = cylinder.friction_power(cylinder.scalars(q, b), b)
-    np.testing.assert_allclose(power, inertia * nu * drag, rtol=1e-12, atol=1e-18)
 
 
 def test_modified_reaction_may_feed_energy_in() -> None:

@@ -93,35 +93,6 @@ def test_formulas_mean_the_same_to_heyoka(
 
 
 @pytest.mark.parametrize(
-    ("system", "form"), [(s, f) for s, f in EVERY_FORM if len(SYSTEMS[s].forms) > 1]
-)
-def test_chart_commutes_with_the_flow_by_symbolic_jacobian(
-    system: str, form: str, rng: np.random.Generator
-) -> None:
-    """J(chart) rates = rates(chart), the Jacobian derived by heyoka."""
-    used = SYSTEMS[system]
-    case, e, b = compiled(system, next(reversed(used.forms)), simplest(system), rng)
-    q, carried = Variables(used.forms[form], orientation=False).start(
-        {}, e, hy.sin(e.theta), hy.cos(e.theta), b
-    )
-    chart = [*q, *carried]
-    rates = case.rates(e, b)
-    pushed = [
-        sum((hy.diff(y, x) * r for x, r in zip(e, rates, strict=True)), hy.expression(0.0))
-        for y in chart
-    ]
-    found = evaluated(pushed, e, case)
-    expected = case.rates(case.of_angles(used.forms[form], case.angles), form=used.forms[form])
-    for mine, theirs in zip(found, expected, strict=True):
-        np.testing.assert_allclose(
-            mine,
-            np.broadcast_to(theirs, mine.shape),
-            rtol=0,
-            atol=1e-12 * (1 + np.max(np.abs(theirs))),
-        )
-
-
-@pytest.mark.parametrize(
     ("system", "form"),
     [  # numba takes seconds for each: one, and all of them at night
         (s, f) if (s, f) == ("gliding-cylinder", "angle") else at_night(s, f) for s, f in EVERY_FORM

@@ -143,14 +143,3 @@ def test_a_motion_leaves_a_pole_that_is_near_and_unstable(inverted: bool) -> Non
     assert leaves(0.009, unstable)
     assert not leaves(0.011, unstable)
     assert not leaves(0.009, stable)
-
-
-def test_rates_that_grow_alike_stand_in_the_order_of_their_turning() -> None:
-    """Rounding put 198j first at one spin, and -0.86j at a spin beside it."""
-    b = Touch(0.02, 0.02, 0.006, 2.994e-6, 3.2e-6, 9.82, Frictionless())
-    for omega3 in (155.0, 154.985, *np.linspace(140, 160, 20)):
-        for sign in (1, -1):
-            rates = modes.rolling_modes(sign * omega3, b)
-            assert abs(rates[0].imag) > 100 > abs(rates[1].imag)
-        rates = modes.linear_modes(omega3, b)
-        assert np.all(np.diff(np.abs(rates.imag)) <= 0)

@@ -48,10 +48,6 @@ def by_array(x: float, y: float) -> Any:
     return mixed(np.full(3, x), np.full(3, y))[1]
 
 
-def by_mixed_shapes(x: float, y: float) -> Any:
-    return mixed(np.full((4, 1), x), np.full(3, y))[2, 1]
-
-
 def by_longdouble(x: float, y: float) -> Any:
     found = mixed(np.longdouble(x), np.longdouble(y))
     assert found.dtype == np.longdouble
@@ -61,11 +57,6 @@ def by_longdouble(x: float, y: float) -> Any:
 def by_heyoka(x: float, y: float) -> Any:
     symbols = hy.make_vars("x", "y")
     return hy.cfunc([mixed(*symbols)], list(symbols))(np.array([x, y]))[0]
-
-
-def by_heyoka_with_a_number(x: float, y: float) -> Any:
-    symbol = hy.make_vars("x")
-    return hy.cfunc([mixed(symbol, hy.expression(y))], [symbol])(np.array([x]))[0]
 
 
 @numba.njit
@@ -116,14 +107,6 @@ def test_complex_steps_go_through_every_analytic_function(rng: np.random.Generat
     slopes = {sqrt: 0.5 / np.sqrt(x), sin: np.cos(x), cos: -np.sin(x), exp: np.exp(x)}
     for function, slope in slopes.items():
         np.testing.assert_allclose(np.imag(function(x + 1e-30j)) / 1e-30, slope, rtol=4e-16)
-
-
-def test_a_float_stays_a_number_and_an_expression_an_expression() -> None:
-    x = hy.make_vars("x")
-    assert isinstance(float(sin(0.5)), float)
-    assert np.ndim(sin(0.5)) == 0
-    for found in (sin(x), atan2(x, 1.0), atan2(1.0, x), mixed(x, 2.0)):
-        assert isinstance(found, hy.expression)
 
 
 # --- vectors ------------------------------------------------------------------------------------
@@ -177,13 +160,6 @@ def test_a_product_and_its_error_are_exact(error: Callable, rng: np.random.Gener
     numbers = rng.uniform(-1, 1, (300, 2)) * 10.0 ** rng.uniform(-100, 100, (300, 2))
     for x, y in numbers.tolist():
         assert Fraction(x) * Fraction(y) == Fraction(x * y) + Fraction(float(error(x, y)))
-
-
-def test_the_error_of_many_products_is_that_of_each(rng: np.random.Generator) -> None:
-    x, y = rng.uniform(-1, 1, (2, 100))
-    found = product_error(x, y)
-    assert np.any(found != 0)
-    assert found.tolist() == [product_error(float(a), float(b)) for a, b in zip(x, y, strict=True)]
 
 
 def exact(x: doubledouble.DoubleDouble) -> Fraction:

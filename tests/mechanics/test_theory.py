@@ -64,44 +64,6 @@ def test_modes_change_sign_at_the_thresholds(gamma: float, inverted: bool) -> No
             assert (growth < 0) == ((factor > 1) == inverted)
 
 
-@pytest.mark.parametrize("inverted", [False, True])
-def test_modes_are_the_growth_of_a_run(inverted: bool) -> None:
-    """A start 1e-6 rad from the spinning state grows or decays with the leading mode."""
-    omega3 = 60.0 if not inverted else -30.0
-    p = modes.linear_modes(omega3, B, inverted=inverted)
-    theta = math.pi - 1e-6 if inverted else 1e-6
-    until = 0.5
-    made = examples.run(
-        "tippe-top",
-        examples.CANONICAL,
-        {"theta": theta, "omega3": omega3},
-        until,
-        ("viscous", {"mu": 0.3}),
-    )
-    axis = examples.columns(made)["axis"]
-    tilt, t = axis[:, 0] + 1j * axis[:, 1], made.times
-    motions = np.exp(np.outer(t, p))  # three modes carry the tilt exactly, to first order
-    weights, *_ = np.linalg.lstsq(motions / np.abs(motions).max(axis=0), tilt, rcond=None)
-    assert (
-        np.abs(motions / np.abs(motions).max(axis=0) @ weights - tilt).max()
-        < 1e-6 * np.abs(tilt).max()
-    )
-
-
-def test_infinitely_strong_friction_is_rolling() -> None:
-    for inverted, spin in ((False, 50.0), (True, 20.0)):
-        strong = modes.linear_modes(spin, B._replace(friction=Viscous(1e9)), inverted=inverted)
-        rolling = modes.rolling_modes(spin, B, inverted=inverted)
-        for p in rolling:
-            assert np.abs(strong - p).min() < 1e-6 * abs(p)
-
-
-def test_regularised_coulomb_counts_by_its_slope_at_rest() -> None:
-    viscous = modes.linear_modes(155.0, B._replace(friction=Viscous(30.0)))
-    coulomb = modes.linear_modes(155.0, B._replace(friction=Coulomb(0.3, 0.01)))
-    np.testing.assert_allclose(coulomb, viscous, rtol=1e-14)
-
-
 # --- tumbling -----------------------------------------------------------------------------------
 
 
@@ -165,32 +127,6 @@ def test_regimes_follow_gamma() -> None:
     assert thresholds.lambda_s(with_gamma(1.4)) == math.inf
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("gamma", "factor"), [(0.936, 0.4), (0.936, 0.7), (0.936, 1.3), (1.2, 0.6)]
-)
-def test_runs_end_in_the_predicted_state(gamma: float, factor: float) -> None:
-    """With one attractor, a tilted start ends there. factor: lambda/lambda_s."""
-    b = with_gamma(gamma)
-    lam = factor * thresholds.lambda_s(b)
-    found = regimes.regime(lam, b)
-    assert len(found.attractors) == 1
-    parameters = {**examples.CANONICAL, "I1": b.I1}
-    spin = lam / (b.I3 * (b.R * math.cos(0.3) - b.c)) / 1.0
-    made = examples.run(
-        "tippe-top",
-        parameters,
-        {"theta": 0.3, "omega3": spin},
-        300.0,
-        ("viscous", {"mu": 0.3}),
-        events=(),
-    )
-    lam = examples.at_start(made.problem)["jellett"]
-    found = regimes.regime(lam, b)
-    end = 0.0 if found.upright else math.pi if found.inverted else found.tumbling[0]
-    assert made.report["theta_end"] == pytest.approx(end, abs=1e-5)
-
-
 # --- heavy tops ---------------------------------------------------------------------------------
 
 
@@ -218,26 +154,6 @@ def test_upright_gliding_heavy_top_is_unstable_at_every_speed(factor: float, mu:
     )
     assert found[0].real > 0
     assert modes.linear_modes(spin, b, inverted=True)[0].real < 1e-9
-
-
-def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
-    """2.4 times the threshold, 1e-3 rad from upright: the tilt grows as the leading mode says, to 1
-    % over 60 s.
-    """
-    spin = 2.44 * thresholds.sleeping_spin(TIP)
-    growth = modes.linear_modes(spin, TIP)[0].real
-    made = examples.run(
-        "gliding-heavy-top",
-        examples.HEAVY,
-        {"theta": 1e-3, "omega3": spin},
-        60.0,
-        ("viscous", {"mu": 0.3}),
-        events=(),
-    )
-    theta, t = examples.columns(made)["theta"], made.times
-    late = t > 10
-    assert theta[-1] > 2 * theta[0]
-    assert np.polyfit(t[late], np.log(theta[late]), 1)[0] == pytest.approx(growth, rel=1e-2)
 
 
 def start_of(
@@ -303,16 +219,6 @@ def test_nothing_is_said_of_a_system_that_brings_no_theory(
         body.top(made.parameters, toy.name)
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
-def test_a_renamed_system_is_known_as_well(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    renamed = dataclasses.replace(SYSTEMS[name], name=f"renamed-{name}")
-    monkeypatch.setitem(SYSTEMS, renamed.name, renamed)
-    made = start_of(name, omega3=155.0)
-    other = dataclasses.replace(made, system=renamed)
-    assert forecast.assessment(other) == forecast.assessment(made)
-    assert forecast.comments(other) == forecast.comments(made)
-
-
 NO_FRICTION = [
     ("none", {}),
     ("viscous", {"mu": 0.0}),
@@ -374,12 +280,6 @@ def test_a_start_exactly_at_a_pole_stays_there(name: str, law: tuple) -> None:
     assert "stays" not in forecast.assessment(start_of(name, 0.1, law, omega3=122.8)).get(
         "fate", ""
     )
-
-
-def test_a_law_of_one_system_is_not_taken_for_none() -> None:
-    made = start_of("gliding-cylinder", 0.1, ("modified", {"mu": 0.0, "v_k": 0.01}))
-    assert not is_frictionless(made.friction)
-    assert forecast.assessment(made)["regime"].startswith("small oscillations in rolling")
 
 
 def test_modes_beyond_the_doubles_are_nan_and_the_outlook_says_no_rate() -> None:

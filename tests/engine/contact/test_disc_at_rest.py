@@ -8,12 +8,6 @@ from scipy.integrate import solve_ivp
 from touching import ROCKING
 
 from tippetop.engine.status import Status
-from tippetop.mechanics.contact.disc_at_rest import margin
-from tippetop.mechanics.contact.opening import opened
-from tippetop.mechanics.contact.single_contact import regions_of
-from tippetop.mechanics.contact.state import Row, moving
-from tippetop.mechanics.operand import Vector
-from tippetop.mechanics.units import SECOND
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
 
@@ -63,64 +57,6 @@ def test_a_disc_at_rest_rolls_without_turning(mu_r):
     falls = -np.diff(c.energy[rests]) / c.energy[0]
     assert falls.min() > (1e-7 if mu_r else -1e-15)
     assert falls.max() < (1e-3 if mu_r else 1e-15)
-
-
-def test_where_a_disc_comes_to_rest_its_velocities_are_continuous():
-    """To 1e-6, that is 2.6e-5 rad/s.
-
-    The force on it and its torque are not, as where a point sticks.
-    """
-    done = solve(
-        scenario(initial={"theta": 1.0, "omega3": 5.0, "phi_dot": 1.0}, run={"output": "steps"})
-    )
-    c = columns_of(done)
-    k = np.flatnonzero(c.phase == REST)[0]
-    dt = c.time[k] - c.time[k - 1]
-    for name in ("theta_dot", "omega3", "phi_dot"):
-        before, after = getattr(c, name)[k - 1 : k + 1]
-        assert abs(after - before) < 3e-5 + 1e3 * dt, name
-
-
-def test_the_reaction_jumps_where_a_disc_stops_and_is_continuous_where_it_gives_way():
-    """The mobility is invertible: the force that keeps v_A = 0 is that of sliding only where v_A' =
-    0 before.
-    """
-    done = solve(rocking(output="steps"))
-    b, phases = done.problem.internal_body, opened(done.problem.system, done.problem.law, 1).phases
-    rows = [Row(*row[: len(Row._fields)]) for row in done.rows]
-    rests = np.array([row.phase for row in rows]) == REST
-    changes = np.flatnonzero(np.diff(rests.astype(int)))
-    assert len(changes) == 3
-    for k in changes:
-        x = moving(rows[k if rests[k + 1] else k + 1], ())  # the end of a slide, or its beginning
-        slip, rest = phases["slip-" + regions_of(x, done.problem.law.regions, b)[0]], phases["rest"]
-        q = slip.enter(x, b)
-        sliding, held = (
-            np.array(phase.reaction(phase.enter(x, b), b).force) for phase in (slip, rest)
-        )
-        jump = np.linalg.norm(held - sliding)
-        slows = np.hypot(*slip.form.rates(q, b)[6:8])
-        if rests[k + 1]:
-            assert min(jump, slows) > 1e-4
-        else:
-            assert max(jump, slows) < 2e-6
-
-
-def held(done, c):
-    """How much more friction could give in each row of rest: complementarity asks for no less than
-    0.
-    """
-    b, second = done.problem.internal_body, float(done.problem.scales.of(SECOND))
-    phase, found = opened(done.problem.system, done.problem.law, 1).phases["rest"], []
-    for theta, theta_dot, phi_dot, omega3 in np.array(
-        [c.theta, c.theta_dot, c.phi_dot, c.omega3]
-    ).T[c.phase == REST]:
-        s, z = np.sin(theta), np.cos(theta)
-        turn = np.array([theta_dot * b.I1, phi_dot * s * b.I1, omega3 * b.I3]) * second
-        L = Vector(-turn[1] * z + turn[2] * s, turn[0], turn[1] * s + turn[2] * z)
-        by = phase.form.scalars(phase.enter(SimpleNamespace(u=Vector(s, 0.0, z), L=L), b), b).by
-        found.append(margin(by.force, by.torque.z, b.friction))
-    return np.array(found)
 
 
 def test_a_disc_gives_way_where_friction_can_no_longer_hold_it():
@@ -204,17 +140,6 @@ def test_a_disc_whose_turning_is_reversed_passes_its_rest():
     c = columns_of(done)
     assert np.all(np.diff(c.turn) > 0)
     assert c.turn[0] < 0 < c.turn[-1]
-
-
-def test_a_disc_that_turns_back_after_its_rest_rests():
-    """It passes, is turned so little that no speed rises beyond the bound, and comes back."""
-    body = {"m": 0.006, "R": 0.015, "alpha": 0.17728, "I1": 7.16595e-7, "I3": 4.23674e-7, "g": 9.81}
-    start = {"theta": 2.8308, "omega3": -63.34065, "phi_dot": 0.0041548, "theta_dot": -1.12325}
-    disc = LAW | {"mu": 0.431, "patch": 2.8332e-3}
-    done = solve(scenario(until=0.7, friction=disc, parameters=body, initial=start))
-    assert done.report["contact_phases"]["counts"]["rest"] >= 1
-    assert done.report["steps"] < 40_000
-    assert max(done.report["drift"].values()) < 1e-13
 
 
 @pytest.mark.parametrize("seed", range(8))

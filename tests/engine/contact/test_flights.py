@@ -137,13 +137,6 @@ def random_flights(
     return found
 
 
-def test_a_body_that_does_not_turn_lands_as_a_point_does(flights: Flights) -> None:
-    b = body(0.3)
-    assert flights.landing(state(b, 0.6, (0, 0, 0), 1.0), b, 1)[0] == pytest.approx(
-        2 / b.g, rel=1e-15
-    )
-
-
 @pytest.mark.parametrize("zeros", [0, 1, 2, 3])
 @pytest.mark.parametrize("count", [150, at_night(2500)])
 def test_no_landing_is_missed(
@@ -159,16 +152,6 @@ def test_no_landing_is_missed(
         assert speed < 0
         assert abs(gap_at(x, b, gap, t)) <= 5e-16 + 1e-13 * abs(speed) * max(1, t)
         assert gap_at(x, b, gap, np.linspace(0, t, 4002, dtype=np.longdouble)[1:-1]).min() > -1e-14
-
-
-def test_the_derivatives_of_the_gap_are_those_of_the_flight(rng: np.random.Generator) -> None:
-    for x, b, gap in random_flights(rng, 0, 5):
-        with mp.workdps(40):
-            exact = mp.taylor(lambda t, x=x, b=b, gap=gap: gap_at(x, b, gap, mp.mpf(t)), 0, 3)[1:]
-        expected = [float(c * mp.factorial(k)) for k, c in enumerate(exact, 1)]
-        assert [gap_rate(x, b, k) for k in (1, 2, 3)] == pytest.approx(
-            expected, rel=1e-12, abs=1e-13
-        )
 
 
 @pytest.mark.parametrize(("precision", "digits"), [("double", 3e-16), ("longdouble", 6e-19)])
@@ -193,26 +176,6 @@ def test_the_reference_lands_where_it_does(precision: str, digits: float) -> Non
     with mp.workdps(25):
         expected = n(mp.nstr(mp.mpf(touch["t"]) - mp.mpf(liftoff["t"]), 22))
     assert abs(flights.landing(x, b, 3)[0] - expected) < digits
-
-
-@pytest.mark.parametrize("share", [1e-2, 1e-6, 1e-10])
-def test_grazing_liftoffs_land_at_once(share: float, flights: Flights) -> None:
-    """Their hop lasts 4 gap'''/|gap''''|, to first order."""
-    b, z, Omega = body(-0.5), 0.3, 3.0
-    b = b._replace(
-        g=0.5 * Omega**2 * z
-    )  # no second derivative where L is horizontal and along the axis' rate
-    s = np.sqrt(1 - z * z)
-    L = b.I1 * Omega * np.array([0.0, np.cos(share * z / s), 0.0])
-    L[0] = b.I1 * Omega * np.sin(share * z / s)
-    x = Moving(Vector(0.0, s, z), Vector(*L.tolist()), Vector(0.0, 0.0, 0.0), height(z, b))
-    third = gap_rate(x, b, 3)
-    fourth = b.c * Omega**4 * z
-    x = x._replace(velocity=Vector(0.0, 0.0, -b.c * axis_rate(x.u, x.L, b).z))
-    assert third > 0 > fourth
-    assert flights.landing(x, b, 3)[0] == pytest.approx(
-        -4 * third / fourth, rel=max(3 * share, 1e-9)
-    )
 
 
 @pytest.mark.parametrize("depth", [1e-4, 1e-8, 1e-12, -1e-12, -1e-8, -1e-4])

@@ -214,22 +214,3 @@ def test_a_disc_that_rests_gives_way_where_the_direction_of_rolling_turns() -> N
     assert impact.mode == "slip"
     expected = newton_euler(u, L, v, b, still_disc, 0.0, "newton", (0.03, 0.0), "Radau", 1e-9)
     np.testing.assert_allclose(found(impact, after), expected, rtol=0, atol=1e-6)
-
-
-def test_a_disc_without_friction_is_stopped_by_torques_alone() -> None:
-    """That of drilling stops its turning, and nothing holds it."""
-    start = Vector(0.0, 0.0, 1.0), Vector(0.0, 0.0, 1e-3), Vector(0.0, 0.0, -1.0)
-    _, _, impact, after = hit(*start, law_of("contensou", mu=0.0), 0.5)
-    assert (impact.mode, after.p.x, after.p.y) == ("slip", 0, 0)
-    assert after.twist.z == pytest.approx(-1e-3, rel=1e-6)
-    assert after.p.z == pytest.approx(1.5, rel=1e-14)
-
-
-@pytest.mark.parametrize("law", ["coulomb", "viscous", "contensou"])
-def test_small_torques_change_an_impact_in_proportion(law: str) -> None:
-    """Without torques an impact is followed by other formulas, in closed form under
-    Coulomb's law.
-    """
-    for body in bodies(10, 1.0):
-        none, some = (np.array([*hit(*body, law_of(law, (s, s)), 0.5)[3].L]) for s in (0.0, 1e-9))
-        np.testing.assert_allclose(some, none, rtol=0, atol=4e-9)

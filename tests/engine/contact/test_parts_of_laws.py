@@ -2,14 +2,11 @@
 Euler by DOP853.
 """
 
-import pickle
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import tippetop as tt
-from tippetop.mechanics.friction import PARTS
 from tippetop.runs import forecast
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
@@ -59,20 +56,6 @@ def test_an_upright_spin_falls_linearly(law):
     c = columns_of(done)
     expected = 50.0 - MU_D * BODY["m"] * BODY["g"] / BODY["I3"] * c["time"]
     np.testing.assert_allclose(c["omega3"], expected, rtol=1e-13)
-
-
-@pytest.mark.parametrize(("law", "mu"), [("viscous", 50.0), ("coulomb", 0.5)])
-def test_a_ball_that_rolls_in_a_straight_line_slows_down(law, mu):
-    """(m + I/R^2) v' = -mu_r m g/R, whatever friction makes it roll; viscous friction lets it slide
-    a little.
-    """
-    ball = BODY | {"alpha": 1e-9, "I1": 7e-7}
-    start = {"theta": np.pi / 2, "omega3": 40.0}
-    done = solve(scenario(LAWS[law] | {"mu": mu}, 0.1, ball, {"mu_r": MU_R}, initial=start))
-    c = columns_of(done)
-    slowing = MU_R * ball["m"] * ball["g"] / ball["R"] / (ball["m"] + ball["I3"] / ball["R"] ** 2)
-    rate = np.gradient(c["omega3"] * ball["R"], c["time"])[-100:]
-    np.testing.assert_allclose(rate, -slowing, rtol=1e-7)
 
 
 def newton_euler(friction, start, until, times):
@@ -174,15 +157,6 @@ def test_quadruple_precision_is_refused(law):
         scenario(LAWS[law], initial=SLIDING, run={"precision": "quad"})
 
 
-def test_laws_without_parts_keep_their_bits():
-    """Parts of zero give the same motion by other formulas."""
-    plain = solve(scenario(LAWS["viscous"], parts=None, initial=SLIDING, contact={}))
-    zero = solve(scenario(LAWS["viscous"], parts=dict.fromkeys(PARTS, 0.0), initial=SLIDING))
-    np.testing.assert_allclose(columns_of(zero)["theta"], columns_of(plain)["theta"], rtol=1e-12)
-    assert "jellett_lost" not in columns_of(plain)
-    assert max(zero.report["drift"].values()) < 1e-13
-
-
 def test_records_take_parts_by_name():
     top = tt.TippeTop(**BODY)
     law = tt.friction.Viscous(0.3, mu_r="0.2 mm", mu_d=MU_D)
@@ -203,11 +177,6 @@ def test_records_take_parts_by_name():
     )
     with pytest.raises(tt.InputError, match="mu_r"):
         tt.friction.Coulomb(0.3, mu_r=-1e-5)
-
-
-def test_a_problem_with_parts_can_be_pickled():
-    made = scenario(LAWS["viscous"], initial=SLIDING)
-    assert pickle.loads(pickle.dumps(made)).friction == made.friction
 
 
 @pytest.mark.parametrize("system", ["gliding-cylinder", "gliding-heavy-top"])

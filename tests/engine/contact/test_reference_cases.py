@@ -69,13 +69,6 @@ def test_events_are_those_of_the_reference(run: tuple[Solution, dict]) -> None:
     np.testing.assert_allclose([t for _, t in ours], [t for _, t in expected], rtol=0, atol=1e-11)
 
 
-def test_a_phase_begins_where_an_event_says_so(run: tuple[Solution, dict]) -> None:
-    solution, case = run
-    start = np.concatenate([part["start"] for part in solution.others["phases"]])
-    moments = [float(event["t"]) for event in case["events"] if event["kind"] != "touch-body"]
-    np.testing.assert_allclose(start, [0.0, *moments], rtol=0, atol=1e-11)
-
-
 @pytest.mark.parametrize("tables", [BOUNCE, THROWN, TURNING], ids=["bounce", "thrown", "turning"])
 def test_energy_and_the_work_of_friction_balance_through_all_phases(tables: dict) -> None:
     report = solve(build.problem(tables)).report

@@ -118,28 +118,6 @@ def test_the_start_goes_on_as_an_integration_of_the_same_equations(
             np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-17)
 
 
-def test_the_start_has_the_first_terms_of_its_expansion(rng: np.random.Generator) -> None:
-    """w = p t^2/2, beta = beta_0 + q t, q = -Q_t/Q_beta, p = P_t + q P_beta: derivatives by
-    differences.
-    """
-    for edge in edges(rng, 3):
-        rates, h = slip_rates(edge.ball), 1e-6
-        drift = rolling_rate(edge.state, edge.ball) * h / edge.omega * 100
-        by_time = [rates(edge.state + k * drift, 0.0, edge.beta)[1:] for k in (1, -1)]
-        by_beta = [rates(edge.state, 0.0, edge.beta + k * h)[1:] for k in (1, -1)]
-        (P_t, Q_t), (P_b, Q_b) = (
-            (np.subtract(*x) / (2 * step))
-            for x, step in ((by_time, h / edge.omega * 100), (by_beta, h))
-        )
-        q = -Q_t / Q_b
-        p = P_t + q * P_b
-        assert p > 0 > Q_b
-        t = 1e-3 / edge.omega
-        made = slipped(edge.ball, edge.state, edge.beta, t)
-        assert made.w[-1] == pytest.approx(p * t**2 / 2, rel=0.05)
-        assert made.beta[-1] - edge.beta == pytest.approx(q * t, rel=0.05)
-
-
 def test_the_start_is_exact_to_rounding(rng: np.random.Generator) -> None:
     """Against 16 nodes in longdouble numbers: angles to 1e-16, momenta and slip speed far below
     their rounding.

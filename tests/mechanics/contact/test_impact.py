@@ -170,29 +170,6 @@ def test_impacts_that_slip_have_the_digits_of_an_oracle(
             compared += 1
 
 
-@few_or_many
-@every_law
-def test_impacts_that_stop_have_the_digits_of_25(
-    law: str, count: int, rng: np.random.Generator
-) -> None:
-    """The same function fed with 25 digits, whose slip the oracle and the reference have tested."""
-    compared = 0
-    with mp.workdps(25):
-        while compared < count:
-            *v, K, mu = random_impact(rng)
-            v[2] *= 3
-            made = struck(*v, K, mu, 0.6, law)
-            if made.mode == "slip":
-                continue
-            exact_K = Mobility(*(mp.mpf(float(k)) for k in K))
-            exact = struck(*(mp.mpf(float(x)) for x in v), exact_K, mp.mpf(mu), mp.mpf(0.6), law)
-            compare(
-                made, exact[3:6], exact[:3], exact.work_n, exact.work_t, np.abs(v).max(), max(K)
-            )
-            assert exact.mode == made.mode
-            compared += 1
-
-
 def test_an_impact_that_stops_is_that_of_the_rates_and_then_straight(
     rng: np.random.Generator,
 ) -> None:
@@ -258,27 +235,6 @@ def test_the_reference_impact() -> None:
         )
         for name, theirs in pairs.items():
             assert abs(getattr(made, name) / mp.mpf(after[theirs]) - 1) < 1e-23
-
-
-def test_the_rates_by_sigma_lead_to_the_same_impact() -> None:
-    K, v = at(1.2), (0.4, -0.3, -0.5)
-    beta, w = np.arctan2(v[1], v[0]), np.hypot(*v[:2])
-    ends = lambda s, y: y[2]  # noqa: E731
-    ends.terminal = True  # type: ignore[attr-defined]
-    start = (beta, np.log(w), v[2], 0, 0)
-    end = solve_ivp(
-        lambda s, y: impact_rates(*y[:3], K, 0.3),
-        (0, 1),
-        start,
-        "DOP853",
-        events=ends,
-        rtol=1e-12,
-        atol=1e-14,
-    )
-    beta, log_w, _, impulse, work_n = end.y[:, -1]
-    made = struck(*v, K, 0.3, 0)
-    expected = (np.exp(log_w) * np.cos(beta), np.exp(log_w) * np.sin(beta), impulse, work_n)
-    np.testing.assert_allclose((made.v_e, made.v_2, made.p_z, made.work_n), expected, rtol=1e-9)
 
 
 def planar(v_x: float, v_n: float, K: Mobility, mu: float, e_n: float, law: str) -> tuple:
@@ -355,35 +311,6 @@ def test_newton_can_make_energy_and_is_caught() -> None:
         other = struck(-0.66, 0, -1, K, 0.31, 1, law)
         assert other.energy < 0
         assert not other.makes_energy
-
-
-@every_law
-def test_impacts_that_neither_stop_nor_turn_are_the_same_in_every_law(law: str) -> None:
-    K = at(1.3)
-    one, other = struck(5.0, 0, -1, K, 0.2, 0.5, law), struck(5.0, 0, -1, K, 0.2, 0.5)
-    np.testing.assert_allclose(one[:8], other[:8], rtol=1e-14)
-    smooth = struck(0.3, -0.2, -1, K, 0, 0.5, law)
-    assert smooth[:3] == pytest.approx((0, 0, 1.5 / K.zz), rel=1e-15)
-    assert smooth[3:6] == pytest.approx((0.3 + K.ez * smooth.p_z, -0.2, 0.5), rel=1e-15)
-    assert smooth.energy == pytest.approx(-0.75 / (2 * K.zz), rel=1e-14)
-
-
-def test_slip_that_swings_round_tends_to_a_reversal(rng: np.random.Generator) -> None:
-    """Where sticking is impossible, v_2 = 0 reverses; a small v_2 turns the direction without a
-    stop.
-    """
-    K, mu = at(1.9, STEM), 0.3
-    assert abs(K.ez) > mu * K.ee
-    v_e = -0.3 * np.sign(K.ez)
-    exact = struck(v_e, 0, -1, K, mu, 0.5)
-    assert exact.mode == "reverse"
-    errors = []
-    for v_2 in (1e-3, 1e-6, 1e-9, 1e-12):
-        made = struck(v_e, v_2, -1, K, mu, 0.5)
-        assert made.mode == "slip" or v_2 < 1e-8
-        errors.append(abs(made.v_e - exact.v_e) + abs(made.p_z - exact.p_z))
-    assert all(b < max(a / 1000, 1e-15) for a, b in itertools.pairwise(errors)), errors
-    assert struck(v_e, 1e-25, -1, K, mu, 0.5)[:6] == pytest.approx(exact[:6], rel=1e-9, abs=1e-12)
 
 
 def never_makes_energy(law: str, count: int, rng: np.random.Generator) -> float:
