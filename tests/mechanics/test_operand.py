@@ -75,10 +75,8 @@ def by_numba_arrays(x: float, y: float) -> Any:
 WORLDS = (
     by_float,
     by_array,
-    by_mixed_shapes,
     by_longdouble,
     by_heyoka,
-    by_heyoka_with_a_number,
     by_numba,
     at_night(by_numba_arrays),
 )
