@@ -8,6 +8,7 @@ import itertools
 import threading
 from collections.abc import Iterator
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -226,20 +227,6 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
 
 
 @pytest.fixture
-def unloadable(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A process in which no machine code can be loaded."""
-
-    def refuse(*_: object) -> None:
-        raise RuntimeError("not today")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(compiling, "load", refuse)
-        compiling.compiled_from.cache_clear()
-        yield
-    compiling.compiled_from.cache_clear()
-
-
-@pytest.fixture
 def unlike(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A process in which the loaded code makes other steps than heyoka."""
     with monkeypatch.context() as patch:
@@ -249,20 +236,29 @@ def unlike(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     compiling.compiled_from.cache_clear()
 
 
+def test_where_nothing_can_be_loaded_heyoka_makes_the_steps(
+    monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
+    request.getfixturevalue("unlike")  # which leaves no place behind
+    monkeypatch.setattr(compiling, "load", Mock(side_effect=RuntimeError("not today")))
+    made = build.load("inverting", None, 0.1)
+    assert driver_of(made).is_called
+    assert solve(made).status is Status.FINISHED
+
+
 @pytest.mark.slow
 def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(
     request: pytest.FixtureRequest,
 ) -> None:
-    """Inverting, upright, lifting off in the midst of a step, invalid."""
-    varied = {
-        "initial.omega3": np.array([155.0, 90.0, 170.0, np.nan, 158.0, 172.0, 120.0, 140.0, 160.0]),
-        "run.until": np.array([8.0, 1.0, 8.0, 1.0, 7.0, 8.0, 0.3, 2.0, 0.0123]),
-    }
-    usual = tippetop.ensemble("inverting", varied, threads=1)
+    """Inverting, lifting off in the midst of a step, invalid."""
+    varied = {"initial.omega3": np.array([155.0, 170.0, np.nan, 158.0, 172.0])}
+    usual = tippetop.ensemble("inverting", varied, until=8.0, threads=1)
     request.getfixturevalue("unlike")
-    again = tippetop.ensemble("inverting", varied, threads=1)
+    again = tippetop.ensemble("inverting", varied, until=8.0, threads=1)
     assert (usual["status"].values == Status.LIFTOFF.code).sum() == 2
     assert all(same_bits(usual[name].values, again[name].values) for name in usual)
+    assert "steps_by" not in usual.attrs
+    assert again.attrs["steps_by"] == "heyoka"
 
 
 def test_steps_that_differ_are_noticed() -> None:

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from touching import ROCKING
 
 from tippetop.engine.status import Status

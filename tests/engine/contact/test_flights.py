@@ -99,19 +99,16 @@ def state(b: Touch, theta: float, L: Any, rise: float, gap: float = 0.0) -> Movi
 
 
 def gap_at(x: Moving, b: Touch, gap: float, t: Any) -> Any:
-    """The gap at times t, in the numbers of t: L stays, the axis turns about it, the centre falls.
+    """The gap at times t: L stays, the axis turns about it, the centre falls.
 
     [contact 3.1]
     """
-    sine, cosine = (mp.sin, mp.cos) if isinstance(t, mp.mpf) else (np.sin, np.cos)
-    number = type(t) if isinstance(t, mp.mpf) else np.longdouble
-    u, L = ([number(value) for value in vector] for vector in (x.u, x.L))
-    size = (L[0] ** 2 + L[1] ** 2 + L[2] ** 2) ** 0.5
-    along = sum(a * b for a, b in zip(L, u, strict=True)) / size**2
+    u, L = (np.array(vector, np.longdouble) for vector in (x.u, x.L))
+    size = np.sqrt(L @ L)
+    along = L @ u / size**2
     angle = size / b.I1 * t
-    turned = (u[2] - along * L[2]) * (cosine(angle) - 1) + (
-        L[0] * u[1] - L[1] * u[0]
-    ) / size * sine(angle)
+    across = (L[0] * u[1] - L[1] * u[0]) / size
+    turned = (u[2] - along * L[2]) * (np.cos(angle) - 1) + across * np.sin(angle)
     return gap + x.velocity.z * t - b.g * t * t / 2 + b.c * turned
 
 
