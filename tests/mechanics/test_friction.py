@@ -5,7 +5,13 @@ import pytest
 
 import tippetop as tt
 from tippetop.mechanics import friction
-from tippetop.mechanics.friction import LAWS, FrictionLaw, is_frictionless, takes_nothing
+from tippetop.mechanics.friction import (
+    LAWS,
+    FrictionLaw,
+    SetValued,
+    is_frictionless,
+    takes_nothing,
+)
 from tippetop.mechanics.number import Number, number
 from tippetop.mechanics.operand import formula
 from tippetop.mechanics.units import ONE, SECOND_PER_METRE
@@ -61,3 +67,10 @@ def test_a_law_of_a_user_is_smooth() -> None:
 
     with pytest.raises(tt.InputError, match="`set_valued` of the law `odd` must be left out"):
         tt.extending.register(Odd)
+
+
+def test_the_set_valued_law_pulls_with_mu_at_every_speed() -> None:
+    """k |v| = mu: the law that regularised Coulomb friction tends to."""
+    speeds = np.array([1e-6, 0.1, 3.0])
+    k = SetValued.coefficient(speeds**2, 0.3, SetValued(0.4))
+    np.testing.assert_allclose(k * speeds, 0.4, rtol=1e-15)

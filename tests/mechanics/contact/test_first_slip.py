@@ -53,8 +53,7 @@ def slipped(ball: Touch, *given: Any) -> FirstSlip:
 
 
 def rolling_rate(state: np.ndarray, ball: Touch) -> np.ndarray:
-    u, L = Vector(*state[:3]), Vector(*state[3:6])
-    F = coulomb.reaction_of_rolling_vector(u, bias_vector(u, L, ball), ball)
+    u, L, F = Vector(*state[:3]), Vector(*state[3:6]), reaction(state, ball)
     V = contact.centre_velocity(u, L, Vector(0, 0, 0), ball)
     return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y])
 
@@ -145,12 +144,12 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
     rng: np.random.Generator,
 ) -> None:
     counts = {True: 0, False: 0}
-    for _ in range(120):
+    for _ in range(60):
         u = rng.normal(0, 1, 3)
         u = Vector(*(u / np.sqrt(u @ u)))
         L = Vector(*(3e-6 * rng.normal(0, 60, 3)))
         ball = BODY._replace(friction=SetValued(rng.uniform(0.05, 1.4)))
-        F = coulomb.reaction_of_rolling_vector(u, bias_vector(u, L, ball), ball)
+        F = reaction(np.array([*u, *L]), ball)
         if bias_vector(u, L, ball).z > 0:
             continue  # the contact opens
 
@@ -167,4 +166,4 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
             assert Q[1] * Q[2] <= 0 or abs(Q[0]) < 1e-12
             assert P[0] > 0
             assert N[0] > 0
-    assert min(counts.values()) > 10
+    assert min(counts.values()) > 5

@@ -1,20 +1,14 @@
-"""The cylinder under exact Coulomb friction: its formulas, and the states of the reference run."""
+"""The cylinder under exact Coulomb friction: its formulas."""
 
 import numpy as np
 import pytest
 
 from tippetop.mechanics.contact import planar
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.contact.coulomb import Slide
 from tippetop.mechanics.friction import SetValued
 
 
 BALL = Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, SetValued(0.1))
-
-
-def slide(theta: float, theta_dot: float, sigma: float) -> Slide:
-    q = type(planar.SIGNED)(np.sin(theta), np.cos(theta), theta_dot, 0.0, sigma)
-    return planar.signed(q, BALL)
 
 
 def test_slip_is_what_the_torque_and_the_constraint_ask_for(rng: np.random.Generator) -> None:
@@ -24,7 +18,7 @@ def test_slip_is_what_the_torque_and_the_constraint_ask_for(rng: np.random.Gener
     for sigma in (-1, 1):
         theta, theta_dot = rng.uniform(-7, 7), rng.normal(0, 20)
         s, z = np.sin(theta), np.cos(theta)
-        made = slide(theta, theta_dot, sigma)
+        made = planar.signed(type(planar.SIGNED)(s, z, theta_dot, 0.0, sigma), BALL)
         (F_x, _, N), turn, nu_dot = made.force, made.turn.y / BALL.I1, sigma * made.P
         lever, H = BALL.c * s, BALL.R - BALL.c * z
         assert F_x == -0.1 * sigma * N
