@@ -7,10 +7,6 @@ import numpy as np
 import pytest
 
 from tippetop.engine.status import Status
-from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.systems import tippe_top
-from tippetop.mechanics.theory import nutation
-from tippetop.runs.run import solve
 
 
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I": 4e-6, "g": 9.82}  # I = m R^2/2
@@ -65,24 +61,6 @@ def test_liftoff_where_theta_dot_squared_cos_theta_is_minus_g_over_R_alpha(mu: f
         zip(last, made.final * np.array([float(w) for w in made.problem.weights()]), strict=True)
     )
     assert state["theta_dot"] ** 2 * state["z"] == pytest.approx(-9.82 / (0.02 * 0.3), rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("amplitude", "period"), [(0.5, 0.5329210375359308), (2.0, 0.8321650553406782)]
-)
-def test_period_of_the_rolling_cylinder(amplitude: float, period: float) -> None:
-    made = examples.problem("rolling-cylinder", BODY, {"theta": amplitude}, 2 * period)
-    b, start = examples.si(made), examples.at_start(made)
-    found = nutation.nutation(
-        lambda z: tippe_top.theta_inertia(z, b),
-        lambda z: contact.height_energy(z, b),
-        start["energy"],
-        amplitude,
-        (-math.pi, math.pi),
-    )
-    assert found.period == pytest.approx(period, rel=1e-13)
-    times = solve(made).events.of("turning", significant=True).time
-    assert times[1] == pytest.approx(period, rel=1e-12)
 
 
 def test_rolling_cylinder_keeps_its_energy_over_many_turns() -> None:

@@ -12,7 +12,7 @@ from tippetop.mechanics import disc_friction as disc
 from tippetop.mechanics.operand import Vector
 
 
-def quadrature(x: float, pressure: str = "hertz") -> tuple[mp.mpf, mp.mpf]:
+def quadrature(x: float) -> tuple[mp.mpf, mp.mpf]:
     """f and m of a disc of radius 1 that turns with Omega = 1 while its centre slides with x: over
     rings, by elliptic integrals of one ring (a point of it slides with x e + r t).
     """
@@ -28,12 +28,14 @@ def quadrature(x: float, pressure: str = "hertz") -> tuple[mp.mpf, mp.mpf]:
         along = (mean + (x**2 - r**2) * inverse) / (2 * x)
         return along, (mean + (r**2 - x**2) * inverse) / 2
 
-    weight = {"hertz": lambda r: 3 * r * mp.sqrt(1 - r * r), "uniform": lambda r: 2 * r}[pressure]
     cuts = [0, x, 1] if x < 1 else [0, 1]
-    return tuple(mp.quad(lambda r, i=i: weight(r) * ring(r)[i], cuts) for i in (0, 1))  # type: ignore[return-value]
+    force, torque = (
+        mp.quad(lambda r, i=i: 3 * r * mp.sqrt(1 - r * r) * ring(r)[i], cuts) for i in (0, 1)
+    )
+    return force, torque
 
 
-X = (1e-3, 0.1, 0.5, 0.9, 0.999, 1.001, 1.3, 2.0, 2.49, 2.51, 4.0, 29.0, 31.0, 1e3)
+X = (1e-3, 0.5, 0.999, 1.001, 1.3, 2.49, 2.51, 29.0, 31.0, 1e3)
 
 
 @pytest.mark.parametrize("x", X)

@@ -105,35 +105,23 @@ def test_formulas_mean_the_same_inside_numba(
     import numba
 
     case = laws.case(SYSTEMS[system], form, simplest(system), rng)
-    rates, scalars, quantity = (
-        case.form.rates,
-        case.form.scalars,
-        SYSTEMS[system].quantities[0].formula,
-    )
-    integrals = [integral.rate for integral in case.form.integrals]
+    rates, scalars = case.form.rates, case.form.scalars
+    quantity = SYSTEMS[system].quantities[0].formula
 
     @numba.njit(error_model="numpy")
     def inside(q, b):
         return rates(q, b), quantity(scalars(q, b), b)
 
-    def compiled_alone(rate: Callable) -> Callable:
-        return numba.njit(error_model="numpy")(lambda q, b: rate(q, q, b))
-
-    alone = [compiled_alone(rate) for rate in integrals]
-
     for i in range(5):
-        q = refill(
-            case.state,
-            iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.state)]),
-        )
-        b = refill(
-            case.body,
-            iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.body)]),
+        q, b = (
+            refill(
+                record, iter([float(np.broadcast_to(x, laws.STATES)[i]) for x in leaves(record)])
+            )
+            for record in (case.state, case.body)
         )
         found, value = inside(q, b)
         assert tuple(found) == tuple(rates(q, b))
         assert value == quantity(scalars(q, b), b)
-        assert [one(q, b) for one in alone] == [rate(q, q, b) for rate in integrals]
 
 
 DECOMPOSITION = {

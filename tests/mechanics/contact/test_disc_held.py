@@ -2,6 +2,8 @@
 ones.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -70,6 +72,7 @@ def test_impulses_bring_it_to_rest_and_take_energy(seed):
     assert gained < 0
 
 
+@cache
 def limits(x):
     """|F|/(mu N) and |tau|/(mu N patch) of a disc under Hertz's pressure that slides with x and
     turns with 1, by quadrature over its points: the disc's share at a radius r, and the direction
