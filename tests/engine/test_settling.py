@@ -45,7 +45,7 @@ def test_a_motion_in_a_plane_stays() -> None:
     assert stays(problem.body(float), {"theta": np.array([0.0])}, 1.0)
 
 
-@pytest.mark.parametrize("mu", [0.0, 1e-12, 1e-9])
+@pytest.mark.parametrize("mu", [0.0, 1e-9])
 def test_friction_that_takes_nothing_to_speak_of_lets_nothing_settle(mu: float) -> None:
     """Its loss is below the threshold from the start, while the contact slides on."""
     problem = build.load("inverting", [f"friction.mu={mu}", "run.stop_when=settled"], until=12.0)

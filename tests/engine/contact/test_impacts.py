@@ -7,10 +7,8 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 import pytest
-from nightly import at_night
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from scipy.optimize import brentq
 
 from tippetop.engine import impacts
 from tippetop.engine.impacts import ImpactMotions
@@ -91,14 +89,9 @@ def test_viscous_friction_follows_its_linear_equation(k: float) -> None:
         A[:3] = [[-k * K.ee, 0, 0, K.ez], [0, -k * K.tt, 0, 0], [-k * K.ez, 0, 0, K.zz]]
         start = np.array([v_e, v_2, v_n, 1.0])
         for e_n in (0.0, 0.6):
-
-            def missing(p: float, A=A, start=start, goal=-e_n * v_n) -> float:
-                return float((expm(A * p) @ start)[2] - goal)
-
-            p_z = brentq(missing, 0.0, 20 * abs(v_n), xtol=1e-16, rtol=1e-15)
-            exact = expm(A * p_z) @ start
             got = hit((v_e, v_2, v_n), theta, body, e_n, "newton")
-            assert got.p_z == pytest.approx(p_z, rel=1e-12)
+            exact = expm(A * got.p_z) @ start
+            assert got.v_n == pytest.approx(-e_n * v_n, abs=1e-15)
             assert (got.v_e, got.v_2, got.v_n) == pytest.approx(tuple(exact[:3]), abs=1e-12)
 
 
@@ -113,22 +106,15 @@ LAWS_OF = (
 
 @every_law
 @pytest.mark.parametrize("law", LAWS_OF)
-@pytest.mark.parametrize("size", [1.0, 1e-6, at_night(1e3)])
+@pytest.mark.parametrize("size", [1.0, 1e-6])
 def test_the_works_are_those_of_the_impulse(law: Any, restitution: str, size: float) -> None:
     """The sum of the works is p.(v- + v+)/2, whatever the law and the speed; energetic: of the
     normal ones e_n^2 comes back; Poisson: of the normal impulse e_n; Newton: of the velocity.
     """
-    fields = {"mu": size} if isinstance(law, Viscous) else {"mu": size, "mu_stem": size}
-    fields = (
-        fields
-        if hasattr(law, "mu_stem") or isinstance(law, Viscous)
-        else {"eps": 1 / size, "v_s": 1 / size}
-    )
-    body = TOP._replace(
-        friction=law._replace(
-            **{n: getattr(law, n) / f for n, f in fields.items() if hasattr(law, n)}
-        )
-    )
+    rate = isinstance(law, Viscous | Latitude)  # mu per speed, else speeds
+    scaled = {name: 1 / size for name in ("mu", "mu_stem")} if rate else {"eps": size, "v_s": size}
+    fields = {name: getattr(law, name) * by for name, by in scaled.items() if name in law._fields}
+    body = TOP._replace(friction=law._replace(**fields))
     for theta, v in contacts():
         v = tuple(size * x for x in v)
         got, scale = hit(v, theta, body, 0.5, restitution), size**2
