@@ -2,8 +2,6 @@
 one still is.
 """
 
-import threading
-
 import numpy as np
 import pytest
 
@@ -26,17 +24,6 @@ def test_drivers_that_live_share_nothing() -> None:
             assert not np.shares_memory(one.motion.state, other.motion.state)
             assert not np.shares_memory(one.log.states, other.log.states)
             assert not np.shares_memory(one.rows.events, other.rows.events)
-
-
-def test_a_place_serves_again_and_another_thread_has_its_own() -> None:
-    made(0.1)
-    here = made(0.1).place
-    assert made(0.1).place is here, "none lives that has it"
-    there = []
-    thread = threading.Thread(target=lambda: there.append(made(0.1).place))
-    thread.start()
-    thread.join()
-    assert there[0] is not here
 
 
 def test_a_run_has_the_bits_of_a_first_run_wherever_it_works() -> None:

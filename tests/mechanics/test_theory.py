@@ -9,7 +9,7 @@ import pytest
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact.gliding import euler as gliding_euler
-from tippetop.mechanics.friction import Coulomb, Latitude, Mixed, Stribeck, Viscous, is_frictionless
+from tippetop.mechanics.friction import Coulomb, Viscous
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.theory import modes, regimes, thresholds, tumbling
 from tippetop.problem import Problem
@@ -197,22 +197,6 @@ def test_mu_zero_is_no_friction_under_any_law(law: tuple) -> None:
     heavy = forecast.assessment(start_of("gliding-heavy-top", law=law, omega3=155.0))
     assert heavy["regime"].startswith("without friction the upright spin is ")
     assert "fate" not in heavy
-
-
-@pytest.mark.parametrize(
-    "law",
-    [
-        Viscous(1e-9),
-        Coulomb(0.1, 1e-3),
-        Mixed(0.0, 0.1, 1e-3),
-        Stribeck(0.0, 0.1, 0.1, 1e-3),
-        Latitude(0.0, 0.1),
-        Latitude(0.1, 0.0),
-    ],
-    ids=lambda law: type(law).__name__,
-)
-def test_any_number_that_rubs_is_friction(law: tuple) -> None:
-    assert not is_frictionless(law)
 
 
 @pytest.mark.parametrize("name", ["gliding-cylinder", "rolling-cylinder"])

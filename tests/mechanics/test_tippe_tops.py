@@ -46,22 +46,3 @@ def test_exact_start_at_a_pole_stays_there(system: str, theta: float) -> None:
     assert np.all(rows["theta"] == (math.pi if theta else 0.0))
     assert np.all(np.isnan(rows["phi"]))
     assert made.report["drift"]["axis_norm"] == 0.0
-
-
-@pytest.mark.parametrize(
-    ("law", "numbers"),
-    [
-        ("coulomb", {"mu": 0.3, "eps": 0.01}),
-        ("mixed", {"mu": 0.1, "mu_coulomb": 0.2, "eps": 0.01}),
-        ("stribeck", {"mu": 0.2, "mu_static": 0.4, "v_s": 0.1, "eps": 0.01}),
-        ("latitude", {"mu": 0.3, "mu_stem": 0.1}),
-    ],
-)
-def test_every_friction_law_balances_the_energy(law: str, numbers: dict[str, float]) -> None:
-    made = examples.run(
-        "tippe-top", examples.CANONICAL, {"theta": 0.3, "omega3": 60.0}, 2.0, (law, numbers)
-    )
-    assert made.status is Status.FINISHED
-    assert made.report["drift"]["jellett"] < 1e-13
-    assert made.report["drift"]["energy_balance"] < 1e-12
-    assert np.all(examples.columns(made)["friction_power"] >= 0)

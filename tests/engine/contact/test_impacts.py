@@ -7,7 +7,6 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from tippetop.engine import impacts
@@ -15,7 +14,6 @@ from tippetop.engine.impacts import ImpactMotions
 from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.response import mobility, spin_mobility
 from tippetop.mechanics.contact.struck import RESTITUTIONS, Impact, struck
-from tippetop.mechanics.disc_friction import drag
 from tippetop.mechanics.friction import Contensou, Coulomb, Latitude, Stribeck, Viscous, named
 from tippetop.mechanics.operand import Vector, leaves, refill
 
@@ -181,66 +179,6 @@ def test_an_impact_has_the_digits_of_its_numbers(precision: str, digits: float, 
 
 
 # --- a contact disc that slides and turns -------------------------------------------------------
-
-
-def body_struck(v: tuple, omega: np.ndarray, theta: float, ball: Touch, until: float) -> tuple:
-    """Contact velocity, omega and gain of L after the normal impulse `until`: the free body, by
-    Newton and Euler.
-    """
-    u = np.array([np.sin(theta), 0, np.cos(theta)])
-    a = ball.c * u - np.array([0, 0, ball.R])
-    inverse = np.eye(3) / ball.I1 + (1 / ball.I3 - 1 / ball.I1) * np.outer(u, u)
-    V, L = np.array(v) - np.cross(omega, a), np.linalg.solve(inverse, omega)
-
-    def rate(p: float, y: np.ndarray) -> np.ndarray:
-        omega = inverse @ y[3:]
-        v = y[:3] + np.cross(omega, a)
-        k, twist = drag(v[0] ** 2 + v[1] ** 2, (PATCH * omega[2]) ** 2)
-        F = np.array([-ball.friction.mu * k * v[0], -ball.friction.mu * k * v[1], 1])
-        torque = np.array([0, 0, -ball.friction.mu * PATCH**2 * twist * omega[2]])
-        return np.concatenate([F / ball.m, np.cross(a, F) + torque])
-
-    y = solve_ivp(rate, (0, until), np.concatenate([V, L]), "DOP853", rtol=1e-12, atol=1e-16).y[
-        :, -1
-    ]
-    omega = inverse @ y[3:]
-    return y[:3] + np.cross(omega, a), omega, y[3:] - L
-
-
-@every_law
-@pytest.mark.parametrize("ball", [DISC, STEM])
-def test_the_whole_body_moves_so(ball: Touch, restitution: str, rng: np.random.Generator) -> None:
-    for theta in rng.uniform(0.2, 2.9, 3):
-        omega, v = rng.normal(0, 100, 3), (*rng.normal(0, 0.2, 2), -0.1)
-        made = hit(v, theta, ball, 0.6, restitution, omega[2])
-        after, turned, gained = body_struck(v, omega, theta, ball, made.p_z)
-        np.testing.assert_allclose((made.v_e, made.v_2, made.v_n), after, rtol=0, atol=1e-10)
-        assert made.Omega_z == pytest.approx(turned[2], abs=1e-8)
-        a = np.array([ball.c * np.sin(theta), 0, ball.c * np.cos(theta) - ball.R])
-        p = np.array([made.p_e, made.p_2, made.p_z])
-        np.testing.assert_allclose(
-            np.cross(a, p) + np.array([0, 0, made.twist.z]), gained, rtol=0, atol=1e-14
-        )
-        assert made.energy == pytest.approx(balance(v, made, omega[2]), rel=1e-13)
-        assert made.work_t < 0
-        ends = {
-            "energetic": made.work_n / made.compression - 0.64,
-            "poisson": 0,
-            "newton": made.v_n - 0.06,
-        }
-        assert ends[restitution] == pytest.approx(0, abs=1e-13)
-
-
-def test_a_point_is_a_disc_of_no_size() -> None:
-    """Where the slip does not stop; the difference is of the order of the disc squared."""
-    v = (0.4, -0.3, -0.2)
-    point = struck(*v, mobility(np.sin(1.0), np.cos(1.0), DISC), DISC.friction.mu, 0.5)
-    errors = []
-    for patch in (1e-4, 1e-5, 1e-9):
-        made = hit(v, 1.0, under(0.3, patch), 0.5, Omega_z=50.0)
-        errors.append(abs(made.v_2 - point.v_2) + abs(made.p_e - point.p_e))
-    assert errors[1] < errors[0] / 5
-    assert errors[2] < 1e-13
 
 
 @every_law

@@ -20,7 +20,6 @@ from tippetop.mechanics.variables import Variables
 
 
 BODY, STEM = Touch(1.0, 1.0, 0.2, 0.37, 0.35, 1.0, None), (1 / 3, 13 / 15)
-COSINE = -10 / 13  # where both balls touch
 LAWS_OF = {
     "tippe-top": (Viscous(1.3), SetValued(0.3), Contensou(0.3, 0.03, 1e-3)),
     "gliding-heavy-top": (Viscous(1.3), SetValued(0.3)),
@@ -143,37 +142,6 @@ def test_a_contact_begins_with_forces_that_its_law_allows(law: Any) -> None:
             assert exits.size(F) <= law.mu * F.z * (1 + 1e-9)
             assert (exits.size(v) < 1e-12) == (phase.label == "roll")
     assert found == {phase.label for phase in world.phases.values()}
-
-
-def slowing(x: Moving, b: Touch) -> Vector | None:
-    """The direction to which a slide turns before it stops: Q = 0, P < 0. [contact 2.2]"""
-
-    def law(beta: np.ndarray) -> tuple:
-        by = exits.slip_motion(x.u, x.L, Vector(np.cos(beta), np.sin(beta), 0 * beta), b)
-        return -by.P, by.Q, by.force.z
-
-    found = exits.first_directions(law)
-    return Vector(np.cos(found[0]), np.sin(found[0]), 0.0) if len(found) else None
-
-
-@pytest.mark.parametrize("name", ["tippe-top", "gliding-cylinder"])
-def test_a_slide_that_stops_loses_nothing_but_its_friction(name: str) -> None:
-    world, found, planar = World(name, SetValued(0.2), 1), set(), name == "gliding-cylinder"
-    world.phase, b = world.phases["slip"], world.body[0]
-    for seed in range(20):
-        x = state(world, seed, spin=0.5)
-        if planar:
-            x = x._replace(u=Vector(np.sqrt(1 - x.u.z**2), 0.0, x.u.z), L=Vector(0.0, x.L.y, 0.0))
-        n = Vector(1.0, 0.0, 0.0) if planar else slowing(x, b)
-        if n is None or exits.slip_motion(x.u, x.L, n, b).P > 0:
-            continue
-        x = x._replace(velocity=exits.contact.centre_velocity(x.u, x.L, times(1e-6, n), b))
-        follows = exits.stick(x, world)
-        found |= set(follows.logged)
-        assert follows.phase in {to for exit in world.phase.exits for to in exit.to}
-        error = 1e-13 + 100 * follows.delay**2
-        assert conserved(world, 0, follows.x) == pytest.approx(conserved(world, 0, x), abs=error)
-    assert found >= ({"stick", "reversal"} if planar else {"stick"})
 
 
 def test_a_flight_begins_where_the_force_vanishes_and_goes_on() -> None:
