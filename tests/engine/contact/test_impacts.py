@@ -20,7 +20,6 @@ from tippetop.mechanics.operand import Vector, leaves, refill
 
 PATCH = 5e-4
 DISC = Touch(0.006, 0.015, 0.003, 8e-7, 7e-7, 9.81, Contensou(0.3, PATCH, 0.0))
-STEM = DISC._replace(c=0.016, R=0.005)
 TOP = Touch(1.0, 1.0, 0.3, 131 / 350, 0.4, 1.0, Viscous(0.3))
 every_law = pytest.mark.parametrize("restitution", RESTITUTIONS)
 _motions: dict[tuple, ImpactMotions] = {}
