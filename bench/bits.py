@@ -78,7 +78,7 @@ def cases() -> Iterator[tuple[str, Callable[[], dict[str, str]]]]:
     )
     yield (
         "inverting liftoff",
-        partial(of_run, "inverting", initial={"omega3": 170.0}, output="steps"),
+        partial(of_run, "inverting", start={"omega3": 170.0}, output="steps"),
     )
     yield (
         "inverting settled",

@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import zarr
-from tippetop.cli.memory import keep_memory
 
+from tippetop.cli.host import prepare
 from tippetop.problem import Problem
 from tippetop.runs import recording
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
-from tippetop.runs.sinks import Memory
+from tippetop.runs.sinks import Sink
 from tippetop.sampling import EvenTimes
 from tippetop.scenario import build
 
@@ -46,7 +46,7 @@ def bare(problem: Problem) -> Seconds:
 def followed(problem: Problem) -> Seconds:
     """Seconds of the run without rows."""
     integration = Integration(problem)
-    return spent(lambda: integration.run(Memory(keeps_rows=False)))
+    return spent(lambda: integration.run(Sink()))
 
 
 def stored(problem: Problem) -> Seconds:
@@ -107,7 +107,7 @@ def zarr_alone(problem: Problem) -> dict[str, float]:
 
 def compare(quick: bool) -> dict[str, Any]:
     """Seconds of each run, bare, followed, and stored with keyframes, three columns or all."""
-    keep_memory()  # as `tippetop run` does
+    prepare()  # as `tippetop run` does
     found: dict[str, Any] = {"title": "Storing a run at 1 kHz", "runs": {}}
     for name, (preset, until) in RUNS.items():
         sets = ["run.output_step=0.001"] + (["friction.mu=0.0"] if preset == "inverting" else [])

@@ -16,7 +16,7 @@ from tippetop.engine.taylor import driver_of
 from tippetop.problem import Problem
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
-from tippetop.runs.sinks import Memory
+from tippetop.runs.sinks import Sink
 from tippetop.scenario import build
 
 from .measure import interleaved, ratio, timed
@@ -94,7 +94,7 @@ def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:
         "motion": lambda: moving.work(None),
         "equations": equations,
         "loop": lambda: looped(bare),
-        "whole": lambda: Integration(bare).run(Memory(keeps_rows=False)),
+        "whole": lambda: Integration(bare).run(Sink()),
         "rows": lambda: solve(problem),
     }
     if hand:
@@ -115,7 +115,7 @@ def _often(problem: Problem) -> None:
     """Half a second of runs: the clock of the processor ticks each 10 ms."""
     end = time.perf_counter() + 0.5
     while time.perf_counter() < end:
-        Integration(problem).run(Memory(keeps_rows=False))
+        Integration(problem).run(Sink())
 
 
 def processors(work: Callable[[], Any]) -> dict[str, float]:

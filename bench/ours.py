@@ -19,7 +19,7 @@ from tippetop.mechanics.units import SECOND
 from tippetop.problem import Problem
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
-from tippetop.runs.sinks import Memory
+from tippetop.runs.sinks import Sink
 
 from .minimal import Minimal, theta_of
 from .peers import Peer, Solver
@@ -164,9 +164,7 @@ def followed(minimal: Minimal) -> Callable[[float], Solver]:
 
     def solver(tolerance: float) -> Solver:
         problem = at(minimal, tolerance)
-        return Solver(
-            lambda _: Integration(problem).run(Memory(keeps_rows=False)), lambda: _solved(problem)
-        )
+        return Solver(lambda _: Integration(problem).run(Sink()), lambda: _solved(problem))
 
     return solver
 

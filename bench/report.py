@@ -83,7 +83,7 @@ def machine(results: dict[str, Any]) -> str:
             " Where the load average is above the number of processors the machine was "
             "shared: ratios of processor"
         )
-        said += " seconds count there, and what is by the wall clock does not."
+        said += " seconds count there, wall times do not."
     return f"{said}\n\n" + table(["case", "", "took [s]", "load average before", "processor"], rows)
 
 

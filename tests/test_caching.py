@@ -18,12 +18,12 @@ def test_a_child_forked_while_a_thread_reads_a_run_reads_its_own(
     run, other = (tt.run("inverting", until=0.01) for _ in range(2))
     inside, leave = threading.Event(), threading.Event()
 
-    def slow(_: Any) -> dict[str, xr.Dataset]:
+    def slow(*_: Any) -> xr.Dataset:
         inside.set()
         leave.wait(60)
-        return {"trajectory": xr.Dataset()}
+        return xr.Dataset()
 
-    monkeypatch.setattr(attributes, "datasets", slow)
+    monkeypatch.setattr(attributes, "dataset", slow)
     thread = threading.Thread(target=lambda: run.trajectory)
     thread.start()
     assert inside.wait(60)
@@ -31,7 +31,7 @@ def test_a_child_forked_while_a_thread_reads_a_run_reads_its_own(
     if not child:
         signal.signal(signal.SIGALRM, signal.SIG_DFL)
         signal.alarm(20)
-        monkeypatch.setattr(attributes, "datasets", lambda _: {"trajectory": xr.Dataset()})
+        monkeypatch.setattr(attributes, "dataset", lambda *_: xr.Dataset())
         os._exit(len(other.trajectory))
     leave.set()
     thread.join()

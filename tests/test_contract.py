@@ -113,13 +113,13 @@ def test_rooms_are_counted_as_grimp_counts_them() -> None:
 
 
 def test_the_layout_stays_within_its_goals() -> None:
-    """At most 20 rooms on at most 8 floors, and no circle.
+    """At most 21 rooms on at most 8 floors, and no circle.
 
     `python -m` and the modules of public names are no rooms.
     """
     found = rooms.layout(REPOSITORY / "src")
     doors = {"__main__", "derivatives", "extending", "friction", "landscapes", "theory"}
-    assert len(set(found.rooms) - doors) <= 20
+    assert len(set(found.rooms) - doors) <= 21
     assert len([floor for floor in found.floors if set(floor) - doors]) <= 8
     assert found.circles == ()
     floor = {room: i for i, on_it in enumerate(found.floors) for room in on_it}

@@ -1,5 +1,4 @@
-"""tippetop: tops that roll and glide, integrated to rounding, with their events, potentials and
-surfaces.
+"""tippetop: tops that roll and glide, integrated to machine precision.
 
 >>> import tippetop as tt
 >>> top = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
@@ -32,21 +31,22 @@ __all__ = sorted([*_PLACES, *_MODULES, "__version__"])
 
 
 def __getattr__(name: str) -> Any:
-    """Public names, imported when first used: `tippetop --help` must not wait for LLVM."""
+    """Import public names when first used: `tippetop --help` must not wait for LLVM."""
+    from importlib import import_module
+
     if name == "__version__":
         from importlib.metadata import version
 
         public: Any = version("tippetop")
     elif name in _PLACES:
-        from importlib import import_module
-
         public = getattr(import_module(f".{_PLACES[name]}", __name__), name)
     elif name in _MODULES:
-        from importlib import import_module
-
         public = import_module(f".{name}", __name__)
     else:
-        raise AttributeError(f"module 'tippetop' has no attribute {name!r}")
+        modules = [] if name.startswith("_") else _MODULES
+        found = [m for m in modules if name in import_module(f".{m}", __name__).__all__]
+        hint = f": see tippetop.{found[0]}.{name}" if found else ""
+        raise AttributeError(f"module 'tippetop' has no attribute {name!r}{hint}")
     globals()[name] = public
     return public
 

@@ -23,7 +23,7 @@ F = TypeVar("F", bound=Callable)
 
 
 def finite(name: str, value: Any) -> float:
-    """The argument as a float. Raises InputError if it is no finite number."""
+    """Return an argument as a float. Raises InputError if it is not a finite number."""
     try:
         number = math.nan if isinstance(value, str | bytes | bool) else float(value)
     except (TypeError, ValueError, OverflowError):
@@ -34,9 +34,9 @@ def finite(name: str, value: Any) -> float:
 
 
 def numbers(name: str, values: Any) -> "np.ndarray":
-    """The argument as an array of floats of any shape, NaN among them.
+    """Return an argument as an array of floats of any shape, NaN included.
 
-    Raises InputError if it is none.
+    Raises InputError if it is not numeric.
     """
     import numpy as np
 
@@ -52,7 +52,7 @@ def numbers(name: str, values: Any) -> "np.ndarray":
 
 
 def whole(name: str, value: Any) -> int:
-    """The argument as an int of at least 1. Raises InputError."""
+    """Return an argument as an int of at least 1. Raises InputError."""
     try:
         number = finite(name, value)
     except InputError:
@@ -63,20 +63,20 @@ def whole(name: str, value: Any) -> int:
 
 
 def path_of(name: str, value: Any) -> Path:
-    """The argument as a path. Raises InputError if it is none."""
+    """Return an argument as a path. Raises InputError if it is not path-like."""
     if not isinstance(value, str | os.PathLike) or not str(value):
         raise InputError(f"`{name}` must be a path, but is {value!r:.60}.")
     return Path(value)
 
 
 def instance(name: str, value: Any, kind: Any, words: str) -> None:
-    """Raises InputError if the argument is not of this kind; `words` say what it must be."""
+    """Raise InputError if an argument is not of this kind; `words` describe the kind."""
     if not isinstance(value, kind):
         raise InputError(f"`{name}` must be {words}, but is {value!r:.60}.")
 
 
 def flag(name: str, value: Any) -> None:
-    """Raises InputError if the argument is neither True nor False: "no" would count as yes."""
+    """Raise InputError if an argument is neither True nor False: "no" would count as yes."""
     instance(name, value, bool, "True or False")
 
 
@@ -98,9 +98,7 @@ def seconds(name: str, value: Any) -> float | None:
 
 
 def measured_values(name: str, values: Any, unit: "Unit") -> Any:
-    """Return an argument that may be a number, a text or an array of them: texts as numbers in SI
-    units, an array of numbers unchecked. Raises InputError.
-    """
+    """Return a number, a text or an array of them as numbers in SI units. Raises InputError."""
     import numpy as np
 
     given = (
@@ -121,9 +119,7 @@ def within(name: str, values: Any, low: float, high: float, words: str) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as TOML contains it: Python's numbers and lists instead of those of numpy, and
-    of tuples.
-    """
+    """Return a value as TOML contains it: numbers of Python and lists."""
     import numpy as np
 
     if isinstance(value, np.ndarray | np.generic):
@@ -136,9 +132,9 @@ def plain(value: Any) -> Any:
 
 
 def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
-    """Names of numbers as the dotted keys that they stand for: `mu` for `friction.mu`; an unknown
-    one as it is. Raises InputError for a name that stands in several tables, and for two names of
-    one number.
+    """Return names of numbers as dotted keys: `mu` as `friction.mu`, an unknown one as it is.
+
+    Raises InputError for a name that several tables have, and for two names of one number.
     """
     keys, sentences, known, names = [], [], list(known), list(names)
     for name in names:
@@ -160,8 +156,7 @@ def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
 
 
 def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F]:
-    """Give a function, in place of its **keywords, the keyword arguments of another one: a
-    decorator.
+    """Replace the **keywords of a function by the keyword arguments of another: a decorator.
 
     An unknown keyword raises a TypeError that names the nearest one.
 
@@ -195,9 +190,7 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
 
 @contextlib.contextmanager
 def in_python() -> Iterator[None]:
-    """A block whose StoreErrors name options of the command line as arguments: --overwrite is
-    overwrite=True.
-    """
+    """Rephrase StoreErrors for callers: --overwrite is overwrite=True."""
     try:
         yield
     except StoreError as error:

@@ -1,6 +1,4 @@
-"""Long work of a library that cannot be interrupted, such as a compilation: done in a thread, and
-waited for.
-"""
+"""Long work that cannot be interrupted, such as a compilation: done in a thread."""
 
 from __future__ import annotations
 
@@ -10,30 +8,33 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from .errors import Interrupted
 
 
+if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+
 Result = TypeVar("Result")
-SILENT = 2.0  # [s] after which a terminal shows what is waited for
+SILENT = 2.0  # [s] after which a terminal shows the reason
 LOOK = 0.05  # [s] between two looks at the signals and at `stop`
 
-_abandoned: list[
-    threading.Event
-] = []  # their work cannot be ended: the process must not wait for it
+# Work that cannot be ended: the process must not wait for it.
+_abandoned: list[Future] = []
 
 
 def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None = None) -> Result:
-    """What `work` returns or raises.
+    """Return the result of `work`, or raise its exception.
 
     Signals are handled while it is done: neither LLVM nor heyoka looks for them.
 
     Parameters
     ----------
     work
-        What is done, in a thread of its own with the context of this one (what numpy does about
-        errors is in there); in any thread but the main one, which has the signals, just here.
+        A function that is called in a new thread with the context of this one (it contains the
+        error state of numpy); in any thread but the main one, which has the signals, just here.
     doing
         The line on stderr, if that is a terminal, about work that takes longer than 2 s.
     stop
@@ -41,41 +42,34 @@ def awaited(work: Callable[[], Result], doing: str, stop: threading.Event | None
     """
     if threading.current_thread() is not threading.main_thread():
         return work()
-    context = contextvars.copy_context()
-    results: list[Any] = []
-    errors: list[BaseException] = []
+    from concurrent.futures import Future, wait  # imports logging: late
 
-    finished = (
-        threading.Event()
-    )  # `join` takes a thread for ended when a signal interrupts it (3.11)
+    context, result = contextvars.copy_context(), Future[Result]()
 
     def done() -> None:
         try:
-            results.append(context.run(work))
+            result.set_result(context.run(work))
         except BaseException as error:
-            errors.append(error)
-        finally:
-            finished.set()
+            result.set_exception(error)
 
     thread = threading.Thread(target=done, name="awaited", daemon=True)
     quiet = not sys.stderr.isatty() or bool(os.environ.get("TIPPETOP_QUIET"))
     began = time.monotonic()
     try:
         thread.start()  # in here: a signal may come before it returns
-        while not finished.wait(LOOK):
+        while not result.done():
+            wait([result], LOOK)
             if not quiet and time.monotonic() - began > SILENT:
                 print(f"tippetop: {doing} ...", file=sys.stderr, flush=True)
                 quiet = True
             if stop is not None and stop.is_set():
                 raise Interrupted
     finally:
-        if not finished.is_set():
-            _abandoned.append(finished)
-    if errors:
-        raise errors[0]
-    return results[0]
+        if not result.done():
+            _abandoned.append(result)
+    return result.result()
 
 
 def abandoned() -> bool:
-    """Whether work that was not waited for is still done: only `os._exit` ends the process then."""
-    return not all(finished.is_set() for finished in _abandoned)
+    """Return whether abandoned work is still running: only `os._exit` ends the process then."""
+    return not all(result.done() for result in _abandoned)

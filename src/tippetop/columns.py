@@ -33,7 +33,7 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def greek(text: str) -> str:
-    """Words of a long_name with the letters of the formulas: `omega_3` is ω₃.
+    """Write a long_name with the letters of the formulas: `omega_3` is ω₃.
 
     Short names are whole words.
     """
@@ -42,14 +42,12 @@ def greek(text: str) -> str:
 
 
 def units_text(units: str) -> str:
-    """Units as people write them: `kg m2 s-1` is kg m² s⁻¹."""
+    """Write units with superscripts: `kg m2 s-1` is kg m² s⁻¹."""
     return re.sub(r"(?<=[A-Za-z])-?\d+", lambda power: power[0].translate(SUPERSCRIPTS), units)
 
 
 def symbol(tex: str) -> str:
-    """Return a symbol in TeX as figures write it: Greek letters in Unicode, `\\omega_3` as ω₃,
-    others as formulas.
-    """
+    """Return a symbol in TeX as figures write it: `\\omega_3` as ω₃, others as formulas."""
     if greek := re.fullmatch(r"\\(?:var)?([a-z]+)(?:_(\d))?('*)", tex):
         subscript = chr(ord("₀") + int(greek[2])) if greek[2] else ""
         with contextlib.suppress(KeyError):  # another symbol, such as \\ell
@@ -59,9 +57,7 @@ def symbol(tex: str) -> str:
 
 
 class Column(NamedTuple):
-    """An array with the names of its dimensions and its attributes (units, long_name, ...), as the
-    store keeps it.
-    """
+    """An array with the names of its dimensions and its attributes, as in a store."""
 
     dims: tuple[str, ...]
     values: np.ndarray
@@ -79,9 +75,7 @@ def column(
 
 
 def on_sphere(trajectory: Any) -> np.ndarray:
-    """Whether the sphere touches the plane, at each row of a run: not while it stands on its stem,
-    or flies.
-    """
+    """Return at which rows of a run the sphere itself touches the plane."""
     away = np.zeros(len(trajectory["time"].values), bool)
     for name, words in (("ball", "stem"), ("phase", "flight")):
         away |= flagged(trajectory[name], words) if name in trajectory else away
@@ -89,9 +83,7 @@ def on_sphere(trajectory: Any) -> np.ndarray:
 
 
 def flagged(flags: Any, name: str) -> np.ndarray:
-    """Where a column of flags, with its `flag_meanings`, has the value of this name;
-    (n,) of bool.
-    """
+    """Return where a column of flags, with its `flag_meanings`, has a value, (n,) of bool."""
     meanings = flags.attrs["flag_meanings"].split()
     return np.asarray(flags.values == (meanings.index(name) if name in meanings else -1))
 
@@ -103,16 +95,16 @@ def flag_names(flags: Any) -> list[str]:
 
 
 def require(names: Iterable[str], kept: Container[Any], subject: str) -> None:
-    """Raises InputError where columns that something needs are not among those that a run keeps.
+    """Raise InputError if a run does not keep the columns that something needs.
 
     Parameters
     ----------
     names
-        What is needed.
+        Columns that are needed.
     kept
-        What there is.
+        Columns of the run.
     subject
-        What needs them, the beginning of the sentence.
+        The beginning of the sentence, which they are needed for.
     """
     if missing := ", ".join(f"`{name}`" for name in names if name not in kept):
         raise InputError(
@@ -125,9 +117,7 @@ LETTERS = ("xyz", "wxyz")
 
 
 def with_coordinates(table: "xr.Dataset") -> "xr.Dataset":
-    """A table with its coordinates: the letters of vectors, the time, and the kinds of events, as
-    flags.
-    """
+    """Add the coordinates of a table: letters of vectors, time, and kinds of events."""
     labels = {name: (name, list(name)) for name in LETTERS if name in table.dims}
     by = next(
         (c.attrs["parameters"].split() for c in table.values() if "parameters" in c.attrs), None

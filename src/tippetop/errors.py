@@ -10,9 +10,7 @@ NEAR, VERY_NEAR = 0.6, 0.75  # of letters that two words share in order: eps and
 
 
 def nearest(word: str, known: Iterable[str], cutoff: float = NEAR) -> str | None:
-    """The known word nearest to a mistyped one, None where none is near; upper and lower case are
-    the same.
-    """
+    """Return the known word nearest to a mistyped one in any case, or None."""
     import difflib
 
     lower = {k.lower(): k for k in known}
@@ -21,15 +19,13 @@ def nearest(word: str, known: Iterable[str], cutoff: float = NEAR) -> str | None
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
-    """`` Did you mean `x`?`` to be appended to a sentence, or nothing where no known
-    word is near.
-    """
+    """Return `` Did you mean `x`?`` for a sentence, or an empty text if no known word is near."""
     match = nearest(word, known)
     return f" Did you mean `{match}`?" if match else ""
 
 
 def sentence(key: str, must: str, given: Any) -> str:
-    """Return the sentence on a value that is wrong: what must hold of it, and what is given."""
+    """Return the sentence on a value that is wrong: the condition and the value found."""
     words = "a table" if isinstance(given, dict) else repr(given)
     return f"`{key}` {must}, but is {words if len(words) <= 60 else words[:57] + '...'}."
 
@@ -44,8 +40,7 @@ def refuse_unknown(function: str, named: Collection[str], known: Collection[str]
 def unknown_key(
     key: str, known: Collection[str], everywhere: Iterable[str] = (), belongs: str = ""
 ) -> str:
-    """The sentence on a key that does not exist: the same key of another table is suggested, or one
-    that is near in its own table, or very near in another.
+    """Return the sentence on an unknown key, with the nearest key of its table or of another.
 
     Parameters
     ----------
@@ -81,7 +76,7 @@ def first_sentences(faults: Sequence[Any], sentence: Callable[[Any], str]) -> li
 
 
 def a_system(name: str) -> str:
-    """A system in a sentence: gliding-heavy-top -> a gliding heavy top."""
+    """Return a system in a sentence: gliding-heavy-top -> a gliding heavy top."""
     return f"a{'n' if name[0] in 'aeiou' else ''} {name.replace('-', ' ')}"
 
 
@@ -100,9 +95,7 @@ EXTRAS = {
 
 
 def refuse_without(name: str) -> None:
-    """Raises ModuleNotFoundError now, rather than after a run, where an extra that is needed is not
-    installed.
-    """
+    """Raise ModuleNotFoundError if an extra is not installed, before a run rather than after."""
     from importlib.util import find_spec
 
     if find_spec(name) is None:
@@ -110,9 +103,7 @@ def refuse_without(name: str) -> None:
 
 
 def missing_extra(error: ImportError) -> str | None:
-    """The sentence on an import that failed because an extra is not installed; None where that is
-    not why.
-    """
+    """Return the sentence on an import of an extra that is not installed, or None."""
     name = (
         (error.name or "").partition(".")[0].replace("llvmlite", "numba")
     )  # numba is what brings it
@@ -125,9 +116,7 @@ def missing_extra(error: ImportError) -> str | None:
 
 
 class Interrupted(Exception):
-    """The run, or the sweep, was asked to stop (`stop` was set), and stopped where its store can be
-    resumed.
-    """
+    """The run, or the sweep, stopped as asked; its store can be resumed."""
 
     def __init__(
         self, text: str = "it was asked to stop, and stopped where its store can be resumed."
@@ -146,7 +135,7 @@ class _Sentences(Exception):
 
 
 class InputError(_Sentences, ValueError):
-    """Input that cannot be used; each of `sentences` says what must hold and what was found."""
+    """Input that cannot be used; each of `sentences` reports one fault."""
 
 
 class Unfinished(_Sentences):
@@ -157,14 +146,15 @@ class Unfinished(_Sentences):
 
 
 def _leaves(record: Any) -> Iterable[Any]:
-    """What of arguments is no record."""
+    """Yield the fields of arguments that are not records."""
     for field in record:
         yield from _leaves(field) if isinstance(field, tuple) else (field,)
 
 
 def _is_one_number(value: Any, arguments: tuple) -> bool:
-    """Whether a value is a number, expression or symbol, or an array of no more dimensions than
-    what it was made of; complex only if that was.
+    """Return whether a value is a number, expression or symbol, or an array like its arguments.
+
+    It has at most their dimensions, and is complex only if they are.
     """
     if not (
         hasattr(value, "__sub__") and hasattr(value, "__mul__")
@@ -218,7 +208,7 @@ def names_its_faults(formula: Callable, words: str) -> Callable:
     formula
         A function.
     words
-        What it computes: "the event `mine`".
+        Its name: "the event `mine`".
     """
     module = str(getattr(formula, "__module__", ""))
     if module.startswith("tippetop.") or isinstance(formula, NamedFormula):

@@ -1,6 +1,4 @@
-"""Friction laws, F_h = -k g_n v_A with v_A the velocity of the contact point: records such as
-`Viscous(mu=0.3)`.
-"""
+"""Friction laws, F_h = -k g_n v_A, as records such as `Viscous(mu=0.3)`."""
 
 from .mechanics.friction import Contensou, Coulomb, Frictionless, Latitude, Mixed, Stribeck, Viscous
 from .mechanics.systems.cylinder import Modified

@@ -1,6 +1,4 @@
-"""The times at which rows are stored: listed ones, or an even grid that is never held in memory
-whole.
-"""
+"""The times of stored rows: listed ones, or an even grid that is never whole in memory."""
 
 import math
 from dataclasses import dataclass
@@ -11,9 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class EvenTimes:
-    """The times start, start + step, start + 2 step, ..., and `until` itself as the
-    last one [s].
-    """
+    """The times start, start + step, start + 2 step, ..., and `until` as the last one [s]."""
 
     step: float
     until: float
@@ -33,7 +29,7 @@ class EvenTimes:
         return times
 
     def count(self, t: float, *, inclusive: bool) -> int:
-        """How many of the times lie before t, or at t too."""
+        """Return the number of times before t, or up to t."""
         near = min(max(0, int((t - self.start) / self.step) - 1), len(self))
         side: Any = "right" if inclusive else "left"
         return near + int(np.searchsorted(self[near : near + 4], t, side=side))
@@ -60,13 +56,12 @@ class ListedTimes:
         return self.times[rows]
 
     def count(self, t: float, *, inclusive: bool) -> int:
-        """How many of the times lie before t, or at t too."""
+        """Return the number of times before t, or up to t."""
         return int(np.searchsorted(self.times, t, side="right" if inclusive else "left"))
 
 
 def extremes(values: np.ndarray, size: int) -> np.ndarray:
-    """Return the indices of the least and the greatest value in each bin of `size` values, and of
-    the last one.
+    """Return the indices of the least and the greatest value per `size` values, and of the last.
 
     Ascending, each once; NaN counts as 0."""
     count = len(values)

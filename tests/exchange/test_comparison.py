@@ -179,6 +179,20 @@ def test_the_exported_start_is_that_of_the_run(run: tt.Run) -> None:
     np.testing.assert_allclose(body, start.omega, rtol=1e-5, atol=1e-5 * 155)
 
 
+@pytest.mark.parametrize(
+    ("slip", "velocity"),
+    [("nu_x = -0.02", -0.2715794 * 0.02), ("centre_at_rest = true", 0.0)],
+)
+def test_an_upright_top_that_slips_is_exported_with_its_velocity(
+    slip: str, velocity: float, tmp_path: Path
+) -> None:
+    """The centre of the ball is at rest: the centre of mass moves by alpha R theta_dot."""
+    text = tt.presets()["mujoco-tutorial"].replace("nu_x = -0.02\nnu_y = 0.0", slip)
+    (tmp_path / "upright.toml").write_text(text)
+    start = start_of(tt.load(tmp_path / "upright.toml"))
+    np.testing.assert_allclose(start.velocity, [velocity, 0, 0], atol=1e-15)
+
+
 @pytest.mark.parametrize("to", ["mjcf", "urdf"])
 @pytest.mark.parametrize(
     "preset", ["inverting", "gliding-heavy-top", "heavy-top", "rolling", "leine-glocker-stem"]
@@ -246,6 +260,18 @@ def test_an_exported_model_follows_the_exact_motion(tmp_path: Path) -> None:
     names = ("t [s]", "q_w", "q_x", "q_y", "q_z")
     file = written(tmp_path / "other.csv", dict(zip(names, np.array(rows)[::50].T, strict=True)))
     assert tt.compare(file, problem).to_dict()["attitude"]["max"] < 0.02
+
+
+def test_an_exported_model_stays_upright_with_a_soft_contact_too() -> None:
+    """With the body frame at the centre of mass it falls to theta > 0.1."""
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_string(text_of(tt.load("mujoco-tutorial"), "mjcf"))
+    model.geom_solref[:, 0] = 0.02
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    while data.time < 0.3:
+        mujoco.mj_step(model, data)
+    assert np.linalg.norm(data.qpos[4:6]) < 0.005
 
 
 def test_numbers_of_a_model_are_short() -> None:

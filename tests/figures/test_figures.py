@@ -12,11 +12,11 @@ from matplotlib.figure import Figure
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels, thinning
 from tippetop.landscape import marked_lines, potential, surface, turning
+from tippetop.library.run import Run
 from tippetop.mechanics.friction import LAWS, FrictionLaw
 from tippetop.mechanics.number import Number, number
 from tippetop.mechanics.operand import formula
 from tippetop.mechanics.units import METRE, SECOND, SECOND_PER_METRE
-from tippetop.runs import attributes
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 
@@ -24,7 +24,7 @@ from tippetop.scenario import build
 @pytest.fixture(scope="module")
 def inverting() -> tuple[xr.Dataset, xr.Dataset, dict]:
     """An inversion: its trajectory, its events, its attributes."""
-    groups = attributes.datasets(solve(build.load("inverting", until=8.0)))
+    groups = Run(solve(build.load("inverting", until=8.0))).datasets()
     return groups["trajectory"], groups["events"], groups["trajectory"].attrs
 
 

@@ -55,7 +55,7 @@ def test_a_panel_of_a_users_figure_keeps_its_settings(run: tt.Run) -> None:
 
 
 def test_several_runs_differ_by_their_lines(run: tt.Run, tmp_path: Path) -> None:
-    run.plot("theta", tmp_path / "a.svg", beside=[run, run])
+    run.plot("theta", tmp_path / "a.svg", others=[run, run])
     patterns = re.findall(
         "stroke-dasharray: ([0-9., ]+)", (tmp_path / "a.svg").read_text(encoding="utf-8")
     )

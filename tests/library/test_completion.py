@@ -84,3 +84,9 @@ def test_the_command_line_knows_every_option(capsys: pytest.CaptureFixture[str])
         if name not in ("until", "columns"):  # options of `tippetop run` themselves
             assert outcome(["run", "inverting", f"--{name.replace('_', '-')}", "1"]) == 2
             assert "are changed by --set" in capsys.readouterr().err
+
+
+def test_a_name_of_a_module_is_found() -> None:
+    with pytest.raises(AttributeError, match=r"see tippetop\.friction\.Viscous"):
+        tt.Viscous  # noqa: B018
+    assert not hasattr(tt, "viscous")

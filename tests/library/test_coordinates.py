@@ -24,8 +24,13 @@ def test_coordinates_are_those_of_memory_when_reopened(tmp_path) -> None:
 
 def test_a_number_gives_no_dimension() -> None:
     for number in (3e-4, np.float64(3e-4)):
-        assert tt.landscapes.minimal_surface(CANONICAL, number, 4e-6)["F"].dims == ()
-        assert tt.landscapes.potential(CANONICAL, 0.3, number, 4e-6)["V"].dims == ()
-        assert tt.landscapes.turning_angles(CANONICAL, number, 4e-6, 0.05)["theta_min"].dims == ()
-    assert tt.landscapes.minimal_surface(CANONICAL, [3e-4], 4e-6)["F"].dims == ("D",)
-    assert tt.landscapes.potential(CANONICAL, [0.3], [3e-4], 4e-6)["V"].dims == ("z", "D")
+        assert tt.landscapes.minimal_surface(CANONICAL, D=number, lam=4e-6)["F"].dims == ()
+        assert tt.landscapes.potential(CANONICAL, 0.3, D=number, lam=4e-6)["V"].dims == ()
+        assert (
+            tt.landscapes.turning_angles(CANONICAL, D=number, lam=4e-6, energy=0.05)[
+                "theta_min"
+            ].dims
+            == ()
+        )
+    assert tt.landscapes.minimal_surface(CANONICAL, D=[3e-4], lam=4e-6)["F"].dims == ("D",)
+    assert tt.landscapes.potential(CANONICAL, [0.3], D=[3e-4], lam=4e-6)["V"].dims == ("z", "D")

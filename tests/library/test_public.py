@@ -120,7 +120,7 @@ def test_a_body_is_checked_when_it_is_made() -> None:
         tt.friction.Coulomb(mu=-1, eps=0)
     with pytest.raises(
         tt.InputError,
-        match="a Problem must stand alone, but is given beside `until`, `output_step`",
+        match="a Problem must be the only argument, but `until`, `output_step` is given too",
     ):
         tt.run(tt.load("inverting"), until=1.0, output_step=0.1)
     with pytest.raises(tt.InputError, match=r"`parameters.m` must be a number, but is 'one'"):
@@ -181,7 +181,7 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
             "inverting",
             friction={"mu": np.float64(0.3)},
             parameters=TOP,
-            initial={"theta": 0.1},
+            start={"theta": 0.1},
             **same,
         ),
         tt.run(tables),
@@ -208,7 +208,7 @@ def test_every_way_of_saying_it_gives_the_same_bits(run: tt.Run) -> None:
         ((3.0,), {}, "the first argument must be a body"),
         (("nothing",), {}, "neither a TOML file nor a preset"),
         (("inverting", ["mu"]), {}, "^an assignment must be table.key=value"),
-        (("inverting", [0.3]), {}, "must be texts"),
+        (("inverting", [0.3]), {}, "must be assignments"),
         (("inverting", 0.3), {}, "the friction law must be a record such as Viscous"),
         (("inverting",), {"until": -1.0}, "^`until` must be greater than 0"),
         (("inverting",), {"until": "soon"}, "^`until` must be a number"),
@@ -387,11 +387,11 @@ def test_an_ensemble_takes_bare_names_and_bodies() -> None:
 def test_the_landscape_takes_bodies_and_letters(run: tt.Run) -> None:
     D, lam = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
     by_letter = tt.landscapes.minimal_surface(TOP, D=D, lam=lam)
-    assert by_letter.identical(tt.landscapes.minimal_surface(TOP._asdict(), D, lam))
+    assert by_letter.identical(tt.landscapes.minimal_surface(TOP._asdict(), D=D, lam=lam))
     assert by_letter["F"].equals(tt.landscapes.minimal_surface(run, D=D, lam=lam)["F"])
     heavy = tt.landscapes.minimal_surface(HEAVY, L3=D, Lz=D)
     assert heavy.identical(
-        tt.landscapes.minimal_surface(HEAVY._asdict(), D, D, "gliding-heavy-top")
+        tt.landscapes.minimal_surface(HEAVY._asdict(), "gliding-heavy-top", L3=D, Lz=D)
     )
     V = tt.landscapes.potential(TOP, np.linspace(-0.9, 0.9, 181), D=D[1], lam=lam[1])
     assert float(V["V"].min()) >= float(by_letter["F"][1, 1])
@@ -399,7 +399,7 @@ def test_the_landscape_takes_bodies_and_letters(run: tt.Run) -> None:
         tt.landscapes.minimal_surface(TOP, L3=D, lam=lam)
     assert found.value.sentences == [
         "`L3` is no momentum of tippe-top: it has D and lam.",
-        "`D` must be given once, but is missing.",
+        "`D` must be given, but is missing.",
     ]
     band = tt.landscapes.band(run)
     theta = run.trajectory["theta"].values

@@ -207,10 +207,6 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
             r"a record such as Viscous\(...\), but is the class",
         ),
         (lambda: tt.run("inverting", 0.3), r"a record such as Viscous\(mu=0.3\), but is 0.3"),
-        (
-            lambda: tt.run("inverting", start={"theta": 1}, initial={"theta": 2}),
-            "`start` and `initial` are the same",
-        ),
         (lambda: tt.run("inverting", stop=True), "`stop` must be a threading.Event, but is True"),  # type: ignore[arg-type]
         (lambda: tt.run("inverting", progress="x"), "`progress` must be True or False"),  # type: ignore[arg-type]
         (
@@ -239,14 +235,14 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
                 until=0.1,
                 columns=[tt.extending.Quantity("q", 3, ONE, None, lambda s, b: s.z)],
             ),  # type: ignore[arg-type]
-            "`symbol` of the column `q` must be a text, but is 3.\n`long_name` of the column "
-            "`q` must be a text",
+            "`symbol` of the column `q` must be a valid string, but is 3.\n`long_name` of the "
+            "column `q` must be a valid string",
         ),
         (
             lambda: tt.run(
                 "inverting", until=0.1, events=[tt.extending.Event("e", 3, lambda s, b: s.z)]
             ),  # type: ignore[arg-type]
-            "`long_name` of the event `e` must be a text, but is 3",
+            "`long_name` of the event `e` must be a valid string, but is 3",
         ),
         (
             lambda: tt.theory.asymptotic_states("inverting", 1e300),
@@ -257,11 +253,11 @@ def test_a_number_that_nothing_can_be_is_refused(given: dict[str, Any], sentence
             "`others` must be a path or a list of paths, but is 3",
         ),  # type: ignore[arg-type]
         (
-            lambda: tt.run("inverting", until=0.01).plot("theta", beside=3),
-            "`beside` must be a list of Runs, but is 3",
+            lambda: tt.run("inverting", until=0.01).plot("theta", others=3),
+            "`others` must be a list of Runs, but is 3",
         ),  # type: ignore[arg-type]
         (
-            lambda: tt.run("inverting", until=0.01).plot("theta", beside=[3]),
+            lambda: tt.run("inverting", until=0.01).plot("theta", others=[3]),
             r"must be a list of Runs, but is \[3\]",
         ),  # type: ignore[list-item]
         (

@@ -124,7 +124,7 @@ def test_an_ensemble_varies_texts() -> None:
             "the body must be a TippeTop or a HeavyTop, a Run, a Problem",
         ),
         (
-            lambda: tt.landscapes.minimal_surface(tt.load("gliding-cylinder"), 1.0, 1.0),
+            lambda: tt.landscapes.minimal_surface(tt.load("gliding-cylinder"), D=1.0, lam=1.0),
             "the system must be one of tippe-top",
         ),
         (

@@ -87,7 +87,7 @@ def test_a_phase_must_keep_the_common_state() -> None:
     [
         (
             {"exits": (Exit("liftoff", ("rest",), land),)},
-            "must end in an event of its own that has a formula, but has an exit by 'liftoff'",
+            "must end in one of its events that has a formula, but has an exit by 'liftoff'",
         ),
         (
             {"exits": (Exit("landing", ("roll",), land),)},

@@ -11,9 +11,9 @@ from stores import assert_same
 from touching import BOUNCE, ROCKING, STANDING, THROWN, TURNING
 
 from tippetop.problem import Problem
-from tippetop.runs import recording, resuming, saving
+from tippetop.runs import recording, resuming
 from tippetop.runs.attributes import attributes
-from tippetop.runs.integration import Integration, Request
+from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
 from tippetop.scenario import build
@@ -66,7 +66,7 @@ IN_WIDER_NUMBERS = [
 def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, precision: str) -> None:
     problem = with_run(tables, precision=precision)
     integration, whole = Integration(problem), Memory()
-    request = Request(integration, whole)
+    integration.begin(whole)
     snapshots = []
     while integration.status is None:
         taken = [
@@ -78,8 +78,8 @@ def test_a_snapshot_in_any_phase_continues_to_the_same_bits(tables: dict, precis
             snapshots.append(
                 (integration.driver.track.name, json.dumps(integration.snapshot()), taken)
             )
-        integration.follow(integration.driver.advance(request, 3), whole)
-    integration.fill(whole)
+        integration.follow(integration.driver.advance(integration, 3))
+    integration.fill()
     kinds = {kind for kind, *_ in snapshots}
     assert len(kinds) >= 2
     if tables is STANDING:
@@ -110,7 +110,7 @@ def test_a_longer_end_gives_the_run_that_would_have_been_made_at_once(tmp_path: 
     )
     recording.record(short, tmp_path / "a")
     assert solve(short).report["contact_phases"]["last"]["phase"] == "flight"
-    resuming.extend(tmp_path / "a", 0.3)
+    resuming.resume(tmp_path / "a", until=0.3)
     recording.record(long, tmp_path / "b")
     assert_same(tmp_path / "a", tmp_path / "b")
 
@@ -153,5 +153,5 @@ def test_a_saved_run_is_the_recorded_one(tmp_path: Path) -> None:
     recording.record(problem, tmp_path / "recorded")
     done = solve(problem)
     attrs = root.finite(attributes(done.progress))
-    saving.save(done, attrs, tmp_path / "saved")
+    recording.save(done, attrs, tmp_path / "saved")
     assert_same(tmp_path / "saved", tmp_path / "recorded")

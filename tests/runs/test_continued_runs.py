@@ -142,7 +142,7 @@ def test_while_it_is_continued_it_is_an_interrupted_run_whose_chunks_are_marked(
     store = made(tmp_path / "run.zarr", 20.0, *OUTPUT["keyframes"])
     assert state_of(store).seal
     with pytest.raises(KeyboardInterrupt):
-        resuming.extend(store, 60.0, lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+        resuming.resume(store, lambda _: (_ for _ in ()).throw(KeyboardInterrupt), until=60.0)
     assert said(store)["status"] == "running"
     assert not state_of(store).closing
     tt.resume(store)

@@ -42,33 +42,6 @@ def test_steps_are_foretold_to_an_order_of_magnitude(preset: str) -> None:
     assert 0.1 < cost.estimate(problem)["steps"] / made.report["steps"] < 10
 
 
-@pytest.mark.parametrize("speed", [1.0, 6.0])
-def test_steps_of_friction_that_drills_grow_as_its_disc_slows(speed: float) -> None:
-    """Until it comes to rest, after which it takes few; measured: 0.4 to 2 times what the run
-    takes.
-    """
-    disc = [
-        "friction.patch=2e-3",
-        "initial.centre_at_rest=",
-        "initial.theta=1.0",
-        f"initial.omega3={speed}",
-        "stem=",
-    ]
-    problem = build.load("leine-glocker-drilling", disc, until=1.0)
-    made = solve(problem, keep=False)
-    assert made.report["contact_phases"]["last"]["phase"] == "rest"
-    assert 0.4 < cost.estimate(problem)["steps"] / made.report["steps"] < 2.5
-
-
-def test_a_disc_without_sliding_friction_costs_what_one_with_hardly_any_does() -> None:
-    sets = ["friction.mu_r=1e-4", "friction.mu={}"]
-    none, hardly = (
-        cost.estimate(build.load("leine-glocker-drilling", [s.format(mu) for s in sets], 1.0))
-        for mu in (0.0, 1e-12)
-    )
-    assert none == hardly
-
-
 def test_cost_is_proportional_to_what_is_asked_for() -> None:
     """To the time, to the spin, to the rows; wider numbers cost more for each step."""
     base = cost.estimate(build.load("inverting", until=100.0))

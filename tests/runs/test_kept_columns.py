@@ -193,8 +193,12 @@ def test_a_figure_needs_no_more_than_it_names(preset: str, monkeypatch: pytest.M
 
     problem = build.load(preset, until=0.3)
     system = tt.extending.SYSTEMS[problem.system.name]
-    groups = attributes.datasets(solve(problem))
-    attrs = groups["trajectory"].attrs
+    done = solve(problem)
+    attrs = attributes.attributes(done.progress)
+    groups = {
+        name: attributes.dataset(columns, attrs)
+        for name, columns in attributes.groups(done).items()
+    }
     has = column_names(problem.system, problem.form, True, "double")
     for kind, figure in catalogue.FIGURES.items():
         if figure.needs not in groups["trajectory"]:

@@ -18,6 +18,7 @@ from tippetop.errors import InputError, StoreError
 from tippetop.problem import Problem
 from tippetop.runs import recording, replay
 from tippetop.runs.summary import lines
+from tippetop.sampling import EvenTimes
 from tippetop.scenario import build
 from tippetop.store import provenance, root
 
@@ -88,12 +89,12 @@ def test_a_replay_does_not_take_the_place_of_its_run(kept: Path, tmp_path: Path)
     before = files(kept)
     for out in (kept, tmp_path / "link"):
         with pytest.raises(StoreError, match="must be another store than the one that is replayed"):
-            replay.into_store(kept, 30.0, 30.01, 1e-3, out, overwrite=True)
+            replay.into_store(kept, EvenTimes(1e-3, 30.01, 30.0), out, overwrite=True)
     assert files(kept) == before
 
 
 def test_a_replay_begins_at_its_keyframe(kept: Path, tmp_path: Path) -> None:
-    made = replay.into_store(kept, 30.0, 30.01, 1e-3, tmp_path / "rows.zarr")
+    made = replay.into_store(kept, EvenTimes(1e-3, 30.01, 30.0), tmp_path / "rows.zarr")
     assert 0 < 30.0 - made["began"] < 40.0 * 100 / root.attributes(kept)["report"]["steps"]
     assert made["steps"] <= replay.STEPS
 

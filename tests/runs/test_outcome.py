@@ -12,7 +12,7 @@ from tippetop.ensembles.outcomes import CLASSES
 from tippetop.problem import Problems
 from tippetop.runs import forecast
 from tippetop.runs.run import solve
-from tippetop.runs.summary import lines, regularisation
+from tippetop.runs.summary import lines
 from tippetop.scenario import build
 
 
@@ -112,17 +112,3 @@ def test_a_top_at_a_pole_stays_there() -> None:
     assert forecast.assessment(build.load("inverting", ["initial.theta=1e-9"]))["fate"].startswith(
         "ends in"
     )
-
-
-def test_what_eps_decides_knows_liftoff() -> None:
-    """A top that lifts off before it lies on its side is not one that would never do so."""
-    sets = ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=0.01"]
-    found = forecast.assessment(build.load("inverting", sets, until=1.5))
-    by_eps = found["inversion_by_eps"]
-    assert by_eps["first_equator"]["value"] == [None, None, None]
-    logs = [
-        solve(build.load("inverting", [*sets[:2], f"friction.eps={eps}"], until=1.5))
-        for eps in (5e-3, 1e-2, 2e-2)
-    ]
-    assert by_eps["lifted_at"]["value"] == [log.events.of("liftoff").time[0] for log in logs]
-    assert regularisation(found).count("lifts off before, at ") == 3

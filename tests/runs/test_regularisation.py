@@ -1,72 +1,51 @@
 """With a regularised Coulomb law eps decides when a top inverts."""
 
-import examples
-import numpy as np
+from typing import Any
+
 import pytest
 
 from tippetop.runs import forecast, regularisation
-from tippetop.runs.regularisation import inversion_sensitivity
 from tippetop.scenario.build import load
+
+
+def found(*sets: str, until: float) -> dict[str, Any]:
+    problem = load("leine-glocker", list(sets), until=until)
+    return regularisation.regularisation(problem, {"seconds": 0.0})
+
+
+def times(*sets: str, until: float) -> list[float | None]:
+    return found(*sets, until=until)["inversion_by_eps"]["first_equator"]["value"]
 
 
 def test_published_times_of_the_leine_glocker_top() -> None:
     """90 degrees at 1.05 s for eps = 1e-2 m/s."""
-    found = inversion_sensitivity(load("leine-glocker", until=3.0))
-    times = found["inversion_time"]
-    assert times[0.01] == pytest.approx(1.05, abs=0.005)
-    assert times[0.005] > times[0.01] > times[0.02]
-    line = np.polyfit(np.log([0.005, 0.02]), np.log([times[0.005], times[0.02]]), 1)
-    assert found["exponent"] == pytest.approx(line[0], rel=1e-12)
-    assert -1 < found["exponent"] < 0, "a smaller eps inverts later, and not in proportion"
+    half, whole = times(until=3.0)
+    assert whole == pytest.approx(1.05, abs=0.005)
+    assert whole < half < 2 * whole, "a smaller eps inverts later, and not in proportion"
 
 
-def test_a_top_that_does_not_invert_in_time_has_no_exponent() -> None:
+def test_eps_may_decide_whether_a_top_inverts_in_time() -> None:
     """Between 1.05 s and 1.25 s, where eps = 0.005 m/s has not inverted yet."""
-    found = inversion_sensitivity(load("leine-glocker", until=1.1))
-    assert found["inversion_time"][0.005] is None
-    assert found["inversion_time"][0.01] == pytest.approx(1.05, abs=0.005)
-    assert found["exponent"] is None
+    assert times(until=1.1)[0] is None
+    assert "half of it decides whether" in found(until=1.1)["regularisation"]
 
 
 @pytest.mark.slow
 def test_published_times_for_smaller_eps() -> None:
     """2.71 s for eps = 1e-3 m/s."""
-    found = inversion_sensitivity(
-        load("leine-glocker", ["friction.eps=0.001"], until=6.0), factor=10.0
-    )
-    assert found["inversion_time"][0.001] == pytest.approx(2.71, abs=0.01)
-    assert found["inversion_time"][0.01] == pytest.approx(1.05, abs=0.005)
+    assert times("friction.eps=0.001", until=6.0)[1] == pytest.approx(2.71, abs=0.01)
 
 
-def test_viscous_friction_has_no_eps() -> None:
-    made = examples.problem(
-        "tippe-top", examples.CANONICAL, {"theta": 0.1}, 1.0, ("viscous", {"mu": 0.3})
-    )
-    assert inversion_sensitivity(made) == {}
-
-
-STIFF = ["friction.eps=1e-6"]  # 0.001 mm/s: 30 slices of steps, and theta = pi/2 is not reached
-
-
-def test_the_steps_of_its_runs_are_bounded_and_what_was_not_found_out_is_said(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """A top of which eps is so small that its steps are short: no time is given, and no `never`."""
+def test_an_unknown_time_is_reported_as_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A top whose eps is so small that its steps are short: no time is given, and no `never`."""
     monkeypatch.setattr(regularisation, "MOST_STEPS", 1)  # to a slice
-    problem = load("leine-glocker", STIFF, until=3.0)
-    found = inversion_sensitivity(problem)
-    assert found["unknown"] == [5e-7, 1e-6, 2e-6]
-    assert found["inversion_time"] == {}
-    assert found["exponent"] is None
-    said = forecast.assessment(problem)
-    assert "eps = 0.0005, 0.001, 0.002 mm/s was not found out" in said["regularisation"]
-    assert "inversion_by_eps" not in said
+    report = forecast.assessment(load("leine-glocker", ["friction.eps=1e-6"], until=3.0))
+    assert "was not found out" in report["regularisation"]
+    assert "inversion_by_eps" not in report
 
 
-def test_no_run_goes_on_when_the_time_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first theta = pi/2 of a run of 300 s is that of one of 3 s, and the rest of it is not
-    integrated.
-    """
-    short = inversion_sensitivity(load("leine-glocker", until=3.0))
+def test_no_run_continues_after_its_inversion(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first theta = pi/2 of a run of 300 s is that of one of 3 s."""
+    short = times(until=3.0)
     monkeypatch.setattr(regularisation, "MOST_STEPS", 1)
-    assert inversion_sensitivity(load("leine-glocker", until=300.0)) == short
+    assert times(until=300.0) == short

@@ -59,10 +59,3 @@ def test_a_cylinder_has_no_inversion_and_passages_are_counted() -> None:
     assert "inversion" not in text
     assert run.summary.event_counts["equator"] > 0
     assert "passage" in text["other events"]
-
-
-def test_an_exponent_of_no_inversion_is_left_out() -> None:
-    sets = ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=1e-3", "initial.omega3=20.0"]
-    text = dict(lines(tippetop.run("inverting", sets, until=0.2).summary))["regularisation"]
-    assert "not in this time" in text
-    assert "eps^" not in text

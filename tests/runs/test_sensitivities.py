@@ -121,7 +121,7 @@ def test_rows_that_keep_few_columns_keep_their_derivatives() -> None:
         ),
         (["run.output_step=1e-7"], "at most 1,000,000 rows where `sensitivities` names 1"),
         (['run.sensitivities=["friction.nu"]'], r"`friction\.nu` must be one of"),
-        (['run.sensitivities=["run.until"]'], "must be a number of the body"),
+        (['run.sensitivities=["run.until"]'], r"`until` must be one of"),
         (['run.sensitivities=["friction.mu", "friction.mu"]'], "is named twice"),
         (["contact.e_n=0.5"], "the contact must never change for derivatives"),
         (

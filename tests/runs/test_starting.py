@@ -12,7 +12,7 @@ from tippetop.cli import outcome
 from tippetop.errors import InputError, StoreError
 from tippetop.runs import recording, starting
 from tippetop.runs.integration import Integration
-from tippetop.runs.sinks import Memory
+from tippetop.runs.sinks import Sink
 from tippetop.runs.summary import lines
 from tippetop.scenario import build
 from tippetop.store import hexfloat
@@ -40,7 +40,7 @@ def end_of(store: Path) -> np.ndarray:
     """The last internal state of a run, made again."""
     problem = tt.open(store).problem
     integration = Integration(problem)
-    integration.run(Memory(keeps_rows=False))
+    integration.run(Sink())
     return integration.last[0]
 
 

@@ -9,9 +9,9 @@ from nightly import at_night
 from tippetop.cli import outcome
 from tippetop.columns import flagged
 from tippetop.engine.status import Status
+from tippetop.library.run import Run
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs import cost
-from tippetop.runs.attributes import datasets
 from tippetop.runs.run import solve
 from tippetop.scenario.build import load
 from tippetop.scenario.reading import presets
@@ -30,13 +30,14 @@ def test_preset_runs_and_cites(name: str) -> None:
     [
         ("cohen-coulomb", 0.02878761568, 0.0528961411),
         ("leine-glocker-stem", 0.0361449219, 0.0363789785),
+        ("mujoco-tutorial", 0.00106575846, 0.00071159046),
     ],
 )
 def test_coulomb_friction_sticks_when_the_literature_s_tops_do(
     name: str, stick: float, theta: float
 ) -> None:
     """Ten digits of two independent engines; from then on the top rolls, and its energy stays."""
-    made = datasets(solve(load(name, until=0.1)))
+    made = Run(solve(load(name, until=0.1))).datasets()
     phases, events = made["phases"], made["events"]
     assert [float(phases["end"][0]), float(phases["start"][1])] == pytest.approx(
         [stick, stick], abs=1e-11
@@ -51,8 +52,13 @@ def test_coulomb_friction_sticks_when_the_literature_s_tops_do(
     assert np.ptp(energy) < 1e-13 * energy[0]
 
 
+def test_mujoco_tutorial_stays_upright_under_exact_coulomb_friction() -> None:
+    events = Run(solve(load("mujoco-tutorial"))).events
+    assert events["theta"].max() == pytest.approx(0.002943501, abs=1e-9)
+
+
 def test_flying_lifts_off_when_the_top_that_stops_there_does() -> None:
-    flying = datasets(solve(load("flying", until=5.0)))
+    flying = Run(solve(load("flying", until=5.0))).datasets()
     stopped = solve(load("inverting", ["initial.omega3=300.0"]))
     assert stopped.status is Status.LIFTOFF
     events = flying["events"]

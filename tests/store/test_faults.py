@@ -18,6 +18,7 @@ import tippetop as tt
 from tippetop.errors import InputError, StoreError
 from tippetop.landscape import recording as surfaces
 from tippetop.runs import replay
+from tippetop.sampling import EvenTimes
 from tippetop.scenario import build
 from tippetop.store.folder import Folder
 from tippetop.store.ledger import LEDGER, Ledger
@@ -73,7 +74,9 @@ def sweep(place: Path) -> None:
 
 
 def replayed(place: Path) -> None:
-    replay.into_store(place.parents[1] / "K.zarr", 0.02, 0.04, 0.001, place, overwrite=True)
+    replay.into_store(
+        place.parents[1] / "K.zarr", EvenTimes(0.001, 0.04, 0.02), place, overwrite=True
+    )
 
 
 def refused(place: Path) -> None:

@@ -14,7 +14,7 @@ import warnings
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from .. import awaiting
+from ..awaiting import abandoned
 from . import overview, streams
 from .streams import complain
 
@@ -65,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         code = stopped.code if isinstance(stopped.code, int) else BUG
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the output is left to be written
     code = streams.flush(code)
-    if awaiting.abandoned():
+    if abandoned():
         os._exit(code)  # the interpreter would wait for the thread of a compilation
     sys.exit(code)
 

@@ -22,6 +22,7 @@ _NAMES = {
     "plot": "plot",
     "show": "info check export systems presets",
     "view": "view",
+    "benchmark": "benchmark",
     "exchange": "compare fit",
     "reconstruct": "reconstruct",
     "reference": "new help completion",

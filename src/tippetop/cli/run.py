@@ -127,13 +127,13 @@ def resume(
     as_json
         Print the result as one JSON object.
     """
-    from ..runs.resuming import continued
+    from ..runs.resuming import resume as resumed
     from .text import following
 
     with following() as progress:
         attrs, seconds = _interruptible(
-            lambda stop: continued(
-                store, until, progress, stop=stop, accept_other_version=accept_other_version
+            lambda stop: resumed(
+                store, progress, until=until, stop=stop, accept_other_version=accept_other_version
             ),
             store,
         )
@@ -174,12 +174,11 @@ def replay(
         Print the result as one JSON object.
     """
     from ..runs.replay import into_store
+    from ..sampling import EvenTimes
 
     done = into_store(
         store,
-        from_,
-        until,
-        step,
+        EvenTimes(step, until, from_),
         out,
         overwrite=overwrite,
         accept_other_version=accept_other_version,

@@ -54,9 +54,10 @@ def sweep(
     except (KeyboardInterrupt, SystemExit) as stopped:  # not after the chunks under way
         code = INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
         return complain([f"interrupted; every finished chunk is kept. {again}"], code)
+    facts = summary.report(out)
     if was_finished and not failed:
         report(f"`{out}` was finished: its chunks are checked.")
-    describe(summary.report(out), as_json)
+    describe(facts, as_json)
     if not failed:
         return 0
     return complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS)

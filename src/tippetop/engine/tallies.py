@@ -20,7 +20,7 @@ class EventRows(NamedTuple):
 
     `events`: where a function stands among the kept coefficients (`row`): it is a variable plus
     `offset` (`shift` 0), or the rate of one (`shift` 1), times `scale`, a power of two. A variable
-    whose rate is another event function (`leader`, or -1) needs no sums of its own: that rate
+    whose rate is another event function (`leader`, or -1) needs no separate sums: that rate
     bounds it. `direction`, `sense`, `extremes` are those of the event; `ends` the code of the
     status of a top that it ends, or 0; it keeps the `numbers` from `first` to
     `last`, this one excluded. Zeros are detected of `watched` events only, least and

@@ -108,7 +108,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         "from": float(t[0]),
         "until": float(run.times[-1]),
     }
-    numbers |= {name: _size(run.times, curve) for name, curve in curves.items()}
+    numbers |= {name: size_of(run.times, curve) for name, curve in curves.items()}
     for what, changes in (("drift", kept), ("error", errors)):
         for name, curve in changes.items():
             numbers[f"{name}_{what}"] = float(np.nanmax(np.abs(curve)))
@@ -210,7 +210,7 @@ def _contact(there: Motion, problem: Problem, body: contact.Touch) -> dict[str, 
     }
 
 
-def _size(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
+def size_of(t: np.ndarray, curve: np.ndarray) -> dict[str, Any]:
     """Return the largest and the root mean square difference, and when it exceeds each level."""
     given = np.isfinite(curve)
     t, curve = t[given], curve[given]

@@ -2,7 +2,8 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 from ..errors import InputError
@@ -79,24 +80,29 @@ def tables(problem: Problem, fit: Fit) -> dict[str, Any]:
 
 def toml(problem: Problem, fit: Fit) -> str:
     """Return the scenario with the fitted numbers as TOML, standard errors as comments."""
-    changed = tables(problem, fit)
-    text, rest = ["# Fitted by tippetop: " + " ".join(fit.reason)], []
-    for name, table in changed.items():
-        if not isinstance(table, dict):
-            text.append(f"{name} = {_value(table)}")
-            continue
-        rest += ["", f"[{name}]"]
-        for key, value in table.items():
-            estimate = fit.estimates.get(f"{name}.{key}")
-            rest.append(
-                f"{key} = {_value(value)}" + (f"  # +- {estimate.sigma:.2g}" if estimate else "")
-            )
+    notes = {name: f"  # +- {e.sigma:.2g}" for name, e in fit.estimates.items()}
     clock = [
         f"# {name} = {e.value:.9g} +- {e.sigma:.2g}"
         for name, e in fit.estimates.items()
         if name in TIMES
     ]
-    return "\n".join([*text, *rest, *clock]) + "\n"
+    heading = "# Fitted by tippetop: " + " ".join(fit.reason)
+    return "\n".join([heading, toml_of(tables(problem, fit), notes), *clock]) + "\n"
+
+
+def toml_of(tables: dict[str, Any], notes: Mapping[str, str] = MappingProxyType({})) -> str:
+    """Return the tables of a scenario as TOML; `notes`: comments by dotted name."""
+    text: list[str] = []
+    for name, table in sorted(tables.items(), key=lambda item: isinstance(item[1], dict)):
+        if not isinstance(table, dict):
+            text.append(f"{name} = {_value(table)}")
+            continue
+        text += ["", f"[{name}]"]
+        text += [
+            f"{key} = {_value(value)}{notes.get(f'{name}.{key}', '')}"
+            for key, value in table.items()
+        ]
+    return "\n".join(text)
 
 
 def _value(value: Any) -> str:

@@ -8,6 +8,7 @@ from ..mechanics.quantity import number_of
 from ..mechanics.units import (
     METRE,
     METRE_PER_SECOND,
+    NEWTON,
     ONE,
     RADIAN,
     RADIAN_PER_SECOND,
@@ -25,6 +26,7 @@ COLUMNS = {
         ("x y z", METRE),
         ("vx vy vz", METRE_PER_SECOND),
         ("omega_x omega_y omega_z omega_body_x omega_body_y omega_body_z", RADIAN_PER_SECOND),
+        ("force_x force_y force_z", NEWTON),
         ("marker_x marker_y marker_z", METRE),
     )
     for name in names.split()
@@ -33,6 +35,9 @@ COLUMNS = {
 
 OWN = {"theta", "theta_dot", "energy", "modified_energy", "normal_force"}
 """Columns of every run, which identify a header of `tippetop export`."""
+WORDS = {"phase"}
+"""Columns of words, which are not read."""
+
 RENAMED = {"time": "t"} | {f"orientation_{c}": f"q_{c}" for c in "wxyz"}
 HEADER = re.compile(r"\s*([A-Za-z_]\w*)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*")
 
@@ -54,6 +59,8 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
                 "a header must be names with units, separated by commas, such as "
                 f"`t [s], theta [deg]`, but has {text!r:.60}."
             )
+        elif name in WORDS:
+            continue
         elif unit is None:
             unknown.append(name)
         elif name in found:

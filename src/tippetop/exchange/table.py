@@ -50,7 +50,9 @@ class Table:
         return np.stack([self.columns[name] for name in names], axis=1)
 
 
-def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) -> Table:
+def read(
+    path: str | Path, *, wrapped: bool = True, noise: float | None = None, gaps: bool = True
+) -> Table:
     """Read the table of a CSV or Parquet file.
 
     Parameters
@@ -62,6 +64,8 @@ def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) 
         Whether theta must lie in 0 to pi, as the inclination of an axis does.
     noise
         Standard deviation of theta [rad], which may take it beyond; None if unknown.
+    gaps
+        Whether cells may be empty or NaN.
 
     Returns
     -------
@@ -104,6 +108,8 @@ def read(path: str | Path, *, wrapped: bool = True, noise: float | None = None) 
             for name, (place, size) in heading(list(map(str, frame.columns))).items()
         }
         _check(columns, wrapped, noise)
+        if not gaps:
+            _check_complete(columns)
     except InputError as error:
         raise InputError([f"`{path}`: {sentence}" for sentence in error.sentences]) from None
     kept = np.any([np.isfinite(v) for name, v in columns.items() if name != "t"], axis=0)
@@ -121,6 +127,16 @@ def _numbers(column: "pd.Series") -> np.ndarray:
         row = int(wrong.argmax())
         raise InputError(f"row {row + 1} must have numbers, but has {column.iloc[row]!r:.60}.")
     return values.to_numpy(float)
+
+
+def _check_complete(columns: dict[str, np.ndarray]) -> None:
+    """Raise InputError for the first cell that is empty or NaN."""
+    for name, values in columns.items():
+        if (lacks := np.isnan(values)).any():
+            row = int(lacks.argmax()) + 1
+            raise InputError(
+                f"every cell must be a number, but `{name}` is missing or NaN in row {row}."
+            )
 
 
 def _check(columns: dict[str, np.ndarray], wrapped: bool, noise: float | None) -> None:

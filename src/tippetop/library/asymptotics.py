@@ -1,6 +1,4 @@
-"""The states in which a tippe top may end, the energy that decides between them, and the general
-system.
-"""
+"""The states in which a tippe top may end, their energy, and the general system."""
 
 import math
 from typing import NamedTuple
@@ -22,14 +20,14 @@ from .sources import top_of
 def asymptotic_states(
     top: TippeTop | Run | Problem | str, lam: float | str
 ) -> list[AsymptoticState]:
-    """The spinning and tumbling states of a tippe top for a value of Jellett's integral.
+    """Compute the spinning and tumbling states of a tippe top for a value of Jellett's integral.
 
     Parameters
     ----------
     top : TippeTop, Run, Problem or str
         The body, or what has one: a run, a problem, the name of a preset, a TOML file.
     lam : float or str
-        Jellett's integral lambda [kg m^3/s]; a text has a unit of its own: "7e-6 kg m^3/s".
+        Jellett's integral lambda [kg m^3/s]; a text has a unit: "7e-6 kg m^3/s".
 
     Returns
     -------
@@ -118,7 +116,7 @@ def accelerations(
     w_x: float | str = 0.0,
     w_y: float | str = 0.0,
 ) -> Accelerations:
-    """The general system: accelerations of a tippe top whose contact point accelerates as given.
+    """Compute the accelerations of a tippe top from that of its contact point.
 
     Parameters
     ----------

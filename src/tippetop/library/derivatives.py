@@ -1,4 +1,4 @@
-"""The calls about how a motion answers to a change of its numbers."""
+"""Derivatives of a motion by its numbers, and the growth of small errors."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import dotted_keys, takes, whole
-from ..columns import with_coordinates
 from ..errors import InputError
+from ..runs import attributes
 from .run import Run
 from .scenarios import problem_of
 
@@ -91,8 +91,6 @@ def sensitivities(
     >>> s = tt.derivatives.sensitivities("inverting", ["friction.mu", "initial.omega3"], until=4.0)
     >>> s.trajectory.theta.sel(parameter="friction.mu").plot()
     """
-    import xarray as xr
-
     from ..engine.derivatives.along_run import OTHER, PARAMETER, differentiate
     from ..problem import refuse
     from ..runs.run import solve
@@ -107,18 +105,12 @@ def sensitivities(
     refuse(problem, wrt)
     solution = solve(problem)
     derived = differentiate(problem, wrt, solution.times, solution.events, order)
-    run = Run(solution)
-    tables = []
+    run, tables = Run(solution), []
     for columns in (derived.trajectory, derived.events, derived.second):
-        table = xr.Dataset(
-            {k: (c.dims, c.values, c.attrs) for k, c in columns.items()}, attrs=run.attributes
-        )
-        if "event" not in table.dims:
-            table = with_coordinates(table)
+        table = attributes.dataset(columns, run.attributes)
         names = {name: (name, list(wrt)) for name in (PARAMETER, OTHER) if name in table.dims}
-        if columns and PARAMETER in names:
-            units = [problem.rules[name].unit.symbol for name in wrt]
-            names["unit"] = (PARAMETER, units)
+        if PARAMETER in names:
+            names["unit"] = (PARAMETER, [problem.rules[name].unit.symbol for name in wrt])
         tables.append(table.assign_coords(names))
     return Sensitivities(run, *tables)
 
@@ -127,7 +119,7 @@ def sensitivities(
 def lyapunov(
     source: Any, friction: Any = None, *, rows: int = 201, **arguments: Any
 ) -> "xr.Dataset":
-    """How fast small errors of the start of a run grow, and from when on a double says nothing.
+    """Compute how fast small errors of the start grow, and when a double no longer predicts.
 
     Parameters
     ----------
@@ -184,7 +176,7 @@ def lyapunov(
 
 
 def _names(wrt: Any) -> tuple[str, ...]:
-    """The names as a tuple of texts. Raises InputError."""
+    """Return the names as a tuple of texts. Raises InputError."""
     if isinstance(wrt, str):
         return (wrt,)
     listed = hasattr(wrt, "__iter__") and not isinstance(wrt, Path) and getattr(wrt, "ndim", 1) == 1

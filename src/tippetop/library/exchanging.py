@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Comparison(Verdict):
-    """Motions of another program beside the exact one.
+    """Motions of another program, compared with the exact one.
 
     `tippetop.compare` makes it; it prints its verdict.
 
@@ -36,9 +36,7 @@ class Comparison(Verdict):
     """
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
-        """theta of both, the differences, and what must be conserved, as a figure; saved where a
-        path is given, over a file that is there if it may be overwritten.
-        """
+        """Draw it as a figure, and save that where a path is given."""
         from ..figures.motions import comparison
 
         return _saved(comparison(self.motions, self.title), path, overwrite)
@@ -51,7 +49,7 @@ def compare(
     quaternion: str | None = None,
     up: str = "z",
 ) -> Comparison:
-    """How far another program's motion is from the exact one, and from when on.
+    """Compare another program's motion with the exact one.
 
     Parameters
     ----------
@@ -108,7 +106,7 @@ class Fitted:
     problem : Problem
         The scenario with the fitted numbers: `tippetop.run` takes it.
     residuals : dict of ndarray
-        What was measured less what is predicted, by kind of measurement, (rows, parts), SI; of an
+        Measurements less predictions, by kind of measurement, (rows, parts), SI; of an
         axis two parts, across it.
     """
 
@@ -120,19 +118,19 @@ class Fitted:
 
     @property
     def problem(self) -> Problem:
-        """The scenario with the fitted numbers. Raises InputError where they break together."""
+        """Return the scenario with the fitted numbers. Raises InputError if they conflict."""
         return fit_text.fitted_problem(self._before, self._fit)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain data, as `tippetop fit --json` prints it."""
+        """Return everything as plain data, as `tippetop fit --json` prints it."""
         return fit_text.plain(self._fit)
 
     def to_toml(self) -> str:
-        """A scenario that runs."""
+        """Return a scenario that runs."""
         return fit_text.toml(self._before, self._fit)
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
-        """Data, fit and residuals as a figure; saved where a path is given."""
+        """Draw it as a figure, and save that where a path is given."""
         from ..figures.fit import fit as draw_fit
 
         figure = draw_fit(
@@ -174,7 +172,7 @@ def fit(
     data : path
         CSV or Parquet whose header names columns and units, as for `compare`; gaps are allowed.
     scenario : str, path, Run, Problem or mapping
-        What is not free is as it stands there; what is free starts there.
+        Its numbers are fixed or, if they are free, the start of the search.
     free : str or list of str
         Dotted names, such as "friction.mu", "parameters.I1", "initial.omega3"; "time.offset" and
         "time.scale" of the table's clock: the motion's time is scale t + offset, so that a clock
@@ -203,8 +201,8 @@ def fit(
     Raises
     ------
     InputError
-        If the table, a name or the scenario is wrong, or a free number does nothing to what was
-        measured.
+        If the table, a name or the scenario is wrong, or a free number does not change any
+        measurement.
 
     Examples
     --------
@@ -237,7 +235,7 @@ def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
 
 
 def _reference(source: Any) -> Any:
-    """The problem of a scenario, a run, or the store of one. Raises InputError."""
+    """Return the problem of a scenario, a run, or the store of one. Raises InputError."""
     if isinstance(source, str | Path) and Path(source).is_dir():
         return load_any(source)
     problem = problem_behind(source)

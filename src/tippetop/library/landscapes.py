@@ -28,18 +28,13 @@ Body = Top | Run | Problem | str | Mapping[str, Any]
 
 def minimal_surface(
     top: Body,
-    first: Any = None,
-    second: Any = None,
     system: str | System | None = None,
     *,
-    D: Any = None,
-    lam: Any = None,
-    L3: Any = None,
-    Lz: Any = None,
     gradient: bool = True,
     threads: int | None = None,
+    **momenta: Any,
 ) -> "xr.Dataset":
-    """The minimal surface F = inf V over a grid of the two momenta, with where and how it is taken.
+    """Compute the minimal surface F = inf V over a grid of the two momenta.
 
     Parameters
     ----------
@@ -51,8 +46,6 @@ def minimal_surface(
     L3, Lz : float or array, ascending
         Of a heavy top: the angular momenta [kg m^2/s] about the axis and, at the tip, about the
         vertical.
-    first, second
-        The two by position.
     gradient : bool
         Whether dF/dD and dF/dlambda come along.
     threads : int, optional
@@ -75,23 +68,17 @@ def minimal_surface(
     at_upper_end (an infimum that is approached at a pole); lower_of_two; unsettled; undefined.
     """
     parameters, name = _body(top, system)
-    x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
+    x, y = momenta_of(name, momenta).values()
     return surface.minimal_surface(parameters, x, y, name, gradient=gradient, threads=threads)
 
 
 def potential(
     top: Body,
     z: Any,
-    first: Any = None,
-    second: Any = None,
     system: str | System | None = None,
-    *,
-    D: Any = None,
-    lam: Any = None,
-    L3: Any = None,
-    Lz: Any = None,
+    **momenta: Any,
 ) -> "xr.Dataset":
-    """The effective potential V(z) [J] and its derivatives by z, over a grid.
+    """Compute the effective potential V(z) [J] and its derivatives by z, over a grid.
 
     Parameters
     ----------
@@ -100,8 +87,8 @@ def potential(
         that of `system`.
     z : float or array, ascending
         cos(theta), in (-1, 1).
-    D, lam, L3, Lz, first, second
-        As for `minimal_surface`.
+    **momenta
+        D and lam, or L3 and Lz, as for `minimal_surface`.
 
     Returns
     -------
@@ -119,7 +106,7 @@ def potential(
     Rutstam (2010), eqs. 4.12, 2.38, 5.26. No digits are lost near the poles.
     """
     parameters, name = _body(top, system)
-    x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
+    x, y = momenta_of(name, momenta).values()
     z = measured_values("z", z, ONE)
     within("z", z, -1, 1, "[-1, 1]")
     return potential_of.potential(parameters, z, x, y, name)
@@ -127,16 +114,11 @@ def potential(
 
 def turning_angles(
     top: Body,
-    first: Any = None,
-    second: Any = None,
     energy: Any = None,
     system: str | System | None = None,
     *,
-    D: Any = None,
-    lam: Any = None,
-    L3: Any = None,
-    Lz: Any = None,
     theta: Any = None,
+    **momenta: Any,
 ) -> "xr.Dataset":
     """Compute the angles where V = E~ and the periods of this and of small nutations.
 
@@ -145,9 +127,9 @@ def turning_angles(
     top : TippeTop, HeavyTop, Run, Problem, str or mapping
         The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is
         that of `system`.
-    D, lam, L3, Lz, first, second
-        As for `minimal_surface`, but of any shape: they are broadcast against one another and
-        against the energy.
+    **momenta
+        D and lam, or L3 and Lz, as for `minimal_surface`, but of any shape: they are broadcast
+        against one another and against the energy.
     energy : float or array
         The modified energy E~ [J].
     theta : float or array, optional
@@ -159,7 +141,7 @@ def turning_angles(
     xarray.Dataset
         theta_min <= theta_star <= theta_max [rad], F [J], period and small_period [s], level
         (above, touching, below, undefined), of the broadcast shape; other_theta_min,
-        other_theta_max [rad] of the band in the other well, NaN where there is none.
+        other_theta_max [rad] of the band in the other well, NaN without one.
 
     Raises
     ------
@@ -171,7 +153,7 @@ def turning_angles(
     Rutstam (2010), eqs. 4.12 and 4.21.
     """
     parameters, name = _body(top, system)
-    x, y = _momenta(name, first, second, D=D, lam=lam, L3=L3, Lz=Lz)
+    x, y = momenta_of(name, momenta).values()
     if energy is None:
         raise InputError("`energy` must be given, but is missing.")
     energy = measured_values("energy", energy, JOULE)
@@ -225,7 +207,7 @@ def band(
 
 
 def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
-    """The spinning states theta = 0, pi of a tippe top, as lines on the minimal surface.
+    """Compute the spinning states theta = 0, pi of a tippe top, as lines on the minimal surface.
 
     Parameters
     ----------
@@ -253,7 +235,7 @@ def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
 
 
 def _body(top: Body, system: str | System | None) -> tuple[Mapping[str, float], str | System]:
-    """Parameters and system."""
+    """Return parameters and system."""
     if isinstance(top, Top):
         return top._asdict(), system or SYSTEMS[top.gliding]
     if isinstance(top, Mapping) and "parameters" not in top:
@@ -263,24 +245,17 @@ def _body(top: Body, system: str | System | None) -> tuple[Mapping[str, float], 
     return problem.parameters, system or problem.system
 
 
-def _momenta(system: str | System, first: Any, second: Any, **letters: Any) -> tuple[Any, Any]:
-    """The two momenta, given by their letters or by position."""
+def momenta_of(system: str | System, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the two momenta of a landscape by their letters, in SI units. Raises InputError."""
     record, landscape = landscape_of(system)
     names = ["lam" if symbol == "lambda" else symbol for symbol in landscape.symbols]
     sentences = [
         f"`{letter}` is no momentum of {record.name}: it has {' and '.join(names)}."
-        for letter, value in letters.items()
-        if value is not None and letter not in names
+        for letter in given
+        if letter not in names
     ]
-    momenta = []
-    for name, by_place in zip(names, (first, second), strict=True):
-        by_letter = letters[name]
-        if (by_letter is None) == (by_place is None):
-            how = "missing" if by_letter is None else "given twice"
-            sentences.append(f"`{name}` must be given once, but is {how}.")
-        momenta.append(by_place if by_letter is None else by_letter)
+    sentences += [f"`{name}` must be given, but is missing." for name in names if name not in given]
     if sentences:
         raise InputError(sentences)
-    units = [momentum.unit for momentum in landscape.momenta]
-    x, y = (measured_values(*each) for each in zip(names, momenta, units, strict=True))
-    return x, y
+    pairs = zip(names, landscape.momenta, strict=True)
+    return {name: measured_values(name, given[name], momentum.unit) for name, momentum in pairs}

@@ -37,7 +37,7 @@ def ensemble(
     lyapunov: bool = False,
     **scenario: Any,
 ) -> "xr.Dataset":
-    """Integrates many tops at once, which differ in numbers only: a row of results per top.
+    """Integrate many tops that differ in numbers only: a row of results per top.
 
     Parameters
     ----------
@@ -67,8 +67,8 @@ def ensemble(
     xarray.Dataset
         Along `top`, (n,): status, class, t_end [s], times of passages [s], theta_min, theta_max
         [rad], normal_force_min, normal_force_max [N], drift of the invariants; what varies is its
-        coordinates. Invalid tops have the status `invalid`; what is wrong with the first of them
-        stands in the attributes.
+        coordinates. Invalid tops have the status `invalid`; the fault of the first of them is in
+        the attributes.
 
     Raises
     ------
@@ -108,6 +108,6 @@ def ensemble(
 
 
 def _in_si(name: str, values: Any, rule: Number | None) -> Any:
-    """What varies, with texts such as "1480 rpm" as numbers. Raises InputError."""
+    """Return the varied values, with texts such as "1480 rpm" as numbers. Raises InputError."""
     unit = rule.unit if rule is not None else SECOND if name == "until" else None
     return values if unit is None or np.ndim(values) == 0 else measured_values(name, values, unit)

@@ -1,6 +1,4 @@
-"""The figures of a run as an object: run.plot("theta") is a Figure, run.plot.theta(ax=ax) draws
-into Axes.
-"""
+"""The figures of a run: run.plot("theta") is a Figure, run.plot.theta(ax=ax) draws into Axes."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -23,8 +21,8 @@ class Plots:
     """The figures of a run.
 
     Each kind of figure is a method too, which takes and returns Axes:
-    `run.plot.normal_force(ax=ax)`. Without `ax` it makes a figure of its own. Options are those of
-    a call.
+    `run.plot.normal_force(ax=ax)`. Without `ax` it makes a new figure. Options are those of a
+    call.
 
     Examples
     --------
@@ -45,11 +43,11 @@ class Plots:
         path: str | Path | None = None,
         *,
         ax: "Axes | None" = None,
-        beside: "Sequence[Run]" = (),
+        others: "Sequence[Run]" = (),
         overwrite: bool = False,
         **options: Any,
     ) -> "Figure":
-        """Draws the run.
+        """Draw the run.
 
         Parameters
         ----------
@@ -60,10 +58,10 @@ class Plots:
             A file to write as well; its ending (.png, .svg, .pdf) names the format.
         ax : matplotlib.axes.Axes, optional
             Where to draw; its figure keeps its own settings.
-        beside : sequence of Run, optional
+        others : sequence of Run, optional
             Other runs to draw in the same panel: theta, normal-force, drift, growth or energy.
         overwrite : bool
-            Whether a file that is there is replaced.
+            Whether an existing file is replaced.
         start, until : float, optional
             Draw this part of the run only [s].
         title : str, optional
@@ -82,18 +80,18 @@ class Plots:
         Raises
         ------
         InputError
-            If there is no such figure, or the run has not what it shows.
+            If the figure does not exist, or the run lacks its columns.
         StoreError
-            If the file cannot be written, or is there already.
+            If the file cannot be written, or exists already.
         """
         flag("overwrite", overwrite)
-        file = None if path is None else path_of("path", path)
         kind = kind.replace("_", "-") if isinstance(kind, str) else kind  # as the methods are named
         catalogue.check_kind(kind)
+        file = None if path is None else path_of("path", path)
         if file is not None:
             catalogue.check_format(file)
         look = _look(options)
-        figure = self._axes(kind, ax, look, options, beside).get_figure(root=True)
+        figure = self._axes(kind, ax, look, others, **options).get_figure(root=True)
         if file is not None:
             drawing.write(figure, file, look, overwrite=overwrite)
         return figure
@@ -104,64 +102,52 @@ class Plots:
             raise AttributeError(f"a run has no figure `{name}`: it has {', '.join(dir(self))}")
 
         def figure(
-            ax: "Axes | None" = None, *, beside: "Sequence[Run]" = (), **options: Any
+            ax: "Axes | None" = None, *, others: "Sequence[Run]" = (), **options: Any
         ) -> "Axes":
-            return self._axes(kind, ax, _look(options), options, beside)
+            return self._axes(kind, ax, _look(options), others, **options)
 
-        figure.__name__, figure.__doc__ = (
-            name,
-            f"{FIGURES[kind].shows}. Takes and returns Axes; options as of a call.",
-        )
+        shows = FIGURES[kind].shows
+        figure.__name__, figure.__doc__ = name, f"{shows}. Takes and returns Axes."
         return figure
 
     def __dir__(self) -> list[str]:
         return [kind.replace("-", "_") for kind in FIGURES]
 
     def _axes(
-        self,
-        kind: str,
-        ax: "Axes | None",
-        look: Look,
-        options: dict[str, Any],
-        beside: "Sequence[Run]",
+        self, kind: str, ax: Any, look: Look, others: Any, start: Any = None, until: Any = None
     ) -> Any:
-        """Draws; `options` are what is left of them: the window."""
-        if ax is not None and not hasattr(ax, "get_figure"):
-            raise InputError(f"`ax` must be Axes of matplotlib, but is {ax!r:.60}.")
-        start, until = options.pop("start", None), options.pop("until", None)
-        window = seconds("start", start), seconds("until", until)
-        if options:
-            raise InputError(f"a figure has no option `{next(iter(options))}`.")
+        """Draw a part of the run."""
         from ..figures.window import in_window
         from .run import Run
 
-        others: Any = [beside] if isinstance(beside, Run) else beside
-        if not isinstance(others, list | tuple) or not all(
-            isinstance(other, Run) for other in others
-        ):
-            raise InputError(f"`beside` must be a list of Runs, but is {beside!r:.60}.")
-        runs = [self._run, *others]
-        parts = [in_window(run._for_figures(kind, window), run.attributes, *window) for run in runs]
-        if others:
-            names = [f"run {i + 1}" for i in range(len(runs))]
-            return drawing.several(
-                kind, [(groups["trajectory"], attrs) for groups, attrs in parts], names, look, ax
-            )
-        return drawing.axes_of(kind, *parts[0], look, ax)
+        if ax is not None and not hasattr(ax, "get_figure"):
+            raise InputError(f"`ax` must be Axes of matplotlib, but is {ax!r:.60}.")
+        window = seconds("start", start), seconds("until", until)
+        runs = [others] if isinstance(others, Run) else others
+        if not isinstance(runs, list | tuple) or not all(isinstance(run, Run) for run in runs):
+            raise InputError(f"`others` must be a list of Runs, but is {others!r:.60}.")
+        parts = [
+            in_window(run._for_figures(kind, window), run.attributes, *window)
+            for run in (self._run, *runs)
+        ]
+        if not runs:
+            return drawing.axes_of(kind, *parts[0], look, ax)
+        names = [f"run {number}" for number in range(1, len(parts) + 1)]
+        tables = [(groups["trajectory"], attrs) for groups, attrs in parts]
+        return drawing.several(kind, tables, names, look, ax)
 
 
 def _look(options: dict[str, Any]) -> Look:
-    """How a figure shall look; takes what says so from the options. Raises InputError."""
-    title, size = options.pop("title", None), options.pop("size", None)
-    instance("title", title, str | None, "text")
-    if size is not None:
-        try:
-            width, height = size
-        except (TypeError, ValueError):
-            raise InputError(f"`size` must be two numbers, but is {size!r:.60}.") from None
-        size = (float(finite("size", width)), float(finite("size", height)))
-    dpi, dark = finite("dpi", options.pop("dpi", 150)), options.pop("dark", False)
-    flag("dark", dark)
-    look = Look(title, size, float(dpi), dark)
+    """Return the look of a figure; its options are removed from the others. Raises InputError."""
+    given = {name: options.pop(name) for name in Look.__annotations__ if name in options}
+    if unknown := sorted(options.keys() - {"start", "until"}):
+        raise InputError(f"a figure has no option `{unknown[0]}`.")
+    look = Look(**given)
+    instance("title", look.title, str | None, "text")
+    instance("size", look.size, list | tuple | None, "two numbers")
+    for side in look.size or ():
+        finite("size", side)
+    finite("dpi", look.dpi)
+    flag("dark", look.dark)
     catalogue.check_look(look)
     return look

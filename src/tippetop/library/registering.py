@@ -1,4 +1,4 @@
-"""Systems and friction laws of one's own, known by name from then on."""
+"""Register user-defined systems and friction laws by name."""
 
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ..arguments import in_python, path_of, seconds
 from ..errors import InputError, StoreError
 from ..mechanics.caching import cached_property
-from ..mechanics.variables import LONG_NAMES, Variables
+from ..mechanics.variables import Variables
 from ..problem import Problem
 from ..runs import attributes, results, sensitivities
 from ..runs.certificate import certificate
@@ -57,7 +57,7 @@ class Run:
     final : xarray.Dataset
         The integrated variables at the end, SI units.
     problem : Problem
-        What was integrated.
+        The problem.
     attributes : dict
         The root attributes of its store.
     solution : Solution
@@ -76,77 +76,74 @@ class Run:
 
     @property
     def problem(self) -> Problem:
-        """What was integrated."""
+        """Return the problem."""
         return self.solution.problem
 
     @cached_property
     def attributes(self) -> dict[str, Any]:
-        """The root attributes of its store: scenario, what was measured, provenance."""
+        """Return the root attributes of its store: scenario, report, provenance."""
         return root.finite(attributes.attributes(self.solution.progress))
 
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
         return {
-            name: dataset.assign_attrs(self.attributes)
-            for name, dataset in attributes.datasets(self.solution).items()
+            name: attributes.dataset(columns, self.attributes)
+            for name, columns in attributes.groups(self.solution).items()
         }
 
     @property
     def trajectory(self) -> "xr.Dataset":
-        """The rows along `time` [s], in SI units: what is set in this Dataset leaves the run as it
-        is.
-        """
+        """Return a copy of the rows along `time` [s], in SI units."""
         return self._datasets["trajectory"].copy()
 
     @property
     def events(self) -> "xr.Dataset":
-        """The event log along `event`, in SI units."""
+        """Return the event log along `event`, in SI units."""
         return self._datasets["events"]
 
     @property
     def phases(self) -> "xr.Dataset":
-        """The phases of the contact along `interval`: start and end [s], phase, ball, reason."""
-        return self._of_contact("phases")
+        """Return the phases of the contact along `interval`: start and end [s], ball, reason."""
+        return self._table("phases")
 
     @property
     def impacts(self) -> "xr.Dataset":
-        """The impacts along `impact`, in SI units."""
-        return self._of_contact("impacts")
-
-    @cached_property
-    def _derived(self) -> "dict[str, xr.Dataset]":
-        derived = self.solution.sensitivities
-        return {
-            name: attributes.dataset(columns, self.attributes) for name, columns in derived.items()
-        }
+        """Return the impacts along `impact`, in SI units."""
+        return self._table("impacts")
 
     @property
     def sensitivities(self) -> "xr.Dataset":
-        """The derivatives of the columns along `time` and `parameter`, SI per SI."""
-        return self._of_derivatives("sensitivities")
+        """Return the derivatives of the columns along `time` and `parameter`, SI per SI."""
+        return self._table("sensitivities")
 
     @property
     def event_sensitivities(self) -> "xr.Dataset":
-        """The derivatives of the times of events, and of theta there, along `event` and
-        `parameter`, SI per SI.
-        """
-        return self._of_derivatives("event_sensitivities")
+        """Return the derivatives of the times of events, and of theta there, SI per SI."""
+        return self._table("event_sensitivities")
 
-    def _of_derivatives(self, name: str) -> "xr.Dataset":
-        """A table that only a run has whose scenario asks for it. Raises AttributeError."""
-        if not self._derivatives:
-            raise AttributeError(
-                f"there is no table `{name}`: the scenario has no `run.sensitivities`"
-            )
-        return self._derived[name]
+    def _table(self, name: str) -> "xr.Dataset":
+        """Return a table. Raises AttributeError if the run has none of this name."""
+        if name not in self._names:
+            why = "the contact of this run does not change its phase"
+            if name in sensitivities.NAMES:
+                why = "the scenario has no `run.sensitivities`"
+            raise AttributeError(f"there is no table `{name}`: {why}")
+        return {**self._datasets, **(self._derived if name in sensitivities.NAMES else {})}[name]
 
-    def _of_contact(self, name: str) -> "xr.Dataset":
-        """A table that only a run has whose contact may change its phase. Raises AttributeError."""
-        if name not in tables_of(self.attributes):
-            raise AttributeError(
-                f"there is no table `{name}`: the contact of this run does not change its phase"
-            )
-        return self._datasets[name]
+    @property
+    def _names(self) -> tuple[str, ...]:
+        """Return the names of the tables."""
+        attrs = self.attributes
+        derived = attrs["run"].get("sensitivities") and "replay" not in attrs
+        names = sensitivities.NAMES if derived else ()
+        return ("trajectory", "events", *tables_of(attrs), *names)
+
+    @cached_property
+    def _derived(self) -> "dict[str, xr.Dataset]":
+        return {
+            name: attributes.dataset(columns, self.attributes)
+            for name, columns in self.solution.sensitivities.items()
+        }
 
     def datasets(self) -> "dict[str, xr.Dataset]":
         """Return the tables of the run by name.
@@ -155,63 +152,43 @@ class Run:
         -------
         dict of xarray.Dataset
             `trajectory` and `events`; `phases` and `impacts` where the contact may change its
-            phase.
+            phase; `sensitivities` and `event_sensitivities` if the scenario lists them.
         """
-        names = ("trajectory", "events", *tables_of(self.attributes))
-        return {name: getattr(self, name) for name in (*names, *self._derivatives)}
-
-    @property
-    def _derivatives(self) -> tuple[str, ...]:
-        """The names of the tables of derivatives."""
-        attrs = self.attributes
-        return (
-            sensitivities.NAMES
-            if attrs["run"].get("sensitivities") and "replay" not in attrs
-            else ()
-        )
+        return {name: getattr(self, name) for name in self._names}
 
     @cached_property
     def summary(self) -> Summary:
-        """What the run amounts to, as `tippetop info --json` prints it."""
+        """Return the summary, as `tippetop info --json` prints it."""
         return results.summary_of(self.attributes, self._problem())
 
     def _problem(self) -> Problem | None:
-        """The problem, where it is at hand without being built again."""
+        """Return the problem if it need not be built again."""
         return self.solution.problem
 
     @property
     def drift(self) -> Record:
-        """Of each invariant, the largest relative deviation from its start."""
+        """Return the largest relative deviation of each invariant from its start."""
         return Record(self.attributes["report"]["drift"], "drift")
 
     @cached_property
     def final(self) -> "xr.Dataset":
-        """The integrated variables at the end, in SI units; they are without dimension in the sense
-        of xarray.
-        """
+        """Return the integrated variables at the end, in SI units, without dimensions."""
         import xarray as xr
 
-        system = self._system()
-        known = Variables(system.forms[self.attributes["form"]]) if system else None
-        return xr.Dataset(
-            {
-                name: (
-                    (),
-                    value,
-                    _meaning(name, system, known)
-                    if system and known and name in known.units
-                    else {},
-                )
-                for name, value in self.attributes["final_state"].items()
-            },
-            {"time": ((), self.attributes["report"]["t_end"], {"units": "s", "long_name": "time"})},
-        )
+        system, attrs = self._system(), self.attributes
+        units = Variables(system.forms[attrs["form"]]).units if system else {}
+        values = {
+            name: ((), value, {"units": units[name].symbol} if name in units else {})
+            for name, value in attrs["final_state"].items()
+        }
+        time = ((), attrs["report"]["t_end"], {"units": "s", "long_name": "time"})
+        return xr.Dataset(values, {"time": time})
 
     def _system(self) -> "System | None":
         return self.problem.system
 
     def to_datatree(self) -> "xr.DataTree":
-        """The tables as the groups of one tree.
+        """Return the tables as the groups of one tree.
 
         Returns
         -------
@@ -230,14 +207,14 @@ class Run:
         )
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
-        """Writes the run as a store: the files that `tippetop run --out` would have written.
+        """Write the run as a store: the files that `tippetop run --out` would have written.
 
         Parameters
         ----------
         path : path-like
-            Where the store shall be; usually it ends with `.zarr`.
+            The store; usually its name ends with `.zarr`.
         overwrite : bool
-            Whether a store of tippetop that is there is replaced.
+            Whether an existing store of tippetop is replaced.
 
         Returns
         -------
@@ -247,19 +224,18 @@ class Run:
         Raises
         ------
         StoreError
-            If something is there already, or cannot be written.
+            If the path exists already, or cannot be written.
         """
-        from ..runs import saving
+        from ..runs import recording
 
         place = path_of("path", path)
         with in_python():
-            saving.save(self.solution, self.attributes, place, overwrite=overwrite)
+            recording.save(self.solution, self.attributes, place, overwrite=overwrite)
         return place
 
     @property
     def plot(self) -> "Plots":
-        """The figures of the run: `run.plot("theta")` is a Figure, `run.plot.theta(ax=ax)` draws
-        into Axes.
+        """Return the figures: `run.plot("theta")` is one, `run.plot.theta(ax=ax)` draws into Axes.
 
         `help(run.plot)` has its options, `dir(run.plot)` the kinds of figures.
         """
@@ -268,13 +244,11 @@ class Run:
         return Plots(self)
 
     def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
-        """Return the tables for a kind of figure; of a store the first row and those in
-        the window.
-        """
+        """Return the tables for a figure; of a store the first row and those in the window."""
         return self._datasets
 
     def view(self, start: float | str | None = None, until: float | str | None = None) -> "Page":
-        """The run in motion: an HTML file that needs no network, which a notebook shows.
+        """Return the run in motion: an HTML file without network, which a notebook shows.
 
         Parameters
         ----------
@@ -311,13 +285,13 @@ class Run:
         return page(iter([rows]), self._datasets, self.attributes, start, until)
 
     def certify(self, window: float | str | None = None) -> Record:
-        """Repeats the run in this and in wider numbers, and compares the two.
+        """Repeat the run in this and in wider numbers, and compare the two.
 
         Parameters
         ----------
         window : float, optional
-            Compare the first so many seconds only; "1 ms" is fine. Of a stored run that is not
-            finished at most what is stored of it is compared.
+            Compare these first seconds only, [s] or "1 ms"; of an unfinished stored run at most
+            its stored part.
 
         Returns
         -------
@@ -339,10 +313,7 @@ class Run:
         return Record(result, "certificate")
 
     def _so_far(self) -> float | None:
-        """How far a run that is not finished has come [s]; None where it has come to its end.
-
-        Raises InputError where it has not begun.
-        """
+        """Return the end of an unfinished run [s], None for others. Raises InputError at t = 0."""
         return None
 
     def __repr__(self) -> str:
@@ -363,7 +334,7 @@ class Run:
         return "\n".join([self._headline, *(f"{name:16}{text}" for name, text in self._lines())])
 
     def _repr_html_(self) -> str:
-        """The run as a table and, to be opened below it, in motion: for notebooks."""
+        """Return a table for notebooks with the run in motion, folded, below it."""
         rows = "".join(
             f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
             f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
@@ -382,20 +353,3 @@ class Run:
         ) as error:  # it keeps no rows or no orientation, or is not finished
             return f"<p>Not shown in motion: {html.escape(str(error))}</p>"
         return f"<details><summary>See it turn</summary>{page._repr_html_()}</details>"
-
-
-def _meaning(name: str, system: "System", variables: Variables) -> dict[str, str]:
-    """Unit and long name of an integrated variable."""
-    words = (
-        LONG_NAMES
-        | {integral.name: integral.long_name for integral in variables.integrals}
-        | system.long_names
-    )
-    for vector, parts in (
-        system.vectors.items() if variables.form is system.forms.get("vector") else ()
-    ):
-        words |= {
-            part: f"{words[vector]}, {axis} component"
-            for part, axis in zip(parts, "xyz", strict=True)
-        }
-    return {"units": variables.units[name].symbol, "long_name": words.get(name, "")}

@@ -1,4 +1,4 @@
-"""The calls that make a run, and the one that opens what was stored."""
+"""Make, open and resume runs."""
 
 import contextlib
 import threading
@@ -34,7 +34,7 @@ def run(
     stop: threading.Event | None = None,
     **scenario: Any,
 ) -> Run:
-    """Integrates one top.
+    """Integrate one top.
 
     Parameters
     ----------
@@ -46,14 +46,13 @@ def run(
         A law such as `Viscous(mu=0.3)`, or the record of a registered one; or numbers that replace
         those of the source, `dict(mu=0.2)`. Or assignments `"table.key=value"`, as the command
         line's `--set` takes them.
-    start, initial : mapping, optional
+    start : mapping or path, optional
         The start, over that of the source: theta, phi, psi [rad], theta_dot, phi_dot, omega3
-        [rad/s], nu_x, nu_y [m/s], x, y [m]; what is not named is zero. psi_dot [rad/s] may stand
-        for omega3, centre_at_rest (a bool) for nu_x and nu_y. psi turns the body about its axis: of
-        the motion it changes the columns psi and orientation alone. A cylinder has theta,
-        theta_dot, x and, where it glides, nu_x. The two arguments are the same. `start` may also be
-        the store of a finished run of the same body: this one starts at t = 0 where that ended,
-        exactly.
+        [rad/s], nu_x, nu_y [m/s], x, y [m]; numbers that are not named are zero. psi_dot [rad/s]
+        may be given instead of omega3, centre_at_rest (a bool) instead of nu_x and nu_y. psi turns
+        the body about its axis: of the motion it changes the columns psi and orientation alone. A
+        cylinder has theta, theta_dot, x and, where it glides, nu_x. `start` may also be the store
+        of a finished run of the same body: this one starts at t = 0 where that ended, exactly.
     parameters : mapping, optional
         Numbers of the body that replace those of the source, SI units.
     system : str or System, optional
@@ -122,7 +121,7 @@ def run(
 
 @contextlib.contextmanager
 def _resumable(place: Path) -> Iterator[None]:
-    """A block that may be interrupted; then it says what is kept, and how it is continued."""
+    """Report how an interrupted run is continued."""
     try:
         yield
     except Interrupted:
@@ -141,7 +140,7 @@ def open(
     events: Iterable[Event] | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = None,
 ) -> Any:
-    """Opens a store of any kind; nothing is read before it is needed.
+    """Open a store of any kind; nothing is read before it is needed.
 
     Parameters
     ----------
@@ -150,7 +149,7 @@ def open(
     gridded : bool
         Whether the axes of a sweep are dimensions of its table, which is read into memory.
     events, columns : iterable of Event and of Quantity, optional
-        The records of your own that a run was made with. What is stored is read without them;
+        Your records that a run was made with. Stored rows are read without them;
         `problem`, `certify` and `replay` need them.
 
     Returns
@@ -221,7 +220,7 @@ def resume(
     Interrupted
         If `stop` was set.
     """
-    from ..runs.resuming import continued
+    from ..runs.resuming import resume as resumed
 
     end = seconds("until", until)
     place = path_of("path", path)
@@ -229,10 +228,10 @@ def resume(
     if stop is not None:
         instance("stop", stop, threading.Event, "a threading.Event")
     with in_python(), _resumable(place):
-        continued(
+        resumed(
             place,
-            end,
             Patience(warn),
+            until=end,
             stop=stop,
             accept_other_version=accept_other_version,
             known=own,

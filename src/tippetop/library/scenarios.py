@@ -4,6 +4,7 @@ import contextlib
 import os
 import re
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,6 @@ def problem_of(
     friction: Any = None,
     *,
     start: Mapping[str, Any] | str | Path | None = None,
-    initial: Mapping[str, Any] | None = None,
     parameters: Mapping[str, Any] | None = None,
     system: str | System | None = None,
     form: str | None = None,
@@ -36,67 +36,64 @@ def problem_of(
     stem: Mapping[str, float] | None = None,
     **options: Any,
 ) -> Problem:
-    """Return the checked Problem of what `run` takes. Raises InputError."""
+    """Return the checked Problem of the arguments of `run`. Raises InputError."""
+    about: dict[str, Any] = {"parameters": parameters, "contact": contact, "stem": stem}
+    given = {"friction": friction, "start": start, "system": system, "form": form}
+    given = {k: v for k, v in {**given, **about, **options}.items() if v is not None}
     if isinstance(source, Problem):
-        beside = {
-            "friction": friction,
-            "start": start,
-            "initial": initial,
-            "parameters": parameters,
-            "system": system,
-            "form": form,
-            "contact": contact,
-            "stem": stem,
-            **options,
-        }
-        if surplus := [f"`{key}`" for key, value in beside.items() if value is not None]:
-            words = ", ".join(surplus)
+        if given:
+            surplus = ", ".join(f"`{name}`" for name in given)
             raise InputError(
-                f"a Problem must stand alone, but is given beside {words}: change it in `load`."
+                f"a Problem must be the only argument, but {surplus} is given too: "
+                "change it in `load`."
             )
         return checked(source)
-    named, own = _named("events", options.pop("events", None), Event)
-    named_columns, own_columns = _named("columns", options.pop("columns", None), Quantity)
-    if named_columns and len(own_columns) == len(named_columns):  # they are added to all columns
-        named_columns = None
+    if not given and isinstance(source, str) and not Path(source).is_file():
+        return _preset(source)
+    names, events = _named("events", options.pop("events", None), Event)
+    kept, columns = _named("columns", options.pop("columns", None), Quantity)
+    if kept and len(columns) == len(kept):  # they are added to all columns
+        kept = None
     with _in_python():
         tables, record = _tables(source, system, friction)
         chosen = record or build.system_of(tables)
         if isinstance(friction, list | tuple) and not hasattr(friction, "_fields"):
-            tables = _assigned(tables, friction)
+            for each in friction:
+                instance("friction", each, str, "assignments `table.key=value`")
+            tables = reading.override(tables, list(friction))
         elif isinstance(friction, Mapping):
-            _merge_dotted(tables, plain(friction))
+            _merge_friction(tables, plain(friction))
         elif friction is not None:
             tables["friction"] = plain(table_of(friction))
-        for name, numbers in (("parameters", parameters), ("contact", contact), ("stem", stem)):
-            _merge(tables, name, numbers)
-        if start is not None and initial is not None:
-            raise InputError(
-                "`start` and `initial` are the same argument: one of them must be given, but "
-                "both are."
-            )
-        starts: dict[str, Any] = {"start": start, "initial": initial}
-        for name, given in starts.items():
-            if isinstance(given, str | os.PathLike):
-                given = {"from": os.fspath(given)}
-            if given is not None:
-                instance(
-                    name, given, Mapping, "a mapping such as dict(theta=0.1), or the store of a run"
-                )
-            _start(tables, given or {}, chosen)
+        for name, numbers in about.items():
+            if numbers is not None:
+                numbers = numbers._asdict() if isinstance(numbers, Top) else numbers
+                instance(name, numbers, Mapping, "a mapping of names to numbers")
+                _merge(tables, name, plain(numbers))
+        _start(tables, start, chosen)
         if form is not None:
             tables["form"] = form
         if isinstance(source, Top) and chosen.frictional and "friction" not in tables:
-            raise InputError(_needs_law(source))
-        _options(tables, options | {"events": named, "columns": named_columns})
-        chosen = extended(chosen, own, own_columns)
-        if own_columns and named_columns is None and "columns" in tables.get("run", {}):
-            tables["run"]["columns"] = [*tables["run"]["columns"], *(q.name for q in own_columns)]
+            kind = type(source).__name__
+            raise InputError(
+                f"a {kind} that glides must have a friction law, such as Viscous(mu=0.3), but has "
+                f'none; system="{source.resting}" needs none.'
+            )
+        _options(tables, options | {"events": names, "columns": kept})
+        chosen = extended(chosen, events, columns)
+        if columns and kept is None and "columns" in tables.get("run", {}):
+            tables["run"]["columns"] = [*tables["run"]["columns"], *(q.name for q in columns)]
         return starting.problem(tables, source, chosen)
 
 
+@lru_cache(maxsize=64)
+def _preset(name: str) -> Problem:
+    """Return the Problem of a preset: it never changes."""
+    return starting.load(name)
+
+
 def checked(problem: Problem) -> Problem:
-    """A problem that was checked, or is now. Raises InputError."""
+    """Return a problem after checking it, if it was not checked before. Raises InputError."""
     with _in_python():
         return build.checked(problem)
 
@@ -104,13 +101,10 @@ def checked(problem: Problem) -> Problem:
 def _tables(
     source: Any, system: str | System | None, friction: Any
 ) -> tuple[dict[str, Any], System | None]:
-    """The tables that the source gives, and the record of its system where that need not be the
-    registered one.
-    """
-    record = system if isinstance(system, System) else None
-    for each in (record, source):
-        if isinstance(each, System):
-            check(each)
+    """Return the tables of the source, and the record of its system if that was given."""
+    record = next((each for each in (system, source) if isinstance(each, System)), None)
+    if record is not None:
+        check(record)
     if isinstance(source, Top):
         glides = friction is not None or source.gliding == "tippe-top"
         tables: dict[str, Any] = {
@@ -118,7 +112,7 @@ def _tables(
             "parameters": source._asdict(),
         }
     elif isinstance(source, System):
-        record, tables = record or source, {"system": source.name}
+        tables = {"system": source.name}
     elif isinstance(source, Mapping):
         tables = plain(source)
     elif isinstance(source, str | os.PathLike):
@@ -126,23 +120,21 @@ def _tables(
     else:
         raise InputError(
             "the first argument must be a body (TippeTop, HeavyTop, Cylinder), the name of a "
-            "preset, a TOML file, "
-            f"the tables of a scenario or a System, but is {source!r:.60}."
+            "preset, a TOML file, the tables of a scenario or a System, but is "
+            f"{source!r:.60}."
         )
     if system is not None and not isinstance(source, System):
         tables["system"] = record.name if record else system
         chosen = record or build.system_of(tables)
         if not chosen.frictional:
-            tables.pop("friction", None)  # of the base: what is given beside it, is added later
+            tables.pop("friction", None)  # of the source; another one is added later
         if tables.get("form") not in chosen.forms:
             tables.pop("form", None)
     return tables, record
 
 
 def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tuple[Any, ...]]:
-    """Return the names of the events to log or the columns to keep, None for all, and the user's
-    records of them.
-    """
+    """Return the names of the events to log or the columns to keep, and the user's records."""
     if given is None:
         return None, ()
     records = given_records(argument, given, kind)
@@ -150,98 +142,74 @@ def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tupl
     return [each if isinstance(each, str) else each.name for each in records], own
 
 
-def _assigned(tables: dict[str, Any], assignments: Any) -> dict[str, Any]:
-    """The tables with `table.key=value` texts applied."""
-    for assignment in assignments:
-        if not isinstance(assignment, str):
-            raise InputError(
-                f"the assignments must be texts `table.key=value`, but have {assignment!r:.60}."
-            )
-    try:
-        return reading.override(tables, list(assignments))
-    except InputError as error:
-        words = (
-            s.replace("--set must", "an assignment must").replace("--set ", "")
-            for s in error.sentences
-        )
-        raise InputError(list(words)) from None
+def _merge(tables: dict[str, Any], name: str, given: dict[str, Any]) -> None:
+    """Add numbers to a table; the check of the scenario reports other values."""
+    base = tables.get(name, {})
+    if isinstance(base, dict):
+        tables[name] = {**base, **given}
 
 
-def _merge_dotted(tables: dict[str, Any], given: dict[str, Any]) -> None:
-    """Applies numbers of the friction law; keys with a dot name other tables."""
+def _merge_friction(tables: dict[str, Any], given: dict[str, Any]) -> None:
+    """Add numbers to the friction law; keys with a dot name other tables."""
     own = {key: value for key, value in given.items() if "." not in key}
     for key in given.keys() - own.keys():
         table, _, name = key.partition(".")
         if not isinstance(tables.get(table, {}), dict):
             raise InputError(f"`{key}` must name a key of a table, but `{table}` is not a table.")
-        tables[table] = {**tables.get(table, {}), name: given[key]}
+        _merge(tables, table, {name: given[key]})
     base = tables.get("friction", {})
-    keep = isinstance(base, dict) and own.get("law", base.get("law")) == base.get("law")
-    if own:
-        tables["friction"] = {**base, **own} if keep else own
+    if not isinstance(base, dict) or own.get("law", base.get("law")) != base.get("law"):
+        tables["friction"] = own
+    elif own:
+        tables["friction"] = {**base, **own}
 
 
-def _merge(tables: dict[str, Any], name: str, given: Any) -> None:
-    if given is None:
+def _start(tables: dict[str, Any], given: Any, system: System) -> None:
+    """Replace initial data, and those of the source that mean the same in another way."""
+    if isinstance(given, str | os.PathLike):
+        given = {"from": os.fspath(given)}
+    given, base = given if given is not None else {}, tables.get("initial", {})
+    instance("start", given, Mapping, "a mapping such as dict(theta=0.1), or the store of a run")
+    if not isinstance(base, dict):  # the check of the scenario reports it
         return
-    if isinstance(given, Top):
-        given = given._asdict()
-    instance(name, given, Mapping, "a mapping of names to numbers")
-    base = tables.get(name, {})
-    if isinstance(base, dict):  # else the check of the scenario says so
-        tables[name] = {**base, **plain(given)}
-
-
-def _start(tables: dict[str, Any], given: Mapping[str, Any], system: System) -> None:
-    """Applies initial data; what says the same in another way in the base goes."""
-    base = tables.get("initial", {})
-    if not isinstance(base, dict):  # the check of the scenario says so
-        return
-    if "from" in given:  # where another run ended: nothing that the base says of the start
+    if "from" in given:  # where another run ended: it replaces the start of the source
         tables["initial"] = dict(given)
     elif given or base:
         tables["initial"] = system.replaced(base, plain(given))
 
 
 def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
-    """Applies options of the run; those that are None are not given."""
+    """Replace options of the run; those that are None are not given."""
     given = {key: plain(value) for key, value in run.items() if value is not None}
     if "output_times" in given:
         given["output_times"] = measured_values("output_times", given["output_times"], SECOND)
     if isinstance(given.get("sensitivities"), str):
         given["sensitivities"] = [given["sensitivities"]]
     base = tables.get("run", {})
-    if not isinstance(base, dict):  # the check of the scenario says so
+    if not isinstance(base, dict):  # the check of the scenario reports it
         return
     tables["run"] = {**reading.without_output(base, given), **given}
-    until, times = given.get("until"), base.get("output_times")
-    if (
-        isinstance(times, list)
-        and isinstance(until, int | float)
-        and "output_times" in tables["run"]
-    ):
+    until, times = given.get("until"), tables["run"].get("output_times")
+    if "output_times" not in given and isinstance(times, list) and isinstance(until, int | float):
         tables["run"]["output_times"] = reading.times_until(times, until)
 
 
 def table_of(law: Any) -> dict[str, Any]:
     """Return the table [friction] of the record of a law that is known. Raises InputError."""
     if isinstance(law, FrictionLaw):
-        if named(type(law)) is None:
+        kind = type(law)
+        if named(kind) is None:
             load_entry_points()
-            if (
-                named(type(law), {name: known for name, (known, _) in systems_of_laws().items()})
-                is None
-            ):
-                kind = type(law).__name__
+            every = {name: known for name, (known, _) in systems_of_laws().items()}
+            if named(kind, every) is None:
                 raise InputError(
-                    f"the friction law {kind} must be registered: "
-                    f"tippetop.extending.register({kind})."
+                    f"the friction law {kind.__name__} must be registered: "
+                    f"tippetop.extending.register({kind.__name__})."
                 )
         return {"law": law.key, **law._asdict()}
     such, value = "Viscous(mu=0.3)", f"{law!r:.60}"
-    if isinstance(law, str):
-        load_entry_points()
-        such = f"{LAWS[law].__name__ if law in LAWS else 'Viscous'}(...)"
+    if isinstance(law, str) and law in LAWS:
+        such = f"{LAWS[law].__name__}(...)"
     elif isinstance(law, type):
         such, value = f"{law.__name__}(...)", "the class itself"
     raise InputError(f"the friction law must be a record such as {such}, but is {value}.")
@@ -255,25 +223,19 @@ def record_of(law: Any, system: System) -> Any:
     return law._make(law.checked(law._asdict()).values())
 
 
-def _needs_law(top: Top) -> str:
-    kind = type(top).__name__
-    return (
-        f"a {kind} that glides must have a friction law, such as Viscous(mu=0.3), but has none; "
-        f'system="{top.resting}" needs none.'
-    )
-
-
 @contextlib.contextmanager
 def _in_python() -> Iterator[None]:
-    """A block whose InputErrors are in the words of a call: options of the run are arguments, hints
-    for the command line go.
-    """
+    """Rephrase InputErrors for a call: options are arguments, hints for the command line go."""
     try:
         yield
     except InputError as error:
-        without_hints = [re.sub(r" \(--set [^)]*\)", "", sentence) for sentence in error.sentences]
-        words = [
-            re.sub(r"`run\.(\w+)", r"`\1", s.replace("run.until =", "until ="))
-            for s in without_hints
-        ]
-        raise InputError(words) from error.__cause__
+        words = "\0".join(error.sentences)
+        for pattern, word in (
+            (r" \(--set [^)]*\)", ""),
+            (r"--set must", "an assignment must"),
+            (r"--set ", ""),
+            (r"run\.until =", "until ="),
+            (r"`run\.(\w+)", r"`\1"),
+        ):
+            words = re.sub(pattern, word, words)
+        raise InputError(words.split("\0")) from error.__cause__

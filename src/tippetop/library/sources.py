@@ -1,4 +1,4 @@
-"""What may stand for a top: a body, a run of it, a problem, or the name of a scenario."""
+"""The body behind an argument: a body, a run, a problem, or the name of a scenario."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -18,8 +18,7 @@ KINDS = (TippeTop, HeavyTop, Cylinder)
 
 
 def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem | None:
-    """The problem of a run, of a problem, of a preset, a TOML file or the tables of a scenario;
-    None of a body.
+    """Return the problem of a run, a problem or a scenario; None of a body.
 
     Raises InputError."""
     if isinstance(source, Top):
@@ -37,7 +36,7 @@ def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem
 
 
 def top_of(source: Any, *kinds: type[Top]) -> Any:
-    """The body of what stands for a top. Raises InputError if it is of none of these kinds."""
+    """Return the body of a source. Raises InputError if it is of none of these kinds."""
     problem = problem_behind(source, kinds)
     if problem is None:
         if isinstance(source, kinds):

@@ -1,4 +1,4 @@
-"""A run in a store as an object: what a `Run` in memory offers, read when it is needed."""
+"""A run in a store as an object: the interface of `Run`, read when it is needed."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,9 +11,9 @@ from ..mechanics.systems import find
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..runs import attributes, keyframes
-from ..runs.phases import tables_of
 from ..runs.run import Solution
 from ..runs.summary import lines
+from ..sampling import EvenTimes
 from ..scenario import build
 from ..store import chunks, root
 from .run import Run, Window
@@ -39,36 +39,32 @@ class StoredRun(Run):
     """
 
     def __init__(self, path: str | Path, own: "System | None" = None):
-        self._own = own  # its system, where that has events or columns of one's own
+        self._own = own  # its system, where that has user-defined events or columns
         self.path = path_of("path", path).absolute()  # the process may go elsewhere
         self.attributes  # noqa: B018 - raises StoreError if there is none
 
     @property
     def solution(self) -> Solution:  # type: ignore[override]
-        """Not kept in a store."""
+        """Raise AttributeError: a store has no solution."""
         raise AttributeError("a stored run has labelled tables only: see trajectory and events")
 
     @cached_property
     def problem(self) -> Problem:
-        """What was integrated, built again from the store.
-
-        Raises InputError if this process does not know it.
-        """
+        """Return the problem, built again. Raises InputError if its records are not known here."""
         return build.stored(self.attributes, known=self._own)
 
     @cached_property
     def attributes(self) -> dict[str, Any]:
-        """The root attributes of the store."""
+        """Return the root attributes of the store."""
         return root.attributes(self.path)
 
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
-        names = ("trajectory", "events", *tables_of(self.attributes))
-        return {name: root.open_group(self.path, name) for name in names}
+        return {name: root.open_group(self.path, name) for name in self._names}
 
-    @cached_property
+    @property
     def _derived(self) -> "dict[str, xr.Dataset]":
-        return {name: root.open_group(self.path, name) for name in self._derivatives}
+        return {}
 
     def replay(
         self,
@@ -78,7 +74,7 @@ class StoredRun(Run):
         *,
         accept_other_version: bool = False,
     ) -> "xr.Dataset":
-        """Integrates a part of the run again, from the nearest keyframe.
+        """Integrate a part of the run again, from the nearest keyframe.
 
         Parameters
         ----------
@@ -112,10 +108,10 @@ class StoredRun(Run):
 
         times = [
             measured(name, value, SECOND)
-            for name, value in (("start", start), ("until", until), ("step", step))
+            for name, value in (("step", step), ("until", until), ("start", start))
         ]
         columns = replay.columns(
-            self.path, *times, accept_other_version=accept_other_version, known=self._own
+            self.path, EvenTimes(*times), accept_other_version=accept_other_version, known=self._own
         )
         return attributes.dataset(columns, self.attributes)
 
@@ -150,5 +146,5 @@ class StoredRun(Run):
         return lines(self.summary)
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
-        """A stored run is saved already. Raises InputError."""
+        """Raise InputError: a stored run is saved already."""
         raise InputError(f"the run is in the store `{self.path}` already: copy that.")

@@ -1,6 +1,4 @@
-"""What theory says of a top: thresholds, regimes, modes, nutation, and the main equation solved
-along a run.
-"""
+"""Thresholds, regimes, modes and nutation of a top, and the main equation along a run."""
 
 import math
 import warnings
@@ -8,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import instance, measured, seconds, within
+from ..arguments import finite, instance, measured, seconds, within
 from ..errors import InputError
 from ..landscape.reconstruction import reconstruction
 from ..mechanics.contact.body import Top
@@ -23,8 +21,9 @@ from ..mechanics.theory import thresholds as limits
 from ..mechanics.theory.nutation import Nutation
 from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
-from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND
+from ..mechanics.units import JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND
 from ..problem import Problem
+from .landscapes import momenta_of
 from .run import Run
 from .scenarios import record_of
 from .sources import problem_behind, top_of
@@ -44,7 +43,7 @@ class Thresholds(dict):
 
 
 def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Threshold]:
-    """The numbers that separate the regimes of a top.
+    """Compute the numbers that separate the regimes of a top.
 
     Parameters
     ----------
@@ -77,14 +76,14 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
 
 
 def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
-    """Which asymptotic states of a gliding tippe top are stable for a value of Jellett's integral.
+    """Return which asymptotic states of a gliding tippe top are stable for a Jellett integral.
 
     Parameters
     ----------
     top : TippeTop, Run, Problem or str
         The body, or what has one, as for `thresholds`.
     lam : float or str
-        Jellett's integral lambda [kg m^3/s]; a text has a unit of its own: "7e-6 kg m^3/s".
+        Jellett's integral lambda [kg m^3/s]; a text has a unit: "7e-6 kg m^3/s".
 
     Returns
     -------
@@ -107,7 +106,7 @@ def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
 def linear_modes(
     top: Top | Run | Problem | str, law: Any = None, *, omega3: float | str, inverted: bool = False
 ) -> np.ndarray:
-    """The rates p of u_x + i u_y ~ exp(p t) near a spinning state.
+    """Compute the rates p of u_x + i u_y ~ exp(p t) near a spinning state.
 
     Parameters
     ----------
@@ -170,12 +169,9 @@ def nutation(
     *,
     energy: float | str,
     theta: float | str,
-    D: float | str | None = None,
-    lam: float | str | None = None,
-    L3: float | str | None = None,
-    Lz: float | str | None = None,
+    **momenta: float | str,
 ) -> Nutation:
-    """The nutation between two turning angles, by quadrature in 80 bits.
+    """Compute the nutation between two turning angles, by quadrature in 80 bits.
 
     Parameters
     ----------
@@ -211,22 +207,15 @@ def nutation(
     One point; `turning_angles` takes whole arrays. Rutstam (2010), eqs. 4.21, 2.38.
     """
     body = top_of(top, TippeTop, HeavyTop)
-    given = (("D", D), ("lam", lam)) if isinstance(body, TippeTop) else (("Lz", Lz), ("L3", L3))
-    missing = [f"`{name}` must be given, but is missing." for name, value in given if value is None]
-    if missing:
-        raise InputError(missing)
     system, b = SYSTEMS[body.gliding], body.body()
-    momenta = [
-        measured(name, value, JELLETT if name == "lam" else ANGULAR_MOMENTUM)
-        for name, value in given
-    ]
+    letters = {name: finite(name, value) for name, value in momenta_of(system, momenta).items()}
     energy, theta = measured("energy", energy, JOULE), measured("theta", theta, RADIAN)
     within("theta", theta, 0, math.pi, "[0, pi]")
     assert system.potential is not None
     assert system.theta_inertia is not None
     inertia, potential = system.theta_inertia, system.potential
     result = one_dimensional.nutation(
-        lambda z: inertia(z, b), lambda z: potential(z, *momenta, b), energy, theta
+        lambda z: inertia(z, b), lambda z: potential(z, b=b, **letters), energy, theta
     )
     if math.isnan(result.period):
         warnings.warn(
@@ -241,7 +230,7 @@ def nutation(
 
 
 def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
-    """theta(t) of a run from D(t) and E~(t) alone: the main equation as an equation of motion.
+    """Compute theta(t) of a run from D(t) and E~(t) alone, by the main equation.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ def inconsistencies(system: System) -> list[str]:
         for way in phase.exits:
             if way.event not in detected:
                 faults.append(
-                    f"{where} must end in an event of its own that has a formula, but has an exit "
+                    f"{where} must end in one of its events that has a formula, but has an exit "
                     f"by {way.event!r}."
                 )
             if not way.to:

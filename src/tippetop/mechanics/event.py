@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -58,7 +58,7 @@ class Kept(NamedTuple):
     """
 
     name: str
-    what: str
+    what: Literal["first", "last", "count"]
     long_name: str
     direction: int = 0
 

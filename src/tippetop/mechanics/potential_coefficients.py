@@ -15,7 +15,7 @@ class PotentialCoefficients(NamedTuple):
     """The numbers of one body; first and second momentum are (D, lambda), or (L3, Lz)."""
 
     height_energy: DoubleDouble  # energy of weight at q = 0 [J]
-    height_gain: DoubleDouble  # what it gains up to q = oo [J]
+    height_gain: DoubleDouble  # its gain up to q = oo [J]
     gamma: DoubleDouble
     root_gamma_gain: Operand  # sqrt(gamma height_gain) [sqrt(J)]
     sqrt_d0: DoubleDouble  # sqrt(d) at q = 0

@@ -16,29 +16,26 @@ from ..sampling import ListedTimes
 from . import phases
 from .attributes import groups
 from .cost import following
-from .run import Solution, solve
+from .run import solve
 
 
 # Largest relative drift that a run may show, by invariant.
 MAX_DRIFT = {"jellett": 1e-13, "axis_norm": 1e-13, "energy_balance": 1e-12}
-
 # The same for all other integrals (Routh's function, L_z, L_3).
 MAX_DRIFT_DEFAULT = 1e-12
-
 # Rounding errors accumulate like a random walk: beyond this time [s] the bounds grow with sqrt(t).
 DRIFT_GROWS_AFTER = 1e4
-
 # The contract holds for runs at machine precision, not for looser tolerances.
 MAX_TOLERANCE = 2.3e-16
-
 # Distance from a pole [rad] below which a form that is singular there loses visible digits.
 POLE_DISTANCE = 0.5
-
 # Largest difference in theta [rad] between a run and its repetition in the next wider precision.
 MAX_THETA_ERROR = 1e-10
-
 NEXT_PRECISION: dict[str, Any] = {"double": "longdouble", "longdouble": "quad"}
 CERTIFICATE_ROWS = 2001
+Progress = Callable[[Any], None]
+# Provides the progress callback of callers from Python.
+WITHOUT_BAR = partial(following, bar=False)
 
 
 def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
@@ -62,44 +59,26 @@ def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
 def suggest_form(attrs: dict[str, Any]) -> str:
     """Suggest a form that is regular at the poles to a run that lost digits near one.
 
-    Parameters
-    ----------
-    attrs : dict
-        Root attributes of the run.
-
-    Returns
-    -------
-    str
-        The suggestion; empty if the form is not the cause.
+    Return an empty text if the form is not the cause; `attrs` are the root attributes of the run.
     """
-    report, form = attrs["report"], attrs["form"]
-    regular_form = attrs["auto_form"]["form"]
-    integrates_axis = "axis_norm" in report["drift"]
-    if form == regular_form or integrates_axis:
+    report, form, regular = attrs["report"], attrs["form"], attrs["auto_form"]["form"]
+    if form == regular or "axis_norm" in report["drift"]:  # it integrates the axis
         return ""
-    band = report.get("nutational_band", {}).values()
+    band = report["nutational_band"].values()
     angles = [attrs["initial"].get("theta"), report["theta_end"], *band]
-    distances = [min(angle, math.pi - angle) for angle in angles if angle is not None]
-    nearest = min(distances, default=math.pi)
+    nearest = min((min(a, math.pi - a) for a in angles if a is not None), default=math.pi)
     if not nearest < POLE_DISTANCE:
         return ""
     return (
         f'theta comes to {nearest:.2g} rad of a pole, where form = "{form}" is singular: '
-        f'take form = "{regular_form}".'
+        f'take form = "{regular}".'
     )
 
 
 def check_window(window: float | None, name: str = "`window`") -> None:
     """Raise InputError unless the window [s] is None or positive and finite."""
     if window is not None and not 0 < window < math.inf:
-        raise InputError([f"{name} must be greater than 0 and finite, but is {window:g}."])
-
-
-Progress = Callable[[Any], None]
-
-
-# Provides the progress callback of callers from Python.
-WITHOUT_BAR = partial(following, bar=False)
+        raise InputError(f"{name} must be greater than 0 and finite, but is {window:g}.")
 
 
 def certificate(
@@ -130,31 +109,45 @@ def certificate(
         return {"against": None, "reason": "no wider precision than quad"}
     check_window(window)
     until = min(problem.until, window or problem.until)
-    narrow = _comparable(problem, until)
+    narrow = dataclasses.replace(
+        problem,
+        until=until,
+        times=ListedTimes(np.linspace(0.0, until, CERTIFICATE_ROWS)),
+        output="times",
+        stop_when="until",
+        columns=None,
+        orientation=False,
+    )
     wide = dataclasses.replace(narrow, precision=NEXT_PRECISION[problem.precision], tolerance=0.0)
     with following() as progress:
         run = solve(narrow, progress)
     with following() as progress:
         reference = solve(wide, progress)
-
     tables, expected = groups(run), groups(reference)
     columns = _differences(tables["trajectory"], expected["trajectory"])
+    largest = {name: _largest(values) for name, values in columns.items() if name != "time"}
     result: dict[str, Any] = {
         "against": wide.precision,
         "window": [0.0, min(until, run.report["t_end"])],
         "theta": float(columns["theta"].max(initial=0.0)),  # NaN is a violation
         "theta_end": float(columns["theta"][-1]) if len(columns["theta"]) else 0.0,
         "same_end": run.status is reference.status,
-        "columns": {name: _largest(values) for name, values in columns.items() if name != "time"},
+        "columns": largest,
+        **({"axis": largest["axis"]} if "axis" in largest else {}),
     }
-    if "axis" in columns:
-        result["axis"] = _largest(columns["axis"])
-    if turnings := _compare_turnings(run, reference):
-        result["turnings"] = turnings
-    for name in phases.NAMES:
-        if name in tables:
-            result[name] = _compare_tables(tables[name], expected[name])
-    return result
+    turnings = [
+        {
+            "time": Column(
+                ("event",), solution.events.of("turning", significant=True).time, {"units": "s"}
+            )
+        }
+        for solution in (run, reference)
+    ]
+    compared = _compare(*turnings)
+    result |= {"turnings": compared} if compared["compared"] else {}
+    return result | {
+        name: _compare(tables[name], expected[name]) for name in phases.DIMENSIONS if name in tables
+    }
 
 
 def certificate_violations(result: dict[str, Any]) -> list[str]:
@@ -170,20 +163,6 @@ def certificate_violations(result: dict[str, Any]) -> list[str]:
     if not result["same_end"]:
         messages.append("the run must end as the wider run does, but ends otherwise.")
     return messages
-
-
-def _comparable(problem: Problem, until: float) -> Problem:
-    """Return the problem with evenly spaced rows and without what is not compared."""
-    times = ListedTimes(np.linspace(0.0, until, CERTIFICATE_ROWS))
-    return dataclasses.replace(
-        problem,
-        until=until,
-        times=times,
-        output="times",
-        stop_when="until",
-        columns=None,
-        orientation=False,
-    )
 
 
 def _differences(
@@ -204,26 +183,11 @@ def _differences(
 
 def _largest(differences: np.ndarray) -> float:
     """Return the largest difference; rows in which a column is undefined (NaN) do not count."""
-    known = differences[~np.isnan(differences)]
-    return float(known.max(initial=0.0))
+    return float(np.nanmax(differences, initial=0.0))
 
 
-def _compare_tables(table: Mapping[str, Column], reference: Mapping[str, Column]) -> dict[str, Any]:
+def _compare(table: Mapping[str, Column], reference: Mapping[str, Column]) -> dict[str, Any]:
     """Compare the rows that both tables have, in order."""
-    differences = _differences(table, reference)
     counts = [len(next(iter(each.values())).values) for each in (table, reference)]
-    largest = {name: _largest(values) for name, values in differences.items()}
+    largest = {name: _largest(d) for name, d in _differences(table, reference).items()}
     return {"compared": min(counts), "counts": counts, **largest}
-
-
-def _compare_turnings(run: Solution, reference: Solution) -> dict[str, Any]:
-    """Compare the times of the turnings that both runs have; empty if there are none."""
-    times = [each.events.of("turning", significant=True).time for each in (run, reference)]
-    shared = min(map(len, times))
-    if not shared:
-        return {}
-    return {
-        "compared": shared,
-        "counts": [len(each) for each in times],
-        "time": float(np.abs(times[0][:shared] - times[1][:shared]).max()),
-    }

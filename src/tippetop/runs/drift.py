@@ -1,6 +1,5 @@
 """The drift of the invariants of a run, and the range of its normal force."""
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,43 +10,38 @@ from ..engine.observables import Observables
 from ..problem import Problem
 
 
-@dataclass
 class Monitor:
-    """Follows a run slice by slice. Drifts are relative, and the worst of the run."""
+    """Follow a run slice by slice. Drifts are relative, and the worst of the run.
 
-    problem: Problem
-    view: Observables
-    drift: dict[str, float] = field(default_factory=dict)
-    force: Extremes = field(default_factory=Extremes)
-    steps: int = 0
-    _start: dict[str, float] = field(default_factory=dict)
-    _size: dict[str, float] = field(default_factory=dict)
+    Parameters
+    ----------
+    problem, view
+        The run and its observables.
+    row
+        The start, (1, variables), with which the invariants are compared.
+    """
 
-    def begin(self, row: np.ndarray) -> None:
-        """Takes the start, (1, variables), as what the invariants are compared with."""
-        values = self.view.evaluate(row)
-        self._start = {
-            name: float(value[0]) for name, value in invariants(self.problem, values).items()
-        }
-        self._size = {name: float(value[0]) for name, value in sizes(self.problem, values).items()}
-        self.drift = dict.fromkeys(self._start, 0.0)
+    def __init__(self, problem: Problem, view: Observables, row: np.ndarray):
+        self.problem, self.view = problem, view
+        values = view.evaluate(row)
+        self.start = {name: float(value[0]) for name, value in invariants(problem, values).items()}
+        self.size = {name: float(value[0]) for name, value in sizes(problem, values).items()}
+        self.drift = dict.fromkeys(self.start, 0.0)
+        self.force, self.steps = Extremes(), 0
 
     def follow(self, rows: np.ndarray, force: Extremes, steps: int) -> None:
-        """Takes in step ends (n, variables) of a slice of so many steps, and the extremes of the
-        force so far.
-        """
-        for name, values in (
-            invariants(self.problem, self.view.evaluate(rows)).items() if len(rows) else ()
-        ):
-            worst = float(np.max(np.abs(values - self._start[name]) / self._size[name]))
+        """Take in samples (n, variables) of a slice of `steps` steps, and the force so far."""
+        values = invariants(self.problem, self.view.evaluate(rows)) if len(rows) else {}
+        for name, each in values.items():
+            worst = float(np.max(np.abs(each - self.start[name]) / self.size[name]))
             self.drift[name] = max(self.drift[name], worst)
         self.force = force
         self.steps += steps
 
     def snapshot(self) -> dict[str, Any]:
-        """What a checkpoint keeps."""
+        """Return the data of a checkpoint."""
         return {"drift": dict(self.drift), "force": list(self.force), "steps": self.steps}
 
     def restore(self, kept: dict[str, Any]) -> None:
-        """Continues from a checkpoint; the start is that of the problem."""
+        """Continue from a checkpoint; the start is that of the problem."""
         self.drift, self.force, self.steps = kept["drift"], Extremes(*kept["force"]), kept["steps"]

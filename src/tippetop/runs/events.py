@@ -5,59 +5,69 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import Column, column
+from ..columns import Column, column, flag_attributes
 from ..mechanics.event import NUMBERED
 from ..mechanics.units import RADIAN, SECOND
 
 
 @dataclass(frozen=True)
 class EventTable:
-    """Columns of the log, (events,) each, ascending in time."""
+    """Columns of the log, (events,) each, ascending in time.
 
-    kinds: tuple[str, ...]  # names of the kinds by number
-    time: np.ndarray  # [s]
-    kind: np.ndarray  # index into `kinds`, int8
-    theta: np.ndarray  # [rad]
-    theta_dot_sign: (
-        np.ndarray
-    )  # of theta' just after the event: +1 at a minimum of theta, -1 at a maximum; int8
-    amplitude: np.ndarray  # swing |theta - theta of the turning before| [rad]; NaN for other kinds
-    significant: (
-        np.ndarray
-    )  # False where rounding could have made the event, or it did not last; bool
-    state: dict[str, Column] = field(
-        default_factory=dict, kw_only=True
-    )  # of runs with user-defined events
+    Attributes
+    ----------
+    kinds
+        Names of the kinds by number.
+    time
+        Times [s].
+    kind
+        Indices into `kinds`, int8.
+    theta
+        Angles [rad].
+    theta_dot_sign
+        Signs of theta' just after the events: +1 at a minimum of theta, -1 at a maximum; int8.
+    amplitude
+        Swings |theta - theta of the turning before| [rad]; NaN for other kinds.
+    significant
+        False where rounding could have made the event, or it did not last.
+    state
+        Columns of the trajectory at the events, in runs with user-defined events.
+    """
+
+    kinds: tuple[str, ...]
+    time: np.ndarray
+    kind: np.ndarray
+    theta: np.ndarray
+    theta_dot_sign: np.ndarray
+    amplitude: np.ndarray
+    significant: np.ndarray
+    state: dict[str, Column] = field(default_factory=dict, kw_only=True)
 
     @classmethod
     def empty(cls, kinds: tuple[str, ...] = NUMBERED) -> "EventTable":
-        """A log without rows."""
+        """Make a log without rows."""
         return cls(
             kinds, *(np.zeros(0, dtype) for dtype in (float, np.int8, float, np.int8, float, bool))
         )
 
     @classmethod
     def joined(cls, tables: list["EventTable"]) -> "EventTable":
-        """One log of several of the same kinds, in order."""
+        """Join several logs of the same kinds, in order."""
         if not tables:
             return cls.empty()
         columns = zip(*(table.columns().values() for table in tables), strict=True)
         state = {
-            name: column._replace(
-                values=np.concatenate([table.state[name].values for table in tables])
-            )
+            name: column._replace(values=np.concatenate([t.state[name].values for t in tables]))
             for name, column in tables[0].state.items()
         }
         return cls(tables[0].kinds, *map(np.concatenate, columns), state=state)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """The columns by name."""
-        return {
-            f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("kinds", "state")
-        }
+        """Return the columns by name."""
+        return {f.name: getattr(self, f.name) for f in fields(self)[1:-1]}
 
     def of(self, kind: str, *, significant: bool = False) -> "EventTable":
-        """The rows of one kind; only the significant ones, if asked."""
+        """Return the rows of one kind, or only the significant ones."""
         keep = self.kind == self.kinds.index(kind)
         if significant:
             keep &= self.significant
@@ -65,15 +75,7 @@ class EventTable:
 
 
 def event_columns(table: EventTable) -> dict[str, Column]:
-    """The event log as columns of the store's group `events`."""
-    flags = {"flag_values": list(range(len(table.kinds))), "flag_meanings": " ".join(table.kinds)}
-    about: dict[str, dict[str, Any]] = {
-        "kind": {"long_name": "kind of event", **flags},
-        "theta_dot_sign": {
-            "long_name": "sign of theta' just after: +1 at a minimum of theta, -1 at a maximum"
-        },
-        "significant": {"long_name": "false where rounding could have made the event"},
-    }
+    """Return the event log as columns of the store's group `events`."""
     measured = {
         "time": (SECOND, "time of the event"),
         "theta": (RADIAN, "theta at the event"),
@@ -82,10 +84,19 @@ def event_columns(table: EventTable) -> dict[str, Column]:
             "swing of theta since the turning before (or the start); NaN unless a turning",
         ),
     }
+    sign = "sign of theta' just after: +1 at a minimum of theta, -1 at a maximum"
+    about: dict[str, dict[str, Any]] = {
+        "kind": flag_attributes(table.kinds, "kind of event"),
+        "theta_dot_sign": {"long_name": sign, "units": "1"},
+        "significant": {
+            "long_name": "false where rounding could have made the event",
+            "units": "1",
+        },
+    }
     columns = {
         name: column(values, *measured[name], ("event",))
         if name in measured
-        else Column(("event",), values, {"units": "1", **about[name]})
+        else Column(("event",), values, about[name])
         for name, values in table.columns().items()
     }
     return {**table.state, **columns}

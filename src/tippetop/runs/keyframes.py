@@ -1,6 +1,4 @@
-"""Keyframes: an integrator's exact state every so many steps, from which any part of a run can be
-integrated again.
-"""
+"""Keyframes: exact states of an integrator, from which any part of a run is integrated again."""
 
 from pathlib import Path
 from typing import Any
@@ -15,83 +13,55 @@ from ..mechanics.units import SECOND
 from ..problem import Problem
 
 
-PER_CHUNK = 1024  # keyframes: 1 MB of 120 numbers each
-EXACT = {"state": "state", "clock": "time", "carried": "carried"}
-"""Columns of numbers of any precision, by the names in a snapshot."""
-WORDS = {
-    "state": "all that is integrated",
-    "clock": "time in double length",
-    "carried": "integrals between phases",
-}
-KNOWN = ("tally", "functions", "kept", "phase")
-PARTS = {"double": 1, "longdouble": 2, "quad": 3}  # doubles that add up to a number exactly
+# Keyframes per chunk: 1 MB.
+PER_CHUNK = 1024
+EXACT = ("state", "time", "carried")
+"""Entries of a snapshot in the precision of the run; all others are doubles."""
+PARTS = {"double": 1, "longdouble": 2, "quad": 3}
+"""Doubles that add up to a number exactly."""
 
 
 def columns(problem: Problem, driver: Driver, t_end: float, steps: int) -> dict[str, Column]:
-    """Return the present state as a row of the group `keyframes`.
-
-    Parameters
-    ----------
-    problem, driver
-        The run, at the end of a step.
-    t_end, steps
-        How far it has come [s], and in how many steps.
-
-    Returns
-    -------
-    dict
-        time [s]; the steps made; in internal units, as doubles that add up to the number: all that
-        is integrated, and the time in double length; what the observer knows.
-    """
-    kept, number = driver.snapshot(), problem.number
-    kept["state"] = [*kept["state"], *[number(0)] * (driver.width - len(kept["state"]))]
-    exact = {
-        name: _parts(np.array(kept[source], dtype=number), PARTS[problem.precision])
-        for name, source in EXACT.items()
-        if source in kept
-    }
-    known = np.concatenate(
-        [np.ravel(np.array(kept[name], dtype=float)) for name in KNOWN if name in kept]
+    """Return the present state, after `steps` steps at `t_end` [s], as a row of `keyframes`."""
+    exact = np.concatenate(
+        [np.ravel(np.array(value, problem.number)) for value in _snapshot(driver).values()]
     )
+    parts = []
+    with np.errstate(invalid="ignore"):  # of an infinite double only the first part counts
+        for _ in range(PARTS[problem.precision]):
+            parts.append(exact.astype(float))
+            exact = exact - parts[-1].astype(exact.dtype)
+    words = "exact state and event data, internal: doubles to be added"
     about = {
-        "time": (np.array(t_end), "time", {"units": SECOND.symbol}),
-        "step": (np.array(steps), "steps made", {}),
-        "observer": (known, "numbers of the events, and of the phase of a contact", {}),
-        **{
-            name: (value, f"{WORDS[name]}: doubles to be added", {})
-            for name, value in exact.items()
-        },
+        "time": (t_end, (), {"units": SECOND.symbol, "long_name": "time"}),
+        "step": (steps, (), {"units": "1", "long_name": "steps made"}),
+        "state": (
+            np.stack(parts, axis=-1),
+            ("number", "part"),
+            {"units": "1", "long_name": words, "equations": fingerprint(driver)},
+        ),
     }
-    about["state"] = (*about["state"][:2], {"equations": fingerprint(driver)})
-    dims = {"state": ("variable", "part"), "clock": ("half", "part"), "observer": ("number",)}
-    dims["carried"] = ("integral", "part")
     return {
-        name: Column(
-            ("keyframe", *dims.get(name, ())),
-            value[None],
-            {"units": "1", "long_name": words, **more},
-        )
-        for name, (value, words, more) in about.items()
+        name: Column(("keyframe", *dims), np.array([value]), attrs)
+        for name, (value, dims, attrs) in about.items()
     }
 
 
-def rows(path: Path, problem: Problem) -> dict[str, Column]:
-    """Return the start and the keyframes of a stored run as rows. Raises StoreError."""
-    from ..store.root import loaded, open_group
+def restore(driver: Driver, row: dict[str, np.ndarray]) -> None:
+    """Put a driver in the state of a keyframe."""
+    first, kept = 0, {}
+    for name, like in _snapshot(driver).items():
+        parts = row["state"][first : first + np.size(like)].T
+        first += np.size(like)
+        exact = sum(parts.astype(driver.number)[1:], parts[0].astype(driver.number))
+        kept[name] = np.reshape(exact if name in EXACT else parts[0], np.shape(like))
+    driver.restore(kept, kept["state"], tuple(kept["time"]))
 
-    table = loaded(open_group(path, "keyframes"), path)
-    columns = {str(name): variable.values for name, variable in table.variables.items()}
-    start = problem.start()
-    times = np.concatenate([[0.0], columns["time"]])
-    if not problem.system.is_hybrid:
-        states = _sum(columns["state"], problem.number)[:, : len(start)]
-    else:
-        driver = driver_of(problem)
-        states = np.zeros((0, len(start)), problem.number)
-        for k in range(len(times) - 1):
-            restore(driver, {name: values[k] for name, values in columns.items()})
-            states = np.vstack([states, driver.present()])
-    return Observables(problem).columns(times, np.vstack([start, states]))
+
+def _snapshot(driver: Driver) -> dict[str, Any]:
+    """Return the snapshot of a driver, with a state of the same length in every phase."""
+    kept = driver.snapshot()
+    return kept | {"state": [*kept["state"], *[0.0] * (driver.width - len(kept["state"]))]}
 
 
 def empty(problem: Problem, driver: Driver) -> dict[str, Column]:
@@ -100,39 +70,14 @@ def empty(problem: Problem, driver: Driver) -> dict[str, Column]:
     return {name: column._replace(values=column.values[:0]) for name, column in row.items()}
 
 
-def restore(driver: Driver, row: dict[str, np.ndarray]) -> None:
-    """Put a driver in the state of a keyframe."""
-    exact = {EXACT[name]: _sum(row[name], driver.number) for name in EXACT if name in row}
-    driver.restore(_known(driver, row["observer"]) | exact, exact["state"], tuple(exact["time"]))
+def rows(path: Path, problem: Problem) -> dict[str, Column]:
+    """Return the start and the keyframes of a stored run as rows. Raises StoreError."""
+    from ..store.root import loaded, open_group
 
-
-def _known(driver: Driver, numbers: np.ndarray) -> dict[str, Any]:
-    """What the observer knows, as `Driver.restore` takes it."""
-    kinds, functions = driver.tallies.lane.dtype, driver.tallies.functions[:, :, 0]
-    names = kinds.names or ()
-    tally = [kinds[name].type(value).item() for name, value in zip(names, numbers, strict=False)]
-    rest = numbers[len(tally) :]
-    last = functions.size + len(driver.tallies.kept)
-    return {
-        "tally": tally,
-        "functions": rest[: functions.size].reshape(functions.shape),
-        "kept": rest[functions.size : last],
-        "phase": rest[last:].tolist(),
-    }
-
-
-def _parts(values: np.ndarray, count: int) -> np.ndarray:
-    """Numbers of any precision as so many doubles that add up to them, along a new last axis."""
-    pieces = []
-    for _ in range(count):
-        pieces.append(values.astype(float))
-        values = values - pieces[-1].astype(values.dtype)
-    return np.stack(pieces, axis=-1)
-
-
-def _sum(parts: np.ndarray, number: Any) -> np.ndarray:
-    """The numbers that `_parts` split."""
-    total = parts[..., 0].astype(number)
-    for k in range(1, parts.shape[-1]):
-        total = total + parts[..., k].astype(number)
-    return total
+    table = loaded(open_group(path, "keyframes"), path)
+    driver, states = driver_of(problem), [problem.start()[None, :]]
+    for state in table["state"].values:
+        restore(driver, {"state": state})
+        states.append(driver.present())
+    times = np.concatenate([[0.0], table["time"].values])
+    return Observables(problem).columns(times, np.concatenate(states))

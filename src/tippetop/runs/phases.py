@@ -1,18 +1,20 @@
 """The phases of a run's contact and its impacts, as tables of its store."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from ..columns import Column, column
+from ..columns import Column, column, flag_attributes
 from ..engine.phase_tables import as_table
 from ..mechanics.system import System
 from ..mechanics.units import JOULE, METRE_PER_SECOND, NEWTON_SECOND, SECOND
 
 
-PER_CHUNK = 4096  # rows
+# Rows per chunk.
+PER_CHUNK = 4096
 DIMENSIONS = {"phases": "interval", "impacts": "impact"}
+"""The tables of a run whose contact may change its phase, and their dimensions."""
 MEASURED: dict[str, Any] = {
     "start": (SECOND, "when the phase began"),
     "end": (SECOND, "when it ended"),
@@ -31,29 +33,20 @@ NAMED = {
     "reason": "why the phase began",
     "mode": "how friction ended within the impact",
 }
-
-
-FIRST = 6  # phases that a report names
-NAMES = tuple(DIMENSIONS)
-"""The tables of a run whose contact may change its phase."""
+# Phases that a report names.
+FIRST = 6
 
 
 def tables_of(attributes: dict[str, Any]) -> tuple[str, ...]:
     """Return the names of the tables of a run with these root attributes."""
-    return (
-        NAMES
-        if "contact" in attributes
-        else NAMES[:1]
-        if "contact_phases" in attributes["report"]
-        else ()
-    )
+    if "contact" in attributes:
+        return tuple(DIMENSIONS)
+    return ("phases",) if "contact_phases" in attributes["report"] else ()
 
 
 @dataclass
 class Story:
-    """What a report says of the phases of a contact: how many there were of each, the first ones
-    and the last.
-    """
+    """The phases of a contact as a report counts them, with the first ones and the last."""
 
     words: dict[str, Any]  # those of the table of phases, by column
     counts: dict[str, int] = field(default_factory=dict)
@@ -62,18 +55,16 @@ class Story:
     last: dict[str, Any] | None = None
 
     def follow(self, new: dict[str, dict[str, np.ndarray]]) -> None:
-        """Takes rows of the tables."""
+        """Take in rows of the tables."""
         if not new:
             return
         self.impacts += len(new["impacts"]["time"]) if "impacts" in new else 0
         table = new["phases"]
-        numbers = np.bincount(table["phase"], minlength=len(self.words["phase"]))
-        for name, count in zip(self.words["phase"], numbers.tolist(), strict=True):
-            if count:
-                self.counts[name] = self.counts.get(name, 0) + count
-        for k in range(len(table["phase"])):
-            if len(self.first) == FIRST and k < len(table["phase"]) - 1:
-                continue
+        names, count = self.words["phase"], len(table["phase"])
+        numbers = np.bincount(table["phase"], minlength=len(names)).tolist()
+        added = {name: n for name, n in zip(names, numbers, strict=True) if n}
+        self.counts |= {name: self.counts.get(name, 0) + n for name, n in added.items()}
+        for k in sorted({*range(min(count, FIRST - len(self.first))), *range(count)[-1:]}):
             self.last = {
                 key: self.words[key][values[k]] if key in self.words else float(values[k])
                 for key, values in table.items()
@@ -82,12 +73,12 @@ class Story:
                 self.first.append(self.last)
 
     def rows(self) -> dict[str, int]:
-        """How many rows the tables have, by name."""
-        rows = {"phases": sum(self.counts.values()), "impacts": self.impacts}
-        return rows if "ball" in self.words else {"phases": rows["phases"]}
+        """Return the number of rows of each table."""
+        phases = {"phases": sum(self.counts.values())}
+        return phases | ({"impacts": self.impacts} if "ball" in self.words else {})
 
     def report(self) -> dict[str, Any]:
-        """The part of a run's report."""
+        """Return plain data for the report of the run and for `Story(words, **data)`."""
         return {
             "counts": dict(self.counts),
             "impacts": self.impacts,
@@ -95,41 +86,25 @@ class Story:
             "last": self.last,
         }
 
-    def snapshot(self) -> dict[str, Any]:
-        """Plain data, of which `Story(words, **data)` makes it again."""
-        return {name: value for name, value in asdict(self).items() if name != "words"}
-
 
 def columns(system: System, name: str, table: dict[str, np.ndarray]) -> dict[str, Column]:
-    """Rows of a table as columns of the store's group of this name."""
+    """Return rows of a table as columns of the store's group of this name."""
     dims = (DIMENSIONS[name],)
-    result = {}
-    for key, values in table.items():
-        if key in MEASURED:
-            unit, text = MEASURED[key]
-            result[key] = column(values, unit, text, dims)
-            continue
-        words = system.tables[name][key]
-        flags = {"flag_values": list(range(len(words))), "flag_meanings": " ".join(words)}
-        result[key] = Column(dims, values, {"units": "1", "long_name": NAMED[key], **flags})
-    return result
-
-
-def empty(system: System) -> dict[str, dict[str, Column]]:
-    """The tables without rows, by name."""
     return {
-        name: columns(system, name, as_table(name, kinds, []))
-        for name, kinds in system.tables.items()
+        key: column(values, MEASURED[key][0], MEASURED[key][1], dims)
+        if key in MEASURED
+        else Column(dims, values, flag_attributes(system.tables[name][key], NAMED[key]))
+        for key, values in table.items()
     }
 
 
 def joined(
     system: System, parts: dict[str, list[dict[str, np.ndarray]]]
 ) -> dict[str, dict[str, Column]]:
-    """Tables whose rows came in parts."""
-    whole = empty(system)
-    for name, tables in parts.items():
-        whole[name] = columns(
-            system, name, {key: np.concatenate([t[key] for t in tables]) for key in tables[0]}
-        )
+    """Return the tables whose rows are in these parts; without any, the tables without rows."""
+    whole = {}
+    for name, kinds in system.tables.items():
+        tables = [as_table(name, kinds, []), *parts.get(name, [])]
+        rows = {key: np.concatenate([table[key] for table in tables]) for key in tables[0]}
+        whole[name] = columns(system, name, rows)
     return whole

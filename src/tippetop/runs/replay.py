@@ -1,11 +1,8 @@
-"""A part of a stored run is integrated again, from its nearest keyframe: the bits of the rows it
-could have kept.
-"""
+"""Integrate a part of a stored run again, from its nearest keyframe, to the same bits."""
 
 import math
 import os
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,46 +19,35 @@ from ..sampling import EvenTimes
 from ..scenario import build
 from ..store import chunks, root
 from ..store.ledger import Ledger
-from ..store.table import Table
-from . import keyframes, phases, recording, resuming
-from .events import EventTable, event_columns
+from . import keyframes, recording, resuming
+from .events import EventTable
 from .integration import Integration
 from .run import refuse_more_than_memory
-from .sinks import Memory
+from .sinks import Memory, Sink
 
 
-STEPS = 512  # between two looks whether all rows are there
-# steps from the start of a run to a row, that a replay without keyframes makes: about ten seconds
+# Steps between two checks whether all rows are there.
+STEPS = 512
+# Most steps from the start of a run to a row of a replay without keyframes: about ten seconds.
 NEAR = 2_000_000
 
 
-class _Rows(Memory):
-    """Takes the rows of an integration, and nothing else of it."""
-
-    def __init__(self, take: Callable[[np.ndarray, np.ndarray], None]):
-        super().__init__()
-        self.take = take
-
-    def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Take rows."""
-        self.take(times, states())
+class _Rows(recording.Recorder):
+    """Record rows; events and phases are copied from the run."""
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Drop rows of the event log."""
 
+    def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+        """Drop rows of further tables."""
+
 
 def columns(
-    path: Path,
-    start: float,
-    until: float,
-    step: float,
-    *,
-    accept_other_version: bool = False,
-    known: System | None = None,
+    path: Path, times: EvenTimes, *, accept_other_version: bool = False, known: System | None = None
 ) -> dict[str, Column]:
-    """The rows of a stored run from `start` to `until` [s], every `step` [s], as columns in memory.
+    """Return the rows of a stored run at these times [s], as columns in memory.
 
-    `known` is its system, where that has events or columns of one's own.
+    `known` is its system, where that has user-defined events or columns.
 
     Raises
     ------
@@ -70,71 +56,51 @@ def columns(
     StoreError
         The run is unfinished, damaged, has no keyframe near, or was made by other versions.
     """
-    integration = _integration(path, EvenTimes(step, until, start), accept_other_version, known)
+    integration, rows = _taken_up(path, times, accept_other_version, known), Memory()
     refuse_more_than_memory(integration.problem)
-    pieces: list[tuple[np.ndarray, np.ndarray]] = []
-    _make(integration, lambda times, states: pieces.append((times, states)))
-    times, states = (np.concatenate(each) for each in zip(*pieces, strict=True))
-    return integration.view.columns(times, states)
+    _make(integration, rows)
+    return integration.view.columns(np.concatenate(rows.times), np.concatenate(rows.states))
 
 
 def into_store(
     path: Path,
-    start: float,
-    until: float,
-    step: float,
+    times: EvenTimes,
     out: Path,
     *,
     overwrite: bool = False,
     accept_other_version: bool = False,
 ) -> dict[str, Any]:
-    """As `columns`, into a new store that has the events of that time too; gives what was done:
-    `rows`, `steps`, `seconds`, and the time where it `began` [s].
+    """Write the rows, as `columns` makes them, and the events of that time into a new store.
+
+    Returns
+    -------
+    dict
+        `rows`, `steps`, `seconds`, and the time where it `began` [s].
     """
     if os.path.realpath(out) == os.path.realpath(path):
         raise StoreError(
             f"`{out}` must be another store than the one that is replayed, which holds its "
             "keyframes."
         )
-    integration = _integration(path, EvenTimes(step, until, start), accept_other_version)
+    integration = _taken_up(path, times, accept_other_version)
     began, steps, clock = integration.t_end, integration.monitor.steps, time.perf_counter()
-    attrs = root.attributes(path)
-    about = {"from": start, "until": until, "step": step, "of": str(path)}
-    empty = {
-        "trajectory": integration.view.columns(np.zeros(0), integration.first[:0]),
-        "events": event_columns(integration.log.empty),
-        **phases.empty(integration.problem.system),
-    }
-    kinds = {name: (columns, recording.EVENTS_PER_CHUNK) for name, columns in empty.items()}
-    kinds["trajectory"] = (empty["trajectory"], recording.ROWS_PER_CHUNK)
-    header = recording.header_of(
-        attrs | {"replay": about}, ((name, *kind) for name, kind in kinds.items()), late=""
-    )
+    about = {"from": times.start, "until": times.until, "step": times.step, "of": str(path)}
+    head = recording.header(integration, root.attributes(path) | {"replay": about})
     with (
         root.new_store(out, overwrite=overwrite) as scratch,
-        Ledger.created(scratch, header) as store,
+        _Rows(integration.problem, Ledger.created(scratch, head)) as recorder,
     ):
-        tables = {name: Table(store, name) for name in empty}
-
-        def take(times: np.ndarray, states: np.ndarray) -> None:
-            columns = integration.view.columns(times, states)
-            tables["trajectory"].append({name: column.values for name, column in columns.items()})
-
-        _make(integration, take)
-        for name in empty.keys() - {"trajectory"}:
-            for piece in chunks.pieces(path, name, list(empty[name])):
-                begin, end = (
-                    (piece["start"], piece["end"])
-                    if name == "phases"
-                    else (piece["time"], piece["time"])
-                )
-                within = (end >= start) & (begin <= until)
-                tables[name].append({key: values[within] for key, values in piece.items()})
-        for table in tables.values():
-            table.finish()
-        store.finish({}, rows={name: table.rows for name, table in tables.items()})
+        _make(integration, recorder)
+        for name, table in recorder.growing.items():
+            if name == "trajectory":
+                continue
+            first, last = ("start", "end") if name == "phases" else ("time", "time")
+            for piece in chunks.pieces(path, table.group, [*table.documents, first, last]):
+                within = (piece[last] >= times.start) & (piece[first] <= times.until)
+                table.append({key: values[within] for key, values in piece.items()})
+        recorder.finish({}, None)
     return {
-        "rows": len(integration.problem.times),
+        "rows": len(times),
         "began": began,
         "steps": integration.monitor.steps - steps,
         "seconds": time.perf_counter() - clock,
@@ -142,17 +108,15 @@ def into_store(
     }
 
 
-def _make(integration: Integration, take: Callable[[np.ndarray, np.ndarray], None]) -> None:
-    """Integrates until all rows are there."""
-    integration.part(
-        _Rows(take), STEPS, lambda: integration.filled < len(integration.problem.times)
-    )
+def _make(integration: Integration, sink: Sink) -> None:
+    """Integrate until all rows are there."""
+    integration.part(sink, STEPS, lambda: integration.filled < len(integration.problem.times))
 
 
-def _integration(
+def _taken_up(
     path: Path, times: EvenTimes, accept_other_version: bool, known: System | None = None
 ) -> Integration:
-    """A stored run where it has to be taken up to make its rows at these times.
+    """Return a stored run at the keyframe, or the start, from which it reaches these times.
 
     Raises InputError, StoreError.
     """
@@ -164,69 +128,56 @@ def _integration(
             f"`{path}` must be finished to be replayed, but is not: tippetop resume {path}."
         )
     resuming.same_here(path, attrs, accept_other_version, "replayed")
-    problem = build.stored(attrs, known=known)
-    _refuse(
-        times,
-        max(
-            attrs["report"]["t_end"],
-            problem.until if attrs["status"] == Status.FINISHED.value else 0.0,
-        ),
-    )
-    integration = Integration(replace(problem, output="times", times=times))
+    problem, report = build.stored(attrs, known=known), attrs["report"]
+    end = problem.until if attrs["status"] == Status.FINISHED.value else 0.0
+    _refuse(times, max(report["t_end"], end))
+    integration = Integration(replace(problem, output="times", times=times, sensitivities=()))
     if root.has_keyframes(attrs):
         _take_up(path, integration, times.start)
-    else:
-        _refuse_far(path, attrs["report"], times)
+    elif (far := report["steps"] * times.until / (report["t_end"] or math.inf)) > NEAR:
+        raise StoreError(
+            f'`{path}` must have keyframes (run.output = "keyframes") to be replayed at t = '
+            f"{times.until:g} s, but has none, and its start is {far:.2g} steps away."
+        )
     return integration
 
 
 def _refuse(times: EvenTimes, end: float) -> None:
-    """Raises InputError for times that are not within a run up to `end`, or that are too many."""
+    """Raise InputError for times that are not within a run up to `end`, or that are too many."""
     start, until, step = times.start, times.until, times.step
-    if start > until:
-        raise InputError(
-            [f"the rows must end after they begin, but are from {start:g} to {until:g} s."]
-        )
-    if not 0 <= start <= until <= end:
-        raise InputError(
-            [f"the rows must be within 0 and {end:.15g} s, but are from {start:g} to {until:g} s."]
-        )
-    if not 0 < step < math.inf:
-        raise InputError([f"`step` must be greater than 0 and finite, but is {step:g}."])
-    if not step >= 8 * math.ulp(until):
-        least = f"{8 * math.ulp(until):.3g} s, eight times the distance of doubles at {until:g} s"
-        raise InputError([f"`step` must be at least {least}, but is {step:g}."])
-    if not (until - start) / step <= MOST_ROWS:
-        raise InputError(
-            [
-                f"`step` must give at most {MOST_ROWS:.0e} rows, but gives "
-                f"{(until - start) / step:.3g}."
-            ]
-        )
-
-
-def _refuse_far(path: Path, report: dict[str, Any], times: EvenTimes) -> None:
-    """Raises StoreError where the start of a run, from which it must be taken up, is
-    too far away.
-    """
-    end, steps = report["t_end"], report["steps"]
-    far = steps * times.until / end if end > 0 else 0.0
-    if far > NEAR:
-        raise StoreError(
-            f'`{path}` must have keyframes (run.output = "keyframes") to be replayed at t = '
-            f"{times.until:g} s, "
-            f"but has none, and its start is {far:.2g} steps away."
-        )
+    least = 8 * math.ulp(until)
+    for holds, sentence in (
+        (
+            not start > until,
+            f"the rows must end after they begin, but are from {start:g} to {until:g} s.",
+        ),
+        (
+            0 <= start <= until <= end,
+            f"the rows must be within 0 and {end:.15g} s, but are from {start:g} to {until:g} s.",
+        ),
+        (0 < step < math.inf, f"`step` must be greater than 0 and finite, but is {step:g}."),
+        (
+            step >= least,
+            f"`step` must be at least {least:.3g} s, eight times the distance of doubles at "
+            f"{until:g} s, but is {step:g}.",
+        ),
+        (
+            until - start <= MOST_ROWS * step,
+            f"`step` must give at most {MOST_ROWS:.0e} rows, but is {step:g} s.",
+        ),
+    ):
+        if not holds:
+            raise InputError(sentence)
 
 
 def _take_up(path: Path, integration: Integration, start: float) -> None:
-    """Takes a run up at its last keyframe before `start` [s], or leaves it at its start."""
+    """Put a run at its last keyframe before `start` [s], or leave it at its start."""
     table = root.open_group(path, "keyframes")
     if table.variables.keys() != keyframes.empty(integration.problem, integration.driver).keys():
         found = ", ".join(sorted(map(str, table.variables)))
         raise StoreError(f"`{path}` must have the columns of keyframes, but has {found}.")
-    clock = root.loaded(table[["clock"]], path)["clock"].values
-    at = int(np.searchsorted(clock[:, 0, 0], start / integration.second, side="left")) - 1
+    before = start * (1 - 2**-50)  # the exact time is not that of the column to the last bit
+    at = int(np.searchsorted(root.loaded(table[["time"]], path)["time"].values, before)) - 1
     if at < 0:
         return
     if table["state"].attrs.get("equations") != fingerprint(integration.driver):

@@ -1,6 +1,6 @@
 """The summary of a run as a record: what `tippetop info --json` prints."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError
@@ -10,57 +10,39 @@ from ..store.root import finite
 from . import attributes, forecast
 
 
-class Record(Mapping[str, Any]):
-    """A read-only record whose names are attributes and keys alike; tables in it are
-    records too.
-    """
+class Record(dict[str, Any]):
+    """A read-only record whose names are attributes and keys; tables in it are records too."""
 
     def __init__(self, values: Mapping[str, Any], name: str = ""):
-        own = {
-            key: Record(value, key) if isinstance(value, Mapping) else value
-            for key, value in values.items()
-        }
-        self.__dict__.update(_values=own, _name=name or type(self).__name__)
+        super().__init__(
+            {k: Record(v, k) if isinstance(v, Mapping) else v for k, v in values.items()}
+        )
+        self.__dict__["_name"] = name or type(self).__name__
 
     def __getattr__(self, name: str) -> Any:
-        try:
-            return self.__dict__["_values"][name]
-        except KeyError:
-            raise AttributeError(
-                f"there is no `{name}`: known are {', '.join(self.__dict__.get('_values', ()))}"
-            ) from None
+        if name not in self:
+            raise AttributeError(f"there is no `{name}`: known are {', '.join(self)}")
+        return self[name]
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"a record is read-only: `{name}` cannot be set")
 
-    def __getitem__(self, name: str) -> Any:
-        return self._values[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
-
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *(name for name in self._values if name.isidentifier())]
+        return [*super().__dir__(), *filter(str.isidentifier, self)]
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name}={value!r}" for name, value in self._values.items())
+        values = ", ".join(f"{name}={value!r}" for name, value in self.items())
         return f"{self._name}({values})"
 
     def to_dict(self) -> dict[str, Any]:
-        """The record as plain dicts, ready for JSON."""
-        return {
-            key: value.to_dict() if isinstance(value, Record) else value
-            for key, value in self._values.items()
-        }
+        """Return the record as plain dicts."""
+        return {k: v.to_dict() if isinstance(v, Record) else v for k, v in self.items()}
 
 
 class Summary(Record):
-    """The summary of a run.
+    """The summary of a run: `tippetop info --json` prints `to_dict()`.
 
-    Every name is an attribute and a key; `to_dict()` is what `info --json` prints.
+    Every name is an attribute and a key.
 
     Attributes
     ----------
@@ -109,47 +91,13 @@ class Summary(Record):
     """
 
     def __repr__(self) -> str:
-        numbers = (
-            f"{name}={value!r}" for name, value in self.items() if isinstance(value, int | float)
-        )
-        return (
-            f"<Summary: {self.reason}; {', '.join(numbers)}; "
-            f"{', '.join(n for n in self if n != 'reason')}>"
-        )
-
-    status: str
-    reason: str
-    t_end: float
-    steps: int
-    drift: Record
-    normal_force: Record
-    event_counts: Record
-    inversion: Record
-    nutational_band: Record
-    theta_end: float
-    outcome: str
-    system: str
-    form: str
-    parameters: Record
-    friction: Record
-    initial: Record
-    run: Record
-    auto_form: Record
-    certificate: Record
-    tolerance: float
-    precision: str
-    final_state: Record
-    versions: Record
-    cpu: str
-    motion: str
-    regularisation: str
-    inversion_by_eps: Record
+        numbers = ", ".join(f"{k}={v!r}" for k, v in self.items() if isinstance(v, int | float))
+        names = ", ".join(name for name in self if name != "reason")
+        return f"<Summary: {self.reason}; {numbers}; {names}>"
 
 
 def summary_of(attrs: Mapping[str, Any], problem: Problem | None = None) -> Summary:
-    """The summary of a run, from the root attributes of its store and, where it is at hand, its
-    problem.
-    """
+    """Return the summary of a run, from root attributes and, where it is known, its problem."""
     try:
         comments = forecast.comments(problem or build.stored(dict(attrs)))
     except InputError:  # of a system, law or event that this process does not know

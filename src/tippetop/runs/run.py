@@ -1,6 +1,4 @@
-"""A problem integrated in memory: the solution as it comes from the integrator, and the call that
-makes it.
-"""
+"""Integrate a problem in memory."""
 
 import os
 from collections.abc import Callable
@@ -19,13 +17,12 @@ from . import reporting, sensitivities
 from .events import EventTable
 from .integration import Integration
 from .reporting import RunProgress
-from .sinks import Memory
+from .sinks import Memory, Sink
 
 
 @dataclass
 class Solution:
-    """A problem integrated to its end, in memory: rows and events, and what was measured on the
-    way.
+    """A problem integrated to its end, in memory: rows, events and measurements.
 
     `library.run.Run` shows it to the user, with labels and in SI units.
     """
@@ -34,124 +31,109 @@ class Solution:
     times: np.ndarray  # [s]
     rows: np.ndarray  # (n, variables), internal
     events: EventTable
-    seconds: dict[str, float]  # where the time went: compile, integrate
-    last_slice: dict[str, Any] | None = None  # where it began: what a longer run continues from
-    others: dict[str, list[dict[str, np.ndarray]]] = field(
-        default_factory=dict
-    )  # parts of further tables
+    seconds: dict[str, float]  # of compiling and of integrating
+    last_slice: dict[str, Any] | None = None  # its start, where a longer run continues
+    others: dict[str, list[dict[str, np.ndarray]]] = field(default_factory=dict)
+    """Parts of further tables."""
 
     @property
     def problem(self) -> Problem:
-        """What was integrated."""
+        """Return the problem."""
         return self.progress.problem
 
     @property
     def status(self) -> Status:
-        """How it ended."""
+        """Return how it ended."""
         assert self.progress.status is not None
         return self.progress.status
 
     @property
     def final(self) -> np.ndarray:
-        """The last good state, internal."""
+        """Return the last good state, internal."""
         return self.progress.last[0]
 
     @cached_property
     def reason(self) -> str:
-        """The same in a sentence."""
+        """Return how it ended, in a sentence."""
         return reporting.reason(self.progress)
 
     @cached_property
     def report(self) -> dict[str, Any]:
-        """What was measured on the way."""
+        """Return the measurements."""
         return reporting.report(self.progress)
 
     @cached_property
     def sensitivities(self) -> dict[str, dict[str, Column]]:
-        """The tables of derivatives that the scenario asks for, by name."""
+        """Return the tables of derivatives that the scenario lists, by name."""
         return sensitivities.tables(self.problem, self.times, self.events)
 
     def columns(self) -> dict[str, Any]:
-        """The rows as named SI columns."""
+        """Return the rows as named SI columns."""
         return Observables(self.problem).columns(self.times, self.rows)
 
 
-LARGE_ROW = (
-    1 << 14
-)  # bytes that no row has: where so many fit, none need be made to see how large one is
-
-
 def refuse_more_than_memory(problem: Problem) -> None:
-    """Raises InputError for rows that this machine cannot hold: the states, and the columns that
-    are made of them.
-    """
-    there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    if problem.output != "times" or len(problem.times) * LARGE_ROW < there:
+    """Raise InputError for rows that this machine cannot hold as states and columns."""
+    if problem.output != "times":
         return
-    columns = Observables(problem).columns(np.zeros(1), problem.start()[None, :])
-    per_row = sum(c.values.nbytes for c in columns.values()) + problem.start().nbytes + 8
+    there = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    per_row = 8 * (len(problem.variables.names) + len(problem.kept_columns) + 2)
     needed = len(problem.times) * per_row
     if needed > there:
         raise InputError(
-            [
-                f"{len(problem.times):.3g} rows of {per_row} bytes must fit in "
-                f"{there / 1e9:.3g} GB of memory, but "
-                f"take {needed / 1e9:.3g} GB: give a store (--out, out=), which takes any "
-                "number, or a longer "
-                "`run.output_step`."
-            ]
+            f"{len(problem.times):.3g} rows of {per_row} bytes must fit in {there / 1e9:.3g} GB "
+            f"of memory, but take {needed / 1e9:.3g} GB: give a store (--out, out=), which takes "
+            "any number, or a longer `run.output_step`."
         )
 
 
 def run_to_end(problem: Problem) -> tuple[Status, np.ndarray, dict[str, Any], dict[str, Any], bool]:
-    """Integrates a problem and keeps its end alone: status, final internal state, report, what
-    events keep of their passages, and whether it has settled.
+    """Integrate a problem and keep its end alone.
+
+    Returns
+    -------
+    tuple
+        Status, final internal state, report, numbers that events keep, whether it has settled.
     """
     integration = Integration(problem)
-    integration.run(Memory(keeps_rows=False))
+    integration.run(Sink())
     end = integration.progress()
     assert end.status is not None
-    return (
-        end.status,
-        end.last[0],
-        reporting.report(end),
-        end.events.kept(),
-        end.settled_since is not None,
-    )
+    settled = end.settled_since is not None
+    return end.status, end.last[0], reporting.report(end), end.events.kept(), settled
 
 
 def _joined(pieces: list[np.ndarray], empty: np.ndarray) -> np.ndarray:
-    """Pieces as one array: of a single one, itself."""
+    """Join pieces; return a single one itself."""
     return pieces[0] if len(pieces) == 1 else np.concatenate([empty, *pieces])
 
 
 def solve(
     problem: Problem, progress: Callable[[RunProgress], None] | None = None, *, keep: bool = True
 ) -> Solution:
-    """Integrates a problem to its end, gathering rows and events in memory.
+    """Integrate a problem to its end, gathering rows and events in memory.
 
     Parameters
     ----------
     problem
-        What is integrated.
+        The run.
     progress
         Called after every slice.
     keep
-        Whether rows and events are kept. If not, nobody can read the orientation of the body, and
-        its integrals are left out: they have no effect on the motion, but cost 1.0 to 1.24 times
-        its equations.
+        Whether rows and events are kept. If not, the orientation of the body is not integrated:
+        it has no effect on the motion, but costs 1.0 to 1.24 times its equations.
 
     Returns
     -------
     Solution
-        Its `problem` is what was integrated: without orientation if nothing was kept.
+        Its `problem` is without orientation if nothing was kept.
     """
     if keep:
         refuse_more_than_memory(problem)
     else:
         problem = replace(problem, orientation=False)
-    integration, memory = Integration(problem), Memory(keep)
-    integration.run(memory, progress)
+    integration, memory = Integration(problem), Memory()
+    integration.run(memory if keep else Sink(), progress)
     return Solution(
         integration.progress(),
         _joined(memory.times, np.zeros(0)),

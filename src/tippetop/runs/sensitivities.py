@@ -1,6 +1,4 @@
-"""The derivatives that a run keeps beside its rows and events, where its scenario asks for them:
-made at its end.
-"""
+"""Derivatives that a scenario lists in addition to rows and events: made at its end."""
 
 from typing import TYPE_CHECKING
 
@@ -14,13 +12,13 @@ from .events import EventTable
 if TYPE_CHECKING:
     from ..engine.derivatives.along_run import Derivatives
 
-
 NAMES = ("sensitivities", "event_sensitivities")
-PER_CHUNK = 1 << 12  # rows
+# Rows per chunk.
+PER_CHUNK = 1 << 12
 
 
 def tables(problem: Problem, times: np.ndarray, events: EventTable) -> dict[str, dict[str, Column]]:
-    """The tables of derivatives by name; none where the scenario asks for none.
+    """Return the tables of derivatives by name; possibly empty.
 
     Parameters
     ----------
@@ -35,15 +33,13 @@ def tables(problem: Problem, times: np.ndarray, events: EventTable) -> dict[str,
     wrt = problem.sensitivities
     if not wrt:
         return {}
-    from ..engine.derivatives.along_run import (
-        differentiate,
-    )  # a fiftieth of a start, which other runs do without
+    from ..engine.derivatives.along_run import differentiate  # a fiftieth of a start
 
     most = MOST_DERIVATIVES // len(wrt)
     first = EventTable(events.kinds, *(values[:most] for values in events.columns().values()))
     derived = _named(problem, differentiate(problem, wrt, times, first))
-    if len(events.time) > most:
-        gap = np.full((len(events.time) - most, len(wrt)), np.nan)
+    gap = np.full((max(len(events.time) - most, 0), len(wrt)), np.nan)
+    if len(gap):
         derived[NAMES[1]] = {
             name: c._replace(
                 values=events.kind if name == "kind" else np.concatenate([c.values, gap])
@@ -54,7 +50,7 @@ def tables(problem: Problem, times: np.ndarray, events: EventTable) -> dict[str,
 
 
 def no_rows(problem: Problem, kinds: tuple[str, ...]) -> dict[str, dict[str, Column]]:
-    """The tables without rows, by name."""
+    """Return the tables without rows, by name."""
     if not problem.sensitivities:
         return {}
     from ..engine.derivatives.along_run import empty
@@ -63,7 +59,7 @@ def no_rows(problem: Problem, kinds: tuple[str, ...]) -> dict[str, dict[str, Col
 
 
 def _named(problem: Problem, derived: "Derivatives") -> dict[str, dict[str, Column]]:
-    """The tables of a store: every column of derivatives says by which numbers, in order."""
+    """Return the tables of a store: each column of derivatives lists its numbers, in order."""
     by = {"parameters": " ".join(problem.sensitivities)}
     return {
         name: {

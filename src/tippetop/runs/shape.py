@@ -1,6 +1,4 @@
-"""What a body looks like: its balls, its stem, or the uniform ellipsoid that has its moments of
-inertia.
-"""
+"""The shape of a body: its balls, its stem, or the ellipsoid with its moments of inertia."""
 
 from typing import Any
 
@@ -19,7 +17,7 @@ BIGGEST = (
 
 
 def body_of(attrs: dict[str, Any]) -> Touch:
-    """The body of a store, SI; without a friction law where its contact changes its phase.
+    """Return the body of a store, SI; without a friction law where its contact changes its phase.
 
     Raises InputError for what cannot be drawn.
     """
@@ -40,19 +38,19 @@ def body_of(attrs: dict[str, Any]) -> Touch:
 
 
 def is_planar(attrs: dict[str, Any]) -> bool:
-    """Whether the body is a cylinder."""
+    """Return whether the body is a cylinder."""
     system = find(attrs["system"])
     return system is not None and not system.vectors
 
 
 def is_fixed(attrs: dict[str, Any]) -> bool:
-    """Whether the tip of a heavy top is fixed."""
+    """Return whether the tip of a heavy top is fixed."""
     system = find(attrs["system"])
     return system is not None and "x" not in system.initial
 
 
 def shape(attrs: dict[str, Any]) -> dict[str, Any]:
-    """The body as the page draws it, by the root attributes of its store; lengths in metres.
+    """Return the body as the page draws it, from root attributes; lengths in metres.
 
     Returns
     -------
@@ -78,9 +76,10 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
 
 
 def sizes(b: Touch, *, heavy: bool) -> tuple[Any, ...]:
-    """Of a body that touches the plane with one ball: the ball's offset along 3hat and radius, the
-    weight, and the half axes, across and along, of the ellipsoid with its moments of inertia; of a
-    heavy top's it shrinks until it ends before the tip. Numbers, or symbols of a page.
+    """Return offset and radius of the ball, the weight, and the half axes of the ellipsoid.
+
+    The ellipsoid has the moments of inertia of the body; that of a heavy top shrinks until it ends
+    before the tip. Half axes are across and along 3hat. Numbers, or symbols of a page.
     """
     across2 = 2.5 * b.I3 / b.m
     across, along = np.sqrt(across2), np.sqrt(np.maximum(5 * b.I1 / b.m - across2, 0.02 * across2))
@@ -91,12 +90,10 @@ def sizes(b: Touch, *, heavy: bool) -> tuple[Any, ...]:
 def with_shape(
     trajectory: Any, events: Any, attrs: dict[str, Any]
 ) -> tuple[Any, dict[str, Any], dict[str, Any]]:
-    """What the film strip of a run is made of: its rows, its attributes, its body, and the function
-    that gives the axes of the body, as columns, of a quaternion.
-    """
+    """Return rows, attributes and body of a film strip, with the function of the body's axes."""
     return trajectory, attrs, shape(attrs) | {"axes": axes_of}
 
 
 def axes_of(quaternion: np.ndarray) -> np.ndarray:
-    """The rotation matrix of a unit quaternion: its columns are the axes of the body."""
+    """Return the rotation matrix of a unit quaternion: its columns are the axes of the body."""
     return np.array(axes(Quaternion(*quaternion))).T

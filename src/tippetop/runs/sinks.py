@@ -1,8 +1,7 @@
-"""Where a run goes as it is made: memory, or a store."""
+"""Destinations of a run: nowhere, or memory; `recording.Recorder` is a store."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -11,18 +10,20 @@ from .events import EventTable
 from .reporting import RunProgress
 
 
-class Sink(Protocol):
-    """Where a run goes as it is made: memory, or a store."""
+class Sink:
+    """Take a run as it is made, and keep nothing of it: the base of all sinks."""
 
-    keeps_rows: bool  # whether rows are to be made at all
+    keeps_rows = False
+    """Whether rows are to be made at all."""
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
-        """Takes rows: times [s], and what gives their internal states; it may be called later, in
-        another thread.
+        """Take rows: times [s], and a function that returns their internal states.
+
+        It may be called later, in another thread.
         """
 
     def events(self, table: EventTable, marks: list[int]) -> None:
-        """Takes new rows of the event log, and indices of rows that are significant after all."""
+        """Take new rows of the event log, and indices of rows that are significant after all."""
 
     def keyframe(self, row: dict[str, Column]) -> None:
         """Take a keyframe, as a row of its table."""
@@ -31,45 +32,35 @@ class Sink(Protocol):
         """Take new rows of the tables of a contact that changes its phase, SI."""
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
-        """Finish a slice.
-
-        The moment to commit a snapshot, and to raise Interrupted if the run has to stop.
-        """
+        """Finish a slice: the moment to commit a snapshot, or to raise Interrupted."""
 
 
-@dataclass
-class Memory:
-    """Gathers a run in memory; with `keeps_rows=False` only what it reports, however long it is."""
+class Memory(Sink):
+    """Gather a run in memory."""
 
-    keeps_rows: bool = True
-    times: list[np.ndarray] = field(default_factory=list)
-    states: list[np.ndarray] = field(default_factory=list)
-    logs: list[EventTable] = field(default_factory=list)
-    marks: list[int] = field(default_factory=list)
-    others: dict[str, list[dict[str, np.ndarray]]] = field(default_factory=dict)
+    keeps_rows = True
+
+    def __init__(self) -> None:
+        self.times: list[np.ndarray] = []
+        self.states: list[np.ndarray] = []
+        self.logs: list[EventTable] = []
+        self.marks: list[int] = []
+        self.others: dict[str, list[dict[str, np.ndarray]]] = {}
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Take rows."""
-        if self.keeps_rows:
-            self.times.append(times)
-            self.states.append(states())
+        self.times.append(times)
+        self.states.append(states())
 
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Take rows of the event log."""
-        if self.keeps_rows:
-            self.logs.append(table)
-            self.marks += marks
-
-    def keyframe(self, row: dict[str, Column]) -> None:
-        """Drop a keyframe: only stores keep them."""
+        self.logs.append(table)
+        self.marks += marks
 
     def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
         """Take new rows of further tables."""
         for name, columns in new.items():
             self.others.setdefault(name, []).append(columns)
-
-    def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
-        """Commit nothing."""
 
     def table(self) -> EventTable:
         """Return the event log."""

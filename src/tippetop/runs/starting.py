@@ -1,4 +1,4 @@
-"""A run starts where another has ended: exactly, and the store says from which."""
+"""A run starts where another has ended: exactly, and the store names the other."""
 
 import hashlib
 import json
@@ -19,19 +19,16 @@ from ..scenario.identity import DIGESTS
 from ..store import ledger, root
 
 
-SAME = ("system", "form", "parameters")  # tables that a run shares with the one where it starts
-TAKEN = (
-    *SAME,
-    "friction",
-    "contact",
-    "stem",
-)  # tables that are those of the other run where none are given
+SAME = ("system", "form", "parameters")
+"""Tables that a run shares with the one where it starts."""
+TAKEN = (*SAME, "friction", "contact", "stem")
+"""Tables that are those of the other run where none are given."""
 
 
 def load(
     source: str | Path, assignments: list[str] | None = None, until: float | str | None = None
 ) -> Problem:
-    """The checked Problem of a TOML file or a preset.
+    """Return the checked Problem of a TOML file or a preset.
 
     Parameters
     ----------
@@ -54,7 +51,7 @@ def load(
         If `initial.from` names no store that a run can start from.
     """
     if isinstance(assignments, str):
-        raise InputError([f"`assignments` must be a list of texts, but is {assignments!r:.60}."])
+        raise InputError(f"`assignments` must be a list of texts, but is {assignments!r:.60}.")
     tables = reading.override(reading.read(str(path_of("source", source))), assignments or [])
     return problem(tables if until is None else build.ending(tables, until), source)
 
@@ -71,12 +68,6 @@ def load_any(source: str | Path, assignments: list[str] | None = None) -> Proble
     if not assignments:
         return build.stored(attrs)
     return build.problem(reading.override(build.tables_of(attrs), assignments))
-
-
-def _folder_of(source: Any) -> Path:
-    """Return the folder in which the paths of a scenario are to be read: that of its file."""
-    beside = isinstance(source, str | os.PathLike) and Path(source).is_file()
-    return Path(source).parent if beside else Path()
 
 
 def problem(tables: dict[str, Any], source: Any, known: System | None = None) -> Problem:
@@ -96,35 +87,28 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
         return build.problem(tables, known)
     if len(initial) > 1:
         others = ", ".join(f"`{name}`" for name in initial if name != "from")
-        raise InputError([f"`initial.from` must stand alone, but {others} is given too."])
-    path = _folder_of(source) / path_of("initial.from", initial["from"])
+        raise InputError(f"`initial.from` must stand alone, but {others} is given too.")
+    is_file = isinstance(source, str | os.PathLike) and Path(source).is_file()
+    folder = Path(source).parent if is_file else Path()
+    path = folder / path_of("initial.from", initial["from"])
     attrs = _ended(path)
     tables = {name: attrs[name] for name in TAKEN if name in attrs} | tables
-    if tables["system"] != attrs["system"]:
-        raise InputError([_another("system", path)])
     if tables["form"] == "auto":
         tables["form"] = attrs["form"]
     before = build.stored(_without_own(attrs))
     end = ledger.read(path).end
-    parts = [
-        [float.fromhex(part) for part in text.split()] for text in end["end"]["state"]
-    ]  # doubles to be added
+    # doubles to be added
+    parts = [[float.fromhex(part) for part in text.split()] for text in end["end"]["state"]]
     state = np.array([[sum(map(before.number, each)) for each in parts]], dtype=before.number)
+    _refuse_others(path, ["system"] if tables["system"] != attrs["system"] else [])
     run = build.problem(tables | {"initial": _rounded(before, state)}, known)
+    where = f"in `{path}`, whose end is the start, but"
     if (run.contact is None) != (before.contact is None):
-        raise InputError(
-            [f"the contact must stay closed as in `{path}`, whose end is the start, but may open."]
-        )
-    for name in SAME:
-        if build.resolved(run)[name] != attrs[name]:
-            raise InputError([_another(name, path)])
+        raise InputError(f"the contact must stay closed as {where} may open.")
+    resolved = build.resolved(run)
+    _refuse_others(path, [name for name in SAME if resolved[name] != attrs[name]])
     if not set(run.variables.names) <= set(before.variables.names):
-        raise InputError(
-            [
-                f"`run.orientation` must be false as in `{path}`, whose end is the start, but "
-                "is true."
-            ]
-        )
+        raise InputError(f"`run.orientation` must be false as {where} is true.")
     return build.problem(
         tables | {"initial": dict(run.initial)},
         known,
@@ -138,24 +122,26 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
     )
 
 
+def _refuse_others(path: Path, names: list[str]) -> None:
+    """Raise InputError for tables that are not those of the run where another starts."""
+    if names:
+        raise InputError(
+            [
+                f"`{name}` must be that of `{path}`, whose end is the start, but is another."
+                for name in names
+            ]
+        )
+
+
 def _without_own(attrs: dict[str, Any]) -> dict[str, Any]:
-    """The root attributes of a run without its events, and its columns that another run need not
-    know.
-    """
-    run = {key: value for key, value in attrs["run"].items() if key != "columns"}
-    return {key: value for key, value in attrs.items() if key != DIGESTS} | {
-        "run": run | {"events": []}
-    }
-
-
-def _another(name: str, path: Path) -> str:
-    return f"`{name}` must be that of `{path}`, whose end is the start, but is another."
+    """Return the root attributes of a run without its user-defined events and columns."""
+    run = {**attrs["run"], "events": []}
+    run.pop("columns", None)
+    return {key: value for key, value in attrs.items() if key != DIGESTS} | {"run": run}
 
 
 def _ended(path: Path) -> dict[str, Any]:
-    """The root attributes of the store of a run that has ended in a state from which another can
-    start.
-    """
+    """Return the root attributes of the store of a run that ended ordinarily. Raises StoreError."""
     attrs = root.attributes(path)
     if "content" in attrs or "replay" in attrs:
         raise StoreError(f"`{path}` must be the store of a run to start from, but is another.")
@@ -167,17 +153,16 @@ def _ended(path: Path) -> dict[str, Any]:
 
 
 def _rounded(before: Problem, state: np.ndarray) -> dict[str, float]:
-    """The initial data of a state, (1, variables), as far as it has any."""
+    """Return the initial data of a state, (1, variables), as far as it has any."""
     if before.contact is not None:  # they are of the sphere, whichever ball is in contact
-        ball = {"radius": before.internal_body.R, "offset": before.internal_body.c}
-        state = np.array(
-            [[ball.get(n, x) for n, x in zip(before.variables.names, state[0], strict=True)]],
-            state.dtype,
-        )
+        state, names = state.copy(), before.variables.names
+        for name, value in (("radius", before.internal_body.R), ("offset", before.internal_body.c)):
+            if name in names:
+                state[0, names.index(name)] = value
     columns = Observables(before).columns(np.zeros(1), state)
     values = {
         name: float(columns[name].values[0]) for name in before.system.initial if name in columns
     }
     if "gap" in values:
-        values["gap"] = max(values["gap"], 0.0)  # what touches is under the plane by rounding
+        values["gap"] = max(values["gap"], 0.0)  # a contact is under the plane by rounding
     return {name: value for name, value in values.items() if np.isfinite(value)}

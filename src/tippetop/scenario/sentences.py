@@ -3,6 +3,8 @@
 import re
 from typing import Any
 
+from pydantic import TypeAdapter, ValidationError
+
 from ..errors import sentence, suggestion, unknown_key
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
@@ -59,3 +61,16 @@ def error_sentence(error: Any, key: str, known: list[str]) -> str:
         "^(Input|List) should", "must", error["msg"].partition(" after ")[0]
     ).replace("a valid", "a")
     return sentence(key, must, error["input"])
+
+
+def type_faults(kind: str, record: Any) -> list[str]:
+    """Return a sentence for each field of a wrong type in a record with a name."""
+    try:
+        TypeAdapter(type(record)).validate_python(vars(record))
+    except ValidationError as error:
+        return [
+            f"`{'.'.join(map(str, wrong['loc']))}` of the {kind} `{record.name}` must be "
+            f"{wrong['msg'].removeprefix('Input should be ')}, but is {wrong['input']!r:.60}."
+            for wrong in error.errors()
+        ]
+    return []

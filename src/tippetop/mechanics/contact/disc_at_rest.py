@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 from ..disc_friction import drag
-from ..operand import Operand, Vector, cross, dot, formula, plus, sqrt, times
+from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from .body import angular_velocity, arm, axis_rate, contact_velocity
 from .response import bias_vector, other_mobility_inverse_times, spin_mobility, torque_acceleration
 
@@ -36,7 +36,7 @@ class Held(NamedTuple):
 def turning(u, b):
     """k, t, k_zz; t is along zhat x 3hat."""
     more = (1 / b.I3 - 1 / b.I1) * u.z
-    own = spin_mobility(sqrt(u.x * u.x + u.y * u.y), u.z, b).about
+    own = (u.x * u.x + u.y * u.y) / b.I1 + u.z * u.z / b.I3  # regular at the poles
     lever = spin_mobility(1, u.z, b).across
     turn = Vector(more * u.x, more * u.y, own)
     excess = b.R**2 * (1 / b.I3 - 1 / b.I1) - lever**2 / own

@@ -354,7 +354,7 @@ GLIDING_CYLINDER = of_one_phase(
     ),
     integrals=(),
     events=(TURNING, LIFTOFF, gliding.EQUATOR, SETTLED),
-    laws=ChainMap({"modified": Modified}, LAWS),  # it sees what is added to LAWS later
+    laws=ChainMap({"modified": Modified}, LAWS),  # it includes later additions to LAWS
     outlook=outlook.gliding_cylinder,
     opening=Opening(planar=True),
     **COMMON,

@@ -1,0 +1,231 @@
+"""The cases as files that a simulator can read without Python."""
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arguments import path_of
+from ..exchange.fit_text import toml_of
+from ..exchange.simulators import rounded_to_digits, text_of
+from ..mechanics.contact.state import PHASES
+from ..runs import phases
+from ..runs.run import Solution
+from ..scenario import build
+from ..store import files as disk
+from .named_cases import Case, case, names
+from .outcome import outcome
+from .truth import VECTORS, Truth, truth
+
+
+VERSION = "1"
+"""Version of the cases. It changes with any number of a reference."""
+
+MODELS = {"mjcf": "model.mjcf.xml", "urdf": "model.urdf", "sdf": "model.sdf"}
+FRAMES = {
+    "space": "right-handed, z up, the plane is z = 0; the tip of `joint` is the origin",
+    "body": "origin at the centre of mass, z along the axis of symmetry",
+    "quaternion": "q_w, q_x, q_y, q_z turns body axes into space axes",
+    "model": "in MJCF the body frame is at the centre of the ball or the tip; see each model",
+}
+UNITS = {
+    "t": "s",
+    "x, y, z": "m, centre of mass",
+    "vx, vy, vz": "m/s, centre of mass",
+    "omega_x, omega_y, omega_z": "rad/s, in the space frame",
+    "force_x, force_y, force_z": "N, total contact force on the body; of `joint` that of the joint",
+}
+CONTENT = {
+    "scenario.toml": "the case for tippetop",
+    "model.mjcf.xml": "the body, its start and friction as MJCF",
+    "model.urdf": "the body as URDF; start and friction in a comment",
+    "model.sdf": "the body, its pose and friction as SDF",
+    "reference.csv": "the exact motion",
+    "reference.parquet": "the same as Parquet",
+    "phases.csv": "phases of the contact",
+    "impacts.csv": "impacts with their impulses",
+}
+README = """# Contact benchmark of tippetop, version {version}
+
+Exact motions of rigid bodies with friction, spin and impacts, for developers of contact simulators.
+Each folder is a case; `case.json` describes it (`case.schema.json` is its schema).
+
+1. Read `model.mjcf.xml`, `model.urdf` or `model.sdf`.
+   The first row of `reference.csv` is the start.
+2. Write `ENGINE/SETTING/CASE/dt=STEP.csv` with the columns of `reference.csv`.
+   `t [s]` and the quaternion `q_w,q_x,q_y,q_z` are required, the other columns are optional.
+3. Run `tippetop benchmark score ENGINE/*/*/*.csv`.
+
+`case.json` contains the certified error of the reference and its horizon.
+Beyond the horizon a small error of the start has grown so much that a difference means nothing
+about an engine.
+Numbers have 12 significant digits of the largest number of their vector.
+
+| case | title |
+| --- | --- |
+{rows}
+"""
+LICENSE = """The data in this folder are dedicated to the public domain under CC0 1.0 Universal.
+https://creativecommons.org/publicdomain/zero/1.0/
+"""
+
+
+def export(folder: str | Path, cases: Iterable[str] = (), *, overwrite: bool = False) -> list[Path]:
+    """Write cases as files.
+
+    Parameters
+    ----------
+    folder : str or path
+        Created if missing.
+    cases : iterable of str, optional
+        Names; by default all.
+    overwrite : bool, optional
+        Replace existing files.
+
+    Returns
+    -------
+    list of path
+        The files.
+
+    Raises
+    ------
+    InputError
+        If a case is unknown.
+    StoreError
+        If a file exists or cannot be written.
+    """
+    root, chosen = path_of("folder", folder), [case(name) for name in cases or names()]
+    for each in chosen:
+        (root / each.name).mkdir(parents=True, exist_ok=True)
+    made = []
+
+    def write(name: str, text: str) -> None:
+        disk.write_text(root / name, text, overwrite=overwrite)
+        made.append(root / name)
+
+    for each in chosen:
+        for name, text in _texts(each, root / each.name, overwrite).items():
+            write(f"{each.name}/{name}", text)
+        made.append(root / each.name / "reference.parquet")
+    rows = "\n".join(f"| `{each.name}` | {each.title} |" for each in chosen)
+    write("README.md", README.format(version=VERSION, rows=rows))
+    write("LICENSE", LICENSE)
+    write("VERSION", f"{VERSION}\n")
+    schema = (files(__package__) / "case.schema.json").read_text(encoding="utf-8")
+    write("case.schema.json", schema)
+    sums = [
+        f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(root).as_posix()}"
+        for path in sorted(made)
+    ]
+    write("SHA256SUMS", "\n".join(sums) + "\n")
+    return made
+
+
+def sample_times(problem: Any) -> np.ndarray:
+    """Return the times of the rows of a reference [s]."""
+    count = round(problem.until / problem.output_step)
+    return np.linspace(0.0, problem.until, count + 1)
+
+
+def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
+    """Return the text files of a case by name; write the Parquet file."""
+    problem = given.problem
+    motion, run = truth(problem, sample_times(problem), "longdouble")
+    columns = _columns(motion)
+    if problem.contact is not None:
+        state, _ = run.problem.variables.split(run.rows.T)
+        labels = np.array(PHASES)[np.rint(state.phase.astype(float)).astype(int)]
+    else:
+        labels = np.full(len(motion.t), "joint")
+    columns["phase"] = labels
+    texts = {
+        "scenario.toml": toml_of(_scenario(given)).strip() + "\n",
+        **{name: text_of(problem, to) for to, name in MODELS.items()},
+        "reference.csv": _csv(columns),
+        **{f"{name}.csv": _csv(table) for name, table in _tables(run).items() if table},
+    }
+    _parquet(columns, folder / "reference.parquet", overwrite)
+    content = {name: CONTENT[name] for name in CONTENT if name in {*texts, "reference.parquet"}}
+    description = {
+        "name": given.name,
+        "version": VERSION,
+        "title": given.title,
+        "text": given.text,
+        "page": f"docs/benchmark.md#{given.name}",
+        "until": problem.until,
+        "horizon": given.horizon,
+        "certified_error": given.certificate.get("error"),
+        "certificate": {
+            "against": "not computed",
+            "horizon_by": "not computed",
+            **{key: value for key, value in given.certificate.items() if key != "error"},
+        },
+        "friction_law": given.law["words"],
+        "settings": given.law["exact"],
+        "frames": FRAMES,
+        "units": UNITS,
+        "outcome": outcome(problem, motion),
+        "files": content,
+    }
+    return texts | {"case.json": json.dumps(description, indent=2) + "\n"}
+
+
+def _scenario(given: Case) -> dict[str, Any]:
+    """Return the tables of a case's scenario."""
+    tables = build.resolved(given.problem)
+    kept = ("until", "output_step")
+    return tables | {"run": {key: tables["run"][key] for key in kept}}
+
+
+def _columns(motion: Truth) -> dict[str, np.ndarray]:
+    """Return the columns of a reference by header, rounded."""
+    columns = {"t [s]": rounded_to_digits(motion.t)}
+    for name, headers in VECTORS.items():
+        values = rounded_to_digits(getattr(motion, name))
+        columns |= dict(zip(headers, values.T, strict=True))
+    return columns
+
+
+def _tables(run: Solution) -> dict[str, dict[str, Any]]:
+    """Return phases and impacts by column; possibly empty."""
+    result: dict[str, dict[str, Any]] = {}
+    for name, table in phases.joined(run.problem.system, run.others).items():
+        columns: dict[str, Any] = {}
+        for key, column in table.items():
+            words = column.attrs.get("flag_meanings", "").split()
+            unit = column.attrs["units"].replace("m s-1", "m/s")
+            head = key if words else f"{key} [{unit}]"
+            columns[head] = (
+                np.array(words)[column.values] if words else rounded_to_digits(column.values)
+            )
+        result[name] = columns if len(next(iter(columns.values()))) else {}
+    return result
+
+
+def _csv(columns: Mapping[str, Any]) -> str:
+    """Return columns as CSV."""
+    rows = zip(*columns.values(), strict=True)
+    lines = [
+        ",".join(value if isinstance(value, str) else f"{value:.12g}" for value in row)
+        for row in rows
+    ]
+    return "\n".join([",".join(columns), *lines]) + "\n"
+
+
+def _parquet(columns: dict[str, Any], path: Path, overwrite: bool) -> None:
+    """Write columns as Parquet, with the numbers of the CSV file."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table = pa.table(
+        {
+            name: values if values.dtype.kind == "U" else [float(f"{v:.12g}") for v in values]
+            for name, values in columns.items()
+        }
+    )
+    with disk.replacing(path, overwrite=overwrite) as scratch:
+        pq.write_table(table, scratch)

@@ -1,0 +1,76 @@
+"""The named cases: scenarios of the package with their texts, friction laws and certificates."""
+
+import json
+import tomllib
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Any, NamedTuple
+
+from ..errors import InputError, suggestion
+from ..problem import Problem
+from ..runs import starting
+from ..scenario import reading
+
+
+TABLES = ("parameters", "friction", "contact", "initial", "run")
+
+
+class Case(NamedTuple):
+    """A named case.
+
+    Attributes
+    ----------
+    name, title, text
+        Description.
+    law
+        Its friction law: `words`, and by engine the settings that express it (`exact`).
+    problem
+        The scenario of the reference.
+    certificate
+        The error of the reference and its horizon; empty if not computed yet.
+    """
+
+    name: str
+    title: str
+    text: str
+    law: Mapping[str, Any]
+    problem: Problem
+    certificate: Mapping[str, Any]
+
+    @property
+    def horizon(self) -> float:
+        """Return the time up to which results are compared [s]."""
+        return self.certificate.get("horizon") or self.problem.until
+
+
+@cache
+def data(file: str) -> dict[str, Any]:
+    """Return the content of a data file of this package, TOML or JSON."""
+    text = (files(__package__) / file).read_text(encoding="utf-8")
+    return json.loads(text) if file.endswith(".json") else tomllib.loads(text)
+
+
+def names() -> tuple[str, ...]:
+    """Return the names of the cases, the simplest first."""
+    return tuple(data("cases.toml"))
+
+
+@cache
+def case(name: str) -> Case:
+    """Return a case by its name. Raises InputError for an unknown name."""
+    cases = data("cases.toml")
+    if name not in cases:
+        raise InputError(
+            f"unknown case `{name}`.{suggestion(name, cases)} The cases are {', '.join(cases)}."
+        )
+    given = cases[name]
+    tables = reading.read(given["preset"]) | {key: given[key] for key in TABLES if key in given}
+    return Case(
+        name,
+        given["title"],
+        given["text"].strip(),
+        data("laws.toml")[given["law"]],
+        starting.problem(tables, name),
+        data("certificates.json").get(name, {}),
+    )

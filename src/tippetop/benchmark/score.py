@@ -1,0 +1,252 @@
+"""The score of an engine: how far its results are from the references."""
+
+import itertools
+from collections.abc import Iterable
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arguments import path_of
+from ..errors import InputError
+from ..exchange.comparison import STEP, Compared, orders, size_of
+from ..exchange.motion import angle_between, motion
+from ..exchange.table import Table, read
+from .named_cases import Case, case
+from .outcome import outcome
+from .truth import VECTORS, Truth, axis_of, energy, theta_of, truth
+
+
+QUANTITIES = ("attitude", "theta", "position", "spin", "energy", "force")
+"""Units of the errors: rad, rad, m, rad/s, relative to the first value, and in units of m g."""
+
+WRONG_START = 0.1
+"""Difference of the first attitude [rad] above which a file is not a result of its case."""
+
+HEAD = (
+    *("case", "engine", "setting", "step [s]", "attitude [rad]", "theta [rad]", "position [m]"),
+    *("spin [rad/s]", "energy", "force [m g]", "leaves 1e-3, 1e-2, 1e-1 rad at [s]"),
+    *("order", "outcome"),
+)
+
+
+class Result(NamedTuple):
+    """One result and its reference.
+
+    Attributes
+    ----------
+    case, engine, setting
+        Names, of its path.
+    compared
+        Times up to the horizon, errors by quantity, theta of both, and the numbers of the score.
+    outcome, expected
+        What the result shows, and what the reference shows.
+    """
+
+    case: str
+    engine: str
+    setting: str
+    compared: Compared
+    outcome: dict[str, bool]
+    expected: dict[str, bool]
+
+    @property
+    def wrong(self) -> list[str]:
+        """Return the outcomes that differ from those of the reference."""
+        return [name for name, seen in self.outcome.items() if seen != self.expected[name]]
+
+
+class Score:
+    """The results of engines and their references. `tippetop.benchmark.score` makes it.
+
+    Attributes
+    ----------
+    results : list of Result
+        By case, engine and setting; the largest step first.
+    """
+
+    def __init__(self, results: list[Result]):
+        self.results = sorted(results, key=lambda r: (*r[:3], -(r.compared.step or 0.0)))
+
+    @cached_property
+    def orders(self) -> dict[tuple[str, str, str], list[dict[str, Any]]]:
+        """Orders of convergence in the step, by case, engine and setting."""
+        groups = itertools.groupby(self.results, key=lambda r: r[:3])
+        return {key: orders([r.compared for r in group]) for key, group in groups}
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """Return everything as plain data, a mapping for each result."""
+        return [
+            {
+                "case": r.case,
+                "engine": r.engine,
+                "setting": r.setting,
+                "step": r.compared.step,
+                "file": str(r.compared.path),
+                "largest": {name: r.compared.numbers[name]["max"] for name in r.compared.curves},
+                "leaves": r.compared.numbers["attitude"]["leaves"],
+                "order": self._order(r),
+                "outcome": r.outcome,
+                "expected": r.expected,
+                "outcome_is_right": not r.wrong,
+            }
+            for r in self.results
+        ]
+
+    def _order(self, result: Result) -> float | None:
+        """Return the order of the attitude between a step and the next larger one."""
+        for pair in self.orders[result[:3]]:
+            if pair["steps"][1] == result.compared.step:
+                return pair.get("attitude")
+        return None
+
+    def to_markdown(self) -> str:
+        """Return the table as Markdown."""
+        rows = [HEAD, ("---",) * len(HEAD), *self._rows()]
+        return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+    def __str__(self) -> str:
+        rows = [HEAD, *self._rows()]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        """Return a row of text for each result; `-` for what its file lacks."""
+        rows = []
+        for r, plain in zip(self.results, self.to_dict(), strict=True):
+            largest, order = plain["largest"], plain["order"]
+            errors = [f"{largest[n]:.2g}" if n in largest else "-" for n in QUANTITIES]
+            leaves = ["never" if t is None else f"{t:.3g}" for t in plain["leaves"].values()]
+            named = (r.case, r.engine, r.setting, f"{r.compared.step or float('nan'):g}")
+            judged = "right" if not r.wrong else "wrong: " + ", ".join(r.wrong)
+            rows.append(
+                (*named, *errors, ", ".join(leaves), f"{order:.2f}" if order else "-", judged)
+            )
+        return rows
+
+
+def score(results: str | Path | Iterable[str | Path], name: str | None = None) -> Score:
+    """Compare results of engines with the references.
+
+    Parameters
+    ----------
+    results : path or iterable of paths
+        CSV or Parquet files ENGINE/SETTING/CASE/dt=STEP.csv, or folders that contain them. The
+        columns `t [s]`, `q_w`, `q_x`, `q_y`, `q_z` are required; those of the centre of mass
+        (`x [m]` ..., `vx [m/s]` ...), `omega_x [rad/s]` ... and `force_x [N]` ... are optional.
+    name : str, optional
+        The case of all files; by default the name of their folder.
+
+    Returns
+    -------
+    Score
+
+    Raises
+    ------
+    InputError
+        If a file or its name is wrong.
+    """
+    given: Any = [results] if isinstance(results, str | Path) else results
+    paths = [file for each in given for file in _files(path_of("results", each))]
+    if not paths:
+        raise InputError("at least one result must be given: ENGINE/SETTING/CASE/dt=STEP.csv.")
+    known: dict[tuple[str, bytes], Truth] = {}
+    return Score([_result(path, case(name or path.resolve().parent.name), known) for path in paths])
+
+
+def _files(path: Path) -> list[Path]:
+    """Return the results in a folder, or the file itself."""
+    if not path.is_dir():
+        return [path]
+    return sorted(file for file in path.rglob("*") if file.suffix in (".csv", ".parquet"))
+
+
+def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Result:
+    """Compare one file with its case; `known`: references by case and times."""
+    table = _checked(path, each)
+    t = table.t
+    key = each.name, t.tobytes()
+    if key not in known:
+        times = np.unique(np.append(np.minimum(t, each.problem.until), 0.0))
+        whole = truth(each.problem, times)[0]
+        known[key] = Truth(*(part[len(times) - len(t) :] for part in whole))
+    exact, there = known[key], _motion(table)
+    _check_start(path, there, exact)
+    within = t <= each.horizon * (1 + 1e-12)
+    curves = {n: c[within] for n, c in _errors(there, exact, each).items() if np.isfinite(c).all()}
+    thetas = theta_of(there.quaternion)[within], theta_of(exact.quaternion)[within]
+    match = STEP.search(path.stem)
+    numbers = {name: size_of(t[within], curve) for name, curve in curves.items()}
+    compared = Compared(
+        path, float(match[1]) if match else None, t[within], curves, *thetas, numbers
+    )
+    seen, whole_outcome = (outcome(each.problem, each_motion) for each_motion in (there, exact))
+    *_, engine, setting = ("-", "-", *path.resolve().parts[:-2])
+    return Result(each.name, engine, setting, compared, seen, whole_outcome)
+
+
+def _checked(path: Path, each: Case) -> Table:
+    """Read a result. Raises InputError."""
+    table = read(path, gaps=False)
+    needed = VECTORS["quaternion"]
+    if missing := [name for name in needed if not table.has(name)]:
+        raise InputError(
+            f"`{path}` must have the columns {', '.join(needed)}, but lacks {', '.join(missing)}."
+        )
+    end = each.problem.until
+    if table.t[0] < 0 or table.t[-1] > end * (1 + 1e-9):
+        raise InputError(
+            f"`{path}`: times must be from 0 to {end:g} s, the end of {each.name}, but are from "
+            f"{table.t[0]:g} to {table.t[-1]:g} s."
+        )
+    return table
+
+
+def _motion(table: Table) -> Truth:
+    """Return the motion of a result; NaN for missing columns."""
+    given, none = motion(table), np.full((len(table.t), 3), np.nan)
+    names = [f"force_{c}" for c in "xyz"]
+    force = table.stacked(*names) if table.has(*names) else none
+    position, velocity, omega = (
+        none if part is None else part for part in (given.place, given.velocity, given.omega)
+    )
+    assert given.orientation is not None
+    return Truth(given.t, position, given.orientation, velocity, omega, force)
+
+
+def _check_start(path: Path, there: Truth, exact: Truth) -> None:
+    """Raise InputError if the first row is not near the reference."""
+    first, expected = there.quaternion[:1], exact.quaternion[:1]
+    off = angle_between(first, expected)[0]
+    if off < WRONG_START:
+        return
+    rolled = angle_between(np.roll(first, 1, axis=1), expected)[0]
+    hint = (
+        "its order is x, y, z, w: name the columns accordingly."
+        if rolled < WRONG_START
+        else "check the order of the quaternion, the frames and the start."
+    )
+    raise InputError(
+        f"`{path}`: the first quaternion must be near that of the reference, but differs by "
+        f"{off:.3g} rad; {hint}"
+    )
+
+
+def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:
+    """Return the errors of a motion by quantity, (rows,) each; NaN where columns are missing."""
+    body = each.problem.body()
+    axes = [axis_of(m.quaternion) for m in (there, exact)]
+    spins = [(m.omega * u).sum(axis=1) for m, u in zip((there, exact), axes, strict=True)]
+    energies = [
+        energy(m.velocity, m.omega, m.position[:, 2], u, body)
+        for m, u in zip((there, exact), axes, strict=True)
+    ]
+    return {
+        "attitude": angle_between(there.quaternion, exact.quaternion),
+        "theta": np.abs(theta_of(there.quaternion) - theta_of(exact.quaternion)),
+        "position": np.linalg.norm(there.position - exact.position, axis=1),
+        "spin": np.abs(spins[0] - spins[1]),
+        "energy": np.abs((energies[0] - energies[1]) / energies[1][0]),
+        "force": np.linalg.norm(there.force - exact.force, axis=1) / (body.m * body.g),
+    }

@@ -1,0 +1,57 @@
+"""The exact motion of a case at given times, in the columns of a result."""
+
+import dataclasses
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..exchange.comparison import reference
+from ..exchange.simulators import motion_of
+from ..mechanics.contact.body import Touch
+from ..problem import Problem
+from ..runs.run import Solution
+
+
+VECTORS = {
+    "position": [f"{c} [m]" for c in "xyz"],
+    "quaternion": [f"q_{c}" for c in "wxyz"],
+    "velocity": [f"v{c} [m/s]" for c in "xyz"],
+    "omega": [f"omega_{c} [rad/s]" for c in "xyz"],
+    "force": [f"force_{c} [N]" for c in "xyz"],
+}
+
+
+class Truth(NamedTuple):
+    """A motion in SI units; (rows, 3) or, of the quaternion, (rows, 4)."""
+
+    t: np.ndarray
+    position: np.ndarray
+    quaternion: np.ndarray
+    velocity: np.ndarray
+    omega: np.ndarray
+    force: np.ndarray
+
+
+def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tuple[Truth, Solution]:
+    """Return the motion of a problem at ascending times [s], and its run."""
+    run = reference(dataclasses.replace(problem, precision=precision), times)
+    return Truth(run.times, *motion_of(run.problem, run.rows)), run
+
+
+def axis_of(q: np.ndarray) -> np.ndarray:
+    """Return the axis of symmetry in space of quaternions (rows, 4)."""
+    w, x, y, z = q.T
+    return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
+
+
+def theta_of(q: np.ndarray) -> np.ndarray:
+    """Return the inclination of the axis [rad] of quaternions (rows, 4)."""
+    w, x, y, z = q.T
+    return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
+
+
+def energy(velocity: Any, omega: Any, height: Any, axis: Any, body: Touch) -> np.ndarray:
+    """Return the energy [J]."""
+    spin = (omega * axis).sum(axis=1)
+    turning = body.I1 * (omega**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
+    return (body.m * (velocity**2).sum(axis=1) + turning) / 2 + body.m * body.g * height

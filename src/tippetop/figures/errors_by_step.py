@@ -1,0 +1,45 @@
+"""The results of engines on one case: error against step, and theta with the reference."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from . import style
+
+
+EXACT = 1e-16
+"""Errors below this are drawn as this."""
+
+
+def errors_by_step(title: str, results: Sequence[Any]) -> Figure:
+    """Draw the results of one case.
+
+    Parameters
+    ----------
+    title
+        The case.
+    results
+        Each has `engine`, `setting`, `compared`, by engine and setting; the largest step first.
+    """
+    figure = Figure(figsize=(10, 4.2), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    by_setting: dict[str, list[Any]] = {}
+    for result in results:
+        by_setting.setdefault(f"{result.engine} {result.setting}", []).append(result.compared)
+    for k, (label, compared) in enumerate(by_setting.items()):
+        stepped = [c for c in compared if c.step]
+        errors = [max(c.numbers["attitude"]["max"], EXACT) for c in stepped]
+        look = {"color": f"C{k % 10}", "ls": ("-", "--", ":")[k // 10 % 3], "label": label}
+        left.plot([c.step for c in stepped], errors, marker="o", **look)
+        finest = compared[-1]
+        right.plot(finest.t, finest.theta, lw=1, **look)
+    last = max((c for group in by_setting.values() for c in group), key=lambda c: c.t[-1])
+    right.plot(last.t, last.reference, color=style.RUN, lw=1.6, zorder=0, label="reference")
+    left.set(
+        xscale="log", yscale="log", xlabel="step [s]", ylabel="largest error of attitude [rad]"
+    )
+    right.set(xlabel="t [s]", ylabel="theta [rad]")
+    figure.suptitle(title)
+    figure.legend(*right.get_legend_handles_labels(), loc="outside right upper", fontsize="small")
+    return figure

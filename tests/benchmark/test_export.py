@@ -1,0 +1,113 @@
+"""The exported files of the benchmark."""
+
+import hashlib
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import tippetop as tt
+from tippetop import benchmark, cli
+
+
+CASES = ("stem-landing", "joint", "drill-to-rest", "rocking-cylinder")
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("cases")
+    benchmark.export(folder, CASES)
+    return folder
+
+
+def test_second_export_is_byte_identical(exported, tmp_path):
+    benchmark.export(tmp_path, CASES)
+    files = sorted(path.relative_to(exported) for path in exported.rglob("*") if path.is_file())
+    assert files == sorted(p.relative_to(tmp_path) for p in tmp_path.rglob("*") if p.is_file())
+    assert all((exported / f).read_bytes() == (tmp_path / f).read_bytes() for f in files)
+
+
+def test_checksums_are_of_the_files(exported):
+    lines = (exported / "SHA256SUMS").read_text().splitlines()
+    for line in lines:
+        digest, name = line.split("  ")
+        assert hashlib.sha256((exported / name).read_bytes()).hexdigest() == digest
+    assert len(lines) == sum(path.is_file() for path in exported.rglob("*")) - 1
+
+
+def test_description_fits_the_schema(exported):
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads((exported / "case.schema.json").read_text())
+    for name in CASES:
+        described = json.loads((exported / name / "case.json").read_text())
+        jsonschema.validate(described, schema)
+        assert set(described["files"]) | {"case.json"} == {
+            path.name for path in (exported / name).iterdir()
+        }
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_parquet_and_csv_are_equal(exported, name):
+    csv = pd.read_csv(exported / name / "reference.csv")
+    parquet = pd.read_parquet(exported / name / "reference.parquet")
+    pd.testing.assert_frame_equal(csv, parquet, check_dtype=False, check_exact=True)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_scenario_is_the_case(exported, name):
+    assert tt.load(exported / name / "scenario.toml").start() == pytest.approx(
+        benchmark.case(name).problem.start(), nan_ok=True
+    )
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_models_have_the_body_and_the_start(exported, name):
+    folder, body = exported / name, benchmark.case(name).problem.body()
+    rows = pd.read_csv(folder / "reference.csv")
+    sdf = ElementTree.parse(folder / "model.sdf").getroot().find(".//model[@name='top']")
+    assert float(sdf.findtext("link/inertial/mass")) == pytest.approx(body.m, rel=1e-12)
+    assert float(sdf.findtext("link/inertial/inertia/izz")) == pytest.approx(body.I3, rel=1e-11)
+    pose = [float(word) for word in sdf.findtext("pose").split()]
+    start = rows.loc[0, ["x [m]", "y [m]", "z [m]", "q_x", "q_y", "q_z", "q_w"]]
+    np.testing.assert_allclose(pose, start.astype(float), atol=1e-12)
+    mujoco = pytest.importorskip("mujoco")
+    mujoco.MjModel.from_xml_path(str(folder / "model.urdf"))
+    model = mujoco.MjModel.from_xml_path(str(folder / "model.mjcf.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(data.xipos[1], pose[:3], atol=1e-11)
+    velocity = np.zeros(6)
+    mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_BODY, 1, velocity, 0)
+    omega = rows.loc[0, [f"omega_{c} [rad/s]" for c in "xyz"]].astype(float)
+    np.testing.assert_allclose(velocity[:3], omega, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["stem-landing", "joint"])
+def test_sdf_loads_in_drake(exported, name):
+    parsing = pytest.importorskip("pydrake.multibody.parsing")
+    plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(1e-3)
+    parsing.Parser(plant).AddModels(str(exported / name / "model.sdf"))
+
+
+def test_impacts_and_phases_are_exported(exported):
+    impacts = pd.read_csv(exported / "stem-landing" / "impacts.csv")
+    phases = pd.read_csv(exported / "stem-landing" / "phases.csv")
+    assert impacts["ball"].tolist() == ["stem"]
+    assert phases["phase"].tolist() == ["flight", "slip", "roll"]
+    assert impacts["time [s]"][0] == phases["start [s]"][1]
+
+
+def test_command_line(tmp_path, capsys):
+    assert cli.outcome(["benchmark", "list"]) == 0
+    assert "steady-precession" in capsys.readouterr().out
+    assert cli.outcome(["benchmark", "export", str(tmp_path), "bounce"]) == 0
+    assert (tmp_path / "bounce" / "reference.csv").exists()
+    assert cli.outcome(["benchmark", "export", str(tmp_path), "bounce"]) != 0
+    assert cli.outcome(["benchmark", "export", str(tmp_path), "nothing"]) == 2
+    assert cli.outcome(["benchmark", "list", "bounce"]) == 2
+    assert cli.outcome(["benchmark", "export"]) == 2
+    assert cli.outcome(["benchmark", "list", "--markdown"]) == 2

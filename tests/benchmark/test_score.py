@@ -1,0 +1,162 @@
+"""The score of results with known errors."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tippetop import benchmark, cli
+from tippetop.benchmark.truth import VECTORS, truth
+from tippetop.errors import InputError
+
+
+def result(name: str, turn: float = 0.0, count: int = 101) -> pd.DataFrame:
+    """Return the reference of a case, turned about the vertical by `turn` rad per second."""
+    problem = benchmark.case(name).problem
+    exact, _ = truth(problem, np.linspace(0, problem.until, count))
+    c, s = np.cos(turn * exact.t / 2), np.sin(turn * exact.t / 2)
+    w, x, y, z = exact.quaternion.T
+    q = np.stack([c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w], axis=1)
+    columns = {"t [s]": exact.t}
+    for key, headers in VECTORS.items():
+        values = q if key == "quaternion" else getattr(exact, key)
+        columns |= dict(zip(headers, values.T, strict=True))
+    return pd.DataFrame(columns)
+
+
+def write(root: Path, table: pd.DataFrame, name: str = "coulomb-sticking", step="1e-3") -> Path:
+    folder = root / "engine" / "best" / name
+    folder.mkdir(parents=True, exist_ok=True)
+    table.to_csv(folder / f"dt={step}.csv", index=False)
+    return folder / f"dt={step}.csv"
+
+
+@pytest.mark.parametrize("name", ["joint", "rocking-cylinder", "stem-landing"])
+def test_the_reference_has_no_error(tmp_path, name):
+    [only] = benchmark.score(write(tmp_path, result(name), name)).results
+    assert (only.case, only.engine, only.setting) == (name, "engine", "best")
+    assert all(curve.max() < 1e-11 for curve in only.compared.curves.values())
+    assert len(only.compared.curves) == 6
+    assert not only.wrong
+
+
+def test_the_exported_reference_has_the_error_of_its_digits(tmp_path):
+    benchmark.export(tmp_path, ["bounce"])
+    [only] = benchmark.score(tmp_path / "bounce" / "reference.csv").results
+    assert only.compared.numbers["position"]["max"] < 1e-12
+
+
+def test_a_known_turn_is_scored_as_it_is(tmp_path):
+    [only] = benchmark.score(write(tmp_path, result("coulomb-sticking", turn=0.1))).results
+    plain = benchmark.Score([only]).to_dict()[0]
+    assert plain["largest"]["attitude"] == pytest.approx(0.2, abs=1e-10)
+    assert plain["largest"]["theta"] < 1e-12
+    assert plain["leaves"] == {"0.001": 0.02, "0.01": 0.12, "0.1": pytest.approx(1.0, abs=0.03)}
+    assert plain["step"] == 1e-3
+
+
+def test_position_force_spin_and_energy(tmp_path):
+    table, case = result("coulomb-sticking"), benchmark.case("coulomb-sticking")
+    body, start = case.problem.body(), result("coulomb-sticking").iloc[0]
+    table["z [m]"] += 1e-3
+    table["force_x [N]"] += 0.1
+    [only] = benchmark.score(write(tmp_path, table)).results
+    largest = {name: curve.max() for name, curve in only.compared.curves.items()}
+    energy = (
+        body.I3 * 155.0**2 / 2
+        + body.m * body.g * start["z [m]"]
+        + body.m * sum(start[f"v{c} [m/s]"] ** 2 for c in "xyz") / 2
+    )
+    assert largest["position"] == pytest.approx(1e-3)
+    assert largest["force"] == pytest.approx(0.1 / (body.m * body.g))
+    assert largest["energy"] == pytest.approx(body.m * body.g * 1e-3 / energy)
+
+
+def test_order_of_convergence(tmp_path):
+    for step in (1e-3, 5e-4, 2.5e-4):
+        write(tmp_path, result("coulomb-sticking", turn=1e4 * step**2), step=f"{step:g}")
+    rows = benchmark.score(tmp_path).to_dict()
+    assert [row["step"] for row in rows] == [1e-3, 5e-4, 2.5e-4]
+    assert rows[0]["order"] is None
+    assert rows[2]["order"] == pytest.approx(2, abs=1e-6)
+
+
+def test_only_quaternions_are_required(tmp_path):
+    table = result("stem-landing")[["t [s]", *VECTORS["quaternion"]]]
+    [only] = benchmark.score(write(tmp_path, table, "stem-landing")).results
+    assert set(only.compared.curves) == {"attitude", "theta"}
+    assert set(only.outcome) == {"turns over"}
+
+
+def test_a_wrong_outcome_is_named(tmp_path):
+    table = result("mujoco-tutorial")
+    angle = np.linspace(0, 3, len(table))
+    table[VECTORS["quaternion"]] = 0.0
+    table["q_w"], table["q_y"] = np.cos(angle / 2), np.sin(angle / 2)
+    scored = benchmark.score(write(tmp_path, table, "mujoco-tutorial"))
+    assert "turns over" in scored.results[0].wrong
+    assert "wrong: turns over" in str(scored)
+    assert "| mujoco-tutorial | engine | best |" in scored.to_markdown()
+
+
+def nan(table):
+    table.loc[5, "q_x"] = np.nan
+
+
+def all_nan(table):
+    table.loc[5, table.columns != "t [s]"] = np.nan
+
+
+def late(table):
+    table["t [s]"] *= 2
+
+
+def no_quaternion(table):
+    del table["q_z"]
+
+
+def rolled(table):
+    table[VECTORS["quaternion"]] = np.roll(table[VECTORS["quaternion"]].values, -1, axis=1)
+
+
+def other_start(table):
+    table[VECTORS["quaternion"]] = [0.0, 1.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (nan, "`q_x` is missing or NaN in row 6"),
+        (all_nan, "is missing or NaN in row 6"),
+        (late, "times must be from 0 to 2 s"),
+        (no_quaternion, "q_w, q_x, q_y, q_z"),
+        (rolled, "its order is x, y, z, w"),
+        (other_start, "check the order of the quaternion, the frames and the start"),
+    ],
+)
+def test_bad_results_get_one_message(tmp_path, capsys, spoil, message):
+    table = result("coulomb-sticking")
+    spoil(table)
+    path = write(tmp_path, table)
+    with pytest.raises(InputError, match=message) as error:
+        benchmark.score(path)
+    assert len(error.value.sentences) == 1
+    assert cli.outcome(["benchmark", "score", str(path)]) == 2
+    assert message in " ".join(capsys.readouterr().err.split())
+
+
+def test_unknown_case_and_nothing_to_score(tmp_path, capsys):
+    path = write(tmp_path, result("bounce"), "no-case")
+    assert cli.outcome(["benchmark", "score", str(path)]) == 2
+    assert "unknown case `no-case`" in capsys.readouterr().err
+    assert cli.outcome(["benchmark", "score"]) == 2
+    assert cli.outcome(["benchmark", "score", str(path), "--case", "bounce"]) == 0
+
+
+def test_json_and_figures(tmp_path, capsys):
+    path = write(tmp_path, result("joint"), "joint")
+    assert cli.outcome(["benchmark", "score", str(path), "--json", "--figures", str(tmp_path)]) == 0
+    assert json.loads(capsys.readouterr().out)["results"][0]["outcome_is_right"] is True
+    assert (tmp_path / "joint.png").stat().st_size > 10_000
