@@ -5,7 +5,6 @@ rows on the way.
 import copy
 import dataclasses
 import itertools
-import threading
 from collections.abc import Iterator
 from typing import Any
 from unittest.mock import Mock
@@ -276,21 +275,6 @@ def test_steps_that_differ_are_noticed() -> None:
 
 
 # --- what a run leaves alone --------------------------------------------------------------------
-
-
-def test_a_run_starts_no_thread_but_the_one_that_is_waited_for(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """That of the compilation, which finds all compiled."""
-    made = build.load("inverting", None, 0.5)
-    solve(made, keep=False)
-    started: list[str] = []
-    begin = threading.Thread.start
-    monkeypatch.setattr(
-        threading.Thread, "start", lambda self: [started.append(self.name), begin(self)]
-    )
-    solve(made, keep=False)
-    assert set(started) <= {"awaited"}
 
 
 @pytest.mark.parametrize("way", ["usual", "unlike"])

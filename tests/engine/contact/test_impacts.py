@@ -125,18 +125,6 @@ def test_the_works_are_those_of_the_impulse(law: Any, restitution: str, size: fl
         assert ends[restitution] == pytest.approx(0, abs=1e-13)
 
 
-def test_the_regularised_law_tends_to_coulombs() -> None:
-    """Sliding that does not stop differs from that under the law itself by the square of eps."""
-    theta, mu, v = contacts()[0][0], 0.2, (3.0, 1.0, -0.5)
-    exact = struck(*v, mobility(np.sin(theta), np.cos(theta), TOP), mu, 0.4)
-    assert exact.mode == "slip"
-    errors = []
-    for eps in (4e-3, 2e-3, 1e-3):
-        got = hit(v, theta, TOP._replace(friction=Coulomb(mu, eps)), 0.4)
-        errors.append(np.hypot(got.p_e - exact.p_e, got.p_2 - exact.p_2))
-    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.01)
-
-
 @pytest.mark.parametrize("law", [Viscous._make((np.nan,)), Viscous(1e3)])
 def test_a_law_that_jams_the_contact_is_refused(law: Any) -> None:
     """v_e K_ez > 0 and k beyond K_zz/(K_ez v_e)."""

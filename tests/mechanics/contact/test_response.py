@@ -231,12 +231,3 @@ def test_the_forces_of_rolling_are_those_of_newton_and_euler(
             [coulomb.cone(*F, x.ball.friction.mu)],
             [(x.ball.friction.mu * F[2]) ** 2 - F[0] ** 2 - F[1] ** 2],
         )
-
-
-def test_no_force_at_the_contact_changes_jelletts_integral(states: list[State]) -> None:
-    for x in states:
-        a, F, L = x.ball.c * x.u - x.ball.R * Z, column(1, 2, 3), momentum(x)
-        for momentum_ in (L, L + cross(a, F)):
-            assert_close(
-                [contact.jellett_of(momentum_[2], dot(momentum_, x.u), x.ball)], [-dot(L, a)]
-            )
