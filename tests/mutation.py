@@ -62,7 +62,7 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.contact.response": (
         f"{CONTACT}/test_response.py",
         f"{CONTACT}/test_arrival.py",
-        f"{RUNS}/test_impacts.py",
+        f"{RUNS}/test_loaded_impacts.py",
     ),
     "mechanics.contact.coulomb": (f"{CONTACT}/test_response.py",),
     "mechanics.contact.disc_at_rest": (
@@ -87,7 +87,7 @@ COMPILED = (
     "test_rows_of_phases.py",
     "test_disc_at_rest.py",
     "test_parts_of_laws.py",
-    "test_impacts.py",
+    "test_loaded_impacts.py",
     "test_asymptotics.py",
 )
 """Test files that drive whole runs; of the others numba compiles nothing, which would be most of
@@ -407,11 +407,7 @@ def table(wanted: list[str], verdicts: dict[Mutant, bool]) -> str:
             len(mutants(module)) - len(known),
         )
         rows.append((module, judged_by(module), *map(str, numbers)))
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = [
-        "  ".join(f"{word:{width}}" for word, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
+    lines = ["  ".join(row) for row in rows]
     survivors = [m for m, caught in verdicts.items() if not caught]
     return "\n".join([*lines, "", *(f"survives: {m.module}:{m.line}: {m.text}" for m in survivors)])
 

@@ -13,25 +13,13 @@ from tippetop.problem import Problem
 from tippetop.scenario import build
 
 
+ROLLS = {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0}
+SLIDES = {**ROLLS, "nu_x": 0.1, "nu_y": -0.2}
 STARTS = {
-    "tippe-top": {
-        "theta": 0.4,
-        "theta_dot": 1.0,
-        "phi_dot": 3.0,
-        "omega3": 90.0,
-        "nu_x": 0.1,
-        "nu_y": -0.2,
-    },
-    "rolling-tippe-top": {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0},
-    "gliding-heavy-top": {
-        "theta": 0.4,
-        "theta_dot": 1.0,
-        "phi_dot": 3.0,
-        "omega3": 90.0,
-        "nu_x": 0.1,
-        "nu_y": -0.2,
-    },
-    "heavy-top": {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0},
+    "tippe-top": SLIDES,
+    "rolling-tippe-top": ROLLS,
+    "gliding-heavy-top": SLIDES,
+    "heavy-top": ROLLS,
     "gliding-cylinder": {"theta": 0.4, "theta_dot": 1.0, "nu_x": 0.1},
     "rolling-cylinder": {"theta": 0.4, "theta_dot": 1.0},
 }
@@ -55,6 +43,11 @@ def made(system: str, form: str, theta: float | None = None, **options: object) 
     )
 
 
+def at_start(problem: Problem) -> dict:
+    """Return the columns of the start."""
+    return Observables(problem).columns(np.zeros(1), np.array(problem.start())[None])
+
+
 def rows_of(problem: Problem, rng: np.random.Generator, n: int = 7) -> np.ndarray:
     """Rows near the start; theta and its likes stay away from the poles."""
     start = np.array(problem.start(), dtype=float)
@@ -64,9 +57,7 @@ def rows_of(problem: Problem, rng: np.random.Generator, n: int = 7) -> np.ndarra
 @pytest.mark.parametrize(("system", "form"), EVERY_FORM)
 def test_the_start_reads_as_it_was_given(system: str, form: str) -> None:
     problem = made(system, form)
-    columns = Observables(problem).columns(
-        np.zeros(1), np.array(problem.start(), dtype=float)[None, :]
-    )
+    columns = at_start(problem)
     for name, value in problem.initial.items():
         assert columns[name].values[0] == pytest.approx(value, rel=1e-12), name
     assert columns["time"].values.tolist() == [0.0]
@@ -112,9 +103,7 @@ def test_at_a_pole_angles_without_meaning_are_nan_and_nothing_else_is(theta: flo
     """Any azimuth would do there; the axis leaves a pole with its speed."""
     problem = made("tippe-top", "vector", theta=theta)
     record, _ = problem.variables.split(np.array(problem.start(), dtype=float))
-    columns = Observables(problem).columns(
-        np.zeros(1), np.array(problem.start(), dtype=float)[None, :]
-    )
+    columns = at_start(problem)
     undefined = {name for name, column in columns.items() if np.any(np.isnan(column.values))}
     assert undefined == {"phi", "phi_dot", "nu_x", "nu_y", "psi"} & set(columns)
     assert columns["theta"].values[0] == theta
@@ -127,8 +116,7 @@ def test_wider_rows_give_the_columns_and_what_doubles_leave_out(precision: str) 
     wide, plain = (
         build.load("inverting", [*sets, f"run.precision={p}"]) for p in (precision, "double")
     )
-    columns = Observables(wide).columns(np.zeros(1), np.array(wide.start())[None, :])
-    others = Observables(plain).columns(np.zeros(1), np.array(plain.start(), dtype=float)[None, :])
+    columns, others = at_start(wide), at_start(plain)
     for name, column in others.items():
         if name == "time":
             continue

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from test_phases_of_runs import LEINE_GLOCKER, run
-from touching import table_of
+from test_phases_of_runs import run
+from touching import LEINE_GLOCKER, table_of
 
 from tippetop.engine.status import Status
 

@@ -4,19 +4,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from touching import ROCKING
+from touching import LEINE_GLOCKER, ROCKING
 
 from tippetop.engine.status import Status
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
 
 
-BODY = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
 LAW = {"law": "contensou", "mu": 0.3, "patch": 2e-3}
 REST = 4  # the number of the phase
 
 
-def scenario(until=1.0, friction=LAW, parameters=BODY, run=None, **tables):
+def scenario(until=1.0, friction=LAW, parameters=LEINE_GLOCKER, run=None, **tables):
     """Leine and Glocker's top on a soft plane: its disc is large, so that it soon rests."""
     run = {"until": until} | (run or {})
     return problem(
@@ -71,7 +70,7 @@ def test_a_disc_whose_turning_is_reversed_passes_its_rest():
     start = {"theta": 1.2, "theta_dot": 20.0, "phi_dot": -9.0, "omega3": 21.0}
     disc = LAW | {"patch": 1e-3}
     done = solve(
-        scenario(until=0.02, friction=disc, parameters=BODY | {"I3": 12e-7}, initial=start)
+        scenario(until=0.02, friction=disc, parameters=LEINE_GLOCKER | {"I3": 12e-7}, initial=start)
     )
     assert done.report["contact_phases"]["counts"] == {"slip": 1}
     assert max(done.report["drift"].values()) < 1e-13

@@ -141,24 +141,20 @@ def found(impact: Any, after: Any) -> Any:
 
 @pytest.mark.parametrize("parts", [(MU_R, MU_D), (0.0, 0.0)])
 @pytest.mark.parametrize("restitution", RESTITUTIONS)
-@every_law
-def test_sliding_is_the_motion_of_newton_and_euler(
-    law: str, restitution: str, parts: tuple
+@pytest.mark.parametrize(
+    ("law", "slides"),
+    [*((law, 10.0 if law == "coulomb" else 3.0) for law in NUMBERS), ("coulomb", 0.0)],
+)
+def test_an_impact_is_the_motion_of_newton_and_euler(
+    law: str, slides: float, restitution: str, parts: tuple
 ) -> None:
+    """It slides to the end, or the contact point stays at rest from the beginning."""
     friction = law_of(law, parts)
-    for body in bodies(3, 10.0 if law == "coulomb" else 3.0):
+    for body in bodies(3, slides):
         b, _, impact, after = hit(*body, friction, 0.5, restitution)
-        assert impact.mode == "slip"
-        expected = newton_euler(*body, b, PUSHES[law], 0.5, restitution, parts)
-        np.testing.assert_allclose(found(impact, after), expected, rtol=0, atol=1e-11)
-
-
-@pytest.mark.parametrize("restitution", RESTITUTIONS)
-def test_a_contact_that_sticks_rolls_by_newton_and_euler(restitution: str) -> None:
-    for body in bodies(6, 0.0):
-        b, _, impact, after = hit(*body, law_of("coulomb"), 0.5, restitution)
-        assert impact.mode == "stick"
-        expected = newton_euler(*body, b, None, 0.5, restitution)
+        assert impact.mode == ("slip" if slides else "stick")
+        push = PUSHES[law] if slides else None
+        expected = newton_euler(*body, b, push, 0.5, restitution, parts)
         np.testing.assert_allclose(found(impact, after), expected, rtol=0, atol=1e-11)
 
 

@@ -5,6 +5,7 @@ Euler by DOP853.
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from touching import LEINE_GLOCKER
 
 import tippetop as tt
 from tippetop.runs import forecast
@@ -12,7 +13,6 @@ from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
 
 
-BODY = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
 MU_R, MU_D = 2e-4, 1e-4
 LAWS = {
     "viscous": {"law": "viscous", "mu": 0.3},
@@ -24,7 +24,7 @@ LAWS = {
 SLIDING = {"theta": 1.0, "omega3": 50.0, "phi_dot": 3.0, "nu_x": 0.3, "nu_y": -0.1}
 
 
-def scenario(friction, until=0.2, parameters=BODY, parts=True, **tables):
+def scenario(friction, until=0.2, parameters=LEINE_GLOCKER, parts=True, **tables):
     """A run under a law, with both parts unless it has others."""
     more = {"mu_r": MU_R, "mu_d": MU_D} if parts is True else parts or {}
     run = {"until": until} | tables.pop("run", {})
@@ -53,7 +53,9 @@ def test_an_upright_spin_falls_linearly(law):
     """I3 omega3' = -mu_d m g."""
     done = solve(scenario(LAWS[law], initial={"omega3": 50.0}))
     c = columns_of(done)
-    expected = 50.0 - MU_D * BODY["m"] * BODY["g"] / BODY["I3"] * c["time"]
+    expected = (
+        50.0 - MU_D * LEINE_GLOCKER["m"] * LEINE_GLOCKER["g"] / LEINE_GLOCKER["I3"] * c["time"]
+    )
     np.testing.assert_allclose(c["omega3"], expected, rtol=1e-13)
 
 
@@ -62,8 +64,8 @@ def newton_euler(push, start, until, times):
     from linear equations: `push(v)` gives the friction of sliding per normal force; "roll" means
     v_A' = 0; "rest" means v_A' = 0 and Omega_z' = 0.
     """
-    m, R, I1, I3, g = (BODY[name] for name in ("m", "R", "I1", "I3", "g"))
-    offset, still = BODY["alpha"] * R, 1e-6 * np.sqrt(g / R)
+    m, R, I1, I3, g = (LEINE_GLOCKER[name] for name in ("m", "R", "I1", "I3", "g"))
+    offset, still = LEINE_GLOCKER["alpha"] * R, 1e-6 * np.sqrt(g / R)
     z = np.array([0.0, 0.0, 1.0])
 
     def rates(t, y):
@@ -157,7 +159,7 @@ def test_parts_that_cannot_act_are_refused(law, parts, tables, message):
 
 
 def test_records_take_parts_by_name():
-    top = tt.TippeTop(**BODY)
+    top = tt.TippeTop(**LEINE_GLOCKER)
     law = tt.friction.Viscous(0.3, mu_r="0.2 mm", mu_d=MU_D)
     run = tt.run(top, law, start=SLIDING, until=0.01)
     table = solve(scenario(LAWS["viscous"], 0.01, initial=SLIDING))
@@ -185,7 +187,7 @@ def test_no_statement_about_lasting_spins_is_made():
     assert "thresholds" not in found
     assert "no state is known to attract" in found["regime"]
     assert solve(made, keep=False).report["outcome"] == "under-way"
-    top = tt.TippeTop(**BODY)
+    top = tt.TippeTop(**LEINE_GLOCKER)
     with pytest.raises(tt.InputError, match="no spin lasts"):
         tt.theory.linear_modes(top, omega3=100.0, law=tt.friction.Viscous(0.3, mu_r=1e-5))
     run = tt.run("inverting", tt.friction.Viscous(0.3, mu_r=1e-5), until=0.01)
