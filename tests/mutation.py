@@ -62,6 +62,7 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.contact.response": (
         f"{CONTACT}/test_response.py",
         f"{CONTACT}/test_arrival.py",
+        f"{RUNS}/test_impacts.py",
         f"{RUNS}/test_loaded_impacts.py",
     ),
     "mechanics.contact.coulomb": (f"{CONTACT}/test_response.py",),
@@ -87,6 +88,7 @@ COMPILED = (
     "test_rows_of_phases.py",
     "test_disc_at_rest.py",
     "test_parts_of_laws.py",
+    "test_impacts.py",
     "test_loaded_impacts.py",
     "test_asymptotics.py",
 )
