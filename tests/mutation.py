@@ -75,6 +75,7 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.contact.impact": (
         f"{CONTACT}/test_arrival.py",
         f"{CONTACT}/test_impact.py",
+        f"{RUNS}/test_loaded_impacts.py",
         "-m",
         "not slow",
     ),
