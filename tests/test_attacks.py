@@ -16,7 +16,7 @@ CAMPAIGNS = [
     "damage",
     "scenarios",
     "extremes",
-]  # not the plans: their lanes compile for half a minute
+]
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ extreme.
 usage: python tests/attacks [CAMPAIGN ...] [--seconds S] [--count N] [--seed S] [--results FILE]
 [--case NUMBER]
 
-CAMPAIGN is one of kills, damage, scenarios, plans, extremes; without it, all. Each says in its own
+CAMPAIGN is one of kills, damage, scenarios, extremes; without it, all. Each says in its own
 file what it does, how it judges, and what it cannot see. --count is the number of tries of each
 campaign (default: its own); no case is begun after --seconds of a campaign's share. Every verdict
 is a line of --results, a failure with what repeats it: `--seed` and `--case` do it again. Exit
@@ -31,7 +31,6 @@ CAMPAIGNS = {
     "kills": 0.3,
     "damage": 0.12,
     "scenarios": 0.26,
-    "plans": 0.14,
     "extremes": 0.18,
 }  # shares of the time
 

@@ -1,7 +1,6 @@
 """Many tops at once are the same tops one by one, whatever runs beside them."""
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,13 +11,12 @@ from tippetop.engine.opt_level import opt_level
 from tippetop.engine.status import Status
 from tippetop.ensembles import lanes, outcomes
 from tippetop.ensembles.ensemble import measure, vary
-from tippetop.ensembles.outcomes import CLASSES
 from tippetop.errors import InputError
 from tippetop.mechanics.event import Event, Kept
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.run import solve
-from tippetop.scenario import build, reading
+from tippetop.scenario import build
 
 
 def kinds(found: xr.Dataset, name: str = "class") -> np.ndarray:
@@ -155,31 +153,6 @@ def test_the_liftoff_border_of_the_canonical_top() -> None:
     assert np.all(found["normal_force_min"].values[~lifted] > 0)
 
 
-def test_a_fast_top_without_contact_ends_at_the_start() -> None:
-    found = tippetop.ensemble(
-        "inverting",
-        {"initial.theta": np.full(3, 2.0), "initial.theta_dot": [1.0, 100.0, 2.0]},
-        until=0.2,
-    )
-    assert kinds(found, "status")[1] == "liftoff"
-    assert float(found["t_end"][1]) == float(found["lifted_at"][1]) == 0.0
-    assert np.isfinite(found["theta_end"].values).all()
-
-
-def test_a_settled_top_stops_and_leaves_its_lane(tmp_path: Path) -> None:
-    text = reading.presets()["inverting"].replace(
-        "until = 10.0", 'until = 1000.0\nstop_when = "settled"'
-    )
-    path = tmp_path / "settling.toml"
-    path.write_text(text)
-    found = tippetop.ensemble(str(path), {"initial.omega3": np.array([100.0, 130.0, 155.0])})
-    assert kinds(found, "status").tolist() == ["settled"] * 3
-    assert kinds(found).tolist() == ["inverted"] * 3
-    wait = found["t_end"].values - found["settled_at"].values
-    assert np.all((wait > 200 / 16) & (wait < 200 / 16 + 0.3))  # an internal unit is 1/16 s
-    assert np.all(found["t_end"] < 500)
-
-
 @pytest.mark.parametrize(
     ("variations", "word"),
     [
@@ -227,14 +200,6 @@ def test_numbers_of_ends_in_a_store_are_those_of_status() -> None:
     for system in SYSTEMS.values():
         assert outcomes.statuses_of(system) == words
     assert [Status(word).code for word in words] == list(range(8))
-
-
-def test_every_ending_gets_its_number(found: xr.Dataset) -> None:
-    """Status by number and by the events that made it."""
-    lifted = found["status"].values == Status.LIFTOFF.code
-    assert lifted.any()
-    assert np.array_equal(lifted, np.isfinite(found["lifted_at"].values))
-    assert np.array_equal(lifted, found["class"].values == CLASSES.index("lifted-off"))
 
 
 # --- events of a system's own -------------------------------------------------------------------
@@ -305,15 +270,6 @@ def test_a_sixth_and_a_seventh_kind_are_found_alike_in_lanes_and_alone() -> None
     assert rows["quicks"].values.max() > 10
 
 
-def test_other_events_do_not_change_what_is_kept_of_these(
-    mixed: dict[str, np.ndarray], found: xr.Dataset
-) -> None:
-    tops = Problems.vary(toy(HIGH), mixed)
-    assert tops.valid.all()
-    again = outcomes.dataset(measure(tops, threads=1), [])
-    assert same(found, again[list(found)])
-
-
 def test_an_event_of_ones_own_ends_tops_alike_in_lanes_and_alone() -> None:
     base = toy(TIPPED)
     spins = np.array([110.0, 155.0])
@@ -373,13 +329,3 @@ def test_the_orientation_of_lanes_is_that_of_runs_and_changes_no_other_column() 
         turn = np.array([float(full[f"orientation_{part}_end"][i]) for part in "wxyz"])
         assert turn == pytest.approx(row["orientation"].values[0], abs=1e-11)
         assert float(full["psi_end"][i]) == pytest.approx(row["psi"].values[0], abs=1e-11)
-
-
-def test_the_orientation_of_tops_that_did_not_run_is_nan() -> None:
-    found = tippetop.ensemble(
-        "inverting", {"omega3": [155.0, np.nan]}, until=0.1, threads=1, orientation=True
-    )
-    assert kinds(found, "status").tolist() == ["finished", "invalid"]
-    assert all(
-        np.isfinite(found[name].values).tolist() == [True, False] for name in outcomes.ORIENTATION
-    )

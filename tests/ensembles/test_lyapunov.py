@@ -64,7 +64,7 @@ def test_a_contact_that_opens_has_none() -> None:
         tt.ensemble("flying", {"mu": [0.1]}, until=0.01, lyapunov=True)
 
 
-@pytest.mark.parametrize("axes", [AXES, AXES[:1]])
+@pytest.mark.parametrize("axes", [AXES])
 def test_it_has_a_map(axes: list, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     plan = Plan.from_tables({"scenario": "inverting", "keep": ["lyapunov"], "axis": axes})
     rates = np.linspace(0.5, 3.0, plan.n)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from tippetop.ensembles import ensemble
-from tippetop.ensembles.lanes import watched
 from tippetop.ensembles.outcomes import Outcomes
 from tippetop.problem import Problems
 from tippetop.scenario import build
@@ -69,13 +68,3 @@ def test_turnings_are_looked_for_only_where_they_are_wanted(
     some = ensemble.measure(tops, threads=1, wanted=["class"])
     assert np.all(some.columns["turnings"] == 0)
     assert np.any(everything.columns["turnings"] > 0)
-
-
-def test_what_ends_or_settles_a_top_is_always_looked_for(tops: Problems) -> None:
-    rows = ensemble.Lanes(tops, 1).rows
-    events = tops.base.system.events
-    few = watched(rows, tops.base, [])
-    expected = [bool(event.ends or event.lasting) for event in events]
-    assert few.events["watched"].tolist() == expected
-    assert not few.events["ranged"].any()
-    assert watched(rows, tops.base, None).events["watched"].all()

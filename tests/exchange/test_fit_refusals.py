@@ -11,11 +11,6 @@ import tippetop as tt
 from tippetop import cli
 from tippetop.errors import InputError
 from tippetop.exchange import measured
-from tippetop.exchange.fit_text import lines
-from tippetop.exchange.fitting import Estimate, Fit, _within
-from tippetop.exchange.scales import scale_of
-from tippetop.mechanics.number import Number
-from tippetop.mechanics.units import ONE
 
 
 @pytest.fixture
@@ -149,16 +144,6 @@ def test_noise_explains_angles_beyond_the_poles(
         assert np.rad2deg(observed().groups["theta"][2, 0]) == pytest.approx(182.14)
 
 
-def test_names_that_are_offered_may_be_free(film: Path) -> None:
-    with pytest.raises(InputError, match=r"Did you mean `mu`\?") as raised:
-        tt.fit(film, "inverting", "friction.mue")
-    assert "run." not in str(raised.value)
-    observation = measured.observation_of(
-        tt.load("inverting"), str(film), ["mu"], measured.Convention(), None
-    )
-    assert list(observation.start()) == ["friction.mu"]
-
-
 @pytest.mark.parametrize(("first", "offset"), [(-1.0, 1.0), (12.3, -12.3), (0.02, 0.0)])
 def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_the_motion(
     tmp_path: Path, first: float, offset: float
@@ -171,36 +156,3 @@ def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_th
     assert measured.observation_of(
         tt.load("inverting"), path, free, measured.Convention(), None
     ).start() == {"time.offset": offset}
-
-
-def test_an_interval_ends_where_that_of_its_number_does() -> None:
-    scale = scale_of(Number(ONE, "", above=0, below=1), 0.25)
-    assert [scale.outside(_within(scale, u)) for u in (-3.0, 2.0, 9.0)] == [0.0, 0.5, 1.0]
-
-
-def test_an_interval_of_many_powers_of_ten_is_undecided(film: Path) -> None:
-    observation = measured.observation_of(
-        tt.load("inverting"), film, ["friction.mu"], measured.Convention(), None
-    )
-    fit = Fit(
-        {"friction.mu": Estimate(0.3, 50.0, 1e-167, 4e155)},
-        np.eye(1),
-        True,
-        True,
-        ["."],
-        {},
-        {},
-        np.zeros(2),
-        1,
-    )
-    assert "0.3 +- 50 s m-1   (95 %: undecided)" in lines(fit, observation)[0]
-
-
-@pytest.mark.parametrize(("sigma", "text"), [(1e6, "0.053 +- 1e+06"), (2e-5, "0.0526494 +- 2e-05")])
-def test_a_value_has_the_digits_that_its_error_leaves(film: Path, sigma: float, text: str) -> None:
-    observation = measured.observation_of(
-        tt.load("inverting"), film, ["friction.mu"], measured.Convention(), None
-    )
-    estimates = {"friction.mu": Estimate(0.052649398, sigma, 0.0, 1.0)}
-    fit = Fit(estimates, np.eye(1), True, True, ["."], {}, {}, np.zeros(2), 1)
-    assert text in lines(fit, observation)[0]

@@ -6,19 +6,15 @@ import json
 import tomllib
 from pathlib import Path
 
-import heyoka as hy
 import numpy as np
 import pytest
 from nightly import at_night
 
 import tippetop as tt
 from tippetop import cli
-from tippetop.engine import tangent, variational
-from tippetop.engine.derivatives.numbers import Numbers
 from tippetop.errors import InputError
 from tippetop.exchange.motion import Motion, turned
 from tippetop.exchange.observation import Observation
-from tippetop.exchange.scales import Space, scale_of
 from tippetop.exchange.search import Minimum, merge
 from tippetop.library.exchanging import Fitted
 
@@ -108,54 +104,12 @@ def test_outliers_hardly_move_a_fit_with_another_loss(
         assert found.estimates[name].value == pytest.approx(estimate.value, abs=4 * estimate.sigma)
 
 
-def test_progress_ends_with_the_windows_that_were_expected(film: Path) -> None:
-    seen: list[tuple[int, int]] = []
-    problem = tt.load("inverting", SCENARIO)
-    tt.fit(film, problem, "friction.mu", progress=lambda done, of: seen.append((done, of)))
-    assert seen[0][0] == 0
-    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
-    assert seen[-1][0] == seen[-1][1]
-
-
 def test_searches_with_the_same_end_are_counted_together() -> None:
     def end(point: float, cost: float) -> Minimum:
         return Minimum(np.array([point]), np.zeros(9), np.full((9, 1), 10.0), cost, 0.01)
 
     ends = merge([end(1.0, 3.0), end(0.0, 1.0), end(0.001, 1.0), end(1.0, 3.0), end(0.0, 1.0)])
     assert [(e.point.round(2).item(), e.searches) for e in ends] == [(0.0, 3), (1.0, 2)]
-
-
-FROM_POLE = {
-    "initial.theta": 0.1,
-    "initial.phi": -2.0,
-    "initial.theta_dot": 1.0,
-    "initial.phi_dot": 10.0,
-    "initial.nu_x": 0.05,
-    "initial.nu_y": -0.1,
-    "friction.mu": 0.3,
-}
-
-
-@pytest.mark.parametrize("left_out", [(), ("initial.nu_y",), ("initial.phi",)])
-def test_slopes_of_coordinates_are_those_of_differences(left_out: tuple[str, ...]) -> None:
-    start = {name: value for name, value in FROM_POLE.items() if name not in left_out}
-    rules = tt.load("inverting").rules
-    space = Space(start, [scale_of(rules[name], value) for name, value in start.items()])
-    assert space.values(np.zeros(len(start))) == pytest.approx(start)
-    point = np.random.default_rng(1).uniform(-0.5, 0.5, len(start))
-    for k, size in enumerate(1e-6 * np.eye(len(start))):
-        ahead, behind = (np.array(list(space.values(point + s * size).values())) for s in (1, -1))
-        np.testing.assert_allclose(
-            space.slopes(point)[:, k], (ahead - behind) / 2e-6, rtol=1e-6, atol=1e-6
-        )
-
-
-def test_the_axis_passes_through_the_pole_in_a_straight_line() -> None:
-    start = {"initial.theta": 0.1, "initial.phi": 0.5}
-    rules = tt.load("inverting").rules
-    space = Space(start, [scale_of(rules[name], value) for name, value in start.items()])
-    beyond = space.values(np.array([-0.3, 0.0]) / space.width)
-    assert beyond == pytest.approx({"initial.theta": 0.2, "initial.phi": 0.5 + np.pi})
 
 
 @pytest.mark.slow
@@ -193,21 +147,6 @@ def test_of_a_film_that_begins_late_the_best_minimum_is_found(seed: int, tmp_pat
     left, least = (float(np.sum(f.residuals["axis"] ** 2)) for f in (found, best))
     assert found.trustworthy
     assert left <= least * (1 + 1e-4)
-
-
-@pytest.mark.parametrize(("tolerance", "careful"), [(0.0, True), (1e-9, False)])
-def test_only_integrators_at_the_rounding_unit_add_up_in_two_numbers(
-    monkeypatch: pytest.MonkeyPatch, tolerance: float, careful: bool
-) -> None:
-    """It costs a quarter, and a fit asks for 1e-9."""
-    asked = []
-    monkeypatch.setenv("TIPPETOP_CACHE_DIR", "")
-    monkeypatch.setattr(
-        hy, "taylor_adaptive_batch", lambda *_, **options: asked.append(options["high_accuracy"])
-    )
-    kind = Numbers(tt.load("heavy-top")).kind(1)
-    variational.compiled_motion.__wrapped__(kind, 1, True, tolerance, kind.variables.names)
-    assert asked == [careful]
 
 
 def test_a_fit_is_a_scenario_that_runs(fit: Fitted, tmp_path: Path) -> None:
@@ -293,60 +232,6 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     np.testing.assert_allclose(-off, place + turned(run.orientation.values, arm), rtol=0, atol=1e-9)
 
 
-def test_of_quaternions_the_inclination_is_drawn_measured_and_predicted() -> None:
-    """A figure of a fit whose upper panel was empty."""
-    t = np.array([0.02, 0.05, 0.11])
-    run = tt.run("inverting", until=0.12, output_times=t).trajectory.sel(time=t)
-    seen = Motion(t, None, None, run.orientation.values, *(None,) * 4)
-    observation = Observation(tt.load("inverting"), ["friction.mu"], seen)
-    for drawn in (observation.dots(), observation.curves(observation.start(), t)):
-        np.testing.assert_allclose(
-            drawn["orientation"], run.theta.values[:, None], rtol=0, atol=1e-8
-        )
-
-
-def test_all_windows_of_long_data_take_the_equations_that_the_last_one_is_worth(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Straight code, four times as fast as compact code, from the first window on."""
-    asked = []
-
-    def compiled(_kind: object, _lanes: int, compact: bool, *_: object) -> None:
-        asked.append(compact)
-        raise InterruptedError
-
-    monkeypatch.setattr(tangent, "compiled_motion", compiled)
-    t = np.linspace(0.1, 10, 100)
-    seen = Motion(t, np.full(100, 0.2), *(None,) * 6)
-    observation = Observation(tt.load("inverting"), [*TRUE, "parameters.I1"], seen)
-    for rows in (slice(0, 10), slice(None)):
-        with pytest.raises(InterruptedError):
-            observation.predictions([observation.start()], rows)
-    assert asked == [False, False]
-
-
-def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
-    found = tt.fit(
-        film,
-        tt.load("inverting", ["initial.theta=0.5", "initial.omega3=130.0"]),
-        "friction.mu",
-        starts=1,
-    )
-    assert not found.trustworthy
-    assert "the residuals are not noise" in found.reason
-
-
-@pytest.mark.slow
-def test_starts_far_off_lead_to_the_same_numbers(film: Path, fit: Fitted) -> None:
-    far = ["friction.mu=0.21", "initial.omega3=201.5", "initial.theta=0.35"]
-    found = tt.fit(film, tt.load("inverting", far), list(TRUE))
-    assert found.trustworthy
-    for name in TRUE:
-        assert found.estimates[name].value == pytest.approx(
-            fit.estimates[name].value, abs=0.05 * found.estimates[name].sigma
-        )
-
-
 @pytest.mark.parametrize(
     ("free", "words"),
     [
@@ -373,15 +258,7 @@ def test_the_command_prints_json_and_writes_a_scenario(
     film: Path, tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     out, figure = tmp_path / "fit.toml", tmp_path / "fit.svg"
-    arguments = [
-        "fit",
-        str(film),
-        "inverting",
-        "--set",
-        "initial.theta=0.5",
-        "--free",
-        "friction.mu",
-    ]
+    arguments = f"fit {film} inverting --set initial.theta=0.5 --free friction.mu".split()
     assert cli.outcome([*arguments, "--json", "--out", str(out), "--figure", str(figure)]) == 0
     said = json.loads(capsys.readouterr().out)
     assert abs(said["estimates"]["friction.mu"]["value"] - 0.3) < 0.03
@@ -391,3 +268,14 @@ def test_the_command_prints_json_and_writes_a_scenario(
     assert out.is_file()
     assert figure.is_file()
     assert cli.outcome([*arguments, "--out", str(out)]) == 5  # it stands already
+
+
+def test_a_wrong_model_leaves_no_noise(film: Path) -> None:
+    found = tt.fit(
+        film,
+        tt.load("inverting", ["initial.theta=0.5", "initial.omega3=130.0"]),
+        "friction.mu",
+        starts=1,
+    )
+    assert not found.trustworthy
+    assert "the residuals are not noise" in found.reason

@@ -63,12 +63,6 @@ def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_n
     assert all(other.cost > best.cost for other in others)
 
 
-def test_a_drift_that_decides_the_period_leaves_no_other() -> None:
-    left = misfit(0.5)
-    best, *others = walk(left, local_minimum(left, np.zeros(2), len(T)), 0)
-    assert all(other.cost - best.cost > 14 * best.variance for other in others)
-
-
 def test_of_periods_that_are_all_alike_the_nearest_is_taken() -> None:
     """A motion that is periodic: costs differ by rounding."""
     left = misfit(0.0)

@@ -7,7 +7,7 @@ import pytest
 
 from tippetop.errors import InputError
 from tippetop.exchange import table
-from tippetop.exchange.motion import Convention, motion, turned
+from tippetop.exchange.motion import Convention, motion
 
 
 def written(folder: Path, text: str) -> Path:
@@ -48,18 +48,6 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read.columns["theta"], [0.1, 4.0])
 
 
-def test_units_of_an_export_that_was_edited_count(tmp_path: Path) -> None:
-    header = OWN.replace("theta,", "theta [deg],", 1)
-    read = table.read(written(tmp_path, f"{header}\n0,slip,90,0,1,3,3,1\n0.5,roll,45,0,1,3,3,1\n"))
-    np.testing.assert_allclose(read.columns["theta"], [np.pi / 2, np.pi / 4])
-
-
-def test_columns_that_are_not_known_are_one_sentence(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="the columns `K`, `L` are not known") as raised:
-        table.read(written(tmp_path, "time [s],theta [rad],K,L\n0,1,1,1\n1,1,1,1\n"))
-    assert len(raised.value.sentences) == 1
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -85,6 +73,7 @@ def test_columns_that_are_not_known_are_one_sentence(tmp_path: Path) -> None:
             "t [s], theta [deg]\n0,10\n1,-5\n",
             r"in 0 to pi, but is -0\.0872665 rad \(-5 deg\) in row 2\.$",
         ),
+        ("time [s],theta [rad],K,L\n0,1,1,1\n1,1,1,1\n", "the columns `K`, `L` are not known"),
         ("t [s]; theta [deg]\n0;10\n", "separated by commas"),
         ("t [s]\ttheta [deg]\n0\t10\n", "separated by commas"),
         ("t [s], theta [rad], theta [deg]\n0,1,1\n1,1,1\n", "`theta` must occur once"),
@@ -127,8 +116,3 @@ def test_a_vertical_y_is_our_z(tmp_path: Path) -> None:
     np.testing.assert_allclose(seen.theta, 0.3)
     np.testing.assert_allclose(seen.place[0], [3, 1, 2])
     np.testing.assert_allclose(seen.axis[0], [0, -np.sin(0.3), np.cos(0.3)], atol=1e-15)
-
-
-def test_vectors_are_turned() -> None:
-    q = np.array([[np.cos(0.5), 0, 0, np.sin(0.5)]])
-    np.testing.assert_allclose(turned(q, np.array([1.0, 0, 0])), [[np.cos(1), np.sin(1), 0]])

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from tippetop.errors import InputError
-from tippetop.figures import catalogue, drawing, labels, thinning
+from tippetop.figures import catalogue, drawing, labels
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.library.run import Run
 from tippetop.mechanics.friction import LAWS, FrictionLaw
@@ -68,35 +68,11 @@ def test_theta_is_drawn_with_its_turnings(inverting: tuple) -> None:
     assert [tick.get_text() for tick in above.get_yticklabels()] == ["0", "π/4", "π/2", "3π/4", "π"]
 
 
-def test_the_width_of_the_band_is_not_drawn_over_a_pause_of_the_turnings(inverting: tuple) -> None:
-    """While the top turns over theta does not turn back: the line is open there, and the rise is no
-    width.
-    """
-    events = inverting[1]
-    turning = events["time"].values[(events["kind"].values == 0) & events["significant"].values]
-    figure = drawn("theta", inverting)
-    pieces = figure.axes[1].get_lines()
-    assert len(pieces) >= 2
-    for piece in pieces:
-        assert np.diff(piece.get_xdata()).max() < 0.3 * np.diff(turning).max()
-        assert np.nanmax(piece.get_ydata()) < 0.25  # the rise of the pause is 0.5 rad
-    entries = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert entries.count("nutational band") == 1
-
-
 def test_without_turnings_there_is_neither_band_nor_panel_nor_entry(inverting: tuple) -> None:
     trajectory, events, attrs = inverting
     figure = drawn("theta", (trajectory, events.isel(event=slice(0, 0)), attrs))
     assert len(figure.axes) == 1
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["θ(t)"]
-
-
-def test_a_swing_that_is_a_trembling_does_not_narrow_the_band() -> None:
-    """After an impact theta may turn twice within a swing: the band goes on as if it had not."""
-    from tippetop.figures.theta import _trembling
-
-    swings = np.array([1.0, 0.9, 1.0, 0.5, 1e-6, 0.5, 0.9, 1.0])
-    assert list(np.flatnonzero(_trembling(swings))) == [3, 4]
 
 
 def test_a_title_is_text(inverting: tuple) -> None:
@@ -173,40 +149,6 @@ def test_normal_force_is_drawn_in_weights_with_its_extremes(inverting: tuple) ->
     assert axes.get_ylim()[0] < 0 < extremes["max"] / weight < axes.get_ylim()[1]
 
 
-def test_drift_is_the_worst_change_of_each_bin(inverting: tuple) -> None:
-    trajectory, _, _ = inverting
-    found = lines(drawn("drift", inverting))
-    assert {"Jellett's integral λ", "energy balance E + ∫ friction power"} <= set(found)
-    jellett = trajectory["jellett"].values
-    worst = np.abs(jellett / jellett[0] - 1).max()
-    curve = found["Jellett's integral λ"].get_ydata()
-    assert np.nanmax(curve) == pytest.approx(worst)
-    assert len(curve) <= 250
-    balance = trajectory["energy"].values + trajectory["work"].values
-    assert np.nanmax(found["energy balance E + ∫ friction power"].get_ydata()) == pytest.approx(
-        np.abs(balance / balance[0] - 1).max(), rel=1e-3
-    )
-
-
-@pytest.mark.parametrize("kind", ["drift", "growth"])
-def test_an_exact_zero_is_labelled_and_not_drawn(kind: str, inverting: tuple) -> None:
-    trajectory, events, attrs = inverting
-    exact = trajectory.assign(jellett=trajectory["jellett"] * 0 + 1)
-    found = lines(drawn(kind, (exact, events, attrs)))
-    assert np.isnan(found["Jellett's integral λ: exactly 0"].get_ydata()).all()
-    values = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in found.values()])
-    assert np.nanmin(values) > 1e-17
-    nothing = exact.assign(energy=trajectory["energy"] * 0 + 1, work=trajectory["work"] * 0)
-    found = lines(drawn(kind, (nothing.drop_vars("axis"), events, attrs)))
-    assert all(label.endswith(": exactly 0") for label in found if label != "rounding unit")
-
-
-def test_growth_never_falls(inverting: tuple) -> None:
-    for label, line in lines(drawn("growth", inverting)).items():
-        values = np.asarray(line.get_ydata(), dtype=float)
-        assert np.all(np.diff(values[np.isfinite(values)]) >= 0), label
-
-
 def test_sphere_shows_the_near_side_of_the_path(inverting: tuple) -> None:
     """From above only z > 0, from below only z < 0; a segment's ends are rows of the axis."""
     path = inverting[0]["axis"].values
@@ -222,30 +164,6 @@ def test_sphere_shows_the_near_side_of_the_path(inverting: tuple) -> None:
         np.testing.assert_array_equal(segments[:, 1], path[1:, :2][near] * (1, mirrored))
 
 
-def test_energies_are_drawn_with_prefixed_units(inverting: tuple) -> None:
-    trajectory, _, _ = inverting
-    found = lines(drawn("energy", inverting))
-    assert len(found) == 3
-    for label, name in zip(found, ("modified_energy", "energy", "work"), strict=True):
-        np.testing.assert_allclose(found[label].get_ydata(), trajectory[name])
-    axes = found[label].axes
-    assert axes.yaxis.get_major_formatter()(0.02) == "20 mJ"
-
-
-@pytest.mark.parametrize(
-    "count", [thinning.MOST_POINTS, thinning.MOST_POINTS + 1, 10 * thinning.MOST_POINTS + 7]
-)
-def test_a_long_curve_is_thinned_without_losing_a_peak(
-    count: int, rng: np.random.Generator
-) -> None:
-    t, values = np.arange(float(count)), rng.normal(size=count)
-    when, thin = thinning.thinned(t, values)
-    assert len(when) <= thinning.MOST_POINTS + 20
-    assert (thin.min(), thin.max()) == (values.min(), values.max())
-    np.testing.assert_array_equal(thin, values[when.astype(int)])
-    assert when[-1] >= count - 20
-
-
 # --- in the landscape ---------------------------------------------------------------------------
 
 
@@ -259,22 +177,6 @@ def test_band_is_the_predicted_one_with_the_logged_turnings(inverting: tuple) ->
     inside = (curves["θ(t)"].get_ydata() > low - 1e-6) & (curves["θ(t)"].get_ydata() < high + 1e-6)
     assert inside.all()
     assert np.nanmedian(below.get_lines()[0].get_ydata()) < 1e-7
-
-
-def test_inversion_is_drawn_above_the_surface_from_state_to_state(inverting: tuple) -> None:
-    """(D, E~) of the run never lies below F, and goes from the one spinning state towards the
-    other.
-    """
-    figure = drawn("inversion", inverting)
-    curves = lines(figure)
-    path, F = curves["run (D(t), Ẽ(t))"], curves["minimal surface F"]
-    floor = np.interp(path.get_xdata(), F.get_xdata(), F.get_ydata())
-    assert np.all(path.get_ydata() > floor - 0.01 * np.ptp(F.get_ydata()))
-    states = marks(figure)
-    start, end = (np.array([path.get_xdata()[i], path.get_ydata()[i]]) for i in (0, -1))
-    upright, inverted = states["spinning, θ = 0"][0], states["spinning, θ = π"][0]
-    assert np.linalg.norm(start - upright) < np.linalg.norm(start - inverted)
-    assert np.linalg.norm(end - inverted) < np.linalg.norm(end - upright)
 
 
 def test_surface_is_drawn_with_its_marked_lines() -> None:

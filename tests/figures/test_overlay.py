@@ -3,9 +3,7 @@ there stay.
 """
 
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,8 +11,8 @@ import xarray as xr
 
 from tippetop.cli import outcome
 from tippetop.errors import InputError
-from tippetop.figures import catalogue, drawing, labels, motions, overlay
-from tippetop.figures.style import figure, legend, save
+from tippetop.figures import catalogue, drawing, labels, overlay
+from tippetop.figures.style import figure, save
 from tippetop.figures.window import in_window
 
 
@@ -62,83 +60,6 @@ def test_runs_are_named_by_what_is_different_in_them() -> None:
     assert labels.differences(slower[:1] * 2, ["a", "b"]) == ["a", "b"]
     ended = labels.differences([slower[0], slower[1] | {"status": "lifted-off"}], ["a", "b"])
     assert ended[1] == "μ = 0.2 s m⁻¹, ends: lifted off"
-
-
-def test_curves_differ_by_colour_and_by_stroke() -> None:
-    ax = Mock(wraps=figure().subplots())
-    overlay.overlay("theta", [a_run()] * 40, [str(i) for i in range(40)], ax)
-    looks = [(call.kwargs["color"], call.kwargs["ls"]) for call in ax.plot.call_args_list]
-    assert len(set(looks)) == 40
-    colours, strokes = zip(*looks[:5], strict=True)
-    assert len(set(colours)) == len(set(strokes)) == 5
-
-
-def test_no_legend_is_wider_than_its_figure() -> None:
-    """It was cut off at the left: of unlike runs, of many integrals, in a figure made small."""
-    fig = figure(7, 4)
-    axes = fig.subplots()
-    for i in range(4):
-        axes.plot(
-            [0, 1],
-            [0, i],
-            label=f"angular momentum $L_{i}$ of something, open where it is 0, {i} = 1 kg m² s⁻¹",
-        )
-    for columns in (1, 4):
-        legend(axes, "upper right", ncols=columns)
-    unlike = [
-        a_run(friction={"law": f"law {'of a long name ' * i}"}, initial={"theta": i * 0.1})
-        for i in (1, 2, 9)
-    ]
-    small = drawing.several(
-        "theta", unlike, ["a$b", "c$d", "e"], catalogue.Look(size=(4, 3))
-    ).get_figure(root=True)
-    for whole in (fig, small):
-        for one in whole.legends:
-            assert one.get_window_extent().width <= whole.bbox.width
-    assert [text.get_text().replace("\n", " ") for text in fig.legends[0].get_texts()] == [
-        str(line.get_label()) for line in axes.get_lines()
-    ]
-    whole_title = small.axes[0].get_title(loc="left")
-    assert max(map(len, whole_title.splitlines())) <= 40
-    same = drawing.several("theta", [a_run(), a_run()], ["$a_{$b", "c$d$$"]).get_figure(root=True)
-    same.canvas.draw()  # a dollar in the name of a file begins no formula
-
-
-def test_a_comparison_is_labelled_as_the_other_figures_are() -> None:
-    """Units in round brackets, the legend beside the curves, a dollar of a file no formula, exact
-    zeros not drawn.
-    """
-    t = np.linspace(0, 1, 50)
-    compared = [
-        SimpleNamespace(
-            path=Path(f"dt=${i}.csv"),
-            t=t,
-            theta=t,
-            reference=t,
-            curves={"axis": i * t, "theta": 0 * t, "energy": i * t},
-        )
-        for i in (1, 2)
-    ]
-    fig = motions.comparison(compared, "tippe top, vector form")
-    fig.canvas.draw()
-    assert [axes.get_ylabel() for axes in fig.axes] == [
-        "inclination θ (rad)",
-        "difference (rad)",
-        "relative change",
-    ]
-    assert fig.axes[0].get_title(loc="left") == "Tippe top, vector form"
-    assert fig.axes[1].get_title(loc="left") == "Error: solid axis, dotted θ alone"
-    assert fig.axes[0].get_legend() is None
-    assert [text.get_text() for text in fig.legends[0].get_texts()] == [
-        "reference",
-        r"dt=\$1",
-        r"dt=\$2",
-    ]
-    assert all(
-        not np.isfinite(line.get_ydata()).any()
-        for line in fig.axes[1].lines
-        if line.get_linestyle() == ":"
-    )
 
 
 def test_the_kinds_that_compare_runs_are_those_that_say_so() -> None:

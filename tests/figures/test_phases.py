@@ -91,23 +91,6 @@ def test_phases_are_shaded_from_start_to_end_in_every_panel() -> None:
     ]
 
 
-def test_many_phases_have_their_share_in_the_legend() -> None:
-    count = 10_000
-    edges = np.arange(count + 1.0) + 0.5 * (np.arange(count + 1) % 2)  # slip 1.5, flight 0.5
-    fig = panels()
-    shading.mark(
-        list(fig.axes),
-        table(
-            start=edges[:-1],
-            end=edges[1:],
-            phase=["slip", "flight"] * (count // 2),
-            ball=["body"] * count,
-        ),
-        table(time=edges[1:], ball=["body"] * count),
-    )
-    assert legend(fig) == ["slip: 75.0 %", "flight: 25.0 %", "10000 impacts"]
-
-
 def test_the_drift_of_jellett_s_integral_begins_anew_with_another_ball() -> None:
     """lambda is that of the ball in contact: its jump at a hand-over is no drift, not even if both
     came back between two rows; nor is what drilling takes.
@@ -129,7 +112,7 @@ def test_the_drift_of_jellett_s_integral_begins_anew_with_another_ball() -> None
 def sticking(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The store of a top that slides, and rolls from 0.0288 s on."""
     store = tmp_path_factory.mktemp("phases") / "run.zarr"
-    assert outcome(["run", "cohen-coulomb", "--until", "0.05", "--out", str(store)]) == 0
+    assert outcome(f"run cohen-coulomb --until 0.05 --out {store}".split()) == 0
     return store
 
 
@@ -138,17 +121,4 @@ def test_a_stored_run_is_drawn_with_its_phases(sticking: Path, kind: str) -> Non
     made = tt.open(sticking).plot(kind)
     for axes in made.axes:
         np.testing.assert_allclose(shades(axes)[0], [0, 0.02878761568, 0.05], rtol=0, atol=1e-11)
-    assert legend(made) == ["slip: 57.6 %", "roll: 42.4 %"]
-
-
-def test_plot_writes_the_picture_of_a_run_with_phases(sticking: Path, tmp_path: Path) -> None:
-    assert outcome(["plot", str(sticking), "--out", str(tmp_path / "theta.svg")]) == 0
-    words = (tmp_path / "theta.svg").read_text()
-    assert words.startswith("<?xml")
-    for drawn in ("<!-- slip: 57.6 % -->", "<!-- roll: 42.4 % -->", "<!-- inclination θ (rad) -->"):
-        assert drawn in words
-
-
-def test_a_run_in_memory_is_drawn_with_its_phases() -> None:
-    made = tt.run("cohen-coulomb", until=0.05).plot("energy")
     assert legend(made) == ["slip: 57.6 %", "roll: 42.4 %"]

@@ -1,6 +1,5 @@
 """Figures as wide as a journal column, panels of users' figures, line styles."""
 
-import re
 from pathlib import Path
 
 import matplotlib as mpl
@@ -38,34 +37,12 @@ def test_all_of_a_small_figure_is_within_it(run: tt.Run, kind: str) -> None:
     assert (drawn.max < np.array(COLUMN) + 0.03).all()
 
 
-def test_letters_of_a_small_figure_are_small(run: tt.Run) -> None:
-    sizes = [
-        run.plot("theta", size=size).axes[0].xaxis.label.get_size() for size in (COLUMN, (12, 6))
-    ]
-    assert 6 < sizes[0] < 8
-    assert sizes[1] == run.plot("theta").axes[0].xaxis.label.get_size() == 10
-
-
 def test_a_panel_of_a_users_figure_keeps_its_settings(run: tt.Run) -> None:
     with mpl.rc_context({"font.size": 5.0, "axes.titlesize": 6.0, "legend.fontsize": 4.0}):
         axes = Figure().subplots()
         assert run.plot("theta", ax=axes) is axes.figure
     assert axes.xaxis.label.get_size() == 5
     assert axes.get_legend().get_texts()[0].get_size() == 4
-
-
-def test_several_runs_differ_by_their_lines(run: tt.Run, tmp_path: Path) -> None:
-    run.plot("theta", tmp_path / "a.svg", others=[run, run])
-    patterns = re.findall(
-        "stroke-dasharray: ([0-9., ]+)", (tmp_path / "a.svg").read_text(encoding="utf-8")
-    )
-    assert len(set(patterns)) == 2  # and a solid one
-
-
-def test_a_legend_has_each_entry_once() -> None:
-    figure = tt.run("inverting", until=8.0, output_step=0.01).plot("sphere")
-    assert len(figure.axes) > 3  # three views and the colours
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["start", "end"]
 
 
 def test_the_growth_of_a_run_of_keyframes_is_drawn(tmp_path: Path) -> None:

@@ -504,16 +504,13 @@ def mirror(case: Case) -> Pairs:
         yield quantity.name, case.quantity(quantity.name, q), sign * case.quantity(quantity.name)
     if case.form.name in ("euler", "angle"):
         signs = {**dict.fromkeys(odd, -1), "s": -1 if "theta" in odd else 1}
-        mine, theirs = case.rates(case.state), case.rates(q)
-        for name in mine._fields:
-            yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
     else:
         signs = dict.fromkeys(
             ("uy", "Lx", "Lz", "Mx", "L3", "ry_dot", "vy", "y", "phi", "D", "lam"), -1
         )
-        mine, theirs = case.rates(case.state), case.rates(q)
-        for name in mine._fields:
-            yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
+    mine, theirs = case.rates(case.state), case.rates(q)
+    for name in mine._fields:
+        yield f"rate of {name}", getattr(theirs, name), signs.get(name, 1) * getattr(mine, name)
 
 
 class Scale(NamedTuple):

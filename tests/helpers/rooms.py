@@ -11,9 +11,6 @@ another; a floor is a set of rooms that import only from floors below.
 
 import ast
 import functools
-import statistics
-import sys
-from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
@@ -99,56 +96,3 @@ def layout(source: Path, package: str = "tippetop") -> Layout:
         floors,
         tuple(c for c in set(circle.values()) if len(c) > 1),
     )
-
-
-def functions(paths: list[Path]) -> list[int]:
-    """The number of lines of every function."""
-    kinds = ast.FunctionDef | ast.AsyncFunctionDef
-    trees = (ast.parse(path.read_text(encoding="utf-8")) for path in paths)
-    return [
-        n.end_lineno - n.lineno + 1
-        for tree in trees
-        for n in ast.walk(tree)
-        if isinstance(n, kinds)
-    ]  # type: ignore[operator]
-
-
-def lines(paths: list[Path]) -> list[int]:
-    """The number of lines of every file."""
-    return [len(path.read_text(encoding="utf-8").splitlines()) for path in paths]
-
-
-def report(repository: Path) -> str:
-    """All of it as text."""
-    found = layout(repository / "src")
-    source = sorted([*(repository / "src").rglob("*.py"), *(repository / "kernels").rglob("*.py")])
-    tests, bench = (
-        sorted((repository / "tests").rglob("*.py")),
-        sorted((repository / "bench").rglob("*.py")),
-    )
-    sizes, tested, lengths = lines(source), lines(tests), functions(source)
-    largest = max(zip(sizes, source, strict=True))
-    crossed = sum(1 for a, b in combinations(found.rooms, 2) if {(a, b), (b, a)} <= found.arrows)
-    return "\n".join(
-        [
-            f"rooms {len(found.rooms)}, floors {len(found.floors)}, arrows {len(found.arrows)}, "
-            f"circles {len(found.circles)}, pairs that import each other {crossed}",
-            *(
-                f"  floor {i}: {', '.join(rooms)}"
-                for i, rooms in reversed(list(enumerate(found.floors)))
-            ),
-            *(f"  circle: {', '.join(circle)}" for circle in found.circles),
-            f"source files {len(sizes)}, lines {sum(sizes)}, median "
-            f"{statistics.median(s for s in sizes if s):.0f}, "
-            f"largest {largest[0]} ({largest[1].relative_to(repository)})",
-            f"functions {len(lengths)}, median {statistics.median(lengths):.0f} lines, "
-            f"ninth decile {statistics.quantiles(lengths, n=10)[-1]:.0f}, longest {max(lengths)}",
-            f"test files {len(tested)}, lines {sum(tested)}: {sum(tested) / sum(sizes):.2f} of "
-            "the source "
-            f"(and {sum(lines(bench))} in bench)",
-        ]
-    )
-
-
-if __name__ == "__main__":
-    print(report(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parents[2]))

@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 
 from tippetop_kernels.compilation import kernel
-from tippetop_kernels.grid import minima, on_threads
+from tippetop_kernels.grid import on_threads
 from tippetop_kernels.level_crossings import Level, band_of
 from tippetop_kernels.minimise import (
     LARGEST,
     MOST_EXTREMES,
     SMALLEST,
-    Status,
     extremes,
     lowest,
     minimise,
@@ -67,19 +66,6 @@ def test_minimum_is_found_from_a_bad_guess_inside_foreign_code():
     )
 
 
-@numba.njit(parallel=True)
-def theirs_in_parallel(centres):
-    found = np.empty(centres.size)
-    for i in numba.prange(centres.size):
-        found[i] = minimise(slopes, bad_guess, Hill(centres[i], 0.0), 0)
-    return found
-
-
-def test_kernels_work_inside_foreign_parallel_loops():
-    centres = np.linspace(-5, 5, 11)
-    np.testing.assert_allclose(np.log(theirs_in_parallel(centres)), centres, atol=1e-15)
-
-
 @pytest.mark.parametrize(("centre", "end"), [(-100.0, SMALLEST), (100.0, LARGEST)])
 def test_minimum_beyond_the_range_is_its_end(centre, end):
     assert minimise(slopes, bad_guess, Hill(centre, 0.0), 0) == end
@@ -109,10 +95,6 @@ def test_lowest_of_two_minima(tilt):
     assert count == 2
 
 
-def test_single_minimum_is_counted_once():
-    assert extremes(slopes, Hill(1.0, 0.0), 0, np.empty(MOST_EXTREMES)) == 1
-
-
 @pytest.mark.parametrize("width", [1e-5, 0.1, 1.0, 20.0])
 def test_crossings_of_a_hanging_chain(width):
     low, high, level, *_ = band_of(
@@ -137,38 +119,6 @@ def test_levels_of_a_hanging_chain():
     ]
     assert found[0][:2] == (1.0, 1.0)
     assert found[3][:2] == (SMALLEST, LARGEST)
-
-
-@kernel
-def prepare(x, y, r):
-    return Hill(x, y)
-
-
-@kernel
-def some_guess(p, r):
-    return math.exp(p.centre) if p.tilt > -0.1 else math.nan
-
-
-@kernel
-def no_ends(x, y, p, r):
-    return False, False
-
-
-@pytest.mark.slow
-def test_grid_of_minima():
-    """The grid settles every point, from a good guess by its steps, from a bad one (half of the
-    points) by the bracket.
-
-    One guess for both: every other function is another kernel, which compiles for seconds.
-    """
-    x, y = np.linspace(-3, 3, 7), np.linspace(-0.9, 0.9, 11)
-    F, q, status = np.empty((7, 11)), np.empty((7, 11)), np.full((7, 11), -1, np.int8)
-    fill = minima(prepare, some_guess, slopes, value, no_ends)
-    on_threads(lambda s: fill(False, x[s], y, 0, F[s], q[s], status[s]), x.size, 2)
-    at = x[:, None] - np.arcsinh(y)[None, :]
-    np.testing.assert_allclose(np.log(q), at, atol=2e-15)
-    np.testing.assert_allclose(F, np.sqrt(1 + y**2)[None, :] + y * at, atol=4e-15)
-    assert (status == Status.ATTAINED).all()
 
 
 def test_every_row_is_worked_once():

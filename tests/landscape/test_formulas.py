@@ -15,7 +15,6 @@ import pytest
 
 from tippetop.landscape import body as bodies
 from tippetop.landscape import formulas
-from tippetop.mechanics.doubledouble import DoubleDouble
 
 
 class At(NamedTuple):
@@ -138,91 +137,3 @@ def test_slopes_are_the_derivatives(name: str) -> None:
         for found, wanted in zip(formulas.slopes(at.q, at.p, at.c), exact, strict=True):
             assert abs(found / common - wanted) <= 4e-15 * size, at
         assert abs(formulas.curvature(at.q, at.p, at.c) - exact[1]) <= 4e-15 * size, at
-
-
-@every_body
-def test_gradient_is_that_by_the_momenta(name: str) -> None:
-    for at in cases(name):
-        x, y = map(mp.mpf, at.momenta)
-        exact = (
-            mp.diff(
-                lambda x, at=at, y=y: at.V(mp.mpf(at.q), x, y), x, h=abs(x) * mp.mpf(10) ** -20
-            ),
-            mp.diff(
-                lambda y, at=at, x=x: at.V(mp.mpf(at.q), x, y), y, h=abs(y) * mp.mpf(10) ** -20
-            ),
-        )
-        by = formulas.momentum_slopes(at.q, at.p, at.c)
-        per = 2 / (at.q * at.c.gamma.head)
-        slopes = (per * (by.first.head + by.first.tail), per * (by.second.head + by.second.tail))
-        for found, wanted, momentum in zip(slopes, exact, at.momenta, strict=True):
-            assert abs(found - wanted) <= 1e-14 * (abs(wanted) + scale(at) / abs(momentum)), at
-
-
-@pytest.mark.parametrize(("name", "close"), [("tippe-top", 0.01), ("heavy-top", 0.01)])
-def test_guess_is_next_to_the_minimum(name: str, close: float) -> None:
-    """K is small, or 0: a hundredth in ln(q); the slope changes its sign within."""
-    for at in cases(name)[::3]:
-        low, high = (formulas.slopes(at.q * math.exp(s), at.p, at.c)[0] for s in (-close, close))
-        if formulas.ends(*at.momenta, at.p, at.c) == (False, False):
-            assert low < 0 < high, at
-
-
-@pytest.mark.parametrize("name", ["tippe-top", "two minima"])
-@pytest.mark.parametrize("z", [1, -1])
-def test_infimum_lies_at_an_end_exactly_on_its_marked_line(name: str, z: int) -> None:
-    """Where X(z) = 0; at the inverted end only from lambda_pi on. [5.1]"""
-    b, c = oracle.body(BODIES[name]), bodies.top(BODIES[name]).coefficients
-    gamma, sigma, alpha = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R
-    rho = mp.sqrt(gamma + sigma * (alpha - z) ** 2) / (b.R * (z - alpha))
-    h = b.R + b.c
-    lam_pi = (
-        2
-        * h
-        * mp.sqrt(b.m * b.g * b.c * b.I3 * (gamma + sigma * (1 + alpha) ** 2))
-        / (1 + b.m * b.R * h / b.I3)
-    )
-    for factor in (0.01, 0.999, 1.001, 50.0):
-        for sign in (1, -1):
-            lam = float(sign * factor * lam_pi)
-            on = float(rho * lam)
-            expected = (True, False) if z == 1 else (False, factor > 1)
-            assert formulas.ends(on, lam, formulas.at_momenta(on, lam, c), c) == expected
-            for away in (1e-12, -1e-12):
-                off = on * (1 + away)
-                assert formulas.ends(off, lam, formulas.at_momenta(off, lam, c), c) == (
-                    False,
-                    False,
-                )
-
-
-@pytest.mark.parametrize("name", ["tippe-top", "two minima"])
-def test_pole_values_are_the_rates_of_X_where_X_vanishes_at_the_other_pole(name: str) -> None:
-    """Y = a + b q + k psi: without a it rises as |b'| q from q = 0, without b it tends to |a'| as q
-    -> oo.
-    """
-    none = DoubleDouble(0.0, 0.0)
-    for at in cases(name):
-        for q, p, which in ((1e-14, at.p._replace(a=none), 1), (1e14, at.p._replace(b=none), 0)):
-            psi = formulas.psi(q, p, at.c).head
-            Y = p.a.head + q * p.b.head + p.k.head * psi
-            exact = abs(Y / q if which else Y)
-            size = abs(p.a.head) + abs(p.b.head) + abs(p.k.head * psi / (q if which else 1.0))
-            assert abs(formulas.pole_values(p, at.c)[which] - exact) <= 1e-6 * size, at
-
-
-@pytest.mark.parametrize(("a", "b"), [(1.0, 2.0), (3.0, 0.1), (0.01, 5.0), (0.4, 0.4)])
-def test_the_guess_is_sharpened_with_the_cube_of_its_error(a: float, b: float) -> None:
-    c = bodies.top(oracle.FIGURE).coefficients
-    gain = mp.mpf(c.root_gamma_gain)
-    a, b = a * c.root_gamma_gain, b * c.root_gamma_gain
-    root = mp.findroot(
-        lambda s: mp.log(b**2 + (gain / (1 + mp.e**s)) ** 2) / 2 + s - mp.log(a),
-        (-9, 9),
-        "anderson",
-    )
-    for away in (0.1, 0.03, 0.01, 1e-3):
-        for sign in (1, -1):
-            rough = formulas.Sketch(float(mp.exp(root + sign * away)), a, b)
-            sharp = formulas.sharper(rough, c)
-            assert abs(mp.log(sharp.q) - root) <= 0.5 * away**3 + 1e-15

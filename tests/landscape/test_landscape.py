@@ -4,7 +4,6 @@ periods, bands.
 
 import landscape_oracle as oracle
 import mpmath as mp
-import numba
 import numpy as np
 import pytest
 import scipy.optimize
@@ -13,7 +12,7 @@ from examples import CANONICAL, HEAVY
 
 from tippetop.landscape import body as bodies
 from tippetop.landscape import marked_lines, potential, surface, turning
-from tippetop.mechanics.systems import heavy_top, spinning, tippe_top
+from tippetop.mechanics.systems import heavy_top, spinning
 from tippetop_kernels.level_crossings import Level
 from tippetop_kernels.minimise import Status
 
@@ -52,60 +51,7 @@ def test_second_derivative_of_the_potential():
         assert found.V_zz.item() == pytest.approx(float(exact), rel=1e-12)
 
 
-def test_potential_of_the_coefficients_is_the_formula_of_the_system():
-    z, D, lam = np.linspace(-0.99, 0.99, 41), np.linspace(-4e-4, 5e-4, 7), np.linspace(0, 8e-6, 5)
-    found = potential.potential(CANONICAL, z, D, lam)
-    body = bodies.top(CANONICAL).body
-    labelled = [xr.DataArray(v, dims=d) for v, d in ((z, "z"), (D, "D"), (lam, "lambda"))]
-    exact = tippe_top.potential(*labelled, body).transpose("z", "D", "lambda")
-    np.testing.assert_allclose(found.V, exact, rtol=1e-12)
-    assert found.V.dims == ("z", "D", "lambda")
-    assert found.V.attrs["units"] == "J"
-
-
-@pytest.mark.parametrize("system", ["heavy-top", "gliding-heavy-top"])
-def test_potential_of_heavy_tops(system):
-    """L3^2/2I3 + (Lz - L3 z)^2/(2 I1* (1 - z^2)) + m g l z. [T 2.38]"""
-    z, L3, Lz = np.array([-0.9, 0.2, 0.9]), np.array([-0.005, 0.01]), np.array([0.004, 0.009])
-    found = potential.potential(HEAVY, z, L3, Lz, system)
-    tip = HEAVY["I1"] + HEAVY["m"] * HEAVY["l"] ** 2
-    Z, A, B = np.meshgrid(z, L3, Lz, indexing="ij")
-    exact = (
-        A**2 / 2 / HEAVY["I3"]
-        + (B - A * Z) ** 2 / (2 * tip * (1 - Z**2))
-        + HEAVY["m"] * HEAVY["g"] * HEAVY["l"] * Z
-    )
-    np.testing.assert_allclose(found.V, exact, rtol=1e-14)
-    assert found.V.dims == ("z", "L3", "Lz")
-    h = 1e-5
-    up, down = (potential.potential(HEAVY, z + s, L3, Lz, system).V.values for s in (h, -h))
-    np.testing.assert_allclose(found.V_z, (up - down) / (2 * h), rtol=1e-6, atol=1e-6)
-
-
 # --- the minimal surface ------------------------------------------------------------------------
-
-
-def test_kernels_are_compiled_for_one_layout_of_axes(monkeypatch):
-    """`surface --out` announced one compilation, for every 29th point of an axis, and made a second
-    one in silence.
-    """
-    D, lam = np.linspace(-1e-4, 1e-4, 30), np.linspace(0.0, 1e-4, 4)
-    thin = surface.minimal_surface(CANONICAL, D[::29], lam[::-1][::-3], gradient=False)
-    monkeypatch.setattr(numba, "njit", None)
-    whole = surface.minimal_surface(CANONICAL, D, lam, gradient=False)
-    assert thin.identical(whole.isel(D=[0, 29]).isel({"lambda": [0, 3]}))
-
-
-def test_surface_lies_below_every_potential():
-    z, D, lam = (
-        np.cos(np.linspace(0.01, 3.13, 201)),
-        np.linspace(-6e-4, 8e-4, 21),
-        np.linspace(-6e-6, 7e-6, 17),
-    )
-    F = surface.minimal_surface(CANONICAL, D, lam).F
-    V = potential.potential(CANONICAL, np.sort(z), D, lam).V
-    assert (F <= V).all()
-    assert float((V.min("z") - F).max()) < 5e-3  # and not far below: the spacing of z
 
 
 def test_surface_does_not_know_the_grid():
@@ -190,16 +136,6 @@ def test_nothing_moves_at_rest():
     np.testing.assert_allclose(found.F, weight, rtol=3e-16)
     assert found.status[1, 1] == Status.AT_LOWER_END
     assert not np.isin(found.status, [Status.UNSETTLED, Status.UNDEFINED]).any()
-
-
-@pytest.mark.parametrize(("D", "lam"), [(0.0, 3e-6), (2e-4, 0.0), (-2e-4, 0.0), (0.0, -1e-9)])
-def test_axes_of_the_plane_are_ordinary(D, lam):
-    found = surface.minimal_surface(oracle.FIGURE, D, lam)
-    q = np.tan(found.theta.item() / 2) ** 2
-    assert (
-        oracle.ulps(found.F.item(), oracle.minimum(D, lam, oracle.body(oracle.FIGURE), q)[0]) <= 4
-    )
-    assert found.status.item() == Status.ATTAINED
 
 
 def test_what_is_not_finite_is_undefined():
@@ -351,14 +287,6 @@ def test_levels_say_how_the_energy_lies():
     ]
     assert found.theta_min[1] == found.theta_max[1] == found.theta_star[1]
     np.testing.assert_array_equal(np.isnan(found.theta_min), [False, False, True, True])
-
-
-def test_a_swing_through_the_pole_reaches_it():
-    """At D = lambda = 0 the top swings as a plane pendulum, through theta = 0."""
-    weight = CANONICAL["m"] * CANONICAL["g"] * CANONICAL["R"]
-    found = turning.turning_angles(CANONICAL, 0.0, 0.0, weight * (1 - 0.3 * np.cos(1.0)))
-    assert found.theta_min.item() < 1e-14
-    assert found.theta_max.item() == pytest.approx(1.0, rel=1e-14)
 
 
 def test_shapes_and_labels_are_kept():

@@ -3,12 +3,10 @@ and draw them.
 """
 
 import json
-import os
 
 import numpy as np
 import pytest
 import xarray as xr
-import zarr
 from examples import CANONICAL
 from stores import assert_same
 
@@ -77,64 +75,15 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
     assert_same(tmp_path / "F.zarr", whole)
 
 
-def test_surface_has_one_writer(tmp_path):
-    def second(done, of):
-        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
-
-    with pytest.raises(
-        errors.StoreError, match=r"must have one writer, but process [0-9]+ on .* is writing it"
-    ):
-        recording.write(
-            tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16), progress=second
-        )
-    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
-
-
-def test_chunk_without_its_status_is_done_again(whole, tmp_path):
-    """A kill between F and status leaves no half-done chunk behind."""
-    part = stopped(tmp_path / "F.zarr", after=1)
-    (part / "status" / "c.0.0").unlink()
-    (part / "F" / "c.0.0").unlink()
-    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
-    assert_same(tmp_path / "F.zarr", whole)
-
-
-@pytest.mark.parametrize("moment", ["finish", "_seal"])
-def test_a_surface_killed_at_its_end_computes_nothing_again(moment, whole, tmp_path, monkeypatch):
-    """Before its last record, and after it."""
-    with monkeypatch.context() as patched:
-        patched.setattr(recording.Ledger, moment, lambda *_: (_ for _ in ()).throw(Stop))
-        with pytest.raises(Stop):
-            recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
-    with monkeypatch.context() as patched:
-        patched.setattr(recording.surface, "minima", None)
-        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
-    assert_same(tmp_path / "F.zarr", whole)
-
-
 def test_another_surface_does_not_go_on(tmp_path):
     stopped(tmp_path / "F.zarr", after=1)
     with pytest.raises(errors.StoreError, match="must have the same axes to be continued"):
         recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM * 2, chunk=16))
 
 
-def test_existing_store_is_left_alone(tmp_path):
-    (tmp_path / "F.zarr").mkdir()
-    with pytest.raises(errors.StoreError, match="must be a store of tippetop"):
-        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM))
-
-
 def test_surface_command(tmp_path, capsys):
     out, picture = tmp_path / "F.zarr", tmp_path / "F.png"
-    words = [
-        "--D=-6e-4:8e-4:21",
-        "--lambda",
-        "0:7e-6:31",
-        "--out",
-        str(out),
-        "--figure",
-        str(picture),
-    ]
+    words = f"--D=-6e-4:8e-4:21 --lambda 0:7e-6:31 --out {out} --figure {picture}".split()
     assert outcome(["surface", "inverting", *words]) == 0
     assert root.open_group(out, "surface").F.shape == (21, 31)
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -150,18 +99,7 @@ def test_surface_command(tmp_path, capsys):
 
 def test_potential_command(tmp_path, capsys):
     out = tmp_path / "V.zarr"
-    words = [
-        "--D",
-        "3e-4",
-        "--lambda",
-        "4e-6",
-        "--n",
-        "101",
-        "--out",
-        str(out),
-        "--figure",
-        str(tmp_path / "V.svg"),
-    ]
+    words = f"--D 3e-4 --lambda 4e-6 --n 101 --out {out} --figure {tmp_path / 'V.svg'}".split()
     assert outcome(["potential", "inverting", *words, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     V = root.open_group(out, "potential").V
@@ -216,25 +154,12 @@ def test_wrong_words_are_one_sentence(words, sentence, capsys, tmp_path, monkeyp
     assert sentence in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("place", ["zarr.json", "surface/status/c.0.0"])
-def test_a_pipe_in_an_unfinished_surface_is_refused(place, tmp_path):
-    """Whoever opens it to read would wait until somebody writes."""
-    stopped(tmp_path / "F.zarr", after=1)
-    (tmp_path / "F.zarr" / place).unlink()
-    os.mkfifo(tmp_path / "F.zarr" / place)
-    with pytest.raises(errors.StoreError, match="no plain file"):
-        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
-
-
 DAMAGES = {
     "deleted": lambda part: (part / "surface/F/c.0.0").unlink(),
     "empty": lambda part: (part / "surface/z/c.0.1").write_bytes(b""),
     "status": lambda part: (part / "surface/status/c.0.0").write_bytes(b"x"),
     "exchanged": lambda part: exchange(part / "surface/F/c.0.0", part / "surface/F/c.0.1"),
-    "another status": lambda part: written(part, "status", (1, 1), 1),
-    "axes": lambda part: exchange(part / "surface/D/c.0", part / "surface/lambda/c.0"),
     "metadata": lambda part: edit(part / "surface/F/zarr.json", '"J"', '"eV"'),
-    "shape": lambda part: edit(part / "surface/z/zarr.json", '"shape"', '"shapes"'),
     "group": lambda part: (part / "surface/zarr.json").write_text("{}"),
     "root": lambda part: edit(part / "zarr.json", "minimal surface", "maximal surface"),
 }
@@ -244,13 +169,6 @@ def exchange(one, other):
     mine, yours = one.read_bytes(), other.read_bytes()
     one.write_bytes(yours)
     other.write_bytes(mine)
-
-
-def written(part, name, place, value):
-    """Between the corners of a chunk, with the checksum that fits: as a chunk of a place with other
-    points.
-    """
-    zarr.open_group(part, mode="r+")[f"surface/{name}"][place] = value
 
 
 def edit(place, old, new):
@@ -276,13 +194,6 @@ def test_the_command_computes_on_as_many_threads_as_are_asked_for(tmp_path, monk
         lambda work, n, threads: (asked.append(threads), usual(work, n, threads)),
     )
     axes = ["--D", "-1e-4:1e-4:3", "--lambda", "0:1e-5:3"]
-    words = [
-        "--out",
-        str(tmp_path / "F.zarr"),
-        "--figure",
-        str(tmp_path / "F.png"),
-        "--threads",
-        "1",
-    ]
+    words = f"--out {tmp_path / 'F.zarr'} --figure {tmp_path / 'F.png'} --threads 1".split()
     assert outcome(["surface", "inverting", *axes, *words]) == 0
     assert set(asked) == {1}

@@ -106,9 +106,3 @@ def test_the_band_of_a_run_holds_the_run():
     assert theta.max() == pytest.approx(found.theta_max.values.max(), abs=1e-9)
     assert np.isfinite(found.other_theta_min.values).all()
     assert (found.other_theta_max.values < theta.min()).all()
-
-
-@pytest.mark.slow
-def test_a_body_with_one_well_has_no_other_band():
-    found = turning.turning_angles(oracle.FIGURE, 3e-4, 4e-6, 0.05, theta=1.0)
-    assert np.isnan(found.other_theta_min.item())

@@ -10,7 +10,6 @@ import pytest
 from stores import assert_same
 
 from tippetop.columns import Column
-from tippetop.errors import StoreError
 from tippetop.store import chunks, ledger, zarr3
 from tippetop.store.ledger import Ledger
 from tippetop.store.table import LATE, Table
@@ -75,15 +74,6 @@ def read(path: Path) -> dict[str, np.ndarray]:
     return next(chunks.pieces(path, GROUP, list(columns())))
 
 
-def test_columns_are_kept_with_their_types_names_and_attributes(tmp_path: Path) -> None:
-    stored = chunks.digest(whole(tmp_path / "a"), GROUP)
-    for name, column in columns().items():
-        np.testing.assert_array_equal(stored[name].values, column.values, err_msg=name)
-        assert stored[name].dims == column.dims
-        assert stored[name].values.dtype == column.values.dtype
-    assert stored["time"].attrs["units"] == "1"
-
-
 @pytest.mark.parametrize(
     "pieces", [[45], [1] * 45, [8, 8, 8, 8, 8, 5], [7, 0, 38], [40, 5]], ids=str
 )
@@ -118,20 +108,6 @@ def test_flags_are_set_in_any_row_until_the_end(tmp_path: Path) -> None:
     assert np.flatnonzero(read(tmp_path / "a")["flag"]).tolist() == [0, 9, 39, 40, 44]
 
 
-@pytest.mark.parametrize("harm", ["flipped", "cut", "missing"])
-def test_a_damaged_chunk_is_named(harm: str, tmp_path: Path) -> None:
-    whole(tmp_path / "a")
-    victim = tmp_path / "a" / GROUP / "axis" / "c.2.0"
-    content = bytearray(victim.read_bytes())
-    if harm == "missing":
-        victim.unlink()
-    else:
-        content[len(content) // 2] ^= 1
-        victim.write_bytes(content if harm == "flipped" else content[:-3])
-    with pytest.raises(StoreError, match=r"readable column `axis`|is missing|is another"):
-        chunks.digest(tmp_path / "a", GROUP)
-
-
 # --- reading ------------------------------------------------------------------------------------
 
 
@@ -145,13 +121,6 @@ def test_pieces_make_the_whole(rows: int, tmp_path: Path, monkeypatch: pytest.Mo
     np.testing.assert_array_equal(
         np.concatenate([piece["axis"] for piece in found]), columns()["axis"].values
     )
-
-
-def test_no_group_is_a_sentence(tmp_path: Path) -> None:
-    whole(tmp_path / "a")
-    for path, name in ((tmp_path / "a", "events"), (tmp_path / "b", "trajectory")):
-        with pytest.raises(StoreError, match=f"must hold a readable group `{name}`|does not exist"):
-            chunks.digest(path, name)
 
 
 @pytest.mark.parametrize(("count", "most"), [(1000, 2000), (1000, 100), (999, 10), (1001, 500)])

@@ -1,6 +1,5 @@
 """A store that was damaged, or that no release writes, is refused with a sentence."""
 
-import json
 import os
 import shutil
 from collections.abc import Callable
@@ -45,12 +44,6 @@ def store(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "run.zarr"))
 
 
-def edited(place: Path, edit: Callable[[dict[str, Any]], Any]) -> None:
-    document = json.loads(place.read_text())
-    edit(document)
-    place.write_text(json.dumps(document))
-
-
 def of_theta(edit: Callable[[dict[str, Any]], Any]) -> Callable[[list[dict[str, Any]]], Any]:
     return lambda records: edit(records[0]["members"]["trajectory/theta"])
 
@@ -86,58 +79,7 @@ def test_a_ledger_that_cannot_be_ours_is_refused(forged: str, store: Path) -> No
     )  # what is derived is made again
 
 
-@pytest.mark.parametrize(
-    "part", ["trajectory/theta/c.0", "trajectory/time", "trajectory/zarr.json", "events"]
-)
-def test_what_is_missing_is_named(part: str, store: Path) -> None:
-    place = store / part
-    shutil.rmtree(place) if place.is_dir() else place.unlink()
-    with pytest.raises(
-        StoreError, match=r"must be a whole store, but is damaged: .*(theta|time|trajectory|events)"
-    ):
-        root.attributes(store)
-
-
 # --- what ties a store together -----------------------------------------------------------------
-
-
-def exchange(one: Path, other: Path) -> None:
-    mine, yours = one.read_bytes(), other.read_bytes()
-    one.write_bytes(yours)
-    other.write_bytes(mine)
-
-
-SEALED: dict[str, Callable[[Path], Any]] = {
-    "chunks of two columns": lambda s: exchange(
-        s / "trajectory/theta/c.0", s / "trajectory/phi/c.0"
-    ),
-    "columns": lambda s: [
-        exchange(s / "trajectory/theta" / f, s / "trajectory/phi" / f) for f in ("zarr.json", "c.0")
-    ],
-    "a number": lambda s: edited(
-        s / "zarr.json", lambda d: d["attributes"]["parameters"].update(alpha=0.31)
-    ),
-    "a word": lambda s: edited(s / "zarr.json", lambda d: d["attributes"].update(cpu="abacus")),
-    "a unit": lambda s: edited(
-        s / "trajectory/theta/zarr.json", lambda d: d["attributes"].update(units="deg")
-    ),
-    "a missing column": lambda s: shutil.rmtree(s / "trajectory/theta"),
-    "a missing chunk": lambda s: (s / "trajectory/theta/c.0").unlink(),
-}
-
-
-@pytest.mark.parametrize("damage", SEALED)
-def test_what_was_changed_after_a_store_was_finished_is_refused(damage: str, store: Path) -> None:
-    """Before, all of these were read with exit code 0: each file by itself is sound."""
-    root.attributes(store)
-    SEALED[damage](store)
-    with pytest.raises(StoreError, match="must be a whole store, but is damaged"):
-        root.attributes(store)
-
-
-def test_a_store_that_is_annotated_is_read(store: Path) -> None:
-    root.annotate(store, {"note": 1})
-    assert root.attributes(store)["note"] == 1
 
 
 @pytest.mark.parametrize(
@@ -157,18 +99,3 @@ def test_what_a_reader_would_wait_for_is_refused(what: str, place: str, store: P
             {"device": "/dev/zero", "nowhere": "nowhere", "itself": store}[what]
         )
     assert outcome(["info", str(store)]) == 5
-
-
-def test_an_unfinished_surface_with_a_folder_for_a_document_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = (
-        f"surface inverting --D=-1e-4:1e-4:4 --lambda=0:1e-5:3 --out {tmp_path / 'F.zarr'}".split()
-    )
-    assert outcome(words) == 0
-    with ledger.Ledger.opened(tmp_path / "F.zarr") as store:
-        store.forget(["surface/0.0"])
-    (tmp_path / "F.zarr/surface/F/zarr.json").unlink()
-    (tmp_path / "F.zarr/surface/F/zarr.json").mkdir()
-    assert outcome(words) == 5
-    assert "F.zarr` must be writable, but: Is a directory." in capsys.readouterr().err

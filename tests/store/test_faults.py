@@ -198,6 +198,7 @@ def test_what_was_acknowledged_survives_a_fault_anywhere(
     assert campaign(TARGETS[name], WAYS, 10**6, acknowledged, tmp_path, monkeypatch) > 300
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("left_out", ["ledger", "names", "place"])
 def test_a_sync_that_is_left_out_is_found(
     left_out: str,

@@ -164,19 +164,6 @@ def test_what_another_process_is_making_is_not_stale(tmp_path: Path) -> None:
         assert held.exists()
 
 
-def test_a_block_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
-    path = made_store(tmp_path / "S.zarr")
-    with pytest.raises(Stop), new_store(path, overwrite=True) as scratch:
-        (scratch / "half").write_text("")
-        raise Stop
-    assert content(path) == [LEDGER, "zarr.json"]
-    assert content(tmp_path) == ["S.zarr"]
-    with new_store(path, overwrite=True) as scratch:
-        (scratch / "new").write_text("")
-    assert content(path) == ["new"]
-    assert content(tmp_path) == ["S.zarr"]
-
-
 def test_a_store_that_is_being_written_is_not_overwritten(tmp_path: Path) -> None:
     path = made_store(tmp_path / "S.zarr")
     with (
@@ -233,14 +220,6 @@ def test_a_writer_learns_that_its_folder_is_gone(fate: str, tmp_path: Path) -> N
             made_store(folder)
         with pytest.raises(StoreError, match="was moved, removed or replaced"):
             lock.check()
-
-
-def test_a_ledger_that_is_a_link_is_not_followed(tmp_path: Path) -> None:
-    folder, elsewhere = made_store(tmp_path / "S"), tmp_path / "precious"
-    (folder / LEDGER).rename(elsewhere)
-    (folder / LEDGER).symlink_to(elsewhere)
-    with pytest.raises(StoreError, match="must be writable"), files.writing(folder):
-        Ledger.opened(folder)
 
 
 @pytest.mark.parametrize("inside", ["trajectory", "zarr.json", "pipe"])

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from stores import Disk, assert_same, short_slices
+from stores import Disk, short_slices
 
 import tippetop
 from tippetop.cli import outcome
@@ -96,23 +96,6 @@ def test_a_store_takes_the_place_of_another_before_that_one_goes(
     monkeypatch.setattr("shutil.rmtree", watched)
     assert outcome([*words, "--overwrite"]) == 0
     assert set(late) == {False}
-
-
-def test_a_sweep_goes_on_after_a_power_failure(
-    file: Path,
-    whole: Path,
-    tmp_path: Path,
-    disk: Disk,
-) -> None:
-    def stop(done: int, _: int) -> None:
-        if done >= 14:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        tippetop.sweep(file, tmp_path / "S.zarr", workers=1, progress=stop)
-    assert disk.lose_power(tmp_path / "S.zarr") > 0
-    tippetop.sweep(file, tmp_path / "S.zarr", workers=1)
-    assert_same(tmp_path / "S.zarr", whole)
 
 
 # --- a failing disk: error messages ---

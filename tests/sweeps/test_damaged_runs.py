@@ -40,19 +40,3 @@ def test_a_run_of_another_top_is_not_taken_for_one_of_the_plan(
     shutil.rmtree(store / RUNS)
     tippetop.sweep(file, store, workers=1)
     assert_same(store, whole)
-
-
-def test_what_a_kill_leaves_in_a_finished_run_goes(file: Path, whole: Path, tmp_path: Path) -> None:
-    """Between its seal and the end of its writer."""
-    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
-    for left in ("tail-00000001", "ledger.jsonl.new"):
-        (store / RUNS / "5" / left).write_text("{}")
-    tippetop.sweep(file, store, workers=1)
-    assert_same(store, whole)
-
-
-def test_no_other_run_is_written_into_a_sweep(whole: Path, tmp_path: Path) -> None:
-    """Before, a folder with a number in `runs` was accepted."""
-    store = Path(shutil.copytree(whole, tmp_path / "S.zarr"))
-    with pytest.raises(StoreError, match="must lie outside of every store"):
-        tippetop.run("inverting", until=0.1, out=store / "runs" / "7")

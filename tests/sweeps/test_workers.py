@@ -74,12 +74,6 @@ def failing(task: chunk.Task, threads: int = 1) -> chunk.Rows:
     return LINES(task, threads)
 
 
-@pytest.mark.slow
-def test_two_processes_make_the_same_store(whole: Path, file: Path, tmp_path: Path) -> None:
-    tippetop.sweep(file, tmp_path / "S.zarr", workers=2)
-    assert_same(tmp_path / "S.zarr", whole)
-
-
 def start(file: Path, store: Path, *words: str) -> subprocess.Popen:
     code = (
         "from tippetop.cli import main; "
@@ -207,6 +201,7 @@ def test_a_scheduler_may_die_too(longer: tuple[Path, Path], tmp_path: Path) -> N
     assert_same(store, longer[1])
 
 
+@pytest.mark.slow
 def test_no_worker_outlives_its_parent(longer: tuple[Path, Path], tmp_path: Path) -> None:
     process = start(longer[0], tmp_path / "S.zarr", "--workers", "2")
     wait_for(process, tmp_path / "S.zarr", 1)

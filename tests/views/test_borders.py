@@ -61,16 +61,6 @@ def test_over_one_axis_a_threshold_is_one_upright_line() -> None:
     )
 
 
-def test_an_axis_of_one_number_counts() -> None:
-    """Its number is that of all tops, whatever the scenario has."""
-    one, same = (
-        of(OMEGA3, MU, {"of": "parameters.alpha", "values": [0.1]}),
-        of(OMEGA3, MU, parameters={"alpha": 0.1}),
-    )
-    np.testing.assert_array_equal(points(one, 0, UPRIGHT), points(same, 0, UPRIGHT))
-    assert abs(points(one, 0, UPRIGHT)[0, 0] / points(of(OMEGA3, MU), 0, UPRIGHT)[0, 0] - 1) > 0.02
-
-
 def test_where_tops_of_other_numbers_share_a_map_there_is_no_line() -> None:
     drawn = [
         {"of": key, "between": [low, high]}

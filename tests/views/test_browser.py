@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nightly import at_night
 
 import tippetop as tt
 from tippetop.exchange.motion import angle_between
@@ -83,63 +82,6 @@ def test_a_page_is_moved_by_buttons_keys_and_scrubbing(inverting: tt.Run, tab: A
     assert tab.faults == []
 
 
-def test_the_first_picture_does_not_wait_for_the_traces(tab: Any) -> None:
-    """They are made of all samples, a frame later."""
-    made = tab.evaluate("""() => {
-        const { stage } = tippetop;
-        stage.take(stage.shown);
-        const pictures = tippetop.frames.count;
-        tippetop.draw();
-        return [tippetop.frames.count - pictures, !!stage.scene.floor];
-    }""")
-    assert made == [1, False]
-    tab.wait_for_function("tippetop.stage.scene.floor && tippetop.stage.scene.skin")
-
-
-def test_what_is_the_same_from_picture_to_picture_is_drawn_once(tab: Any) -> None:
-    """The curves of all of a motion, until the theme or the part that is shown changes."""
-    counts = tab.evaluate("""() => {
-        const { stage } = tippetop;
-        const { chart } = stage.theta;
-        const { near } = stage;
-        let count = 0;
-        chart.curve = (...given) => { count += 1; return Object.getPrototypeOf(chart).curve.apply(chart, given); };
-        const after = (change) => {
-            const before = count;
-            change();
-            for (const t of [1, 2]) { stage.set(t); tippetop.draw(); }
-            return count - before;
-        };
-        const theme = (name) => () => { document.documentElement.dataset.theme = name; };
-        stage.near = false;
-        tippetop.draw();
-        const counts = [() => {}, theme("dark"), theme("light"), () => { stage.near = true; }].map(after);
-        stage.near = near;
-        delete chart.curve;
-        return counts;
-    }""")
-    assert counts == [0, 1, 1, 2]
-
-
-def test_the_scale_of_the_potential_is_that_of_times_on_the_ball(tab: Any) -> None:
-    """On its stem a toy is far above it, which made the well of all other times flat."""
-    sizes = tab.evaluate("""() => {
-        const { well, shown } = tippetop.stage;
-        const { log, motion } = shown;
-        const { phases, starts } = log;
-        const scale = () => { well.take(motion, (t) => log.touches(t)); return well.height; };
-        const whole = scale();
-        const slip = (start, end, ball) => ({ start, end, phase: "slip", ball });
-        log.phases = [slip(0, 1, "body"), slip(1, 9, "stem")];
-        log.starts = [0, 1];
-        const early = scale();
-        [log.phases, log.starts] = [phases, starts];
-        return [whole, early, scale()];
-    }""")
-    assert sizes[0] == sizes[2]
-    assert 0 < sizes[1] < 0.5 * sizes[0]
-
-
 def test_the_colours_of_phases_are_explained(tab: Any) -> None:
     """By the colours of the line of times, with the part of the time that each takes; without
     phases by nothing.
@@ -173,32 +115,6 @@ def test_the_colours_of_phases_are_explained(tab: Any) -> None:
     assert colours == drawn
     assert len(set(colours)) == 4
     assert key.is_hidden()
-
-
-def test_the_ball_in_the_well_is_on_the_curve_and_the_scale_is_readable(tab: Any) -> None:
-    """At a turning angle it is at the level of the energy, not above it."""
-    off, labels = tab.evaluate("""() => {
-        const { well, shown } = tippetop.stage;
-        const pose = shown.motion.pose(tippetop.time);
-        const dots = [], labels = [];
-        const { chart, height } = well;
-        const names = ["line", "paper", "alarm", "run", "upper", "fill", "quiet", "ink"];
-        const colours = Object.fromEntries(names.map((name) => [name, "#888"]));
-        chart.dot = (x, y) => dots.push(y);
-        chart.axes = (_, xs, ys) => labels.push(...ys.map(([, text]) => text));
-        well.draw(pose, colours, false, true);
-        const on = chart.y(well.at(pose.theta, pose.well[0], pose.well[1]));
-        for (const size of [1e-12, 3e-8, 5e-3, 40]) {
-            well.height = size;
-            well.draw(pose, colours, false, true);
-        }
-        well.height = height;
-        delete chart.dot;
-        delete chart.axes;
-        return [dots[0] - on, labels];
-    }""")
-    assert abs(off) < 0.01
-    assert max(map(len, labels)) <= 4
 
 
 def test_a_run_in_a_notebook_turns_once_it_is_opened(open_page: Any) -> None:
@@ -240,21 +156,7 @@ def test_a_page_that_loses_webgl2_names_it(open_page: Any) -> None:
     tab.wait_for_function("document.querySelector('[data-part=time]').textContent === '0.1000 s'")
 
 
-def test_the_camera_in_orbit_keeps_the_body_in_the_picture(tab: Any) -> None:
-    """Also at 5.9 s, far from the middle of the path."""
-    tab.locator("body").press("o")
-    places = tab.evaluate("""() => [0, 2, 4, 5.9, 6.5].map((t) => {
-        tippetop.set(t);
-        tippetop.draw();
-        const { scene } = tippetop.stage;
-        const { right } = scene.camera.frame();
-        const centre = tippetop.pose(t).position.map((part) => part / scene.body.unit);
-        const sides = [-1, 1].map((way) => centre.map((part, i) => part + way * right[i]));
-        return sides.map((side) => scene.project(side)).map(([x, y]) => [x / scene.width, y / scene.height]);
-    })""")
-    assert np.all((np.array(places) > 0) & (np.array(places) < 1)), places
-
-
+@pytest.mark.slow
 def test_fingers_scroll_the_page_or_move_the_time(inverting: tt.Run, open_page: Any) -> None:
     """Upwards a finger only scrolls; sideways it turns the camera or moves the time."""
     tab = open_page(inverting.view().text, has_touch=True, is_mobile=True)
@@ -287,26 +189,6 @@ def swiped(tab: Any, part: str, dx: int, dy: int) -> set[str]:
     tab.wait_for_timeout(200)
     after = tab.evaluate(STATE)
     return {name for name in after if after[name] != pytest.approx(before[name])}
-
-
-def test_letters_are_larger_in_full_screen(tab: Any) -> None:
-    tab.set_viewport_size({"width": 1920, "height": 1080})
-    sizes = """() => {
-        tippetop.draw();
-        const { font } = tippetop.stage.theta.chart.context;
-        const fonts = [font, getComputedStyle(document.body).font];
-        return fonts.map((font) => parseFloat(font.match(/[0-9.]+px/)[0]));
-    }"""
-    usual = tab.evaluate(sizes)
-    tab.locator("body").press("l")
-    tab.wait_for_function("document.fullscreenElement")
-    large = tab.evaluate(sizes)
-    assert np.all(np.array(large) > 1.7 * np.array(usual))
-    assert tab.evaluate("document.body.scrollHeight <= innerHeight")
-    tab.locator("body").press("l")
-    tab.wait_for_function("!document.fullscreenElement")
-    tab.set_viewport_size({"width": 320, "height": 400})
-    assert tab.faults == []
 
 
 def test_paper_is_white_and_balls_are_round(tab: Any) -> None:
@@ -363,24 +245,6 @@ def test_a_film_of_the_picture_is_saved(tab: Any) -> None:
     assert tab.faults == []
 
 
-@pytest.mark.parametrize(
-    ("preset", "theme"),
-    [
-        at_night("heavy-top", "dark"),
-        at_night("gliding-cylinder", "light"),
-        at_night("leine-glocker-stem", "dark"),
-    ],
-)
-def test_every_kind_of_body_is_drawn(preset: str, theme: str, open_page: Any) -> None:
-    tab = open_page(tt.run(preset, until=0.1).view().text, color_scheme=theme)
-    tab.evaluate("tippetop.set(0.05)")
-    colours = tab.evaluate(COLOURS)
-    assert len(colours) > 100
-    assert (np.mean(colours) > 120) == (theme == "light")
-    assert tab.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    assert tab.faults == []
-
-
 STATE = """() => {
   const { yaw, pitch } = tippetop.stage.scene.camera;
   return { scroll: scrollY, time: tippetop.time, yaw, pitch };
@@ -396,12 +260,3 @@ PLAYED = """([type, film]) => new Promise((done) => {
   video.onerror = () => done(video.error.message);
   video.src = `data:video/${type};base64,${film}`;
 })"""
-COLOURS = """() => {
-  tippetop.draw();
-  const { gl, width, height } = tippetop.stage.scene;
-  const pixels = new Uint8Array(4 * width * height);
-  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-  const colours = new Set();
-  for (let i = 0; i < pixels.length; i += 4 * 7) colours.add(pixels[i] + 256 * pixels[i + 1]);
-  return [...colours].map((c) => c % 256);
-}"""

@@ -138,27 +138,6 @@ def test_a_top_lifts_off_where_the_engine_lets_it_lift_off(tab: Any) -> None:
     assert 0 <= force < 1e-9
 
 
-def test_the_well_is_shaded_where_the_potential_is_below_the_energy(tab: Any) -> None:
-    """Just below the level, at every angle but those next to where the two are equal."""
-    shown(tab, omega3=342.6)
-    wrong = tab.evaluate("""() => {
-        const { well, shown } = tippetop.stage;
-        const [first, second, level] = shown.motion.pose(tippetop.time).well;
-        const { chart } = well;
-        const y = Math.round(chart.y(level)) + 4;
-        const [, , , shaded] = chart.context.getImageData(Math.round(chart.x(0.1)), y, 1, 1).data;
-        const wrong = shaded ? [] : ["none"];
-        for (let x = Math.ceil(chart.left) + 12; x < chart.right; x++) {
-            const theta = (Math.PI * (x - chart.left)) / (chart.right - chart.left);
-            const above = well.at(theta, first, second) - level;
-            const [, , , alpha] = chart.context.getImageData(x, y, 1, 1).data;
-            if (above > 0.5 * well.height && alpha) wrong.push(theta);
-        }
-        return wrong;
-    }""")
-    assert wrong == []
-
-
 @pytest.mark.parametrize(
     ("start", "where"),
     [
@@ -169,13 +148,6 @@ def test_the_well_is_shaded_where_the_potential_is_below_the_energy(tab: Any) ->
 )
 def test_the_end_of_a_motion_has_a_word(tab: Any, start: dict, where: str) -> None:
     assert where in shown(tab, **start)
-
-
-def test_symbols_and_numbers_are_set_as_they_are_read(tab: Any) -> None:
-    """No underscore, no digits of rounding."""
-    shown(tab)
-    assert "_" not in tab.locator("aside").inner_text()
-    assert "I3 = 3.2e-6" in tab.locator("[data-part=scenario]").text_content()
 
 
 def test_the_scenario_for_the_engine_is_the_top_of_the_page(tab: Any, tmp_path: Path) -> None:

@@ -51,15 +51,6 @@ def test_between_samples_the_attitude_is_that_of_the_run(inverting: tt.Run) -> N
     assert angle_between(attitudes(table["time"][keep], whole[keep], at), exact).max() < FIFTH
 
 
-def test_few_samples_are_kept_only_where_few_suffice(inverting: tt.Run) -> None:
-    table = rows(inverting)
-    whole = samples.samples(table, inverting.attributes)
-    keep = spacing.chosen(table["time"], whole, 50)
-    assert spacing.missed(table["time"], whole, keep) <= TENTH
-    coarse = np.arange(0, len(whole), 100)
-    assert spacing.missed(table["time"], whole, np.append(coarse, len(whole) - 1)) > 10 * TENTH
-
-
 def test_rows_that_are_too_far_apart_are_named() -> None:
     page = tt.run("inverting", until=2.0, output_step=0.05).view()
     assert "rows are far apart" in page.text
@@ -112,22 +103,6 @@ def test_a_part_of_a_run_is_shown_alone(inverting: tt.Run) -> None:
     assert all(2.0 <= event["time"] <= 3.0 for event in data["events"])
     with pytest.raises(tt.InputError, match="rows between 7 and inf"):
         inverting.view(7.0)
-
-
-def test_many_rows_are_read_until_a_page_is_full(
-    inverting: tt.Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("tippetop.views.run_page.MOST", 800)
-    monkeypatch.setattr(spacing, "FEW", 500)
-    table = rows(inverting)
-    halves = [
-        {k: v[part] for k, v in table.items() if np.ndim(v) and len(v) == 6501}
-        for part in (slice(0, 3000), slice(3000, 6501))
-    ]
-    times, _, _, notes = read(iter([*halves, *halves]), inverting.attributes, None, None)
-    assert len(times) > 800
-    assert times[-1] == 6.5
-    assert "up to 6.5 s" in notes[0]
 
 
 def test_samples_of_many_rows_are_spread_evenly_over_the_time_that_is_shown(

@@ -66,18 +66,6 @@ def test_only_what_a_page_can_integrate_moves() -> None:
     assert not is_movable(tt.load("modified-cylinder"))
 
 
-def test_a_map_without_motions_offers_none(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    offer = "click it for its motion"
-    assert offer in page_of_sweep(store)
-    monkeypatch.setattr("tippetop.views.sweep_page.is_movable", lambda _: False)
-    assert offer not in page_of_sweep(store)
-
-
-def test_a_sweep_becomes_one_file(store: Path, tmp_path: Path) -> None:
-    assert outcome(["view", str(store), "--out", str(tmp_path / "S.html")]) == 0
-    assert (tmp_path / "S.html").read_text(encoding="utf-8") == page_of_sweep(store)
-
-
 def test_a_page_tells_the_classes_apart_as_the_figure_does(
     store: Path, tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -92,7 +80,7 @@ def test_a_page_tells_the_classes_apart_as_the_figure_does(
     assert "near-upright" in shown
     labels = [axis["label"] for axis in json.loads(data[1])["axes"]]
     assert "friction coefficient μ" in labels[1]
-    assert outcome(["view", str(store), "--from", "0.1", "--out", str(tmp_path / "S.html")]) == 2
+    assert outcome(f"view {store} --from 0.1 --out {tmp_path / 'S.html'}".split()) == 2
     assert "is a sweep" in capsys.readouterr().err
 
 
