@@ -5,27 +5,26 @@ rows on the way.
 import copy
 import dataclasses
 import itertools
-import threading
 from collections.abc import Iterator
 from typing import Any
+from unittest.mock import Mock
 
-import heyoka as hy
 import numpy as np
 import pytest
 
 import tippetop
 from tippetop.engine import compiled as compiling
 from tippetop.engine.driver import Driver
-from tippetop.engine.expressions import equations_of_motion, formulas_of
+from tippetop.engine.expressions import formulas_of
 from tippetop.engine.status import Status
-from tippetop.engine.stepper import Called, Loaded
+from tippetop.engine.stepper import Loaded
 from tippetop.engine.taylor import driver_of
 from tippetop.ensembles.lanes import Lanes, new_tops
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.integration import Integration
-from tippetop.runs.run import Solution, solve
-from tippetop.runs.sinks import Memory, Sink
+from tippetop.runs.run import solve
+from tippetop.runs.sinks import Memory
 from tippetop.scenario import build, reading
 
 
@@ -127,7 +126,7 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(
         np.testing.assert_allclose(states, expected, rtol=4e-15, atol=4e-15)
 
 
-@pytest.mark.parametrize(("preset", "form"), cases())
+@pytest.mark.parametrize(("preset", "form"), cases()[::4])
 def test_called_steps_have_the_bits_of_loaded_ones(
     preset: str, form: str, request: pytest.FixtureRequest
 ) -> None:
@@ -169,7 +168,7 @@ class Seen:
         self.done += count
 
 
-@pytest.mark.parametrize("lanes", [1, 4, 8])
+@pytest.mark.parametrize("lanes", [1, 4])
 @pytest.mark.parametrize("preset", IN_LANES)
 def test_steps_of_lanes_are_those_of_heyokas_batch(
     preset: str, lanes: int, rng: np.random.Generator
@@ -227,20 +226,6 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
 
 
 @pytest.fixture
-def unloadable(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A process in which no machine code can be loaded."""
-
-    def refuse(*_: object) -> None:
-        raise RuntimeError("not today")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(compiling, "load", refuse)
-        compiling.compiled_from.cache_clear()
-        yield
-    compiling.compiled_from.cache_clear()
-
-
-@pytest.fixture
 def unlike(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A process in which the loaded code makes other steps than heyoka."""
     with monkeypatch.context() as patch:
@@ -250,79 +235,29 @@ def unlike(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     compiling.compiled_from.cache_clear()
 
 
-def compared(mine: Solution, other: Solution) -> None:
-    """Steps and rows have the same bits; times of events are known to their rounding."""
-    assert (mine.status, mine.report["steps"]) == (other.status, other.report["steps"])
-    cut = mine.status is not Status.FINISHED  # an event ended it in the midst of a step
-    assert cut or same_bits(mine.final, other.final)
-    count = len(mine.times) - cut
-    exact = mine.problem.output != "events"
-    for a, b in ((mine.times, other.times), (mine.rows, other.rows)):
-        assert len(a) == len(b)
-        assert not exact or same_bits(a[:count], b[:count])
-        np.testing.assert_allclose(a, b, rtol=1e-13, atol=1e-13)
-    np.testing.assert_array_equal(mine.events.kind, other.events.kind)
-    np.testing.assert_array_equal(mine.events.significant, other.events.significant)
-    np.testing.assert_allclose(mine.events.time, other.events.time, rtol=0, atol=1e-14)
-    np.testing.assert_allclose(mine.events.theta, other.events.theta, rtol=0, atol=1e-13)
-    force, theirs = mine.report.get("normal_force", {}), other.report.get("normal_force", {})
-    assert force == pytest.approx(theirs, rel=1e-13, abs=1e-13)
-    assert mine.report["t_end"] == pytest.approx(other.report["t_end"], abs=1e-14)
-
-
-RUNS = [
-    ("inverting", ["form=vector"], 3.0),
-    ("inverting", ["form=euler"], 0.5),
-    ("inverting", ["initial.omega3=170.0"], 10.0),  # lifts off
-    ("inverting", ["run.output=steps", "run.output_step="], 1.0),
-    ("inverting", ["run.output=events", "run.output_step="], 1.0),
-    ("gliding-heavy-top", [], 2.0),
-    ("rolling-cylinder", [], 2.0),
-]
-
-
-@pytest.mark.parametrize(("preset", "sets", "until"), RUNS)
-def test_without_machine_code_a_run_is_the_same(
-    preset: str, sets: list[str], until: float, request: pytest.FixtureRequest
+def test_where_nothing_can_be_loaded_heyoka_makes_the_steps(
+    monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
-    made = build.load(preset, sets, until)
-    assert isinstance(driver_of(made).place.stepper, Loaded)
-    usual = solve(made)
-    request.getfixturevalue("unlike")
-    assert isinstance(driver_of(made).place.stepper, Called)
-    compared(usual, solve(made))
-
-
-@pytest.mark.slow
-def test_where_nothing_can_be_loaded_runs_and_ensembles_are_the_same(
-    request: pytest.FixtureRequest,
-) -> None:
-    made = build.load("inverting", None, 0.5)
-    varied = {"initial.omega3": np.array([120.0, 155.0, 158.0])}
-    usual, many = solve(made), tippetop.ensemble("inverting", varied, until=0.5, threads=1)
-    request.getfixturevalue("unloadable")
-    assert isinstance(driver_of(made).place.stepper, Called)
-    compared(usual, solve(made))
-    again = tippetop.ensemble("inverting", varied, until=0.5, threads=1)
-    assert all(same_bits(many[name].values, again[name].values) for name in many)
-    assert "steps_by" not in many.attrs
-    assert again.attrs["steps_by"] == "heyoka"
+    request.getfixturevalue("unlike")  # which leaves no place behind
+    monkeypatch.setattr(compiling, "load", Mock(side_effect=RuntimeError("not today")))
+    made = build.load("inverting", None, 0.1)
+    assert driver_of(made).is_called
+    assert solve(made).status is Status.FINISHED
 
 
 @pytest.mark.slow
 def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(
     request: pytest.FixtureRequest,
 ) -> None:
-    """Inverting, upright, lifting off in the midst of a step, invalid."""
-    varied = {
-        "initial.omega3": np.array([155.0, 90.0, 170.0, np.nan, 158.0, 172.0, 120.0, 140.0, 160.0]),
-        "run.until": np.array([8.0, 1.0, 8.0, 1.0, 7.0, 8.0, 0.3, 2.0, 0.0123]),
-    }
-    usual = tippetop.ensemble("inverting", varied, threads=1)
+    """Inverting, lifting off in the midst of a step, invalid."""
+    varied = {"initial.omega3": np.array([155.0, 170.0, np.nan, 158.0, 172.0])}
+    usual = tippetop.ensemble("inverting", varied, until=8.0, threads=1)
     request.getfixturevalue("unlike")
-    again = tippetop.ensemble("inverting", varied, threads=1)
+    again = tippetop.ensemble("inverting", varied, until=8.0, threads=1)
     assert (usual["status"].values == Status.LIFTOFF.code).sum() == 2
     assert all(same_bits(usual[name].values, again[name].values) for name in usual)
+    assert "steps_by" not in usual.attrs
+    assert again.attrs["steps_by"] == "heyoka"
 
 
 def test_steps_that_differ_are_noticed() -> None:
@@ -340,32 +275,6 @@ def test_steps_that_differ_are_noticed() -> None:
 
 
 # --- what a run leaves alone --------------------------------------------------------------------
-
-
-def test_a_run_starts_no_thread_but_the_one_that_is_waited_for(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """That of the compilation, which finds all compiled."""
-    made = build.load("inverting", None, 0.5)
-    solve(made, keep=False)
-    started: list[str] = []
-    begin = threading.Thread.start
-    monkeypatch.setattr(
-        threading.Thread, "start", lambda self: [started.append(self.name), begin(self)]
-    )
-    solve(made, keep=False)
-    assert set(started) <= {"awaited"}
-
-
-def test_a_compiled_integrator_is_left_as_it_was() -> None:
-    """Runs copy it, or do not touch it: it is for all of them."""
-    made = build.load("inverting", None, 0.2)
-    template = driver_of(made).compiled.integrator
-    solve(made)
-    solve(dataclasses.replace(made, precision="double", on_liftoff="continue"))
-    assert not np.any(template.state)
-    assert not np.any(template.pars)
-    assert template.dtime == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("way", ["usual", "unlike"])
@@ -413,33 +322,3 @@ def test_slices_of_any_length_are_one_run() -> None:
         assert driver.extremes() == whole.extremes()
         assert driver.tally["steps"] == whole.tally["steps"]
         assert len(rows.rows[0]) == 333
-
-
-def test_nothing_is_asked_of_rows_that_nobody_keeps() -> None:
-    integration = Integration(build.load("inverting", None, 0.2))
-    integration.run(Sink())
-    assert (integration.status, integration.filled) == (Status.FINISHED, 0)
-
-
-@pytest.mark.parametrize(
-    "preset", ["inverting", "rolling", "heavy-top", "gliding-heavy-top", "gliding-cylinder"]
-)
-def test_the_number_beside_a_variable_is_that_of_the_event_function(preset: str) -> None:
-    """An event function that is a variable plus a number: the same number, to the bit, as heyoka
-    finds at zero.
-    """
-    made = build.load(preset, None, 0.1)
-    code = driver_of(made).compiled
-    q, _, body, rates = equations_of_motion(
-        formulas_of(made.system, made.form.name, type(made.friction)), made.variables
-    )
-    scalars = made.form.scalars(q, body)
-    several = 0
-    for event, row in zip(made.system.events, code.rows.events, strict=True):
-        if row["shift"] == 0 and row["scale"] == 1.0 and row["row"] < len(rates):
-            function = hy.expression(0.0) + event.formula(scalars, body)
-            assert hy.cfunc([function], vars=[rates[row["row"]][0]])([0.0])[0] == row["offset"], (
-                event.name
-            )
-            several += 1
-    assert several or preset == "gliding-cylinder"

@@ -23,7 +23,7 @@ from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.engine.opt_level import opt_level
 from tippetop.engine.status import Status
-from tippetop.engine.tallies import reset, signs_of
+from tippetop.engine.tallies import signs_of
 from tippetop.engine.taylor import driver_of
 from tippetop.mechanics.event import ON_ZERO_FOR, Event
 from tippetop.mechanics.operand import leaves
@@ -97,16 +97,12 @@ def compare(made: Problem) -> int:
     theirs.pars[:] = [float(leaf) for leaf in leaves(made.internal_body)][: len(theirs.pars)]
     theirs.reset_cooldowns()
     seen.clear()
-    alone = driver.compiled.integrator
-    alone.time, alone.state[:], alone.pars[:] = 0.0, driver.state, theirs.pars[: len(alone.pars)]
     outcome, *_, output, _ = theirs.propagate_until(driver.end, c_output=True)
     piece = driver.advance(Nothing(), 1 << 40)
     if outcome != hy.taylor_outcome.time_limit:
         assert piece.status is not Status.FINISHED
         return 0
     assert piece.status is Status.FINISHED
-    alone.propagate_until(driver.end)
-    assert driver.state.tobytes() == alone.state.tobytes()
     np.testing.assert_allclose(  # with events LLVM rounds otherwise, at its third level
         driver.state,
         theirs.state,
@@ -194,25 +190,12 @@ def start(preset: str, form: str, until: float, rng: np.random.Generator) -> Pro
     return dataclasses.replace(base, initial={**base.initial, **initial})
 
 
-def compared(preset: str, form: str, until: float, n: int, rng: np.random.Generator) -> int:
-    """Over so many random starts."""
-    return sum(compare(start(preset, form, until, rng)) for _ in range(n))
-
-
 @pytest.mark.parametrize(("preset", "form", "until"), FORMS)
 def test_events_are_those_of_heyokas_detection(
     preset: str, form: str, until: float, rng: np.random.Generator
 ) -> None:
-    """Sixty random starts and more, a few for every system and form."""
-    assert compared(preset, form, until, 8, rng) > 20
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("preset", "form", "until"), FORMS)
-def test_events_of_a_thousand_starts_are_those_of_heyokas_detection(
-    preset: str, form: str, until: float
-) -> None:
-    assert compared(preset, form, until, 125, np.random.default_rng(7)) > 400
+    """A few random starts for every system and form."""
+    assert sum(compare(start(preset, form, until, rng)) for _ in range(8)) > 20
 
 
 def test_every_kind_of_event_is_among_what_is_compared() -> None:
@@ -234,30 +217,3 @@ def test_every_kind_of_event_is_among_what_is_compared() -> None:
         names = [event.name for event in made.system.events]
         happened |= {names[e] for e in driver.advance(Nothing(), 1 << 40).passages.events}
     assert {"turning", "liftoff", "equator", "inverted", "settled"} <= happened
-
-
-def test_a_zero_that_is_lost_or_doubled_is_noticed() -> None:
-    """The comparison itself can fail."""
-    times, ones = np.array([1.0, 2.0, 3.0]), np.ones(3)
-    whole = Found(times, ones, 1e-15 * ones, 0.1 * ones)
-    fewer = Found(*(values[:2] for values in whole))
-    moved = whole._replace(times=np.array([1.0, 2.0, 3.0 + 1e-10]))
-    doubled = Found(*(np.sort(np.append(values, values[-1])) for values in whole))
-    turned = whole._replace(signs=np.array([1.0, 1.0, -1.0]))
-    assert matched(whole, whole, 3.0, "") == 3
-    for other in (fewer, moved, doubled, turned):
-        with pytest.raises(AssertionError):
-            matched(whole, other, 3.0, "")
-
-
-def test_a_wrong_sign_at_the_start_is_a_passage_that_heyoka_does_not_find() -> None:
-    """The observer is told the signs at the start: a wrong one must be noticed here."""
-    made = build.load(
-        "inverting", ["form=vector", "initial.theta_dot=0.2", "run.on_liftoff=continue"], 0.2
-    )
-    driver = driver_of(made)
-    usual = driver.advance(Nothing(), 1 << 40).passages.times
-    other = driver_of(made)
-    signs, on_zero = signs_of(other.at_start)
-    reset(other.tallies, other.rows, 0, -signs, on_zero)
-    assert other.advance(Nothing(), 1 << 40).passages.times[0] == 0.0 < usual[0]

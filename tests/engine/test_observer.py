@@ -54,22 +54,26 @@ def rows_of(*sources: tuple[Event, int, float]) -> EventRows:
     return event_rows([event for event, _, _ in sources], places, (n, n + 1, n + 2))
 
 
+def coefficients(functions: list[Polynomial], times: np.ndarray) -> np.ndarray:
+    """Return the Taylor coefficients (steps, rows, ORDER + 1) of functions; 3hat is upright."""
+    tcs = np.zeros((len(times) - 1, len(functions) + 3, ORDER + 1))
+    tcs[:, len(functions) + 2, 0] = 1.0
+    for row, f in enumerate(functions):
+        for k in range(ORDER + 1):
+            tcs[:, row, k] = f.deriv(k)(times[:-1]) / factorial(k)
+    return tcs
+
+
 def slice_of(
     variables: list[list[Polynomial]], rng: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
     """Times (steps + 1, lanes) and coefficients (steps, rows, ORDER + 1, lanes) of each lane's
-    variables; 3hat is upright. Steps differ from lane to lane.
+    variables. Steps differ from lane to lane.
     """
     inner = np.sort(rng.uniform(0.0, UNTIL, (STEPS - 1, LANES)), axis=0)
     times = np.concatenate([np.zeros((1, LANES)), inner, np.full((1, LANES), UNTIL)])
-    rows = len(variables[0])
-    tcs = np.zeros((STEPS, rows + 3, ORDER + 1, LANES))
-    tcs[:, rows + 2, 0] = 1.0
-    for lane, polynomials in enumerate(variables):
-        for row, p in enumerate(polynomials):
-            for k in range(ORDER + 1):
-                tcs[:, row, k, lane] = (p.deriv(k) if k else p)(times[:-1, lane]) / factorial(k)
-    return times, tcs
+    lanes = [coefficients(p, times[:, lane]) for lane, p in enumerate(variables)]
+    return times, np.stack(lanes, axis=-1)
 
 
 def followed(
@@ -151,27 +155,6 @@ def test_what_is_kept_is_that_of_the_roots(shift: int, rng: np.random.Generator)
                 assert np.isnan([first, last]).all()
 
 
-def test_a_direction_lets_the_other_passages_through(rng: np.random.Generator) -> None:
-    roots = [np.array([0.3, 0.7, 1.1])] * LANES
-    functions = [with_roots(r) for r in roots]
-    kept = followed(
-        rows_of((event("falling", direction=-1), 0, 0.0)),
-        *slice_of([[f] for f in functions], rng),
-        signs_of(functions),
-    ).kept
-    np.testing.assert_allclose(
-        kept[:3], np.array([[0.7], [0.7], [1]]) * np.ones(LANES), rtol=0, atol=1e-12
-    )
-
-
-def test_an_offset_moves_the_level(rng: np.random.Generator) -> None:
-    """The variable is the time itself: it passes the level when it is there."""
-    functions = [Polynomial([0.0, 1.0])] * LANES
-    rows = rows_of((event("level"), 0, -1.25))
-    kept = followed(rows, *slice_of([[f] for f in functions], rng), -np.ones((1, LANES))).kept
-    np.testing.assert_allclose(kept[0], 1.25, rtol=0, atol=1e-14)
-
-
 @pytest.mark.parametrize("offset", [3.0, -3.0])
 def test_an_offset_counts_where_the_variable_alone_has_no_zero(
     offset: float, rng: np.random.Generator
@@ -187,17 +170,9 @@ def test_the_first_ending_ends_the_top_and_what_comes_later_is_not_seen(
     rng: np.random.Generator,
 ) -> None:
     """Other lanes go on; the earlier of two endings counts, in whatever order the events are."""
-    ends = [np.array([0.9]), np.array([1.3]), np.array([]), np.array([0.9])]
-    others = [np.array([0.2, 0.85, 0.95])] * LANES
-    other_ends = [np.array([1.3]), np.array([0.9]), np.array([]), np.array([])]
-    lanes = [
-        [
-            -with_roots(e) if len(e) else with_roots(e),
-            with_roots(o),
-            -with_roots(x) if len(x) else with_roots(x),
-        ]
-        for e, o, x in zip(ends, others, other_ends, strict=True)
-    ]
+    ends = [(0.9, 1.3), (1.3, 0.9), (3.0, 3.0), (0.9, 3.0)]  # 3: beyond the end
+    other = with_roots(np.array([0.2, 0.85, 0.95]))
+    lanes = [[Polynomial([e, -1.0]), other, Polynomial([x, -1.0])] for e, x in ends]
     rows = rows_of(
         (event("liftoff", ends="liftoff", direction=-1), 0, 0.0),
         (event("other"), 0, 0.0),
@@ -226,30 +201,11 @@ def test_extremes_are_those_of_the_function_until_the_top_ends(rng: np.random.Ge
         found = followed(rows, *slice_of([[f, ending] for f in functions], rng), signs).functions
         for lane, (f, s) in enumerate(zip(functions, slopes, strict=True)):
             values = f(np.concatenate([[0.0, final], s[s < final]]))
-            assert found[LEAST, 0, lane] == pytest.approx(values.min(), abs=1e-12)
-            assert found[MOST, 0, lane] == pytest.approx(values.max(), abs=1e-12)
-            assert f(found[T_LEAST, 0, lane]) == pytest.approx(values.min(), abs=1e-12)
-            assert f(found[T_MOST, 0, lane]) == pytest.approx(values.max(), abs=1e-12)
-            assert (
-                0
-                <= min(found[[T_LEAST, T_MOST], 0, lane])
-                <= max(found[[T_LEAST, T_MOST], 0, lane])
-                <= final + 1e-12
-            )
-
-
-def test_where_slices_end_changes_no_bit(rng: np.random.Generator) -> None:
-    functions = [with_roots(r) for r in random_roots(rng)]
-    rows = rows_of((event("passage", extremes="passage"), 0, 0.0))
-    times, tcs = slice_of([[f] for f in functions], rng)
-    whole = followed(rows, times, tcs, signs_of(functions))
-    for cut in (1, 13, STEPS - 1):
-        parts = followed(rows, times[: cut + 1], tcs[:cut], signs_of(functions))
-        continued(parts, rows, times[cut:], tcs[cut:])
-        assert parts.kept.tobytes() == whole.kept.tobytes()
-        for known in (LEAST, MOST, T_LEAST, T_MOST):
-            assert parts.functions[known].tobytes() == whole.functions[known].tobytes()
-        assert parts.lane["t"].tolist() == whole.lane["t"].tolist()
+            expected = pytest.approx([values.min(), values.max()], abs=1e-12)
+            places = found[[T_LEAST, T_MOST], 0, lane]
+            assert found[[LEAST, MOST], 0, lane].tolist() == expected
+            assert f(places).tolist() == expected
+            assert np.all((places >= 0) & (places <= final + 1e-12))
 
 
 def test_steps_that_lead_nowhere_are_a_stall() -> None:
@@ -264,40 +220,16 @@ def test_steps_that_lead_nowhere_are_a_stall() -> None:
     tcs = np.zeros((len(steps), 4, ORDER + 1, LANES))
     tcs[:, [0, 3], 0] = 1.0
     found = followed(rows, times, tcs, signs).lane
-    assert found["status"].tolist() == [
-        Status.STALLED.code,
-        Status.RUNNING.code,
-        *[Status.STALLED.code] * 2,
-    ]
+    assert (found["status"] == Status.STALLED.code).tolist() == [True, False, True, True]
     assert found["steps"].tolist() == [PATIENCE, PATIENCE + 1, PATIENCE, PATIENCE]
     few = NO_RULES._replace(most_steps=5)
     assert followed(rows, times, tcs, signs, few).lane["steps"].tolist() == [5] * LANES
-
-
-def test_steps_that_move_no_double_are_a_stall() -> None:
-    """A run would else go on for ever."""
-    rows, signs = rows_of((event("passage"), 0, 0.0)), np.ones((1, LANES))
-    tcs = np.zeros((PATIENCE + 1, 4, ORDER + 1, LANES))
-    tcs[:, [0, 3], 0] = 1.0
-    found = followed(rows, np.zeros((PATIENCE + 2, LANES)), tcs, signs).lane
-    assert found["status"].tolist() == [Status.STALLED.code] * LANES
-    assert found["steps"].tolist() == [0] * LANES
 
 
 # --- the zeros themselves -----------------------------------------------------------------------
 
 SIX = np.array([0.0, 0.4, 0.5, 1.1, 1.25, 2.0])
 """Steps of different lengths: extremes and zeros lie inside them and at their ends."""
-
-
-def one_lane(functions: list[Polynomial], times: np.ndarray = SIX) -> tuple[np.ndarray, np.ndarray]:
-    """Times and coefficients of one run, as those of `slice_of`."""
-    tcs = np.zeros((len(times) - 1, len(functions) + 3, ORDER + 1, 1))
-    tcs[:, len(functions) + 2, 0] = 1.0
-    for row, f in enumerate(functions):
-        for k in range(ORDER + 1):
-            tcs[:, row, k, 0] = (f.deriv(k) if k else f)(times[:-1]) / factorial(k)
-    return times[:, None], tcs
 
 
 def passages_of(
@@ -322,7 +254,8 @@ def passages_of(
         np.where(np.array(at_start) > 0, 1.0, -1.0),
         np.full(len(functions), on_zero),
     )
-    continued(tallies, rows, *one_lane(functions, times), log=log)
+    tcs = coefficients(functions, times)[..., None]
+    continued(tallies, rows, times[:, None], tcs, log=log)
     return tallies, log
 
 
@@ -369,48 +302,20 @@ def test_a_start_on_the_zero_is_no_passage(leaves_to: int, noise: float) -> None
     assert tallies.kept[2, 0] == 1
 
 
-@pytest.mark.parametrize("zero", [0.13, 0.4, 0.77, 1.9])
-def test_a_force_ends_the_run_at_its_first_falling_zero(zero: float) -> None:
-    """Inside a step and between two; its least value is that zero, and nothing later is seen."""
-    force, other = (
-        Polynomial.fromroots([zero, zero + 2.0]),
-        with_roots(np.array([zero - 0.1, zero + 0.05])),
-    )
-    liftoff = event("liftoff", ends="liftoff", direction=-1, extremes="force")
-    tallies, log = passages_of([(liftoff, 0, 0.0), (event("other"), 0, 0.0)], [force, other])
-    tally, n = tallies.lane[0], log.filled[0]
-    assert tally["status"] == Status.LIFTOFF.code
-    assert tally["t"] == pytest.approx(zero, abs=1e-14)
-    assert tallies.functions[LEAST, 0, 0] == pytest.approx(0.0, abs=1e-14)
-    assert tallies.functions[T_LEAST, 0, 0] == pytest.approx(zero, abs=1e-14)
-    assert sorted(zip(log.event[:n].tolist(), log.time[:n], strict=True)) == [
-        (0, pytest.approx(zero, abs=1e-14)),
-        (1, pytest.approx(zero - 0.1, abs=1e-13)),
-    ]
-
-
-@pytest.mark.parametrize("least", [0.5, 1e-9, 0.0, -1e-14])
-def test_a_force_within_rounding_of_zero_ends_nothing(least: float) -> None:
-    """It comes down to a bottom at 0.77: its zeros, if there are any, are closer than anything that
-    is told apart.
-    """
+@pytest.mark.parametrize("least", [0.5, 1e-9, 0.0, -1e-14, -1e-9, -1e-6])
+def test_a_force_that_grazes_zero_ends_the_run_beyond_rounding(least: float) -> None:
+    """It comes down to a bottom at 0.77 in the midst of a step."""
     force = least + Polynomial([-0.77, 1.0]) ** 2
     liftoff = event("liftoff", ends="liftoff", direction=-1, extremes="force")
     tallies, log = passages_of([(liftoff, 0, 0.0)], [force])
-    assert (tallies.lane[0]["status"], log.filled[0]) == (Status.RUNNING.code, 0)
-    assert tallies.functions[LEAST, 0, 0] == pytest.approx(least, abs=1e-13)
-    assert tallies.functions[T_LEAST, 0, 0] == pytest.approx(0.77, abs=1e-7)
-
-
-@pytest.mark.parametrize("least", [-1e-6, -1e-9])
-def test_a_force_that_grazes_zero_ends_the_run(least: float) -> None:
-    """Negative for 2e-3, 6e-5 of the time in the midst of a step: this is more than rounding."""
-    force = least + Polynomial([-0.77, 1.0]) ** 2
-    tallies, _ = passages_of(
-        [(event("liftoff", ends="liftoff", direction=-1, extremes="force"), 0, 0.0)], [force]
-    )
-    assert tallies.lane[0]["status"] == Status.LIFTOFF.code
-    assert tallies.lane[0]["t"] == pytest.approx(0.77 - np.sqrt(-least), abs=1e-10)
+    lane, functions = tallies.lane[0], tallies.functions
+    if least < -1e-13:
+        assert lane["status"] == Status.LIFTOFF.code
+        assert lane["t"] == pytest.approx(0.77 - np.sqrt(-least), abs=1e-10)
+    else:
+        assert (lane["status"], log.filled[0]) == (Status.RUNNING.code, 0)
+        assert functions[LEAST, 0, 0] == pytest.approx(least, abs=1e-13)
+        assert functions[T_LEAST, 0, 0] == pytest.approx(0.77, abs=1e-7)
 
 
 def test_a_force_that_is_zero_at_the_start_and_falls_ends_the_run_there() -> None:
@@ -423,22 +328,9 @@ def test_a_force_that_is_zero_at_the_start_and_falls_ends_the_run_there() -> Non
     assert tallies.lane[0]["t"] == pytest.approx(0.0, abs=1e-11)
 
 
-def test_what_is_not_watched_has_no_passages_but_keeps_its_extremes() -> None:
-    f = with_roots(np.array([0.3, 0.7, 1.15]))
-    rows = rows_of((event("passage", extremes="f"), 0, 0.0))
-    rows.events["watched"] = False
-    log, tallies = new_log(200, 4), new_tallies(rows, 1)
-    continued(tallies, rows, *one_lane([f]), log=log)
-    values = f(np.concatenate([[0.0, UNTIL], f.deriv().roots()]))
-    assert log.filled[0] == 0
-    assert tallies.functions[[LEAST, MOST], 0, 0].tolist() == pytest.approx(
-        [values.min(), values.max()], abs=1e-13
-    )
-
-
 def test_extremes_of_a_rate_lie_at_the_roots_of_its_slope(rng: np.random.Generator) -> None:
     """Whichever step they are in."""
-    for _ in range(100):
+    for _ in range(50):
         roots = rng.uniform(-0.5, 2.5, rng.integers(1, 6))
         rate = Polynomial.fromroots(roots).integ(k=rng.normal()) * rng.choice([-1, 1])
         inside = roots[(roots > 0) & (roots < UNTIL)]

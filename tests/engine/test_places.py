@@ -2,15 +2,13 @@
 one still is.
 """
 
-import threading
-
 import numpy as np
 import pytest
 
 from tippetop.engine.driver import PLACES, Driver
 from tippetop.engine.taylor import driver_of
 from tippetop.runs.run import solve
-from tippetop.scenario import build, reading
+from tippetop.scenario import build
 
 
 def made(until: float, *sets: str) -> Driver:
@@ -28,17 +26,6 @@ def test_drivers_that_live_share_nothing() -> None:
             assert not np.shares_memory(one.rows.events, other.rows.events)
 
 
-def test_a_place_serves_again_and_another_thread_has_its_own() -> None:
-    made(0.1)
-    here = made(0.1).place
-    assert made(0.1).place is here, "none lives that has it"
-    there = []
-    thread = threading.Thread(target=lambda: there.append(made(0.1).place))
-    thread.start()
-    thread.join()
-    assert there[0] is not here
-
-
 def test_a_run_has_the_bits_of_a_first_run_wherever_it_works() -> None:
     """After a longer one, with other events, that a liftoff ended: rows, events, report, and what a
     store keeps.
@@ -54,16 +41,6 @@ def test_a_run_has_the_bits_of_a_first_run_wherever_it_works() -> None:
     np.testing.assert_array_equal(again.events.time, first.events.time)
     assert again.report == first.report
     assert repr(again.last_slice) == repr(first.last_slice)
-
-
-@pytest.mark.parametrize(
-    "preset", [name for name in reading.presets() if build.load(name).contact is None]
-)
-def test_the_normal_force_is_integrated_once(preset: str) -> None:
-    """Its impulse is a column: no other integral follows it, however the formulas are written."""
-    names = [str(variable) for variable, _ in driver_of(build.load(preset)).equations()]
-    assert "impulse" in names
-    assert "integral_liftoff" not in names
 
 
 def test_the_extremes_of_a_run_are_those_of_its_column() -> None:

@@ -34,18 +34,13 @@ def test_a_spin_stays_iff_it_is_stable(side: str, factor: float, problem: Proble
     assert stays(body, values, second) is ((factor < 1) == upright)
 
 
-def test_away_from_the_poles_what_does_not_slide_stays(problem: Problem) -> None:
-    body = problem.body(float)
-    assert stays(body, {"theta": np.array([0.5]), "omega3": np.array([1e3])}, 1.0)
+def test_what_does_not_slide_stays_away_from_the_poles_and_in_a_plane(problem: Problem) -> None:
+    away = {"theta": np.array([0.5]), "omega3": np.array([1e3])}
+    assert stays(problem.body(float), away, 1.0)
+    assert stays(build.load("gliding-cylinder").body(float), {"theta": np.array([0.0])}, 1.0)
 
 
-def test_a_motion_in_a_plane_stays() -> None:
-    """It has no spin, and no pole that it could leave."""
-    problem = build.load("gliding-cylinder")
-    assert stays(problem.body(float), {"theta": np.array([0.0])}, 1.0)
-
-
-@pytest.mark.parametrize("mu", [0.0, 1e-12, 1e-9])
+@pytest.mark.parametrize("mu", [0.0, 1e-9])
 def test_friction_that_takes_nothing_to_speak_of_lets_nothing_settle(mu: float) -> None:
     """Its loss is below the threshold from the start, while the contact slides on."""
     problem = build.load("inverting", [f"friction.mu={mu}", "run.stop_when=settled"], until=12.0)

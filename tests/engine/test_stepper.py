@@ -7,7 +7,6 @@ import sys
 
 import llvmlite.binding as llvm
 import numpy as np
-import pytest
 
 from tippetop.engine.stepper import call, load
 
@@ -41,16 +40,6 @@ def test_a_loaded_step_is_called() -> None:
     state, other = np.array([0.5, 7.0]), np.zeros(3)
     call(machine.step, state, other, other, other, other)
     assert state.tolist() == [np.sin(0.5), 7.0]
-
-
-def test_a_function_that_is_nowhere_is_an_error() -> None:
-    with pytest.raises(RuntimeError, match="materialize"):
-        load(object_of("no_such_function_anywhere"))
-
-
-def test_an_object_without_the_functions_is_an_error() -> None:
-    with pytest.raises(RuntimeError, match="d_out_f"):
-        load(object_of(second="other"))
 
 
 def test_nothing_of_this_aborts_a_process() -> None:

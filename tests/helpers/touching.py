@@ -11,6 +11,8 @@ import numpy as np
 NAMES = {"thetadot": "theta_dot", "phidot": "phi_dot"}  # of the reference, and ours
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 43750000, "I3": 3.2e-06, "g": 9.82}
 
+LEINE_GLOCKER = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
+
 BOUNCE: dict[str, Any] = {
     "system": "tippe-top",
     "parameters": BODY,
@@ -23,7 +25,7 @@ BOUNCE: dict[str, Any] = {
 
 STANDING: dict[str, Any] = {
     "system": "tippe-top",
-    "parameters": {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81},
+    "parameters": LEINE_GLOCKER,
     "friction": {"law": "viscous", "mu": 2.0},
     "stem": {"r": 0.005, "h": 0.013},
     "contact": {"e_n": 0.02},
@@ -36,7 +38,7 @@ STANDING: dict[str, Any] = {
 
 ROCKING: dict[str, Any] = {
     "system": "tippe-top",
-    "parameters": STANDING["parameters"],
+    "parameters": LEINE_GLOCKER,
     "friction": {"law": "contensou", "mu": 0.06, "patch": 2e-3},
     "initial": {"theta": 0.5, "omega3": 0.3, "theta_dot": 1.0},
     "run": {"until": 0.5},

@@ -4,7 +4,6 @@ point of the disc.
 
 from types import SimpleNamespace
 
-import heyoka as hy
 import mpmath as mp
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from tippetop.mechanics import disc_friction as disc
 from tippetop.mechanics.operand import Vector
 
 
-def quadrature(x: float, pressure: str = "hertz") -> tuple[mp.mpf, mp.mpf]:
+def quadrature(x: float) -> tuple[mp.mpf, mp.mpf]:
     """f and m of a disc of radius 1 that turns with Omega = 1 while its centre slides with x: over
     rings, by elliptic integrals of one ring (a point of it slides with x e + r t).
     """
@@ -29,12 +28,14 @@ def quadrature(x: float, pressure: str = "hertz") -> tuple[mp.mpf, mp.mpf]:
         along = (mean + (x**2 - r**2) * inverse) / (2 * x)
         return along, (mean + (r**2 - x**2) * inverse) / 2
 
-    weight = {"hertz": lambda r: 3 * r * mp.sqrt(1 - r * r), "uniform": lambda r: 2 * r}[pressure]
     cuts = [0, x, 1] if x < 1 else [0, 1]
-    return tuple(mp.quad(lambda r, i=i: weight(r) * ring(r)[i], cuts) for i in (0, 1))  # type: ignore[return-value]
+    force, torque = (
+        mp.quad(lambda r, i=i: 3 * r * mp.sqrt(1 - r * r) * ring(r)[i], cuts) for i in (0, 1)
+    )
+    return force, torque
 
 
-X = (1e-3, 0.1, 0.5, 0.9, 0.999, 1.001, 1.3, 2.0, 2.49, 2.51, 4.0, 29.0, 31.0, 1e3)
+X = (1e-3, 0.5, 0.999, 1.001, 1.3, 2.49, 2.51, 29.0, 31.0, 1e3)
 
 
 @pytest.mark.parametrize("x", X)
@@ -47,54 +48,11 @@ def test_force_and_torque_are_those_of_the_pressure_of_hertz(x: float) -> None:
         assert found.twist * U == pytest.approx(float(m), rel=2e-14)
 
 
-def test_the_quadrature_knows_the_uniform_pressure() -> None:
-    """Its closed form is elliptic. [contact 5]"""
-    with mp.workdps(20):
-        x = mp.mpf("0.6")
-        E, K = mp.ellipe(x**2), mp.ellipk(x**2)
-        f, m = quadrature(0.6, "uniform")
-        assert float(f) == pytest.approx(
-            float(4 / (3 * mp.pi * x) * ((1 + x**2) * E - (1 - x**2) * K)), rel=1e-14
-        )
-        assert float(m) == pytest.approx(
-            float(4 / (9 * mp.pi) * ((4 - 2 * x**2) * E - (1 - x**2) * K)), rel=1e-14
-        )
-
-
-def test_regions_meet() -> None:
-    for edge, below, above in (
-        (1, disc.inside, disc.between),
-        (6.25, disc.between, disc.outside),
-    ):
-        assert below(edge, 1.0) == pytest.approx(above(edge, 1.0), rel=3e-14)
-    short = 1 - 1 / 10 / 31**2 - 3 / 280 / 31**4 - 1 / 336 / 31**6 - 5 / 4224 / 31**8
-    assert disc.outside(31.0**2, 1.0).k * 31 == pytest.approx(short, rel=1e-15)
-
-
 def test_small_slip_is_viscous_and_fast_slip_is_coulomb() -> None:
     assert disc.drag(0.0, 4.0).k == pytest.approx(3 * np.pi / 16, rel=1e-15)
     assert disc.drag(4.0, 0.0).k == 0.5
     assert disc.drag(4.0, 0.0).twist == pytest.approx(0.1, rel=1e-15)
     assert disc.drag(0.0, 0.0) == (np.inf, np.inf)
-
-
-def test_one_potential_has_both_as_derivatives(rng: np.random.Generator) -> None:
-    """dF/dU = d(M/patch)/dw, in every region: by expressions."""
-    w2, U2 = hy.make_vars("w2", "U2")
-    for law, ratio in (
-        (disc.inside, (0.1, 0.9)),
-        (disc.between, (1.1, 2.5)),
-        (disc.outside, (2.5, 50)),
-    ):
-        made = law(w2, U2)
-        F, M = made.k * hy.sqrt(w2), made.twist * hy.sqrt(U2)
-        slopes = hy.cfunc(
-            [hy.diff(F, U2) * hy.sqrt(U2), hy.diff(M, w2) * hy.sqrt(w2)], vars=[w2, U2]
-        )
-        U = rng.uniform(0.5, 2, 20)
-        w = U * rng.uniform(*ratio, 20)
-        by_U, by_w = slopes(np.array([w**2, U**2]))
-        np.testing.assert_allclose(by_U, by_w, rtol=1e-9, atol=1e-13)
 
 
 def test_a_patch_takes_energy() -> None:

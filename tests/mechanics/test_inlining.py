@@ -63,20 +63,6 @@ def test_each_law_has_a_trace_of_its_own() -> None:
         assert (of_law(u, BALL), of_law(u, exact)) == (3, 2)
 
 
-def test_each_body_has_a_trace_of_its_own() -> None:
-    """The same names at other places of the record."""
-
-    class Turned(NamedTuple):
-        R: float
-        m: float
-        friction: Viscous
-
-    ratio = inlining.inlined(lambda u, b: u.x * b.m / b.R)
-    u, turned = Vector(1.0, 0.0, 0.0), Turned(0.5, 2.0, Viscous(0.3))
-    for _ in range(2 * inlining.PATIENCE):
-        assert (ratio(u, BALL), ratio(u, turned)) == (1.0, 4.0)
-
-
 def test_divisions_by_zero_are_those_of_the_formula() -> None:
     """NumPy's roots give infinities where Python's floats raise."""
 

@@ -93,35 +93,6 @@ def test_formulas_mean_the_same_to_heyoka(
 
 
 @pytest.mark.parametrize(
-    ("system", "form"), [(s, f) for s, f in EVERY_FORM if len(SYSTEMS[s].forms) > 1]
-)
-def test_chart_commutes_with_the_flow_by_symbolic_jacobian(
-    system: str, form: str, rng: np.random.Generator
-) -> None:
-    """J(chart) rates = rates(chart), the Jacobian derived by heyoka."""
-    used = SYSTEMS[system]
-    case, e, b = compiled(system, next(reversed(used.forms)), simplest(system), rng)
-    q, carried = Variables(used.forms[form], orientation=False).start(
-        {}, e, hy.sin(e.theta), hy.cos(e.theta), b
-    )
-    chart = [*q, *carried]
-    rates = case.rates(e, b)
-    pushed = [
-        sum((hy.diff(y, x) * r for x, r in zip(e, rates, strict=True)), hy.expression(0.0))
-        for y in chart
-    ]
-    found = evaluated(pushed, e, case)
-    expected = case.rates(case.of_angles(used.forms[form], case.angles), form=used.forms[form])
-    for mine, theirs in zip(found, expected, strict=True):
-        np.testing.assert_allclose(
-            mine,
-            np.broadcast_to(theirs, mine.shape),
-            rtol=0,
-            atol=1e-12 * (1 + np.max(np.abs(theirs))),
-        )
-
-
-@pytest.mark.parametrize(
     ("system", "form"),
     [  # numba takes seconds for each: one, and all of them at night
         (s, f) if (s, f) == ("gliding-cylinder", "angle") else at_night(s, f) for s, f in EVERY_FORM
@@ -134,35 +105,23 @@ def test_formulas_mean_the_same_inside_numba(
     import numba
 
     case = laws.case(SYSTEMS[system], form, simplest(system), rng)
-    rates, scalars, quantity = (
-        case.form.rates,
-        case.form.scalars,
-        SYSTEMS[system].quantities[0].formula,
-    )
-    integrals = [integral.rate for integral in case.form.integrals]
+    rates, scalars = case.form.rates, case.form.scalars
+    quantity = SYSTEMS[system].quantities[0].formula
 
     @numba.njit(error_model="numpy")
     def inside(q, b):
         return rates(q, b), quantity(scalars(q, b), b)
 
-    def compiled_alone(rate: Callable) -> Callable:
-        return numba.njit(error_model="numpy")(lambda q, b: rate(q, q, b))
-
-    alone = [compiled_alone(rate) for rate in integrals]
-
     for i in range(5):
-        q = refill(
-            case.state,
-            iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.state)]),
-        )
-        b = refill(
-            case.body,
-            iter([float(np.broadcast_to(x, (laws.STATES,))[i]) for x in leaves(case.body)]),
+        q, b = (
+            refill(
+                record, iter([float(np.broadcast_to(x, laws.STATES)[i]) for x in leaves(record)])
+            )
+            for record in (case.state, case.body)
         )
         found, value = inside(q, b)
         assert tuple(found) == tuple(rates(q, b))
         assert value == quantity(scalars(q, b), b)
-        assert [one(q, b) for one in alone] == [rate(q, q, b) for rate in integrals]
 
 
 DECOMPOSITION = {

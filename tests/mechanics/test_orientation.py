@@ -9,7 +9,6 @@ from collections.abc import Callable
 import examples
 import numpy as np
 import pytest
-from nightly import at_night
 from scipy.integrate import solve_ivp
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
@@ -44,25 +43,18 @@ def omega(problem: Problem, columns: dict[str, np.ndarray]) -> Callable:
     return make_interp_spline(columns["time"], (L - along) / transverse + along / b.I3, k=7)
 
 
-POLES = ("initial.theta=0.0", "initial.theta_dot=2.0")
 WAYS = [
     ("inverting", ()),
-    ("inverting", ("form=euler",)),
-    ("inverting", POLES),
+    ("inverting", ("initial.theta=0.0", "initial.theta_dot=2.0")),
     ("inverting", ("initial.theta=3.141592653589793", "initial.theta_dot=2.0", "initial.psi=0.3")),
     ("rolling", ()),
-    ("rolling", ("form=reduced",)),
     ("rolling", ("form=euler", "initial.psi=-2.0")),
-    ("gliding-heavy-top", ()),
     ("gliding-heavy-top", ("form=contact", "initial.psi=1.0")),
-    ("heavy-top", ()),
     ("heavy-top", ("form=euler",)),
 ]
 
 
-@pytest.mark.parametrize(
-    ("preset", "settings"), [WAYS[0], *(at_night(*way) for way in WAYS[1::2]), *WAYS[2::2]]
-)
+@pytest.mark.parametrize(("preset", "settings"), WAYS)
 def test_the_body_turns_with_its_angular_velocity(preset: str, settings: tuple) -> None:
     """R' = omega x R, integrated by SciPy from the first row, gives the last one."""
     problem = load(preset, *settings, until=0.3)
@@ -109,34 +101,6 @@ def test_forms_agree(preset: str, forms: tuple[str, ...]) -> None:
         np.testing.assert_allclose(apart, 0.0, rtol=0, atol=1e-9)
 
 
-@pytest.mark.slow
-def test_an_inverting_top_is_followed_to_the_other_pole() -> None:
-    """Eight seconds and 180 turns; psi is NaN where theta is 0 exactly, the orientation is not."""
-    problem = build.load(
-        "inverting", [*POLES[:1], "initial.theta_dot=1.0", "run.output_step=2e-4"], 8.0
-    )
-    columns = examples.columns(solve(problem))
-    assert columns["theta"][-1] > 3.1
-    assert np.isnan(columns["psi"]).tolist() == [True] + [False] * (len(columns["time"]) - 1)
-    assert np.isfinite(columns["orientation"]).all()
-    R, w = matrices(columns), omega(problem, columns)
-    times = columns["time"]
-    nodes, _ = np.polynomial.legendre.leggauss(3)  # Magnus' series to sixth order, step by step
-    h = np.diff(times)[:, None]
-    a = np.array([h * w(times[:-1] + (1 + x) / 2 * h[:, 0]) for x in nodes])
-    A1, A2, A3 = a[1], np.sqrt(15) / 3 * (a[2] - a[0]), 10 / 3 * (a[2] - 2 * a[1] + a[0])
-    C1 = np.cross(A1, A2)
-    C2 = -np.cross(A1, 2 * A3 + C1) / 60
-    steps = Rotation.from_rotvec(A1 + A3 / 12 + np.cross(-20 * A1 - A3 + C1, A2 + C2) / 240)
-    now = Rotation.from_matrix(R[0])
-    worst = 0.0
-    for i, step in enumerate(steps):
-        now = step * now
-        if i % 500 == 499:
-            worst = max(worst, np.abs(now.as_matrix() - R[i + 1]).max())
-    assert worst < 1e-8
-
-
 @pytest.mark.parametrize("preset", ["gliding-cylinder", "rolling-cylinder"])
 def test_a_cylinder_turns_about_the_horizontal(preset: str) -> None:
     columns = examples.columns(solve(load(preset)))
@@ -169,16 +133,6 @@ def test_the_orientation_has_no_effect_on_the_run(preset: str) -> None:
     np.testing.assert_allclose(
         matrices(examples.columns(turned)), matrices(columns) @ twist, rtol=0, atol=1e-13
     )
-
-
-def test_mirrored_runs_have_mirrored_orientations() -> None:
-    """Reflection in y = 0 maps R to M R M with M = diag(1, -1, 1)."""
-    mirrored = ("initial.omega3=-155.0", "initial.psi=-0.7")
-    one = examples.columns(solve(load("inverting", "initial.omega3=155.0", "initial.psi=0.7")))
-    other = examples.columns(solve(load("inverting", *mirrored)))
-    M = np.diag([1.0, -1.0, 1.0])
-    np.testing.assert_allclose(matrices(other), M @ matrices(one) @ M, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(other["psi"], -one["psi"], rtol=0, atol=1e-9)
 
 
 def test_quaternions_of_rotations(rng: np.random.Generator) -> None:

@@ -76,15 +76,3 @@ def test_more_digits_agree_with_the_reference(precision: str) -> None:
     assert np.abs(examples.columns(made)["theta"] - case.values["theta"][:n]).max() < 3e-16
     t = made.events.of("turning").time
     np.testing.assert_allclose(t, case.turnings[case.turnings < until], rtol=0, atol=2e-16)
-
-
-@pytest.mark.parametrize(
-    ("name", "system", "form", "tolerance"), [c for c in CASES if c[2] == "euler"]
-)
-def test_forms_agree_in_longdouble(name: str, system: str, form: str, tolerance: float) -> None:
-    one = examples.reference(name, system, form, "longdouble").problem
-    other = examples.reference(name, system, "vector", "longdouble").problem
-    short = {"until": 1.0, "times": np.linspace(0, 1, 5)}
-    found = [examples.columns(solve(dataclasses.replace(p, **short))) for p in (one, other)]
-    for column in ("theta", "theta_dot", "phi_dot", "energy", "normal_force"):
-        np.testing.assert_allclose(found[0][column], found[1][column], rtol=1e-14, atol=1e-14)

@@ -55,12 +55,6 @@ def test_products_of_a_rotation_with_itself_come_from_its_axes(rng: np.random.Ge
     np.testing.assert_allclose(np.array(rotation.outer(first, third)), expected, atol=1e-14)
 
 
-def test_a_cubic_is_given_by_its_ends(rng: np.random.Generator) -> None:
-    p = np.polynomial.Polynomial(rng.normal(size=4))
-    s, slope = np.linspace(0, 1, 7), p.deriv()
-    np.testing.assert_allclose(rotation.cubic(p(0), slope(0), p(1), slope(1), s), p(s), atol=1e-14)
-
-
 def test_between_has_the_rotations_of_its_ends_and_the_velocities_of_their_axes(
     rng: np.random.Generator,
 ) -> None:

@@ -73,20 +73,6 @@ def test_systems_of_the_package_have_what_a_run_needs(system: System) -> None:
     assert unmet_requirements(system) == []
 
 
-def test_the_first_phase_speaks_for_a_system() -> None:
-    assert (BALL.forms, BALL.events, BALL.quantities) == (FLIGHT.forms, FLIGHT.events, ())
-    assert all(len(system.phases) == 1 for system in SYSTEMS.values())
-
-
-def test_a_jump_names_the_phase_that_follows() -> None:
-    (way,) = BALL.phase.exits
-    for speed in (-1.0, -0.01):
-        following = way.jump(Height(0.0, speed), None)
-        phase = BALL.phases[following.phase]
-        assert following.phase in way.to
-        assert isinstance(phase.enter(following.x, None), type(phase.form.units))
-
-
 def test_a_phase_must_keep_the_common_state() -> None:
     check_answers(BALL)
     lossy = dataclasses.replace(FLIGHT, leave=lambda q, b: Height(q.y, 2 * q.y_dot))

@@ -7,16 +7,14 @@ import examples
 import numpy as np
 import pytest
 
-from tippetop.landscape import body
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact.gliding import euler as gliding_euler
-from tippetop.mechanics.friction import Coulomb, Latitude, Mixed, Stribeck, Viscous, is_frictionless
+from tippetop.mechanics.friction import Coulomb, Viscous
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.theory import modes, regimes, thresholds, tumbling
 from tippetop.problem import Problem
 from tippetop.runs import forecast
 from tippetop.runs.run import solve
-from tippetop.runs.summary import lines
 
 
 B = contact.Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
@@ -62,44 +60,6 @@ def test_modes_change_sign_at_the_thresholds(gamma: float, inverted: bool) -> No
                 0
             ].real
             assert (growth < 0) == ((factor > 1) == inverted)
-
-
-@pytest.mark.parametrize("inverted", [False, True])
-def test_modes_are_the_growth_of_a_run(inverted: bool) -> None:
-    """A start 1e-6 rad from the spinning state grows or decays with the leading mode."""
-    omega3 = 60.0 if not inverted else -30.0
-    p = modes.linear_modes(omega3, B, inverted=inverted)
-    theta = math.pi - 1e-6 if inverted else 1e-6
-    until = 0.5
-    made = examples.run(
-        "tippe-top",
-        examples.CANONICAL,
-        {"theta": theta, "omega3": omega3},
-        until,
-        ("viscous", {"mu": 0.3}),
-    )
-    axis = examples.columns(made)["axis"]
-    tilt, t = axis[:, 0] + 1j * axis[:, 1], made.times
-    motions = np.exp(np.outer(t, p))  # three modes carry the tilt exactly, to first order
-    weights, *_ = np.linalg.lstsq(motions / np.abs(motions).max(axis=0), tilt, rcond=None)
-    assert (
-        np.abs(motions / np.abs(motions).max(axis=0) @ weights - tilt).max()
-        < 1e-6 * np.abs(tilt).max()
-    )
-
-
-def test_infinitely_strong_friction_is_rolling() -> None:
-    for inverted, spin in ((False, 50.0), (True, 20.0)):
-        strong = modes.linear_modes(spin, B._replace(friction=Viscous(1e9)), inverted=inverted)
-        rolling = modes.rolling_modes(spin, B, inverted=inverted)
-        for p in rolling:
-            assert np.abs(strong - p).min() < 1e-6 * abs(p)
-
-
-def test_regularised_coulomb_counts_by_its_slope_at_rest() -> None:
-    viscous = modes.linear_modes(155.0, B._replace(friction=Viscous(30.0)))
-    coulomb = modes.linear_modes(155.0, B._replace(friction=Coulomb(0.3, 0.01)))
-    np.testing.assert_allclose(coulomb, viscous, rtol=1e-14)
 
 
 # --- tumbling -----------------------------------------------------------------------------------
@@ -165,32 +125,6 @@ def test_regimes_follow_gamma() -> None:
     assert thresholds.lambda_s(with_gamma(1.4)) == math.inf
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("gamma", "factor"), [(0.936, 0.4), (0.936, 0.7), (0.936, 1.3), (1.2, 0.6)]
-)
-def test_runs_end_in_the_predicted_state(gamma: float, factor: float) -> None:
-    """With one attractor, a tilted start ends there. factor: lambda/lambda_s."""
-    b = with_gamma(gamma)
-    lam = factor * thresholds.lambda_s(b)
-    found = regimes.regime(lam, b)
-    assert len(found.attractors) == 1
-    parameters = {**examples.CANONICAL, "I1": b.I1}
-    spin = lam / (b.I3 * (b.R * math.cos(0.3) - b.c)) / 1.0
-    made = examples.run(
-        "tippe-top",
-        parameters,
-        {"theta": 0.3, "omega3": spin},
-        300.0,
-        ("viscous", {"mu": 0.3}),
-        events=(),
-    )
-    lam = examples.at_start(made.problem)["jellett"]
-    found = regimes.regime(lam, b)
-    end = 0.0 if found.upright else math.pi if found.inverted else found.tumbling[0]
-    assert made.report["theta_end"] == pytest.approx(end, abs=1e-5)
-
-
 # --- heavy tops ---------------------------------------------------------------------------------
 
 
@@ -201,43 +135,14 @@ def test_sleeping_top_with_a_fixed_tip() -> None:
     assert abs(modes.rolling_modes(1.01 * limit, TIP)[0].real) < 1e-6
 
 
-@pytest.mark.parametrize("factor", [0.5, 1.01, 2.44, 5.0, 20.0, 50.0])
-@pytest.mark.parametrize("mu", [1e-3, 1e-2, 0.1, 1.0, 10.0])
+@pytest.mark.parametrize("factor", [0.5, 2.44, 50.0])
+@pytest.mark.parametrize("mu", [1e-3, 0.1, 10.0])
 def test_upright_gliding_heavy_top_is_unstable_at_every_speed(factor: float, mu: float) -> None:
-    """Against [T 5.54]: the characteristic cubic has a root with positive real part."""
+    """Against [T 5.54]."""
     b = TIP._replace(friction=Viscous(mu))
     spin = factor * thresholds.sleeping_spin(TIP)
-    L3, inertia = b.I3 * spin, b.I1
-    weight = b.m * b.g * 0.04
-    cubic = np.polyadd(
-        np.polymul([inertia, -1j * L3, -weight], [1, mu * b.g]), [mu * weight * 0.04, 0, 0]
-    )
-    found = modes.linear_modes(spin, b)
-    np.testing.assert_allclose(
-        np.sort_complex(found), np.sort_complex(np.roots(cubic)), rtol=1e-7, atol=1e-10
-    )
-    assert found[0].real > 0
+    assert modes.linear_modes(spin, b)[0].real > 0
     assert modes.linear_modes(spin, b, inverted=True)[0].real < 1e-9
-
-
-def test_upright_gliding_heavy_top_spirals_out_in_a_run() -> None:
-    """2.4 times the threshold, 1e-3 rad from upright: the tilt grows as the leading mode says, to 1
-    % over 60 s.
-    """
-    spin = 2.44 * thresholds.sleeping_spin(TIP)
-    growth = modes.linear_modes(spin, TIP)[0].real
-    made = examples.run(
-        "gliding-heavy-top",
-        examples.HEAVY,
-        {"theta": 1e-3, "omega3": spin},
-        60.0,
-        ("viscous", {"mu": 0.3}),
-        events=(),
-    )
-    theta, t = examples.columns(made)["theta"], made.times
-    late = t > 10
-    assert theta[-1] > 2 * theta[0]
-    assert np.polyfit(t[late], np.log(theta[late]), 1)[0] == pytest.approx(growth, rel=1e-2)
 
 
 def start_of(
@@ -257,60 +162,20 @@ def start_of(
 
 def test_every_system_of_ours_has_an_outlook() -> None:
     for name in SYSTEMS:
-        found = forecast.assessment(start_of(name, theta_dot=1.0))
-        assert found["regime"]
+        assert forecast.assessment(start_of(name, theta_dot=1.0))["regime"]
     canonical = forecast.assessment(start_of("tippe-top", omega3=155.0))
     assert canonical["fate"] == "ends in the inverted spin, unless it lifts off"
-    outlook = SYSTEMS["tippe-top"].outlook(B, {"jellett": 6.894441319558e-6, "at_pole": 0.0})
-    assert outlook.fate == "ends in the inverted spin, unless it lifts off"
-    assert all(t.long_name and t.unit for t in outlook.thresholds.values())
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
-def test_nothing_is_said_of_a_system_that_brings_no_theory(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """No threshold, no regime, no fate, no inversion: knowledge comes with the record, not with a
-    name.
-    """
-    toy = dataclasses.replace(
-        SYSTEMS[name],
-        name=f"toy-{name}",
-        outlook=None,
-        motion=None,
-        borders=None,
-        landscape=None,
-        inverts=False,
-        long_form="",
-    )
-    monkeypatch.setitem(SYSTEMS, toy.name, toy)
-    made = dataclasses.replace(start_of(name), system=toy, until=1e6)
-    found = forecast.assessment(made)
-    assert set(found) == {"auto_form", "at_start", "expected"}
+def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str) -> None:
+    """No threshold, no regime, no fate: knowledge comes with the record, not with a name."""
+    made = start_of(name)
+    known = dict.fromkeys(("outlook", "motion", "borders", "landscape"))
+    toy = dataclasses.replace(made.system, inverts=False, long_form="", **known)
+    made = dataclasses.replace(made, system=toy, until=1e6)
+    assert set(forecast.assessment(made)) == {"auto_form", "at_start", "expected"}
     assert forecast.comments(made) == {}
-    report = {
-        "reason": "end.",
-        "steps": 1,
-        "event_counts": {},
-        "theta_end": 0.1,
-        "nutational_band": {},
-        "drift": {},
-    }
-    inversion = dict.fromkeys(("first_equator", "last_equator", "inverted_at"))
-    words = dict(lines({**report, "system": toy.name, "inversion": inversion}))
-    assert "inversion" not in words
-    with pytest.raises(ValueError, match="must be one of"):
-        body.top(made.parameters, toy.name)
-
-
-@pytest.mark.parametrize("name", SYSTEMS)
-def test_a_renamed_system_is_known_as_well(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    renamed = dataclasses.replace(SYSTEMS[name], name=f"renamed-{name}")
-    monkeypatch.setitem(SYSTEMS, renamed.name, renamed)
-    made = start_of(name, omega3=155.0)
-    other = dataclasses.replace(made, system=renamed)
-    assert forecast.assessment(other) == forecast.assessment(made)
-    assert forecast.comments(other) == forecast.comments(made)
 
 
 NO_FRICTION = [
@@ -332,22 +197,6 @@ def test_mu_zero_is_no_friction_under_any_law(law: tuple) -> None:
     heavy = forecast.assessment(start_of("gliding-heavy-top", law=law, omega3=155.0))
     assert heavy["regime"].startswith("without friction the upright spin is ")
     assert "fate" not in heavy
-
-
-@pytest.mark.parametrize(
-    "law",
-    [
-        Viscous(1e-9),
-        Coulomb(0.1, 1e-3),
-        Mixed(0.0, 0.1, 1e-3),
-        Stribeck(0.0, 0.1, 0.1, 1e-3),
-        Latitude(0.0, 0.1),
-        Latitude(0.1, 0.0),
-    ],
-    ids=lambda law: type(law).__name__,
-)
-def test_any_number_that_rubs_is_friction(law: tuple) -> None:
-    assert not is_frictionless(law)
 
 
 @pytest.mark.parametrize("name", ["gliding-cylinder", "rolling-cylinder"])
@@ -376,21 +225,12 @@ def test_a_start_exactly_at_a_pole_stays_there(name: str, law: tuple) -> None:
     )
 
 
-def test_a_law_of_one_system_is_not_taken_for_none() -> None:
-    made = start_of("gliding-cylinder", 0.1, ("modified", {"mu": 0.0, "v_k": 0.01}))
-    assert not is_frictionless(made.friction)
-    assert forecast.assessment(made)["regime"].startswith("small oscillations in rolling")
-
-
 def test_modes_beyond_the_doubles_are_nan_and_the_outlook_says_no_rate() -> None:
     """A Coulomb law with eps = 5e-324. Before, a traceback of the eigenvalues."""
     law = Coulomb(mu=0.3, eps=5e-324)
     assert np.isnan(modes.linear_modes(155.0, B._replace(friction=law))).all()
     assert not modes.is_unstable(155.0, B._replace(friction=law))
-    top = SYSTEMS["gliding-heavy-top"]
-    start = {"L3": 0.01, "energy": 0.1, "Lz": 0.01, "at_pole": 0.0}
     with np.errstate(all="ignore"):
-        outlook = top.outlook(
-            top.body_of({"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}, law), start
-        )
-    assert outlook.regime.startswith("upright spin unstable at every speed: the top")
+        made = start_of("gliding-heavy-top", law=("coulomb", {"mu": 0.3, "eps": 5e-324}))
+        regime = forecast.assessment(made)["regime"]
+    assert regime.startswith("upright spin unstable at every speed: the top")

@@ -3,78 +3,14 @@
 import math
 
 import examples
-import laws
 import numpy as np
 import pytest
 
 from tippetop.engine.status import Status
-from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.contact.gliding import euler as gliding_euler
-from tippetop.mechanics.systems import SYSTEMS, tippe_top
-from tippetop.mechanics.theory import nutation
-from tippetop.runs.run import solve
+from tippetop.mechanics.systems import SYSTEMS
 
 
 VISCOUS = ("viscous", {"mu": 0.3})
-FAST = {
-    "theta": 1.0,
-    "phi_dot": 10.0,
-    "omega3": 100.0,
-}  # periods below: computed by quadrature in 30 digits
-
-
-def significant_turnings(made) -> tuple[np.ndarray, np.ndarray]:
-    turning = made.events.of("turning", significant=True)
-    return turning.time, turning.theta
-
-
-def test_period_of_the_rolling_tippe_top() -> None:
-    made = examples.problem("rolling-tippe-top", examples.CANONICAL, FAST, 0.2)
-    b, start = examples.si(made), examples.at_start(made)
-    found = nutation.nutation(
-        lambda z: tippe_top.theta_inertia(z, b),
-        lambda z: tippe_top.potential(z, start["routh"], start["jellett"], b),
-        start["energy"],
-        1.0,
-    )
-    assert found.period == pytest.approx(0.05405845287215864, rel=1e-13)
-    assert found.theta_min == pytest.approx(0.83867185863810919, rel=1e-13)
-    times, angles = significant_turnings(solve(made))
-    assert times[2] - times[0] == pytest.approx(0.05405845287215864, rel=1e-12)
-    assert angles[0] == pytest.approx(0.83867185863810919, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("system", "parameters", "initial", "period", "other"),
-    [
-        ("tippe-top", examples.CANONICAL, FAST, 0.06011604153899423, 0.79505511802680335),
-        (
-            "gliding-heavy-top",
-            examples.SLENDER,
-            {"theta": 0.5, "phi_dot": 5.0, "omega3": 300.0},
-            0.04697105057746059,
-            0.48028100380708158,
-        ),
-    ],
-)
-def test_period_without_friction(
-    system: str, parameters: dict, initial: dict, period: float, other: float
-) -> None:
-    made = examples.problem(system, parameters, initial, 3.2 * period)
-    b, s, z = examples.si(made), math.sin(initial["theta"]), math.cos(initial["theta"])
-    start = SYSTEMS[system].start(initial, s, z, b)
-    scalars = gliding_euler.euler_scalars(start._replace(theta=initial["theta"]), b)
-    found = nutation.nutation(
-        lambda z: laws.vertical_inertia(z, b),
-        lambda z: laws.vertical_potential(z, scalars.Lz, scalars.L3, b),
-        contact.energy(scalars, b) - b.m * scalars.speed2 / 2,
-        initial["theta"],
-    )
-    assert found.period == pytest.approx(period, rel=1e-12)
-    assert min(abs(found.theta_min - other), abs(found.theta_max - other)) < 1e-13
-    times, angles = significant_turnings(solve(made))
-    assert times[2] - times[0] == pytest.approx(period, rel=1e-12)
-    assert angles[0] == pytest.approx(other, rel=1e-12)
 
 
 @pytest.mark.parametrize("form", ["vector", "euler"])
@@ -96,38 +32,6 @@ def test_rolling_keeps_its_integrals(form: str, until: float) -> None:
     assert max(made.report["drift"].values()) < bound
 
 
-def test_rolling_separates() -> None:
-    """E = inertia theta'^2 + V(z, D, lambda) with constant D, lambda all along a run. [T 4.10]"""
-    made = examples.run("rolling-tippe-top", examples.CANONICAL, FAST, 1.0)
-    b, rows = examples.si(made.problem), examples.columns(made)
-    z = np.cos(rows["theta"])
-    V = tippe_top.potential(z, rows["routh"][0], rows["jellett"][0], b)
-    np.testing.assert_allclose(
-        tippe_top.theta_inertia(z, b) * rows["theta_dot"] ** 2 + V, rows["energy"], rtol=1e-13
-    )
-
-
-def test_strong_friction_rolls() -> None:
-    """With mu growing the gliding top tends to the rolling one, as 1/mu."""
-    initial, until = {"theta": 1.0, "phi_dot": 20.0, "omega3": 60.0}, 0.05
-    rolling = examples.columns(
-        examples.run("rolling-tippe-top", examples.CANONICAL, initial, until)
-    )["theta"]
-    distance = [
-        np.abs(
-            examples.columns(
-                examples.run(
-                    "tippe-top", examples.CANONICAL, initial, until, ("viscous", {"mu": mu})
-                )
-            )["theta"]
-            - rolling
-        ).max()
-        for mu in (100.0, 200.0, 400.0)
-    ]
-    orders = np.log2(np.array(distance[:-1]) / distance[1:])
-    assert np.all(np.abs(orders - 1) < 0.1), (distance, orders)
-
-
 @pytest.mark.parametrize("theta", [0.0, math.pi])
 @pytest.mark.parametrize(
     "system", ["tippe-top", "rolling-tippe-top", "gliding-heavy-top", "heavy-top"]
@@ -142,83 +46,3 @@ def test_exact_start_at_a_pole_stays_there(system: str, theta: float) -> None:
     assert np.all(rows["theta"] == (math.pi if theta else 0.0))
     assert np.all(np.isnan(rows["phi"]))
     assert made.report["drift"]["axis_norm"] == 0.0
-
-
-def test_no_friction_keeps_the_energy() -> None:
-    made = examples.run(
-        "tippe-top", examples.CANONICAL, {"theta": 0.5, "omega3": 120.0, "nu_x": 0.1}, 5.0
-    )
-    energy = examples.columns(made)["energy"]
-    assert np.abs(energy / energy[0] - 1).max() < 1e-14
-
-
-def test_a_kilogram_and_a_gram_move_alike() -> None:
-    """Another size: lengths times 4, times times 2 and masses times 8 give the same angles."""
-    small = examples.problem(
-        "tippe-top", examples.CANONICAL, {"theta": 0.3, "omega3": 155.0}, 2.0, VISCOUS
-    )
-    p = examples.CANONICAL
-    scaled = {
-        "m": 8 * p["m"],
-        "R": 4 * p["R"],
-        "alpha": p["alpha"],
-        "I1": 128 * p["I1"],
-        "I3": 128 * p["I3"],
-        "g": p["g"],
-    }
-    large = examples.problem(
-        "tippe-top", scaled, {"theta": 0.3, "omega3": 77.5}, 4.0, ("viscous", {"mu": 0.15})
-    )
-    one, other = examples.columns(solve(small)), examples.columns(solve(large))
-    np.testing.assert_allclose(other["theta"], one["theta"], rtol=0, atol=1e-13)
-    np.testing.assert_allclose(other["energy"], one["energy"] * 32, rtol=1e-12)
-
-
-def test_mirrored_start_gives_the_mirrored_run() -> None:
-    start = {
-        "theta": 0.4,
-        "theta_dot": 1.0,
-        "phi": 0.3,
-        "phi_dot": 3.0,
-        "omega3": 120.0,
-        "nu_x": 0.1,
-        "nu_y": -0.2,
-    }
-    odd = ("phi", "phi_dot", "omega3", "nu_y", "jellett", "routh")
-    mirrored = {k: -v if k in odd else v for k, v in start.items()}
-    one = examples.columns(examples.run("tippe-top", examples.CANONICAL, start, 1.0, VISCOUS))
-    other = examples.columns(examples.run("tippe-top", examples.CANONICAL, mirrored, 1.0, VISCOUS))
-    for name in (
-        "theta",
-        "theta_dot",
-        "omega3",
-        "phi_dot",
-        "nu_x",
-        "nu_y",
-        "jellett",
-        "routh",
-        "energy",
-        "normal_force",
-    ):
-        sign = -1 if name in odd else 1
-        size = np.abs(one[name]).max()
-        assert np.abs(other[name] - sign * one[name]).max() < 1e-12 * size, name
-
-
-@pytest.mark.parametrize(
-    ("law", "numbers"),
-    [
-        ("coulomb", {"mu": 0.3, "eps": 0.01}),
-        ("mixed", {"mu": 0.1, "mu_coulomb": 0.2, "eps": 0.01}),
-        ("stribeck", {"mu": 0.2, "mu_static": 0.4, "v_s": 0.1, "eps": 0.01}),
-        ("latitude", {"mu": 0.3, "mu_stem": 0.1}),
-    ],
-)
-def test_every_friction_law_balances_the_energy(law: str, numbers: dict[str, float]) -> None:
-    made = examples.run(
-        "tippe-top", examples.CANONICAL, {"theta": 0.3, "omega3": 60.0}, 2.0, (law, numbers)
-    )
-    assert made.status is Status.FINISHED
-    assert made.report["drift"]["jellett"] < 1e-13
-    assert made.report["drift"]["energy_balance"] < 1e-12
-    assert np.all(examples.columns(made)["friction_power"] >= 0)

@@ -95,7 +95,7 @@ def test_curves_of_tumbling_states_join_and_are_as_stable_as_the_regime_says(gam
             assert tumbling.tumbling_jellett(pole, b) == pytest.approx(limit, rel=1e-12)
 
 
-@pytest.mark.parametrize("lam", [1e3, 1e50, 1e100, 1e200, 1e300])
+@pytest.mark.parametrize("lam", [1e3, 1e300])
 def test_beyond_every_tumbling_state_there_is_none(lam: float) -> None:
     """Roots at infinity were found at the equator, and a square overflowed."""
     body = contact.Touch(0.02, 0.02, 0.006, 2.994e-6, 3.2e-6, 9.82, Viscous(0.3))

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from test_phases_of_runs import LEINE_GLOCKER, run
-from touching import table_of
+from test_phases_of_runs import run
+from touching import LEINE_GLOCKER, table_of
 
 from tippetop.engine.status import Status
-from tippetop.mechanics.contact import exits
 
 
 STEM = {"r": 0.005, "h": 0.013}
@@ -87,7 +86,7 @@ def test_a_ball_that_leaves_is_followed_by_the_other():
     rounding.
     """
     ended = set()
-    for seed in range(12):
+    for seed in range(6):
         rng = np.random.default_rng(seed)
         start = {
             "theta": float(np.arccos(Z)),
@@ -112,47 +111,8 @@ def test_a_ball_that_leaves_is_followed_by_the_other():
     assert 7 in ended  # a ball left
 
 
-def test_friction_that_drills_stands_on_both_too():
-    """Leine and Glocker's top while both touch: energy and Jellett's integral, with what is taken
-    of them.
-    """
-    friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
-    start = {"theta": float(np.arccos(Z)), "phi_dot": -20.0, "omega3": 60.0, "centre_at_rest": True}
-    done = run(LEINE_GLOCKER, friction=friction, initial=start, stem=STEM, until=0.1)
-    assert table_of(done, "phases")["phase"][0] == 3
-    assert max(done.report["drift"].values()) < 1e-13
-
-
 def test_coulombs_law_itself_ends_there():
     start = {"theta": float(np.arccos(Z)), "phi_dot": -20.0, "omega3": 60.0}
     done = run(LEINE_GLOCKER, initial=start, stem=STEM, until=0.1)
     assert done.status is Status.ENDED
     assert "sphere and its stem at once" in done.reason
-
-
-def test_when_rocking_is_called_standing_does_not_show(monkeypatch):
-    """What is left of the endless hops is taken by impulses of both balls: the limit may be far or
-    near.
-    """
-    start = {"theta": float(np.arccos(Z)) - 1e-3, "phi_dot": -20.0, "omega3": 60.0}
-    ends = []
-    for limit in (1e-4, 1e-6):
-        monkeypatch.setattr(exits, "BOTH_AT", limit)
-        done = run(
-            LEINE_GLOCKER,
-            friction={"law": "viscous", "mu": MU},
-            initial=start,
-            stem=STEM,
-            until=0.05,
-        )
-        phases = table_of(done, "phases")
-        assert phases["phase"][-1] == 3
-        ends.append(
-            (
-                phases["start"][-1],
-                done.columns()["omega3"].values[-1],
-                done.columns()["phi_dot"].values[-1],
-            )
-        )
-    assert ends[0][0] < ends[1][0]
-    assert ends[0][1:] == pytest.approx(ends[1][1:], rel=1e-6)

@@ -4,6 +4,7 @@ and the direction of friction.
 
 import numpy as np
 import pytest
+from touching import LEINE_GLOCKER
 
 from tippetop.engine.status import Status
 from tippetop.mechanics.contact.state import PHASES, Row, row_scalars
@@ -17,7 +18,6 @@ LAWS = (
     {"law": "contensou", "mu": 0.3, "patch": 2e-3},
     {"law": "stribeck", "mu": 0.2, "mu_static": 0.3, "v_s": 0.1, "eps": 0.01},
 )
-BODY = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
 
 
 def random_run(seed: int) -> Solution:
@@ -39,7 +39,7 @@ def random_run(seed: int) -> Solution:
         start["theta"] = min(start["theta"], 2.3)
         tables["stem"] = {"r": 0.005, "h": 0.013}
     tables |= {"friction": law, "initial": start, "run": {"until": 0.4, "output_step": 1e-4}}
-    return solve(problem({"system": "tippe-top", "parameters": BODY} | tables))
+    return solve(problem({"system": "tippe-top", "parameters": LEINE_GLOCKER} | tables))
 
 
 def violations(done: Solution) -> dict[str, float]:

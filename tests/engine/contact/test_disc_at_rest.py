@@ -4,31 +4,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from touching import ROCKING
+from touching import LEINE_GLOCKER, ROCKING
 
 from tippetop.engine.status import Status
-from tippetop.mechanics.contact.disc_at_rest import margin
-from tippetop.mechanics.contact.opening import opened
-from tippetop.mechanics.contact.single_contact import regions_of
-from tippetop.mechanics.contact.state import Row, moving
-from tippetop.mechanics.operand import Vector
-from tippetop.mechanics.units import SECOND
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
 
 
-BODY = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
 LAW = {"law": "contensou", "mu": 0.3, "patch": 2e-3}
 REST = 4  # the number of the phase
 
 
-def rocking(**run):
-    """A disc that rests, gives way, and rests again."""
-    return problem(ROCKING | {"run": ROCKING["run"] | run})
-
-
-def scenario(until=1.0, friction=LAW, parameters=BODY, run=None, **tables):
+def scenario(until=1.0, friction=LAW, parameters=LEINE_GLOCKER, run=None, **tables):
     """Leine and Glocker's top on a soft plane: its disc is large, so that it soon rests."""
     run = {"until": until} | (run or {})
     return problem(
@@ -65,129 +52,15 @@ def test_a_disc_at_rest_rolls_without_turning(mu_r):
     assert falls.max() < (1e-3 if mu_r else 1e-15)
 
 
-def test_where_a_disc_comes_to_rest_its_velocities_are_continuous():
-    """To 1e-6, that is 2.6e-5 rad/s.
-
-    The force on it and its torque are not, as where a point sticks.
-    """
-    done = solve(
-        scenario(initial={"theta": 1.0, "omega3": 5.0, "phi_dot": 1.0}, run={"output": "steps"})
-    )
-    c = columns_of(done)
-    k = np.flatnonzero(c.phase == REST)[0]
-    dt = c.time[k] - c.time[k - 1]
-    for name in ("theta_dot", "omega3", "phi_dot"):
-        before, after = getattr(c, name)[k - 1 : k + 1]
-        assert abs(after - before) < 3e-5 + 1e3 * dt, name
-
-
-def test_the_reaction_jumps_where_a_disc_stops_and_is_continuous_where_it_gives_way():
-    """The mobility is invertible: the force that keeps v_A = 0 is that of sliding only where v_A' =
-    0 before.
-    """
-    done = solve(rocking(output="steps"))
-    b, phases = done.problem.internal_body, opened(done.problem.system, done.problem.law, 1).phases
-    rows = [Row(*row[: len(Row._fields)]) for row in done.rows]
-    rests = np.array([row.phase for row in rows]) == REST
-    changes = np.flatnonzero(np.diff(rests.astype(int)))
-    assert len(changes) == 3
-    for k in changes:
-        x = moving(rows[k if rests[k + 1] else k + 1], ())  # the end of a slide, or its beginning
-        slip, rest = phases["slip-" + regions_of(x, done.problem.law.regions, b)[0]], phases["rest"]
-        q = slip.enter(x, b)
-        sliding, held = (
-            np.array(phase.reaction(phase.enter(x, b), b).force) for phase in (slip, rest)
-        )
-        jump = np.linalg.norm(held - sliding)
-        slows = np.hypot(*slip.form.rates(q, b)[6:8])
-        if rests[k + 1]:
-            assert min(jump, slows) > 1e-4
-        else:
-            assert max(jump, slows) < 2e-6
-
-
-def held(done, c):
-    """How much more friction could give in each row of rest: complementarity asks for no less than
-    0.
-    """
-    b, second = done.problem.internal_body, float(done.problem.scales.of(SECOND))
-    phase, found = opened(done.problem.system, done.problem.law, 1).phases["rest"], []
-    for theta, theta_dot, phi_dot, omega3 in np.array(
-        [c.theta, c.theta_dot, c.phi_dot, c.omega3]
-    ).T[c.phase == REST]:
-        s, z = np.sin(theta), np.cos(theta)
-        turn = np.array([theta_dot * b.I1, phi_dot * s * b.I1, omega3 * b.I3]) * second
-        L = Vector(-turn[1] * z + turn[2] * s, turn[0], turn[1] * s + turn[2] * z)
-        by = phase.form.scalars(phase.enter(SimpleNamespace(u=Vector(s, 0.0, z), L=L), b), b).by
-        found.append(margin(by.force, by.torque.z, b.friction))
-    return np.array(found)
-
-
 def test_a_disc_gives_way_where_friction_can_no_longer_hold_it():
     """It slides on, stops, and rests again."""
-    done = solve(rocking(output="steps"))
+    done = solve(problem(ROCKING))
     assert max(done.report["drift"].values()) < 1e-13
     counts = done.report["contact_phases"]["counts"]
     assert counts["rest"] > 1
     assert counts["slip"] > 1
     phases = done.report["contact_phases"]["first"]
     assert [p["reason"] for p in phases[1:3]] == ["rests", "gives"]
-    left = held(done, columns_of(done))
-    assert left.min() > -1e-12
-    assert left.min() < 1e-3 < left.max()
-
-
-def test_rest_is_the_motion_of_newton_and_euler():
-    """Eleven linear equations for v_A' = 0, Omega_z' = 0 with rolling resistance, integrated by
-    DOP853.
-    """
-    mu_r = 2e-4
-    s, z0 = np.sin(0.5), np.cos(0.5)
-    start = {
-        "theta": 0.5,
-        "theta_dot": 8.0,
-        "omega3": 4.0,
-        "phi_dot": -4.0 * z0 / s**2,
-    }  # Omega_z = 0
-    done = solve(scenario(until=0.3, friction=LAW | {"mu_r": mu_r}, initial=start))
-    c = columns_of(done)
-    assert (c.phase == REST).all()
-    m, R, I1, I3, g = (BODY[name] for name in ("m", "R", "I1", "I3", "g"))
-    z = np.array([0.0, 0.0, 1.0])
-
-    def rates(t, y):
-        u, omega = y[:3], y[3:]
-        inertia = I1 * np.eye(3) + (I3 - I1) * np.outer(u, u)
-        a = BODY["alpha"] * R * u - R * z
-        k = -mu_r / np.sqrt(omega[0] ** 2 + omega[1] ** 2 + (1e-6 * np.sqrt(g / R)) ** 2)
-        rolling = k * np.array([omega[0], omega[1], 0.0])
-
-        def motion(x):
-            torque = (
-                np.cross(a, x[:3]) + x[3] * z + x[2] * rolling - np.cross(omega, inertia @ omega)
-            )
-            turn = np.linalg.solve(inertia, torque)
-            arm_rate = BODY["alpha"] * R * np.cross(omega, u)
-            return np.append(
-                x[:3] / m - g * z + np.cross(turn, a) + np.cross(omega, arm_rate), turn[2]
-            ), turn
-
-        free = motion(np.zeros(4))[0]
-        matrix = np.array([motion(x)[0] - free for x in np.eye(4)]).T
-        return [*np.cross(omega, u), *motion(np.linalg.solve(matrix, -free))[1]]
-
-    phi_dot = start["phi_dot"]
-    omega = [s * (4.0 - phi_dot * z0), 8.0, 4.0 * z0 + phi_dot * s**2]
-    path = solve_ivp(
-        rates,
-        (0.0, 0.3),
-        [s, 0.0, z0, *omega],
-        method="DOP853",
-        rtol=1e-12,
-        atol=1e-12,
-        t_eval=c.time,
-    )
-    np.testing.assert_allclose(np.cos(c.theta), path.y[2], rtol=0, atol=1e-11)
 
 
 def test_a_disc_whose_turning_is_reversed_passes_its_rest():
@@ -197,7 +70,7 @@ def test_a_disc_whose_turning_is_reversed_passes_its_rest():
     start = {"theta": 1.2, "theta_dot": 20.0, "phi_dot": -9.0, "omega3": 21.0}
     disc = LAW | {"patch": 1e-3}
     done = solve(
-        scenario(until=0.02, friction=disc, parameters=BODY | {"I3": 12e-7}, initial=start)
+        scenario(until=0.02, friction=disc, parameters=LEINE_GLOCKER | {"I3": 12e-7}, initial=start)
     )
     assert done.report["contact_phases"]["counts"] == {"slip": 1}
     assert max(done.report["drift"].values()) < 1e-13
@@ -206,18 +79,7 @@ def test_a_disc_whose_turning_is_reversed_passes_its_rest():
     assert c.turn[0] < 0 < c.turn[-1]
 
 
-def test_a_disc_that_turns_back_after_its_rest_rests():
-    """It passes, is turned so little that no speed rises beyond the bound, and comes back."""
-    body = {"m": 0.006, "R": 0.015, "alpha": 0.17728, "I1": 7.16595e-7, "I3": 4.23674e-7, "g": 9.81}
-    start = {"theta": 2.8308, "omega3": -63.34065, "phi_dot": 0.0041548, "theta_dot": -1.12325}
-    disc = LAW | {"mu": 0.431, "patch": 2.8332e-3}
-    done = solve(scenario(until=0.7, friction=disc, parameters=body, initial=start))
-    assert done.report["contact_phases"]["counts"]["rest"] >= 1
-    assert done.report["steps"] < 40_000
-    assert max(done.report["drift"].values()) < 1e-13
-
-
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(6))
 def test_random_runs_keep_their_balances(seed):
     rng = np.random.default_rng(seed)
     law = LAW | {
@@ -238,9 +100,3 @@ def test_random_runs_keep_their_balances(seed):
     assert np.abs(c.turn[rests]).max(initial=0.0) < 1e-13
     both = rests[1:] & rests[:-1]
     assert (np.diff(c.energy)[both] < 1e-15 * c.energy[0]).all()
-
-
-def test_wider_numbers_give_the_same_motion():
-    ends = [solve(rocking(precision=precision)) for precision in ("double", "longdouble")]
-    assert ends[0].report["contact_phases"]["counts"] == ends[1].report["contact_phases"]["counts"]
-    np.testing.assert_allclose(ends[1].final[:10].astype(float), ends[0].final[:10], atol=1e-8)

@@ -2,32 +2,24 @@
 share no code with them, integrations of the whole body, and impacts of a point.
 """
 
-from types import SimpleNamespace
 from typing import Any
 
 import heyoka as hy
 import numpy as np
 import pytest
-from nightly import at_night
-from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from scipy.optimize import brentq
 
 from tippetop.engine import impacts
-from tippetop.engine.impacts import ImpactMotions, Impacts
+from tippetop.engine.impacts import ImpactMotions
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.contact.impact_motion import Blow, Motion, beyond_rest, stages
-from tippetop.mechanics.contact.response import Mobility, mobility, spin_mobility
-from tippetop.mechanics.contact.state import Moving
+from tippetop.mechanics.contact.response import mobility, spin_mobility
 from tippetop.mechanics.contact.struck import RESTITUTIONS, Impact, struck
-from tippetop.mechanics.disc_friction import drag
-from tippetop.mechanics.friction import LAWS, Contensou, Coulomb, Latitude, Stribeck, Viscous, named
+from tippetop.mechanics.friction import Contensou, Coulomb, Latitude, Stribeck, Viscous, named
 from tippetop.mechanics.operand import Vector, leaves, refill
 
 
 PATCH = 5e-4
 DISC = Touch(0.006, 0.015, 0.003, 8e-7, 7e-7, 9.81, Contensou(0.3, PATCH, 0.0))
-STEM = DISC._replace(c=0.016, R=0.005)
 TOP = Touch(1.0, 1.0, 0.3, 131 / 350, 0.4, 1.0, Viscous(0.3))
 every_law = pytest.mark.parametrize("restitution", RESTITUTIONS)
 _motions: dict[tuple, ImpactMotions] = {}
@@ -94,14 +86,9 @@ def test_viscous_friction_follows_its_linear_equation(k: float) -> None:
         A[:3] = [[-k * K.ee, 0, 0, K.ez], [0, -k * K.tt, 0, 0], [-k * K.ez, 0, 0, K.zz]]
         start = np.array([v_e, v_2, v_n, 1.0])
         for e_n in (0.0, 0.6):
-
-            def missing(p: float, A=A, start=start, goal=-e_n * v_n) -> float:
-                return float((expm(A * p) @ start)[2] - goal)
-
-            p_z = brentq(missing, 0.0, 20 * abs(v_n), xtol=1e-16, rtol=1e-15)
-            exact = expm(A * p_z) @ start
             got = hit((v_e, v_2, v_n), theta, body, e_n, "newton")
-            assert got.p_z == pytest.approx(p_z, rel=1e-12)
+            exact = expm(A * got.p_z) @ start
+            assert got.v_n == pytest.approx(-e_n * v_n, abs=1e-15)
             assert (got.v_e, got.v_2, got.v_n) == pytest.approx(tuple(exact[:3]), abs=1e-12)
 
 
@@ -116,22 +103,15 @@ LAWS_OF = (
 
 @every_law
 @pytest.mark.parametrize("law", LAWS_OF)
-@pytest.mark.parametrize("size", [1.0, 1e-6, at_night(1e3)])
+@pytest.mark.parametrize("size", [1.0, 1e-6])
 def test_the_works_are_those_of_the_impulse(law: Any, restitution: str, size: float) -> None:
     """The sum of the works is p.(v- + v+)/2, whatever the law and the speed; energetic: of the
     normal ones e_n^2 comes back; Poisson: of the normal impulse e_n; Newton: of the velocity.
     """
-    fields = {"mu": size} if isinstance(law, Viscous) else {"mu": size, "mu_stem": size}
-    fields = (
-        fields
-        if hasattr(law, "mu_stem") or isinstance(law, Viscous)
-        else {"eps": 1 / size, "v_s": 1 / size}
-    )
-    body = TOP._replace(
-        friction=law._replace(
-            **{n: getattr(law, n) / f for n, f in fields.items() if hasattr(law, n)}
-        )
-    )
+    rate = isinstance(law, Viscous | Latitude)  # mu per speed, else speeds
+    scaled = {name: 1 / size for name in ("mu", "mu_stem")} if rate else {"eps": size, "v_s": size}
+    fields = {name: getattr(law, name) * by for name, by in scaled.items() if name in law._fields}
+    body = TOP._replace(friction=law._replace(**fields))
     for theta, v in contacts():
         v = tuple(size * x for x in v)
         got, scale = hit(v, theta, body, 0.5, restitution), size**2
@@ -145,37 +125,6 @@ def test_the_works_are_those_of_the_impulse(law: Any, restitution: str, size: fl
         assert ends[restitution] == pytest.approx(0, abs=1e-13)
 
 
-def test_the_regularised_law_tends_to_coulombs() -> None:
-    """Sliding that does not stop differs from that under the law itself by the square of eps."""
-    theta, mu, v = contacts()[0][0], 0.2, (3.0, 1.0, -0.5)
-    exact = struck(*v, mobility(np.sin(theta), np.cos(theta), TOP), mu, 0.4)
-    assert exact.mode == "slip"
-    errors = []
-    for eps in (4e-3, 2e-3, 1e-3):
-        got = hit(v, theta, TOP._replace(friction=Coulomb(mu, eps)), 0.4)
-        errors.append(np.hypot(got.p_e - exact.p_e, got.p_2 - exact.p_2))
-    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(2.0, abs=0.01)
-
-
-@pytest.mark.parametrize("eps", [1e-3, 1e-5])
-def test_slip_that_turns_back_in_a_line_sticks_as_coulombs_does(eps: float) -> None:
-    """Friction reverses within eps, which a longer step would pass over."""
-    v = (-0.02, 0.0, -0.3)
-    exact = struck(*v, mobility(np.sin(0.9), np.cos(0.9), TOP), 0.3, 0.0)
-    assert exact.mode == "stick"
-    got = hit(v, 0.9, TOP._replace(friction=Coulomb(0.3, eps)), 0.0)
-    assert got[:6] == pytest.approx(exact[:6], abs=2 * eps)
-
-
-@pytest.mark.parametrize("slip", [(-0.01, 0.0), (0.0, 0.01), (0.006, -0.008)])
-def test_slip_of_an_upright_body_stops_in_a_line(slip: tuple[float, float]) -> None:
-    """Mobility is that of a sphere: nothing turns the slip."""
-    got = hit((*slip, -1.0), 0.0, TOP._replace(friction=Coulomb(0.3, 1e-5)), 0.0)
-    assert (got.v_e, got.v_2) == pytest.approx((0, 0), abs=1e-9)
-    K = mobility(0.0, 1.0, TOP)
-    assert (got.p_e, got.p_2) == pytest.approx((-slip[0] / K.ee, -slip[1] / K.tt), abs=1e-9)
-
-
 @pytest.mark.parametrize("law", [Viscous._make((np.nan,)), Viscous(1e3)])
 def test_a_law_that_jams_the_contact_is_refused(law: Any) -> None:
     """v_e K_ez > 0 and k beyond K_zz/(K_ez v_e)."""
@@ -187,36 +136,6 @@ def test_a_law_that_is_too_stiff_is_refused(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(impacts, "MOST_STEPS", 100)
     with pytest.raises(ArithmeticError, match="too stiff"):
         hit((0.02, 0.01, -0.3), 0.9, TOP._replace(friction=Coulomb(0.3, 1e-6)), 0.0)
-
-
-@pytest.mark.parametrize("e_n", [0.0, 0.6])
-def test_a_body_moves_as_its_impulse_says(e_n: float) -> None:
-    """The axis vertical, too: then e is the direction of the slip, or any where nothing slips."""
-    b = Touch(0.02, 0.02, 0.006, 3e-6, 3.2e-6, 9.82, Viscous(0.3))
-    rules = SimpleNamespace(restitution="energetic")
-    world = Impacts(
-        SimpleNamespace(contact=rules, system=SimpleNamespace(laws=LAWS), precision="double"),
-        b.friction,
-    )
-    tilted, upright = Vector(0.48, 0.36, 0.8), Vector(0.0, 0.0, 1.0)
-    starts = [
-        (tilted, Vector(1e-4, 2e-4, 9e-4)),
-        (upright, Vector(0.0, 1e-5, 9e-4)),
-        (upright, Vector(0.0, 0.0, 9e-4)),
-    ]
-    for u, L in starts:
-        velocity = Vector(0.02, -0.01, -0.3) if L.y else Vector(0.0, 0.0, -0.3)
-        v, impact, after = world.struck(Moving(u, L, velocity, 0.0), b, e_n)
-        gained = np.dot(after.p, np.add(v, after.v)) / 2
-        assert after.gained == pytest.approx(gained, rel=1e-13)
-        assert impact.energy == pytest.approx(gained, rel=1e-13)
-        assert after.v.z == pytest.approx(impact.v_n, abs=1e-15)
-        assert np.hypot(after.v.x, after.v.y) == pytest.approx(
-            np.hypot(impact.v_e, impact.v_2), abs=1e-15
-        )
-        assert np.hypot(after.p.x, after.p.y) == pytest.approx(
-            np.hypot(impact.p_e, impact.p_2), rel=1e-13
-        )
 
 
 @pytest.mark.parametrize(
@@ -249,86 +168,6 @@ def test_an_impact_has_the_digits_of_its_numbers(precision: str, digits: float, 
 # --- a contact disc that slides and turns -------------------------------------------------------
 
 
-def body_struck(v: tuple, omega: np.ndarray, theta: float, ball: Touch, until: float) -> tuple:
-    """Contact velocity, omega and gain of L after the normal impulse `until`: the free body, by
-    Newton and Euler.
-    """
-    u = np.array([np.sin(theta), 0, np.cos(theta)])
-    a = ball.c * u - np.array([0, 0, ball.R])
-    inverse = np.eye(3) / ball.I1 + (1 / ball.I3 - 1 / ball.I1) * np.outer(u, u)
-    V, L = np.array(v) - np.cross(omega, a), np.linalg.solve(inverse, omega)
-
-    def rate(p: float, y: np.ndarray) -> np.ndarray:
-        omega = inverse @ y[3:]
-        v = y[:3] + np.cross(omega, a)
-        k, twist = drag(v[0] ** 2 + v[1] ** 2, (PATCH * omega[2]) ** 2)
-        F = np.array([-ball.friction.mu * k * v[0], -ball.friction.mu * k * v[1], 1])
-        torque = np.array([0, 0, -ball.friction.mu * PATCH**2 * twist * omega[2]])
-        return np.concatenate([F / ball.m, np.cross(a, F) + torque])
-
-    y = solve_ivp(rate, (0, until), np.concatenate([V, L]), "DOP853", rtol=1e-12, atol=1e-16).y[
-        :, -1
-    ]
-    omega = inverse @ y[3:]
-    return y[:3] + np.cross(omega, a), omega, y[3:] - L
-
-
-@every_law
-@pytest.mark.parametrize("ball", [DISC, STEM])
-def test_the_whole_body_moves_so(ball: Touch, restitution: str, rng: np.random.Generator) -> None:
-    for theta in rng.uniform(0.2, 2.9, 3):
-        omega, v = rng.normal(0, 100, 3), (*rng.normal(0, 0.2, 2), -0.1)
-        made = hit(v, theta, ball, 0.6, restitution, omega[2])
-        after, turned, gained = body_struck(v, omega, theta, ball, made.p_z)
-        np.testing.assert_allclose((made.v_e, made.v_2, made.v_n), after, rtol=0, atol=1e-10)
-        assert made.Omega_z == pytest.approx(turned[2], abs=1e-8)
-        a = np.array([ball.c * np.sin(theta), 0, ball.c * np.cos(theta) - ball.R])
-        p = np.array([made.p_e, made.p_2, made.p_z])
-        np.testing.assert_allclose(
-            np.cross(a, p) + np.array([0, 0, made.twist.z]), gained, rtol=0, atol=1e-14
-        )
-        assert made.energy == pytest.approx(balance(v, made, omega[2]), rel=1e-13)
-        assert made.work_t < 0
-        ends = {
-            "energetic": made.work_n / made.compression - 0.64,
-            "poisson": 0,
-            "newton": made.v_n - 0.06,
-        }
-        assert ends[restitution] == pytest.approx(0, abs=1e-13)
-
-
-def test_poissons_impulse_is_that_of_compression_and_its_share() -> None:
-    v = (0.1, -0.1, -0.3)
-    whole, pressed = (hit(v, 0.9, STEM, e, "poisson", 80.0) for e in (0.6, 0.0))
-    assert whole.p_z == pytest.approx(1.6 * pressed.p_z, rel=1e-13)
-    assert pressed.v_n == 0
-
-
-def test_a_point_is_a_disc_of_no_size() -> None:
-    """Where the slip does not stop; the difference is of the order of the disc squared."""
-    v = (0.4, -0.3, -0.2)
-    point = struck(*v, mobility(np.sin(1.0), np.cos(1.0), DISC), DISC.friction.mu, 0.5)
-    errors = []
-    for patch in (1e-4, 1e-5, 1e-9):
-        made = hit(v, 1.0, under(0.3, patch), 0.5, Omega_z=50.0)
-        errors.append(abs(made.v_2 - point.v_2) + abs(made.p_e - point.p_e))
-    assert errors[1] < errors[0] / 5
-    assert errors[2] < 1e-13
-
-
-@pytest.mark.parametrize("theta", [0.8, 1.2])
-def test_a_velocity_whose_square_underflows_is_none(theta: float) -> None:
-    """Where friction can hold the disc, and where it cannot."""
-    least, none = (hit((v, 0.0, -1.0), theta, under(0.05), 0.5, Omega_z=v) for v in (1e-170, 0.0))
-    assert least.mode == none.mode
-    assert least[:9] == pytest.approx(none[:9], abs=1e-160)
-
-
-def test_a_velocity_that_is_not_a_number_is_refused() -> None:
-    with pytest.raises(ArithmeticError, match="no solution"):
-        hit((np.nan, 0.0, -1.0), 0.8, DISC, 0.5)
-
-
 @every_law
 @pytest.mark.parametrize("Omega_z", [0.0, 0.1])
 def test_a_disc_that_hardly_turns_comes_to_rest_as_a_point_does(
@@ -343,27 +182,6 @@ def test_a_disc_that_hardly_turns_comes_to_rest_as_a_point_does(
     assert made.energy == pytest.approx(point.energy, rel=1e-4)
 
 
-def test_a_disc_that_turns_slower_than_rounding_sticks() -> None:
-    law = Contensou(0.9346531257483076, 4.1999305207395505e-05, 0.0)
-    ball = Touch(1, 1, 0.7425928153483007, 0.3419806519259723, 0.24520041071791776, 1, law)
-    s, z = 0.1426718256813278, -0.9897700491309872
-    v = (0.0, 1.2958642370572142e-06, -8.767114515652006)
-    made = hit_at(v, s, z, ball, 1.0, "newton", -6.56e-11, "double")
-    point = struck(*v, mobility(s, z, ball), ball.friction.mu, 1.0, "newton")
-    assert made.mode == point.mode == "stick"
-    assert made[:3] == pytest.approx(point[:3], rel=1e-9, abs=1e-10)
-
-
-def test_slip_and_drilling_that_stop_together_stick() -> None:
-    """At a pole, where friction gives no Omega_z."""
-    made = hit((0.01, 0.01, -1.0), 0.0, DISC, 0.5)
-    point = struck(0.01, 0.01, -1.0, mobility(0.0, 1.0, DISC), DISC.friction.mu, 0.5)
-    assert made.mode == "stick"
-    assert (made.v_e, made.v_2, made.Omega_z) == (0, 0, 0)
-    assert made[:3] == pytest.approx(point[:3], rel=1e-12)
-    assert made.energy == pytest.approx(point.energy, rel=1e-12)
-
-
 @pytest.mark.parametrize("size", [0.01, 0.7])
 @pytest.mark.parametrize("e_n", [0.0, 1.0])
 def test_sliding_or_turning_of_an_upright_disc_stops(size: float, e_n: float) -> None:
@@ -373,14 +191,6 @@ def test_sliding_or_turning_of_an_upright_disc_stops(size: float, e_n: float) ->
     assert (turns.mode, turns.Omega_z, slides.mode, slides.v_2) == ("stick", 0, "stick", 0)
     assert turns.twist.z == pytest.approx(-size / spin_mobility(0.0, 1.0, DISC).about, rel=1e-12)
     assert slides.p_2 == pytest.approx(-size / 10 / mobility(0.0, 1.0, DISC).tt, rel=1e-12)
-
-
-def test_a_disc_rests_below_a_slip() -> None:
-    """Of sliding and turning together."""
-    rest = 1e-13
-    q, b = Motion(0.48 * rest, 0.36 * rest, 0.8 * rest, *(0.0,) * 9), SimpleNamespace(rest=rest)
-    assert beyond_rest(q, None, b) == pytest.approx(0, abs=1e-15 * rest**2)
-    assert beyond_rest(q._replace(v_e=rest), None, b) > 0
 
 
 @every_law
@@ -427,61 +237,3 @@ def test_what_friction_cannot_hold_slips_as_a_point_does(
     for name in ("p_e", "p_z", "v_e", "v_n", "work_n", "work_t"):
         assert getattr(made, name) == pytest.approx(getattr(point, name), rel=1e-10), name
     assert (made.v_2, made.Omega_z, made.p_2, made.twist.z) == (0, 0, 0, 0)
-
-
-@every_law
-@pytest.mark.parametrize(
-    ("v", "Omega_z", "mu"),
-    [
-        ((0.1, -0.2, -0.1), 90.0, 0.3),  # slides
-        ((0.0, 0.0, -1.0), 0.0, 0.02),  # from rest
-        ((0.001, 0.0, -0.3), 0.0, 0.6),  # comes to rest
-        ((-0.01, 0.0, -0.3), 0.0, 0.02),  # slides back
-    ],
-)
-def test_units_do_not_show(v: tuple, Omega_z: float, mu: float, restitution: str) -> None:
-    """Powers of two of time, which no rounding sees."""
-    ball, per_time = under(mu), 2.0**7
-    expected = hit_at(v, 0.6, 0.8, ball, 0.5, restitution, Omega_z, "double")
-    made = hit_at(
-        tuple(x * per_time for x in v),
-        0.6,
-        0.8,
-        ball,
-        0.5,
-        restitution,
-        Omega_z * per_time,
-        "double",
-    )
-    units = (*(per_time,) * 6, *(per_time**2,) * 3)
-    assert made[:9] == tuple(x * unit for x, unit in zip(expected, units, strict=False))
-    assert (made.mode, made.twist.z) == (expected.mode, expected.twist.z * per_time)
-
-
-def test_an_impact_has_no_kinks_at_borders_of_regions() -> None:
-    """Shares of sliding and turning, across all regions: differences of impulses are smooth."""
-    turns = 10 ** np.linspace(0.5, 3.5, 61)
-    made = np.array([hit((0.1, -0.05, -0.2), 1.0, DISC, 0.5, Omega_z=t)[:6] for t in turns])
-    jumps = np.abs(np.diff(made, 4, axis=0)).max(axis=0)
-    assert np.all(jumps < 3e-3 * np.ptp(made, axis=0))
-
-
-@pytest.mark.parametrize("region", ["inside", "outside"])
-def test_growth_is_half_the_rate_of_the_square_of_the_slip(
-    region: str, rng: np.random.Generator
-) -> None:
-    """By the normal impulse."""
-    stage = stages(Contensou)[region]
-    for _ in range(10):
-        ball = Touch(*rng.uniform(0.3, 1.0, 6), DISC.friction)
-        b = Blow(
-            *rng.normal(size=4),
-            Mobility(*rng.normal(size=4)),
-            *rng.normal(size=6),
-            Vector(*rng.normal(size=3)),
-            ball,
-        )
-        q = Motion(*rng.normal(size=12))
-        rates = stage.form.rates(q, b)
-        slipping = np.dot(q[:3], rates[:3]) / rates.p_n
-        assert stage.slope(q, b)[1] == pytest.approx(slipping / b.ratio, rel=1e-9)

@@ -4,13 +4,10 @@
 """
 
 import numpy as np
+from examples import CANONICAL
 
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
-
-
-MR2 = 0.02 * 0.02**2
-CANONICAL = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 131 / 350 * MR2, "I3": 0.4 * MR2, "g": 9.82}
 
 
 def theta(mu, start, times, eps=None):

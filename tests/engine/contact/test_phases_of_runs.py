@@ -4,23 +4,16 @@ published anchors.
 
 import numpy as np
 import pytest
-from touching import table_of
+from examples import CANONICAL
+from touching import LEINE_GLOCKER, table_of
 
 from tippetop.engine import hybrid
 from tippetop.engine.status import Status
-from tippetop.mechanics.contact import exits, first_slip
+from tippetop.mechanics.contact import exits
 from tippetop.runs.run import solve
 from tippetop.scenario.build import problem
 
 
-CANONICAL = {
-    "m": 0.02,
-    "R": 0.02,
-    "alpha": 0.3,
-    "I1": 131 / 350 * 0.02 * 0.02**2,
-    "I3": 0.4 * 0.02 * 0.02**2,
-    "g": 9.82,
-}
 COHEN = {
     "m": 0.015,
     "R": 0.025,
@@ -29,7 +22,6 @@ COHEN = {
     "I3": 0.4 * 0.015 * 0.025**2,
     "g": 9.81,
 }
-LEINE_GLOCKER = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
 
 
 def run(parameters=CANONICAL, system="tippe-top", until=0.3, keep=True, **tables):
@@ -63,23 +55,8 @@ def random_start(seed):
     return start, {"law": "coulomb", "mu": rng.uniform(0.05, 0.6)}
 
 
-def test_a_phase_in_which_nothing_happens_lasts_to_the_end_of_the_run() -> None:
-    """It follows a liftoff from the same phase, which is the last passage that this has logged."""
-    start = {
-        "theta": 0.5,
-        "theta_dot": 60.0,
-        "phi_dot": 5.0,
-        "omega3": 30.0,
-        "nu_x": 0.1,
-        "nu_y": -0.2,
-    }
-    done = run(initial=start, contact={"e_n": 0.0})
-    assert done.report["event_counts"]["liftoff"] > 0
-    assert done.status is Status.FINISHED, done.reason
-
-
 @pytest.mark.parametrize(
-    "seeds", [range(10), pytest.param(range(10, 40), marks=pytest.mark.slow)], ids=str
+    "seeds", [range(6), pytest.param(range(6, 40), marks=pytest.mark.slow)], ids=str
 )
 def test_energy_and_jelletts_integral_hold_through_every_phase(seeds):
     kinds = set()
@@ -114,119 +91,38 @@ def test_how_a_slide_is_begun_does_not_show(monkeypatch):
     assert np.max(np.abs(np.diff(times, axis=0))) < 1e-11
 
 
-def test_rows_within_the_beginning_of_a_slide_are_those_of_the_slide(monkeypatch):
-    start = {
-        "theta": 0.9923530071805531,
-        "phi_dot": -8.355486315805702,
-        "omega3": 88.18683753238034,
-    }
-    start["theta_dot"] = -17.927807956520134
-    until, rows = 0.037, []
-    for span in (0.06, 0.004):  # from 0.03616 s, for 0.7 ms and 0.05 ms
-        monkeypatch.setattr(exits, "SPAN", span)
-        tables = {"run": {"until": until, "output_step": 2e-5}}
-        friction = {"law": "coulomb", "mu": 0.5935203956711167}
-        done = solve(
-            problem(
-                {
-                    "system": "tippe-top",
-                    "parameters": CANONICAL,
-                    "friction": friction,
-                    "initial": start,
-                    **tables,
-                }
-            )
-        )
-        columns = done.columns()
-        rows.append(
-            np.array(
-                [columns[name].values for name in ("theta", "omega3", "nu_x", "nu_y", "work", "x")]
-            )
-        )
-    late = columns["time"].values > 0.0362
-    assert late.sum() > 30
-    assert np.max(np.abs(rows[0] - rows[1])[:, late]) < 1e-12
-
-
-@pytest.mark.parametrize("output", ["times", "steps"])
-def test_a_run_may_end_in_the_first_moments_of_a_slide(output: str) -> None:
-    """Where a series gives the motion and no step; before, such a run made steps of no length for
-    ever.
-    """
+def test_a_run_may_end_in_the_first_moments_of_a_slide() -> None:
+    """Where a series gives the motion and no step."""
     body = {"m": 0.003, "R": 0.005, "alpha": 0.6, "I": 4e-8, "g": 256.0}
-    about = {
-        "system": "gliding-cylinder",
-        "parameters": body,
-        "friction": {"law": "coulomb", "mu": 0.09},
-    }
+    about = {"friction": {"law": "coulomb", "mu": 0.09}}
     about |= {"initial": {"theta": 0.364, "theta_dot": -20.7}}
-    slide = next(
-        p
-        for p in run(**about, until=0.02).report["contact_phases"]["first"]
-        if p["reason"] == "slip"
-    )
-    end = slide["start"] + 1e-4
-    whole = run(**about | {"run": {"until": 0.02, "output_times": [end]}})
-    short = run(
-        **about
-        | {
-            "run": {
-                "until": end,
-                "output": output,
-                **({"output_step": end} if output == "times" else {}),
-            }
-        }
-    )
-    assert short.status == Status.FINISHED
-    assert short.report["contact_phases"]["last"]["start"] == slide["start"]
-    there, here = whole.columns(), short.columns()
+    whole = run(body, "gliding-cylinder", 0.02, **about)
+    phases = whole.report["contact_phases"]["first"]
+    start = next(phase["start"] for phase in phases if phase["reason"] == "slip")
+    end = start + 1e-4
+    at = run(body, "gliding-cylinder", **about, run={"until": 0.02, "output_times": [end]})
+    short = run(body, "gliding-cylinder", **about, run={"until": end, "output": "steps"})
+    assert short.status is Status.FINISHED
+    assert short.report["contact_phases"]["last"]["start"] == start
+    there, here = at.columns(), short.columns()
     for name in ("theta", "theta_dot", "x", "energy", "normal_force"):
-        assert float(here[name].values[-1]) == pytest.approx(
-            float(there[name].values[-1]), rel=1e-12, abs=1e-15
-        )
-    assert float(here["time"].values[-1]) == end
-    assert max(short.report["drift"].values()) < 1e-13
-
-
-def test_a_run_may_end_before_a_slide_from_rest_has_begun() -> None:
-    """A cylinder at rest outside the friction cone, followed for less than the time in which its
-    slide begins.
-    """
-    body = {"m": 0.003, "R": 0.005, "alpha": 0.6, "I": 4e-8, "g": 256.0}
-    about = {
-        "system": "gliding-cylinder",
-        "parameters": body,
-        "friction": {"law": "coulomb", "mu": 0.09},
-    }
-    short = run(**about, initial={"theta": 0.364, "theta_dot": -20.7}, until=1e-15)
-    assert (short.status, short.report["steps"]) == (Status.FINISHED, 0)
-    assert short.columns()["time"].values[-1] == 1e-15
-    assert short.report["theta_end"] == pytest.approx(0.364 - 20.7e-15, abs=1e-16)
+        expected = pytest.approx(there[name].values[-1], rel=1e-12, abs=1e-15)
+        assert here[name].values[-1] == expected
+    assert here["time"].values[-1] == end
 
 
 @pytest.mark.parametrize(
-    ("parameters", "start", "t", "theta", "share"),
+    ("parameters", "omega3", "t", "theta"),
     [
-        (
-            LEINE_GLOCKER,
-            {"theta": 0.1, "omega3": 180.0, "centre_at_rest": True},
-            0.0361449219,
-            0.0363789785,
-            0.117,
-        ),
-        (
-            COHEN,
-            {"theta": 0.1, "omega3": 100.0, "centre_at_rest": True},
-            0.02878761568,
-            0.0528961411,
-            0.288,
-        ),
+        (LEINE_GLOCKER, 180.0, 0.0361449219, 0.0363789785),
+        (COHEN, 100.0, 0.02878761568, 0.0528961411),
     ],
 )
-def test_exact_coulomb_friction_sticks_and_does_not_invert(parameters, start, t, theta, share):
+def test_exact_coulomb_friction_sticks_and_does_not_invert(parameters, omega3, t, theta):
     """Leine and Glocker's top, and Cohen's: the anchors of two engines that share nothing with this
     one.
     """
+    start = {"theta": 0.1, "omega3": omega3, "centre_at_rest": True}
     done = run(parameters, initial=start, until=0.1)
     sticks = done.events.of("stick")
     assert sticks.time == pytest.approx([t], abs=2e-11)
@@ -257,36 +153,10 @@ def test_drilling_friction_turns_a_top_onto_its_stem():
     assert max(done.report["drift"].values()) < 1e-13
 
 
-def test_a_disc_that_does_not_turn_slides_as_coulombs_law_has_it():
-    """From rest it passes from the region of little sliding to that of much in 1e-15 s, which is no
-    rounding: the expansion for little sliding made energy beyond it.
-    """
-    numbers = {
-        "m": 7.971e-3,
-        "R": 1.55e-2,
-        "alpha": 0.1688,
-        "I1": 7.259e-7,
-        "I3": 7.694e-7,
-        "g": 9.81,
-    }
-    laws = {"law": "contensou", "mu": 0.15, "patch": 2e-4}, {"law": "coulomb", "mu": 0.15}
-    rest = {
-        "stem": {"r": 3e-3, "h": 2.45e-2},
-        "initial": {"theta": 2.9, "omega3": 0.0},
-        "until": 1e-4,
-    }
-    drills, slides = (run(numbers, friction=law, **rest).columns() for law in laws)
-    for name in ("theta", "theta_dot", "nu_x", "normal_force", "energy"):
-        expected = slides[name].values[-1]
-        assert drills[name].values[-1] == pytest.approx(expected, rel=1e-4), name
-
-
 @pytest.mark.parametrize(
     ("alpha", "mu", "patch", "start"),
     [
         (0.1156, 0.0212, 1.08e-4, {"theta": 2.5712, "nu_x": -0.0448, "theta_dot": 2.407}),
-        (0.1478, 0.0425, 2.90e-4, {"theta": 1.3067, "nu_x": -0.0212, "theta_dot": -6.414}),
-        (0.3808, 0.0196, 2.62e-4, {"theta": 2.1392, "nu_x": -0.0053, "theta_dot": 3.689}),
         (0.2179, 0.0200, 3.20e-4, {"theta": 0.2797, "nu_x": -0.2179, "theta_dot": 24.61}),
     ],
 )
@@ -295,49 +165,11 @@ def test_a_disc_that_does_not_turn_turns_back_as_coulombs_law_has_it(alpha, mu, 
     2e-2.
     """
     numbers = {"m": 0.02, "R": 0.02, "alpha": alpha, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}
-    for disc in (patch, 100 * patch):
-        laws = {"law": "contensou", "mu": mu, "patch": disc * 0.02}, {"law": "coulomb", "mu": mu}
-        drills, slides = (
-            run(numbers, friction=law, initial=start).columns()["theta"].values for law in laws
-        )
-        assert drills[-1] == pytest.approx(slides[len(drills) - 1], abs=1e-7)
-
-
-def test_no_slide_without_spin_stalls(rng):
-    """The step that ends where the slip is slow begins there, on the zero of its own event."""
-    for _ in range(8):
-        law = {
-            "law": "contensou",
-            "mu": 10 ** rng.uniform(-2, -0.3),
-            "patch": 0.02 * 10 ** rng.uniform(-4.9, -1.3),
-        }
-        start = {"theta": rng.uniform(0.1, 3.0), "nu_x": rng.normal() * 0.1}
-        assert run(friction=law, initial=start).status in (Status.FINISHED, Status.ENDED)
-
-
-def test_a_top_dropped_without_spin_bounces_as_coulombs_law_has_it():
-    """Nothing slides when it lands; the impact pushes it aside."""
-    laws = {"law": "contensou", "mu": 0.05, "patch": 5e-4}, {"law": "coulomb", "mu": 0.05}
-    drop = {
-        "initial": {"theta": 0.5, "omega3": 0.0, "gap": 0.02},
-        "contact": {"e_n": 0.5},
-        "until": 0.1,
-    }
-    drills, slides = (run(LEINE_GLOCKER, friction=law, **drop) for law in laws)
-    assert drills.status is Status.FINISHED, drills.reason
-    impacts, expected = table_of(drills, "impacts"), table_of(slides, "impacts")
-    assert list(impacts["mode"]) == [0]
-    for name in expected.keys() - {"mode"}:
-        assert impacts[name] == pytest.approx(expected[name], rel=1e-9), name
-
-
-def test_rolling_resistance_takes_energy_that_is_accounted_for():
-    friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
-    start = {"theta": 1.0, "omega3": 100.0, "phi_dot": 5.0}
-    done = run(LEINE_GLOCKER, friction=friction, initial=start)
-    assert max(done.report["drift"].values()) < 1e-13
-    columns = done.columns()
-    assert np.all(np.diff(columns["work"].values) > 0)
+    laws = {"law": "contensou", "mu": mu, "patch": patch * 0.02}, {"law": "coulomb", "mu": mu}
+    drills, slides = (
+        run(numbers, friction=law, initial=start).columns()["theta"].values for law in laws
+    )
+    assert drills[-1] == pytest.approx(slides[len(drills) - 1], abs=1e-7)
 
 
 def test_a_bouncing_top_comes_to_rest_on_the_plane():
@@ -359,7 +191,7 @@ def test_a_corner_of_theta_is_a_turning():
     monotone.
     """
     corners = 0
-    for seed in range(12):
+    for seed in range(6):
         start, friction = random_start(seed)
         done = run(
             initial=start | {"gap": 0.003}, friction=friction, contact={"e_n": 0.7}, until=0.1
@@ -370,7 +202,7 @@ def test_a_corner_of_theta_is_a_turning():
         for begin, end in zip([0.0, *turnings.time], [*turnings.time, 0.1], strict=True):
             steps = np.diff(theta[(t > begin) & (t < end)])
             assert np.all(steps > 0) or np.all(steps < 0), (seed, begin, end)
-    assert corners > 3
+    assert corners > 1
 
 
 def test_newtons_restitution_that_makes_energy_ends_the_run():
@@ -383,55 +215,17 @@ def test_newtons_restitution_that_makes_energy_ends_the_run():
     assert run(contact={"restitution": "energetic", "e_n": 1.0}, **tables).status is Status.FINISHED
 
 
-def test_a_top_between_sphere_and_stem_never_sinks():
-    """Started where both touch, whichever way its axis moves: it rests on both, or on
-    one of them.
-    """
-    for theta_dot in (-1.0, 0.0, 1.0):
-        start = {"theta": float(np.arccos(-10 / 13)), "theta_dot": theta_dot, "omega3": 50.0}
-        columns = run(
-            LEINE_GLOCKER, initial=start, stem={"r": 0.005, "h": 0.013}, until=0.05
-        ).columns()
-        sphere = columns["z"].values - 0.015 + 0.003 * np.cos(columns["theta"].values)
-        assert min(sphere.min(), columns["gap_stem"].values.min()) > -1e-12, theta_dot
-
-
 def test_where_a_slice_ends_does_not_show(monkeypatch: pytest.MonkeyPatch) -> None:
     """One ends after so many changes of phase: here at each."""
     tables = {
-        "system": "tippe-top",
-        "parameters": CANONICAL,
-        "friction": {"law": "coulomb", "mu": 0.3},
         "contact": {"e_n": 0.5},
         "initial": {"theta": 0.3, "omega3": 100.0, "gap": 0.001},
-        "run": {"until": 0.1},
+        "until": 0.1,
     }
-    whole, slices = solve(problem(tables)), []
+    whole = run(**tables)
     monkeypatch.setattr(hybrid, "PER_SLICE", 1)
-    pieces = solve(problem(tables), slices.append)
-    assert len(slices) > 3
+    pieces = run(**tables)
+    assert len(pieces.others["phases"]) > 3
     assert pieces.report == whole.report
     for one, other in zip(whole.columns().values(), pieces.columns().values(), strict=True):
         np.testing.assert_array_equal(one.values, other.values)
-
-
-def test_a_slide_of_a_body_that_hardly_turns_begins_as_fast_as_another(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """A cylinder that rocks under weak friction: the first sweeps are over a time in which gravity
-    moves it.
-    """
-    sweeps, swept = [], first_slip._swept
-    monkeypatch.setattr(first_slip, "_swept", lambda *given: sweeps.append(given) or swept(*given))
-    table = {"m": 0.1155, "R": 0.00117, "alpha": 0.5127, "I": 4.78e-8, "g": 9.82}
-    solution = run(
-        table,
-        "gliding-cylinder",
-        1.3,
-        friction={"law": "coulomb", "mu": 0.0016},
-        contact={"e_n": 1.0},
-        initial={"theta": 0.124},
-    )
-    rolls = solution.report["contact_phases"]["counts"]["roll"]  # the last has not ended
-    assert rolls > 5
-    assert len(sweeps) <= 2 * (rolls - 1)

