@@ -11,12 +11,6 @@ import pytest
 
 
 ATTACKS = Path(__file__).parent / "attacks"
-CAMPAIGNS = [
-    "kills",
-    "damage",
-    "scenarios",
-    "extremes",
-]
 
 
 @pytest.mark.parametrize(
