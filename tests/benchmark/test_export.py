@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -13,7 +14,7 @@ import tippetop as tt
 from tippetop import benchmark, cli
 
 
-CASES = ("stem-landing", "joint", "drill-to-rest", "rocking-cylinder")
+CASES = ("stem-landing", "joint", "drill-to-rest", "rocking-cylinder", "bounce")
 
 
 @pytest.fixture(scope="module")
@@ -99,6 +100,13 @@ def test_impacts_and_phases_are_exported(exported):
     assert impacts["ball"].tolist() == ["stem"]
     assert phases["phase"].tolist() == ["flight", "slip", "roll"]
     assert impacts["time [s]"][0] == phases["start [s]"][1]
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if name != "joint"])
+def test_times_in_the_text_are_those_of_the_phases(exported, name):
+    ends = pd.read_csv(exported / name / "phases.csv")["end [s]"]
+    for time in re.findall(r"(0\.\d{4,}) s", benchmark.case(name).text):
+        assert any(f"{end:.{len(time) - 2}f}" == time for end in ends), time
 
 
 def test_command_line(tmp_path, capsys):
