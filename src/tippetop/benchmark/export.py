@@ -71,14 +71,14 @@ Numbers have 12 significant digits of the largest number of their vector.
 | --- | --- | --- |
 | `phase` | `flight`, `slip`, `roll` | no contact; the contact point slides; it does not |
 | `phase` | `both` | the ball and the stem touch; `ball` is `body` |
-| `phase` | `rest` | nothing moves any more |
+| `phase` | `rest` | it rolls and does not turn about the vertical: the friction disc is held |
 | `ball` | `body`, `stem` | the ball that touches; in flight the ball that left or bounced last |
 | `reason` | `start` | start of the case |
 | `reason` | `stick`, `slip` | the sliding speed became zero; friction no longer prevented sliding |
 | `reason` | `liftoff`, `landing` | the contact force became zero; a ball struck the plane |
 | `reason` | `other-ball`, `other-leaves` | the other ball struck the plane, or left it |
 | `reason` | `opens-at-once` | the contact opened directly after an impact |
-| `reason` | `rests`, `gives` | the motion ended; a contact at rest began to move |
+| `reason` | `rests`, `gives` | friction on a disc holds the body; it no longer does |
 
 `impacts.csv` lists the impacts: the velocity along the vertical `v_n` and the sliding `speed`
 before and after, `impulse` (vertical), `friction_impulse` (size of the horizontal impulse) and

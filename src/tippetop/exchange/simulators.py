@@ -288,8 +288,8 @@ def _urdf(problem: Problem) -> str:
     fixed = problem.system.name == "heavy-top"
     if fixed:
         sentences.append(
-            f"a ball joint, which URDF lacks, must hold the point 0 0 {_numbers(body.c)} of the body "
-            "(the tip) at the origin"
+            f"a ball joint, which URDF lacks, must hold the point 0 0 {_numbers(body.c)} of the "
+            "body (the tip) at the origin"
         )
     balls = "\n".join(
         f'    <collision name="{name}">\n      <origin xyz="0 0 {_numbers(offset)}"/>\n'
