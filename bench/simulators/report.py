@@ -38,7 +38,8 @@ def _cell(steps: list[dict] | None) -> str:
     last = steps[-1]
     largest = last["largest"]
     errors = f"{largest['attitude']:.1g} rad, {1e3 * largest['position']:.1g} mm"
-    return errors if last["outcome_is_right"] else f"{errors} (wrong)"
+    judged = {True: "", False: " (wrong)", None: " (not judged)"}[last["outcome_is_right"]]
+    return errors + judged
 
 
 def tables(results: dict[tuple[str, str, str], list[dict]]) -> str:

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -13,7 +14,7 @@ import tippetop as tt
 from tippetop import benchmark, cli
 
 
-CASES = ("stem-landing", "joint", "drill-to-rest", "rocking-cylinder")
+CASES = ("stem-landing", "joint", "drill-to-rest", "rocking-cylinder", "bounce")
 
 
 @pytest.fixture(scope="module")
@@ -36,6 +37,13 @@ def test_checksums_are_of_the_files(exported):
         digest, name = line.split("  ")
         assert hashlib.sha256((exported / name).read_bytes()).hexdigest() == digest
     assert len(lines) == sum(path.is_file() for path in exported.rglob("*")) - 1
+
+
+def test_export_of_one_case_keeps_the_others_in_the_lists(tmp_path):
+    benchmark.export(tmp_path, ["joint", "stem-landing"])
+    before = [(tmp_path / name).read_text() for name in ("README.md", "SHA256SUMS")]
+    benchmark.export(tmp_path, ["joint"], overwrite=True)
+    assert [(tmp_path / name).read_text() for name in ("README.md", "SHA256SUMS")] == before
 
 
 def test_description_fits_the_schema(exported):
@@ -86,6 +94,12 @@ def test_models_have_the_body_and_the_start(exported, name):
     np.testing.assert_allclose(velocity[:3], omega, atol=1e-9)
 
 
+def test_models_of_the_joint_have_no_contact(exported):
+    texts = [(exported / "joint" / f"model.{to}").read_text() for to in ("urdf", "sdf", "mjcf.xml")]
+    assert not any("bounce" in text or "<collision" in text for text in texts)
+    assert "must hold the point 0 0 -1 of the" in texts[0]
+
+
 @pytest.mark.parametrize("name", ["stem-landing", "joint"])
 def test_sdf_loads_in_drake(exported, name):
     parsing = pytest.importorskip("pydrake.multibody.parsing")
@@ -101,6 +115,13 @@ def test_impacts_and_phases_are_exported(exported):
     assert impacts["time [s]"][0] == phases["start [s]"][1]
 
 
+@pytest.mark.parametrize("name", [name for name in CASES if name != "joint"])
+def test_times_in_the_text_are_those_of_the_phases(exported, name):
+    ends = pd.read_csv(exported / name / "phases.csv")["end [s]"]
+    for time in re.findall(r"(0\.\d{4,}) s", benchmark.case(name).text):
+        assert any(f"{end:.{len(time) - 2}f}" == time for end in ends), time
+
+
 def test_command_line(tmp_path, capsys):
     assert cli.outcome(["benchmark", "list"]) == 0
     assert "steady-precession" in capsys.readouterr().out
@@ -108,6 +129,7 @@ def test_command_line(tmp_path, capsys):
     assert (tmp_path / "bounce" / "reference.csv").exists()
     assert cli.outcome(["benchmark", "export", str(tmp_path), "bounce"]) != 0
     assert cli.outcome(["benchmark", "export", str(tmp_path), "nothing"]) == 2
+    assert cli.outcome(["benchmark", "export", "/proc/cases", "bounce"]) == 5
     assert cli.outcome(["benchmark", "list", "bounce"]) == 2
     assert cli.outcome(["benchmark", "export"]) == 2
     assert cli.outcome(["benchmark", "list", "--markdown"]) == 2

@@ -102,6 +102,13 @@ def test_a_double_run_stays_within_its_certificate():
     assert np.abs(double.quaternion - wide.quaternion).max() < 1e-12
 
 
+@pytest.mark.parametrize("name", benchmark.names())
+def test_settings_name_the_restitution(name):
+    each = benchmark.case(name)
+    bounces = each.problem.contact is not None and each.problem.contact.e_n > 0
+    assert all(("restitution" in words) == bounces for words in each.settings.values())
+
+
 def test_unknown_case():
     with pytest.raises(InputError, match="unknown case `bounces`"):
         benchmark.case("bounces")

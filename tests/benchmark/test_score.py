@@ -88,6 +88,53 @@ def test_only_quaternions_are_required(tmp_path):
     [only] = benchmark.score(write(tmp_path, table, "stem-landing")).results
     assert set(only.compared.curves) == {"attitude", "theta"}
     assert set(only.outcome) == {"turns over"}
+    assert only.judgement.startswith("not judged, for lack of columns: lifts off, lands")
+
+
+@pytest.mark.parametrize(
+    ("rows", "unseen"),
+    [(slice(0, 80), "1.58 to 2"), ([0, 100], "0 to 2"), (slice(50, 101), "0 to")],
+)
+def test_an_outcome_that_the_rows_do_not_show_is_not_judged(tmp_path, rows, unseen):
+    table = result("coulomb-sticking").iloc[rows]
+    [row] = (scored := benchmark.score(write(tmp_path, table))).to_dict()
+    assert row["outcome_is_right"] is None
+    assert f"not judged: no rows from {unseen}" in str(scored)
+
+
+@pytest.mark.parametrize(("factor", "right"), [(0.1, False), (0.9, True)])
+def test_a_low_rebound_is_wrong(tmp_path, factor, right):
+    table, body = result("bounce"), benchmark.case("bounce").problem.body()
+    table["z [m]"] = body.R - body.c + factor * (table["z [m]"] - body.R + body.c)
+    [only] = benchmark.score(write(tmp_path, table, "bounce")).results
+    assert only.wrong == ([] if right else ["rises as high"])
+
+
+def test_files_outside_a_case_folder(tmp_path, capsys):
+    path = tmp_path / "mine.csv"
+    result("joint").to_csv(path, index=False)
+    assert cli.outcome(["benchmark", "score", str(path)]) == 2
+    assert "`--case CASE` is required" in capsys.readouterr().err
+    assert cli.outcome(["benchmark", "score", str(tmp_path / "no.csv")]) == 2
+    assert "no such file" in capsys.readouterr().err
+    [only] = benchmark.score(path, "joint").results
+    assert (only.engine, only.setting) == ("mine", "-")
+    assert "nan" not in str(benchmark.score(path, "joint"))
+
+
+def test_references_are_no_results(tmp_path):
+    benchmark.export(tmp_path, ["joint"])
+    with pytest.raises(InputError, match="contains exported references"):
+        benchmark.score(tmp_path)
+
+
+def test_the_good_files_are_scored(tmp_path, capsys):
+    write(tmp_path, result("joint"), "joint")
+    (tmp_path / "engine" / "best" / "joint" / "dt=1.csv").write_text("t [s],q_w\n0,1\n1,1\n")
+    assert cli.outcome(["benchmark", "score", str(tmp_path)]) == 2
+    told = capsys.readouterr()
+    assert "engine  best" in told.out
+    assert "dt=1.csv` must have the columns" in told.err
 
 
 def test_a_wrong_outcome_is_named(tmp_path):
@@ -150,7 +197,7 @@ def test_bad_results_get_one_message(tmp_path, capsys, spoil, message):
 def test_unknown_case_and_nothing_to_score(tmp_path, capsys):
     path = write(tmp_path, result("bounce"), "no-case")
     assert cli.outcome(["benchmark", "score", str(path)]) == 2
-    assert "unknown case `no-case`" in capsys.readouterr().err
+    assert "is in the folder `no-case`" in capsys.readouterr().err
     assert cli.outcome(["benchmark", "score"]) == 2
     assert cli.outcome(["benchmark", "score", str(path), "--case", "bounce"]) == 0
 
@@ -160,3 +207,5 @@ def test_json_and_figures(tmp_path, capsys):
     assert cli.outcome(["benchmark", "score", str(path), "--json", "--figures", str(tmp_path)]) == 0
     assert json.loads(capsys.readouterr().out)["results"][0]["outcome_is_right"] is True
     assert (tmp_path / "joint.png").stat().st_size > 10_000
+    assert cli.outcome(["benchmark", "score", str(path), "--figures", str(path)]) == 2
+    assert cli.outcome(["benchmark", "score", str(path), "--figures", "/proc/figures"]) == 5

@@ -65,6 +65,27 @@ Beyond the horizon a small error of the start has grown so much that a differenc
 about an engine.
 Numbers have 12 significant digits of the largest number of their vector.
 
+`phases.csv` lists the phases of the contact with start, end and the ball that touches.
+
+| column | value | meaning |
+| --- | --- | --- |
+| `phase` | `flight`, `slip`, `roll` | no contact; the contact point slides; it does not |
+| `phase` | `both` | the ball and the stem touch; `ball` is `body` |
+| `phase` | `rest` | it rolls and does not turn about the vertical: the friction disc is held |
+| `ball` | `body`, `stem` | the ball that touches; in flight the ball that left or bounced last |
+| `reason` | `start` | start of the case |
+| `reason` | `stick`, `slip` | the sliding speed became zero; friction no longer prevented sliding |
+| `reason` | `liftoff`, `landing` | the contact force became zero; a ball struck the plane |
+| `reason` | `other-ball`, `other-leaves` | the other ball struck the plane, or left it |
+| `reason` | `opens-at-once` | the contact opened directly after an impact |
+| `reason` | `rests`, `gives` | friction on a disc holds the body; it no longer does |
+
+`impacts.csv` lists the impacts: the velocity along the vertical `v_n` and the sliding `speed`
+before and after, `impulse` (vertical), `friction_impulse` (size of the horizontal impulse) and
+`work` (negative: lost).
+`mode` is `slip` if the contact point slides throughout, `stick` if sliding ends within the impact,
+and `reverse` if it ends and starts again in another direction.
+
 | case | title |
 | --- | --- |
 {rows}
@@ -100,7 +121,8 @@ def export(folder: str | Path, cases: Iterable[str] = (), *, overwrite: bool = F
     """
     root, chosen = path_of("folder", folder), [case(name) for name in cases or names()]
     for each in chosen:
-        (root / each.name).mkdir(parents=True, exist_ok=True)
+        with disk.writing(root / each.name):
+            (root / each.name).mkdir(parents=True, exist_ok=True)
     made = []
 
     def write(name: str, text: str) -> None:
@@ -111,15 +133,18 @@ def export(folder: str | Path, cases: Iterable[str] = (), *, overwrite: bool = F
         for name, text in _texts(each, root / each.name, overwrite).items():
             write(f"{each.name}/{name}", text)
         made.append(root / each.name / "reference.parquet")
-    rows = "\n".join(f"| `{each.name}` | {each.title} |" for each in chosen)
+    present = [case(name) for name in names() if (root / name / "case.json").is_file()]
+    rows = "\n".join(f"| `{each.name}` | {each.title} |" for each in present)
     write("README.md", README.format(version=VERSION, rows=rows))
     write("LICENSE", LICENSE)
     write("VERSION", f"{VERSION}\n")
     schema = (files(__package__) / "case.schema.json").read_text(encoding="utf-8")
     write("case.schema.json", schema)
+    others = [root / each.name / name for each in present for name in (*CONTENT, "case.json")]
     sums = [
         f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(root).as_posix()}"
-        for path in sorted(made)
+        for path in sorted({*made, *others})
+        if path.is_file()
     ]
     write("SHA256SUMS", "\n".join(sums) + "\n")
     return made
@@ -165,7 +190,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
             **{key: value for key, value in given.certificate.items() if key != "error"},
         },
         "friction_law": given.law["words"],
-        "settings": given.law["exact"],
+        "settings": given.settings,
         "frames": FRAMES,
         "units": UNITS,
         "outcome": outcome(problem, motion),

@@ -39,6 +39,18 @@ class Case(NamedTuple):
     certificate: Mapping[str, Any]
 
     @property
+    def settings(self) -> dict[str, str]:
+        """Return by engine the settings that express the law and the restitution."""
+        exact, rules = self.law["exact"], self.problem.contact
+        if rules is None or not rules.e_n:
+            return dict(exact)
+        ways = data("laws.toml")["restitution"]
+        return {
+            engine: f"{words}; restitution e = {rules.e_n:g}: {ways[engine]}"
+            for engine, words in exact.items()
+        }
+
+    @property
     def horizon(self) -> float:
         """Return the time up to which results are compared [s]."""
         return self.certificate.get("horizon") or self.problem.until

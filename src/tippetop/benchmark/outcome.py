@@ -11,8 +11,32 @@ from .truth import Truth, axis_of, theta_of
 TOUCH = 0.01
 """Largest gap of a ball that touches, in radii; a body that lifts off rises by more."""
 
+RISES = 2.0
+"""Largest ratio of the rises of a result and its reference, or its inverse."""
+
 STICKS = 0.02
 """Sliding speed of a contact that sticks, in sqrt(g R)."""
+
+
+def rise(problem: Problem, motion: Truth) -> float:
+    """Return the largest rise of the lowest ball from its lowest gap after a contact [m]."""
+    gap = _gaps(problem, motion).min(axis=0)
+    least = np.minimum.accumulate(gap)
+    near = least < 10 * TOUCH * problem.body().R
+    return float((gap - least)[near].max(initial=0.0))
+
+
+def _balls(problem: Problem) -> list[tuple[float, float]]:
+    """Return the offset along the axis and the radius of each ball [m]."""
+    rules, body = problem.contact, problem.body()
+    stem = [(body.c + rules.h, rules.r)] if rules is not None and rules.stem else []
+    return [(body.c, body.R), *stem]
+
+
+def _gaps(problem: Problem, motion: Truth) -> np.ndarray:
+    """Return the gap of each ball (balls, rows) [m]."""
+    axis, z = axis_of(motion.quaternion), motion.position[:, 2]
+    return np.array([z + c * axis[:, 2] - R for c, R in _balls(problem)])
 
 
 def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
@@ -25,19 +49,15 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
     rules, body = problem.contact, problem.body()
     if rules is None or not np.isfinite(motion.position).all():
         return result
-    balls = [(body.c, body.R)] + ([(body.c + rules.h, rules.r)] if rules.stem else [])
-    axis = axis_of(motion.quaternion)
-    gaps = np.array([motion.position[:, 2] + c * axis[:, 2] - R for c, R in balls])
-    gap, lowest = gaps.min(axis=0), gaps.argmin(axis=0)
-    least, touches = np.minimum.accumulate(gap), gap < TOUCH * body.R
-    near = least < 10 * TOUCH * body.R
-    result["lifts off"] = bool((gap - least)[near].max(initial=0.0) > TOUCH * body.R)
+    gaps = _gaps(problem, motion)
+    lowest, touches = gaps.argmin(axis=0), gaps.min(axis=0) < TOUCH * body.R
+    result["lifts off"] = rise(problem, motion) > TOUCH * body.R
     if rules.stem:
         result["lands on the stem"] = bool((touches & (lowest == 1)).any())
     moves = np.isfinite(motion.velocity).all() and np.isfinite(motion.omega).all()
     if problem.law.set_valued and moves:
-        offset, radius = np.array(balls)[lowest[-1]]
-        arm = offset * axis[-1] - [0.0, 0.0, radius]
+        offset, radius = _balls(problem)[lowest[-1]]
+        arm = offset * axis_of(motion.quaternion)[-1] - [0.0, 0.0, radius]
         slip = motion.velocity[-1] + np.cross(motion.omega[-1], arm)
         slow = math.hypot(slip[0], slip[1]) < STICKS * math.sqrt(body.g * body.R)
         result["sticks"] = bool(touches[-1] and slow)

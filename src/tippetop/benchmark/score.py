@@ -1,7 +1,7 @@
 """The score of an engine: how far its results are from the references."""
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arguments import path_of
-from ..errors import InputError
+from ..errors import InputError, suggestion
 from ..exchange.comparison import STEP, Compared, orders, size_of
 from ..exchange.motion import angle_between, motion
 from ..exchange.table import Table, read
-from .named_cases import Case, case
-from .outcome import outcome
+from .named_cases import Case, case, names
+from .outcome import RISES, outcome, rise
 from .truth import VECTORS, Truth, axis_of, energy, theta_of, truth
 
 
@@ -23,6 +23,9 @@ QUANTITIES = ("attitude", "theta", "position", "spin", "energy", "force")
 
 WRONG_START = 0.1
 """Difference of the first attitude [rad] above which a file is not a result of its case."""
+
+GAP = 0.01
+"""Longest time between rows of a result whose outcome is judged, by the length of the case."""
 
 HEAD = (
     *("case", "engine", "setting", "step [s]", "attitude [rad]", "theta [rad]", "position [m]"),
@@ -42,6 +45,8 @@ class Result(NamedTuple):
         Times up to the horizon, errors by quantity, theta of both, and the numbers of the score.
     outcome, expected
         What the result shows, and what the reference shows.
+    unseen
+        The longest time without a row (start, end) [s] if it is too long to judge the outcome.
     """
 
     case: str
@@ -50,11 +55,23 @@ class Result(NamedTuple):
     compared: Compared
     outcome: dict[str, bool]
     expected: dict[str, bool]
+    unseen: tuple[float, float] | None
 
     @property
     def wrong(self) -> list[str]:
         """Return the outcomes that differ from those of the reference."""
         return [name for name, seen in self.outcome.items() if seen != self.expected[name]]
+
+    @property
+    def judgement(self) -> str:
+        """Return whether the outcome is right, wrong or not judged, and the reason."""
+        if self.unseen:
+            return "not judged: no rows from {:g} to {:g} s".format(*self.unseen)
+        if self.wrong:
+            return "wrong: " + ", ".join(self.wrong)
+        if missing := [name for name in self.expected if name not in self.outcome]:
+            return "not judged, for lack of columns: " + ", ".join(missing)
+        return "right"
 
 
 class Score:
@@ -89,7 +106,8 @@ class Score:
                 "order": self._order(r),
                 "outcome": r.outcome,
                 "expected": r.expected,
-                "outcome_is_right": not r.wrong,
+                "outcome_is_right": {"right": True, "wrong": False}.get(r.judgement.split(":")[0]),
+                "judgement": r.judgement,
             }
             for r in self.results
         ]
@@ -118,15 +136,19 @@ class Score:
             largest, order = plain["largest"], plain["order"]
             errors = [f"{largest[n]:.2g}" if n in largest else "-" for n in QUANTITIES]
             leaves = ["never" if t is None else f"{t:.3g}" for t in plain["leaves"].values()]
-            named = (r.case, r.engine, r.setting, f"{r.compared.step or float('nan'):g}")
-            judged = "right" if not r.wrong else "wrong: " + ", ".join(r.wrong)
+            named = (r.case, r.engine, r.setting, f"{step:g}" if (step := r.compared.step) else "-")
             rows.append(
-                (*named, *errors, ", ".join(leaves), f"{order:.2f}" if order else "-", judged)
+                (*named, *errors, ", ".join(leaves), f"{order:.2f}" if order else "-", r.judgement)
             )
         return rows
 
 
-def score(results: str | Path | Iterable[str | Path], name: str | None = None) -> Score:
+def score(
+    results: str | Path | Iterable[str | Path],
+    name: str | None = None,
+    *,
+    skip: Callable[[InputError], None] | None = None,
+) -> Score:
     """Compare results of engines with the references.
 
     Parameters
@@ -137,6 +159,9 @@ def score(results: str | Path | Iterable[str | Path], name: str | None = None) -
         (`x [m]` ..., `vx [m/s]` ...), `omega_x [rad/s]` ... and `force_x [N]` ... are optional.
     name : str, optional
         The case of all files; by default the name of their folder.
+    skip : callable, optional
+        Called with the error of each file that cannot be scored; the others are scored. By default
+        the first error is raised.
 
     Returns
     -------
@@ -152,14 +177,44 @@ def score(results: str | Path | Iterable[str | Path], name: str | None = None) -
     if not paths:
         raise InputError("at least one result must be given: ENGINE/SETTING/CASE/dt=STEP.csv.")
     known: dict[tuple[str, bytes], Truth] = {}
-    return Score([_result(path, case(name or path.resolve().parent.name), known) for path in paths])
+    found = []
+    for path in paths:
+        try:
+            found.append(_result(path, _case_of(path, name), known))
+        except InputError as error:
+            if skip is None:
+                raise
+            skip(error)
+    return Score(found)
 
 
 def _files(path: Path) -> list[Path]:
     """Return the results in a folder, or the file itself."""
     if not path.is_dir():
         return [path]
-    return sorted(file for file in path.rglob("*") if file.suffix in (".csv", ".parquet"))
+    files = sorted(file for file in path.rglob("*") if file.suffix in (".csv", ".parquet"))
+    results = [file for file in files if not _is_reference(file)]
+    if files and not results:
+        raise InputError(f"`{path}` must contain results, but contains exported references.")
+    return results
+
+
+def _is_reference(path: Path) -> bool:
+    """Return whether a file belongs to an exported case."""
+    return (path.parent / "case.json").exists()
+
+
+def _case_of(path: Path, name: str | None) -> Case:
+    """Return the case of a file. Raises InputError if it is unknown."""
+    if not path.exists():
+        raise InputError(f"`{path}`: no such file or folder.")
+    folder = path.resolve().parent.name
+    if name is None and folder not in names():
+        raise InputError(
+            f"`--case CASE` is required for a file outside ENGINE/SETTING/CASE/, but `{path}` is "
+            f"in the folder `{folder}`.{suggestion(folder, names())}"
+        )
+    return case(name or folder)
 
 
 def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Result:
@@ -182,8 +237,25 @@ def _result(path: Path, each: Case, known: dict[tuple[str, bytes], Truth]) -> Re
         path, float(match[1]) if match else None, t[within], curves, *thetas, numbers
     )
     seen, whole_outcome = (outcome(each.problem, each_motion) for each_motion in (there, exact))
-    *_, engine, setting = ("-", "-", *path.resolve().parts[:-2])
-    return Result(each.name, engine, setting, compared, seen, whole_outcome)
+    if whole_outcome.get("lifts off") and "lifts off" in seen:
+        ratio = rise(each.problem, there) / rise(each.problem, exact)
+        seen["rises as high"], whole_outcome["rises as high"] = 1 / RISES <= ratio <= RISES, True
+    folders = path.resolve().parts[:-1]
+    engine, setting = path.stem, "-"
+    if folders[-1] == each.name and not _is_reference(path):
+        *_, engine, setting = ("-", "-", *folders[:-1])
+    unseen = _unseen(t, each.problem.until)
+    return Result(each.name, engine, setting, compared, seen, whole_outcome, unseen)
+
+
+def _unseen(t: np.ndarray, until: float) -> tuple[float, float] | None:
+    """Return the longest time without a row [s], or None if it is short enough."""
+    times = np.array([0.0, *t, until])
+    gaps = np.diff(times)
+    longest = int(gaps.argmax())
+    if gaps[longest] <= GAP * until * (1 + 1e-6):
+        return None
+    return float(times[longest]), float(times[longest + 1])
 
 
 def _checked(path: Path, each: Case) -> Table:

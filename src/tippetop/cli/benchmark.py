@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-from .streams import print_json, visible
+from .streams import complain, print_json, visible
 
 
 def benchmark(
@@ -77,18 +77,29 @@ def _score(
     from itertools import groupby
 
     from ..benchmark import score
+    from ..errors import InputError
+    from ..store.files import writing
 
-    scored = score(results, case)
+    if figures is not None:
+        if figures.exists() and not figures.is_dir():
+            raise InputError(f"`--figures` must be a folder, but `{figures}` is a file.")
+        with writing(figures):
+            figures.mkdir(parents=True, exist_ok=True)
+    faults: list[InputError] = []
+    scored = score(results, case, skip=faults.append)
+    sentences = [sentence for fault in faults for sentence in fault.sentences]
+    if faults and not scored.results:
+        raise InputError(sentences)
     if figures is not None:
         from ..figures import drawing
         from ..figures.errors_by_step import errors_by_step
 
-        figures.mkdir(parents=True, exist_ok=True)
         for name, group in groupby(scored.results, key=lambda result: result.case):
             drawing.write(
                 errors_by_step(name, list(group)), figures / f"{name}.png", overwrite=overwrite
             )
     if as_json:
-        return print_json({"results": scored.to_dict()})
-    print(visible(scored.to_markdown() if markdown else str(scored)))
-    return 0
+        print_json({"results": scored.to_dict()})
+    else:
+        print(visible(scored.to_markdown() if markdown else str(scored)))
+    return complain(sentences, 2 if sentences else 0)

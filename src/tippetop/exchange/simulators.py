@@ -165,9 +165,12 @@ class Friction(NamedTuple):
 def _cannot(problem: Problem) -> tuple[Friction, list[str]]:
     """Return the friction coefficients, and the differences of a simulator in sentences."""
     law, body = problem.friction, problem.body()
-    sentences = [
-        "contacts in simulators are soft, or solved once a step: refine step and stiffness"
-    ]
+    fixed = problem.system.name == "heavy-top"
+    sentences = (
+        []
+        if fixed
+        else ["contacts in simulators are soft, or solved once a step: refine step and stiffness"]
+    )
     mu = float(getattr(law, "mu", 0.0))
     if problem.system.name.startswith("rolling"):
         mu = 10.0
@@ -194,9 +197,9 @@ def _cannot(problem: Problem) -> tuple[Friction, list[str]]:
         sentences.append(f"restitution e_n = {problem.contact.e_n:g}: set it in the simulator")
     if "axis" not in problem.system.vectors:
         sentences.append("a cylinder: here a ball, with the same motion in the plane of motion")
-    if body.R == 0 and problem.system.name != "heavy-top":
+    if body.R == 0 and not fixed:
         sentences.append(f"a tip that is a point: here a ball of radius {TIP * abs(body.c):.3g} m")
-    if problem.contact is None:
+    if problem.contact is None and not fixed:
         sentences.append("a plane that the body cannot leave: here it can bounce and lift off")
     return Friction(mu, torsion, rolling), sentences
 
@@ -282,10 +285,16 @@ def _urdf(problem: Problem) -> str:
         "URDF has no start, gravity or friction: set them in the simulator, as follows; "
         "the body frame is at the centre of mass"
     )
+    fixed = problem.system.name == "heavy-top"
+    if fixed:
+        sentences.append(
+            f"a ball joint, which URDF lacks, must hold the point 0 0 {_numbers(body.c)} of the "
+            "body (the tip) at the origin"
+        )
     balls = "\n".join(
         f'    <collision name="{name}">\n      <origin xyz="0 0 {_numbers(offset)}"/>\n'
         f'      <geometry><sphere radius="{_numbers(radius)}"/></geometry>\n    </collision>'
-        for name, offset, radius in _balls(problem)
+        for name, offset, radius in ([] if fixed else _balls(problem))
     )
     inertia = " ".join(f'{name}="{value}"' for name, value in _moments(problem).items())
     return f"""<?xml version="1.0"?>
