@@ -63,6 +63,7 @@ def inlined(formula: F) -> F:
             known[kinds] = straight(formula, arguments)
         return formula(*arguments)
 
+    chosen.plain = formula  # type: ignore[attr-defined]
     return chosen  # type: ignore[return-value]
 
 

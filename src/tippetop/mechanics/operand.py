@@ -212,6 +212,10 @@ def teach_numba() -> None:
     from numba.extending import intrinsic, overload, register_jitable
 
     def teach(function: Callable) -> None:
+        if plain := getattr(function, "plain", None):  # numba inlines by itself
+            teach(plain)
+            overload(function)(lambda *arguments: lambda *arguments: plain(*arguments))
+            return
         choice = getattr(function, "for_numba", None)
         if (
             choice is None

@@ -109,15 +109,15 @@ def arm2(z, b):
     return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
 
 
-@inlined
 @formula
+@inlined
 def axis_rate(u, L, b):
     """3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
     return times(1 / b.I1, cross(L, u))
 
 
-@inlined
 @formula
+@inlined
 def angular_velocity(u, L, b):
     """omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
     return angular_velocity_of(u, L, dot(L, u), b)
@@ -136,8 +136,8 @@ def arm_velocity(u, L, b):
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
 
 
-@inlined
 @formula
+@inlined
 def contact_velocity(u, L, V, b):
     """v_A = V + omega x a, (3,) [m/s], of the lowest point; V is that of the centre of mass.
 
@@ -145,8 +145,8 @@ def contact_velocity(u, L, V, b):
     return plus(V, arm_velocity(u, L, b))
 
 
-@inlined
 @formula
+@inlined
 def centre_velocity(u, L, v, b):
     """The velocity of the centre of mass, (3,) [m/s], where that of the contact point is v."""
     return plus(v, times(-1, arm_velocity(u, L, b)))

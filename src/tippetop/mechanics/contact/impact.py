@@ -29,8 +29,8 @@ class Arrival(NamedTuple):
     K: Mobility
 
 
-@inlined
 @formula
+@inlined
 def meeting(u, L, velocity, b):
     """v_A, sin(theta), the speed of sliding, and the mobility."""
     v, s = contact_velocity(u, L, velocity, b), sqrt(u.x * u.x + u.y * u.y)
@@ -76,8 +76,8 @@ def to_frame(e, x):
     return Vector(x.x * e.x + x.y * e.y, x.y * e.x - x.x * e.y, x.z)
 
 
-@inlined
 @formula
+@inlined
 def after_impact(u, L, velocity, a, p, twist, b):
     """The body after an impulse at its contact and one of a torque, by components along e, 2hat,
     zhat.

@@ -22,8 +22,8 @@ class Mobility(NamedTuple):
     tt: Operand  # K_22
 
 
-@inlined
 @formula
+@inlined
 def mobility(s, z, b):
     """K by sin(theta), cos(theta). [contact 1]"""
     H, lever = height(z, b), b.c * s
@@ -88,8 +88,8 @@ def other_mobility_inverse_times(u, x, excess, b):
     )
 
 
-@inlined
 @formula
+@inlined
 def bias_vector(u, L, b):
     """b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat, 3hat'' of free
     rotation.
@@ -111,8 +111,8 @@ def contact_acceleration_vector(u, b, F, body):
     return plus(b, mobility_times(u, F, body))
 
 
-@inlined
 @formula
+@inlined
 def jumps(u, p, b):
     """What the impulse p, (3,), adds to the velocity of the centre of mass and to L:
     p/m and a x p.

@@ -63,7 +63,20 @@ def contact_scalars(q, b):
     s = reaction.kinematics(u, heavy_top.momentum_about_centre(q, b), u_dot, b)
     v_u, v_n = u.x * q.vx + u.y * q.vy, u.x * q.vy - u.y * q.vx
     speed2 = (q.vx - b.c * u_dot.x) ** 2 + (q.vy - b.c * u_dot.y) ** 2
-    return contact.Scalars._make((*s, v_u, v_n, q.vx**2 + q.vy**2, speed2))
+    return contact.Scalars(
+        z=s.z,
+        s2=s.s2,
+        z_dot=s.z_dot,
+        z_ddot_free=s.z_ddot_free,
+        phi_dot_s2=s.phi_dot_s2,
+        axis_speed2=s.axis_speed2,
+        L3=s.L3,
+        Lz=s.Lz,
+        v_u=v_u,
+        v_n=v_n,
+        v2=q.vx**2 + q.vy**2,
+        speed2=speed2,
+    )
 
 
 @formula
@@ -80,15 +93,16 @@ def contact_rates(q, b):
     u_dot2 = times(1 / b.I1, plus(cross(times(b.c, cross(u, F)), u), cross(L, u_dot)))
     v_dot = Vector(F.x / b.m + b.c * u_dot2.x, F.y / b.m + b.c * u_dot2.y, 0)
     pull = b.m * b.c
-    rates = (
-        *u_dot,
+    return ContactState(
+        u_dot.x,
+        u_dot.y,
+        u_dot.z,
         pull * (u.y * b.g - u.z * v_dot.y),
         pull * (u.z * v_dot.x - u.x * b.g),
         pull * (u.x * v_dot.y - u.y * v_dot.x),
         v_dot.x,
         v_dot.y,
     )
-    return ContactState._make(rates)
 
 
 @formula
@@ -104,7 +118,7 @@ def contact_of_angles(e, s, z, b):
     u, L = gliding_chart.axis_and_momentum(e, s, z, heavy_top.tip_inertia(b), b.I3)
     ex, ey = cos(e.phi), sin(e.phi)
     v = e.nu_x * ex - e.nu_y * ey, e.nu_x * ey + e.nu_y * ex
-    return ContactState._make((*u, *L, *v))
+    return ContactState(u.x, u.y, u.z, L.x, L.y, L.z, v[0], v[1])
 
 
 @formula

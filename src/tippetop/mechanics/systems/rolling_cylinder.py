@@ -55,7 +55,7 @@ def rolling_scalars(q, b):
         + b.c * q.theta_dot**2 * q.s
     )
     gliding = cylinder.scalars(cylinder.State(q.s, q.z, q.theta_dot, 0), b)
-    return cylinder.Scalars._make((*gliding[:-1], Fx**2))
+    return cylinder.Scalars(*gliding[:-1], Fx**2)  # type: ignore[call-arg]
 
 
 @formula

@@ -94,14 +94,15 @@ def contact_rates(q, b):
     """
     w, u_dot = angular_velocity(q, b), axis_rate(q, b)
     weight, pull = b.m * b.g * b.c, b.m * b.c * b.R
-    rates = (
-        *u_dot,
+    return ContactState(
+        u_dot.x,
+        u_dot.y,
+        u_dot.z,
         weight * q.uy - pull * (u_dot.z * w.x),
         -(weight * q.ux) - pull * (u_dot.z * w.y),
         0 * q.D,
         0 * q.lam,
     )
-    return ContactState._make(rates)
 
 
 @formula
@@ -136,7 +137,7 @@ def contact_of_angles(e, s, z, b):
     w, arm = contact.angular_velocity(u, L, b), contact.arm(u, b)
     M = plus(L, times(b.m, cross(arm, cross(w, arm))))
     D, lam = tippe_top.routh(k, b), contact.jellett(k, b)
-    return ContactState._make((*u, M.x, M.y, D, lam))
+    return ContactState(u.x, u.y, u.z, M.x, M.y, D, lam)
 
 
 @formula
