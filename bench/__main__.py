@@ -27,8 +27,7 @@ def main() -> None:
     folder = options.results or (RESULTS / "quick" if options.quick else RESULTS)
     folder.mkdir(parents=True, exist_ok=True)
     for name in options.case or CASES:
-        # each in a process of its own: threads, heaps and compiled code that one leaves behind
-        # would slow the next
+        # in separate processes: threads, heaps and compiled code of one case would slow the next
         process = multiprocessing.get_context("spawn").Process(
             target=carry_out, args=(name, options.quick, folder)
         )

@@ -1,8 +1,7 @@
-"""What `tippetop run inverting --out RUN.zarr` takes from the shell, cold and warm, and where it
-goes.
+"""Time `tippetop run inverting --out RUN.zarr` from the shell, cold and warm, and its parts.
 
-Cold: heyoka and numba have nothing compiled on disk (a home and caches of its own, empty). Warm:
-the second run with them; alone: one that stores nothing.
+Cold: empty home and caches, so nothing is compiled on disk. Warm: the second run with them.
+Alone: a run that stores nothing.
 """
 
 import json

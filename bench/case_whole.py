@@ -1,6 +1,4 @@
-"""What a whole run costs beside its motion, and how many processors it takes: in one process, after
-the first run.
-"""
+"""Compare a whole run with its motion, in time and processors, after a first run."""
 
 import statistics
 import time
@@ -60,9 +58,7 @@ def compare(quick: bool) -> dict[str, Any]:
 
 
 def hops(rounds: int) -> dict[str, Any]:
-    """Processor seconds of a top that hops, with its rows, by second of its motion, beside those of
-    one that slides.
-    """
+    """Return the cost of a second of motion with rows, of a top that hops and one that slides."""
     problems = {name: build.load(name) for name in (HOPS, SMOOTH)}
     seconds = interleaved(
         {name: partial(timed, partial(solve, problem)) for name, problem in problems.items()},

@@ -1,6 +1,4 @@
-"""Coulomb's law itself by steps of fixed length: what R.
-
-J. Cohen's computation of 1977 shows, and from what it comes.
+"""Integrate exact Coulomb friction by steps of fixed length, as R. J. Cohen did in 1977.
 
 usage: python -m bench.coulomb_by_steps [STEP ...]      (seconds; default: 1e-3 5e-4 2e-4 1e-4)
 

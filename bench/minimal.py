@@ -108,8 +108,9 @@ def _jitted(minimal: Minimal) -> Any:
 
 @cache
 def built(source: str) -> ctypes.CDLL:
-    """The shared library of a C++ source, for as long as this process lives; OSError says what the
-    compiler said.
+    """Compile a C++ source into a shared library, once in a process.
+
+    Raises OSError with the message of the compiler.
     """
     if COMPILER is None:
         raise OSError("there must be a C++ compiler `c++`, but there is none.")

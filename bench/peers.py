@@ -176,9 +176,8 @@ def scipy_dop853(minimal: Minimal) -> Callable[[float], Solver]:
     def rows(tolerance: float) -> np.ndarray:
         found, step = [minimal.start], None
         for span in zip(minimal.times[:-1], minimal.times[1:], strict=True):
-            with warnings.catch_warnings(
-                action="ignore"
-            ):  # that 1e-15 is below what it thinks possible
+            # SciPy warns that a tolerance of 1e-15 is too small
+            with warnings.catch_warnings(action="ignore"):
                 made = solve_ivp(
                     rates,
                     span,

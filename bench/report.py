@@ -3,7 +3,7 @@ results/*.json.
 
     python -m bench.report [--results FOLDER]
 
-A table stands between `<!-- bench:NAME -->` and `<!-- /bench:NAME -->`; nobody types a number.
+A table stands between `<!-- bench:NAME -->` and `<!-- /bench:NAME -->`; no number is typed.
 """
 
 import argparse
