@@ -89,6 +89,7 @@ def test_a_run_stops_and_continues_in_any_thread(undisturbed: Path, tmp_path: Pa
 def test_an_exception_frees_the_lock_and_leaves_what_can_be_resumed(
     undisturbed: Path, tmp_path: Path
 ) -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job ignores it
     store = tmp_path / "run.zarr"
     with pytest.raises(KeyboardInterrupt):
         recording.record(
