@@ -18,9 +18,9 @@ import numpy as np
 from .case import Case, read
 
 
-ENGINES = ("mujoco", "pybullet", "drake", "dart", "newton", "genesis", "mjx")
+ENGINES = ("mujoco", "pybullet", "drake", "dart", "newton", "genesis")
 STEPS = (1e-3, 5e-4, 2.5e-4)
-SCANNED = ("mujoco-tutorial", "coulomb-sticking")
+SCANNED = ("mujoco-tutorial", "coulomb-sticking", "stem-landing", "rocking-cylinder")
 ROWS = 2000
 HEADER = "t [s],x [m],y [m],z [m],q_w,q_x,q_y,q_z,vx [m/s],vy [m/s],vz [m/s]"
 HEADER += "".join(f",omega_{axis} [rad/s]" for axis in "xyz")
