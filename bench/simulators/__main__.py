@@ -71,7 +71,7 @@ def main() -> None:
     parser.add_argument(
         "--step", action="append", type=float, help="[s]; by default 1e-3 to 2.5e-4"
     )
-    parser.add_argument("--limit", type=float, default=120.0, help="wall time of one result [s]")
+    parser.add_argument("--limit", type=float, default=1800.0, help="wall time of one result [s]")
     parser.add_argument("--scan", action="store_true", help="vary the contact model instead")
     given = parser.parse_args()
     cases = [
