@@ -184,7 +184,7 @@ def independent() -> tuple[float, float]:
         return V + np.cross(turning(u, L), ball.offset * u - ball.radius * up)
 
     def rates(t: float, y: np.ndarray, sticks: bool) -> np.ndarray:
-        u, L, V = y.reshape(3, 3)
+        u, L = y[:3], y[3:6]
         arm, rate = ball.offset * u - ball.radius * up, np.cross(turning(u, L), u)
         mobility = np.array(
             [e / m + np.cross(turning(u, np.cross(arm, e)), arm) for e in np.eye(3)]
