@@ -130,9 +130,7 @@ def check(
             raise InputError("`--until` cannot be used with a plan: give `set.run.until` in it.")
         facts, units = sweep.examine(tables, Path(scenario).parent)
         return _print_facts(facts, units, as_json)
-    if until is not None:
-        tables = build.ending(tables, until)
-    problem = starting.problem(tables, scenario)
+    problem = starting.problem(build.ending(tables, until), scenario)
     resolved = build.resolved(problem)
     facts = {**resolved, **forecast.assessment(problem), "warnings": warn(doubts(problem))}
     if problem.precision == "double":  # wider numbers compile for a minute

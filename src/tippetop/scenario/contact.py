@@ -15,7 +15,7 @@ from ..mechanics.system import System
 from ..mechanics.systems import opening_systems
 from ..problem import Problem
 from .identity import user_records, with_records
-from .law_change import law_name
+from .reading import law_name
 from .schema import ContactTable
 
 

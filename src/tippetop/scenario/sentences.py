@@ -9,7 +9,7 @@ from ..errors import sentence, suggestion, unknown_key
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of
-from .law_change import law_name
+from .reading import law_name
 from .schema import scenario_model, tables_of
 
 

@@ -10,7 +10,7 @@ from ..problem.options import OPTIONS
 from . import reading
 from .build import system_of
 from .contact import system_with_contact
-from .law_change import law_name
+from .reading import law_name
 from .reference import keys_of
 from .schema import tables_of
 
