@@ -66,7 +66,8 @@ def problem(
         load_entry_points()
     tables = worked_out(tables, units_of(system, tables))
     try:
-        scenario: Any = scenario_model(system).model_validate(tables)
+        model = scenario_model(system, system.laws.get(name or ""))
+        scenario: Any = model.model_validate(tables)
     except ValidationError as error:
         errors = error.errors(include_url=False)
         raise InputError(
