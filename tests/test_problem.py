@@ -205,7 +205,7 @@ def test_every_way_in_refuses_the_same_numbers(system: str) -> None:
                 tables["friction"] = {"law": base.law_name, **tables["friction"]}
             tables[table] = {**tables[table], name: float(value)}
             try:
-                scenario_model(base.system).model_validate(tables)
+                scenario_model(base.system, base.law).model_validate(tables)
                 refused = False
             except ValidationError as error:
                 refused = any(e["loc"][-1] == name for e in error.errors())

@@ -161,6 +161,7 @@ def _meaning(law: type[FrictionLaw]) -> str:
 
 def systems() -> list[Section]:
     """Return the systems: forms, integrals, source."""
+    load_entry_points()
     rows = [
         (s.name, s.title, ", ".join(s.forms), ", ".join(s.integrals) or "none", s.source)
         for s in SYSTEMS.values()
