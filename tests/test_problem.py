@@ -202,7 +202,7 @@ def test_every_way_in_refuses_the_same_numbers(system: str) -> None:
             assert (i in by_array) >= wrong
             tables = {**base.tables, "run": {"until": base.until}, "system": system}
             if base.system.frictional:
-                tables["friction"] = {"law": base.law_name, **tables["friction"]}
+                tables["friction"] = {"law": base.law.key, **tables["friction"]}
             tables[table] = {**tables[table], name: float(value)}
             try:
                 scenario_model(base.system, base.law).model_validate(tables)

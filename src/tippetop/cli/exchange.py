@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..errors import InputError, StoreError
+from ..errors import InputError
 from .streams import print_json, visible
 from .values import Place, Whole
 
@@ -131,8 +130,8 @@ def fit(
     check_picture(figure, "--figure", overwrite)
     if out and out.suffix != ".toml":
         raise InputError(f"--out must end with .toml, but is `{out}`.")
-    if out and not overwrite and os.path.lexists(out):  # now rather than after the fit
-        raise StoreError(f"`{out}` must not exist yet, but does: use --overwrite to replace it.")
+    if out:  # now rather than after the fit
+        files.refuse_existing(out, overwrite)
     result = fitted(
         data,
         load_any(scenario, set_),

@@ -132,6 +132,8 @@ def _size(text: str | None) -> tuple[float, float] | None:
 
 def check_picture(path: Path | None, option: str, overwrite: bool = False) -> None:
     """Refuse a picture before the run rather than after it; `option` gives its file."""
+    from ..store.files import refuse_existing
+
     if path is None:
         return
     refuse_without("matplotlib")
@@ -139,7 +141,4 @@ def check_picture(path: Path | None, option: str, overwrite: bool = False) -> No
         raise InputError(f"{option} must end with .png, .svg or .pdf, but is `{path}`.")
     if not path.parent.is_dir():
         raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
-    if not os.access(path.parent, os.W_OK):
-        raise StoreError(f"`{path}` cannot be written: its folder is read-only.")
-    if not overwrite and os.path.lexists(path):
-        raise StoreError(f"`{path}` must not exist yet, but does: use --overwrite to replace it.")
+    refuse_existing(path, overwrite)

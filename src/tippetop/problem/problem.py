@@ -13,7 +13,7 @@ from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
 from ..mechanics.system import Form, Number, System
-from ..mechanics.units import SECOND, Scales
+from ..mechanics.units import Scales
 from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
 from .batch import Problems
@@ -94,11 +94,6 @@ class Problem(RunOptions):
     def exact(self) -> Any:
         """The number type in which units are converted: never less than 80 bits."""
         return np.longdouble if self.precision == "double" else self.number
-
-    @property
-    def law_name(self) -> str:
-        """The name of the friction law, as in `[friction] law`."""
-        return self.law.key
 
     @property
     def law(self) -> type[FrictionLaw]:
@@ -231,10 +226,6 @@ class Problem(RunOptions):
     def start(self) -> np.ndarray:
         """Return the internal state at t = 0, (variables,), in the working precision."""
         return self.alone.start[:, 0].copy()
-
-    def internal_time(self, t: Any) -> Any:
-        """Return times in internal units, exactly."""
-        return t / float(self.scales.of(SECOND))
 
 
 def _again(form: str, given: dict[str, Any]) -> Problem:

@@ -253,7 +253,7 @@ def resolved(problem: Problem) -> dict[str, Any]:
     tables: dict[str, Any] = {name: dict(table) for name, table in problem.tables.items()}
     tables["run"] = problem.table()
     if problem.system.frictional:
-        tables["friction"] = {"law": problem.law_name, **tables["friction"]}
+        tables["friction"] = {"law": problem.law.key, **tables["friction"]}
     else:
         del tables["friction"]
     if problem.contact is not None:

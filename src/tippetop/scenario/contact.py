@@ -94,7 +94,7 @@ def contact_faults(problem: Problem) -> list[str]:
     fastest, nu_z = math.sqrt(2 * body.g * HIGHEST * R), problem.initial.get("nu_z", 0.0)
     parts = "`friction.mu_r` or `friction.mu_d`"
     patch, disc = getattr(friction, "patch", R), bool(law.regions)
-    under = f"under `{problem.law_name}`" if disc else f"with {parts}"
+    under = f"under `{problem.law.key}`" if disc else f"with {parts}"
     smaller = (
         ' A smaller disc slides as a point does: `law = "coulomb"`, without patch and mu_r.'
         if patch < R
