@@ -56,7 +56,7 @@ def test_a_law_of_ones_own(own) -> None:
 
 def law(name: str, fields: tuple[str, ...] = ("mu",), **given: Any) -> Any:
     """A law whose numbers are speeds."""
-    rule = tt.extending.number(tt.extending.Unit(0, -1, 1, "s m-1"), "a number", least=0)
+    rule = tt.extending.number(tt.extending.Unit("s m-1"), "a number", least=0)
     body = {
         "coefficient": formula(lambda v2, z, law: law.mu),
         **dict.fromkeys(fields, rule),
