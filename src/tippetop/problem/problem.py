@@ -133,16 +133,6 @@ class Problem(RunOptions):
             for name, rule in tables[t].items()
         }
 
-    def faults(self) -> list[str]:
-        """Return sentences on the numbers that are given; empty if nothing is wrong."""
-        faults = []
-        for key, rule in self.rules.items():
-            table, _, name = key.partition(".")
-            value = self.tables[table].get(name)
-            if value is not None and rule.broken(value):
-                faults.append(rule.fault(key, value))
-        return [*(faults or self.system.checks(self.parameters)), *self.clashes()]
-
     def clashes(self) -> list[str]:
         """Return sentences on initial data, and on a stem, that contradict each other."""
         given = [name for name, value in self.initial.items() if value is not False]
