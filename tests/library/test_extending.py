@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.mechanics import systems
 from tippetop.mechanics.operand import formula
 
 

@@ -14,7 +14,7 @@ from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System
 from ..mechanics.systems import opening_systems
 from ..problem import Problem
-from .identity import user_records, with_records
+from .identity import user_records
 from .reading import law_name
 from .schema import ContactTable
 
@@ -72,8 +72,8 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
             f"`{clash[0]}` must be a new name, but `{system.name}` with {asked[0][0]} has it."
         )
     if run.get("stop_when") == "settled":
-        contact = with_records(contact, (SETTLED,), ())
-    return with_records(contact, *own)
+        contact = contact.with_records((SETTLED,), ())
+    return contact.with_records(*own)
 
 
 def rules_of(scenario: Any, system: System) -> ContactLaw | None:

@@ -2,7 +2,6 @@
 
 import contextlib
 import hashlib
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -77,21 +76,6 @@ def user_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...
     return (
         tuple(event for event in system.events if event not in (*registered.events, SETTLED)),
         tuple(quantity for quantity in system.quantities if quantity not in registered.quantities),
-    )
-
-
-@lru_cache(maxsize=64)
-def with_records(
-    system: System, events: tuple[Event, ...], quantities: tuple[Quantity, ...]
-) -> System:
-    """Return a system with more events and columns; the same one for the same records.
-
-    It is compiled only once.
-    """
-    if not (events or quantities):
-        return system
-    return system.replace(
-        events=(*system.events, *events), quantities=(*system.quantities, *quantities)
     )
 
 
