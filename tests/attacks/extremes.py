@@ -115,7 +115,7 @@ def _compared(problem: Any, rng: np.random.Generator) -> Verdict:
     if forms and all(_away_from_poles(run) for run in (mine, wide)):
         form = problem.system.forms[str(rng.choice(forms))]
         other = dataclasses.replace(problem, form=form, initial=dict(problem.initial))
-        if not other.faults():
+        if not other.clashes():
             theirs = solve(other)
             near += [solve(dataclasses.replace(other, initial=_changed(other.initial, "theta")))]
             faults += _apart(

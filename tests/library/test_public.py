@@ -352,25 +352,13 @@ def test_the_landscape_takes_bodies_and_letters(run: tt.Run) -> None:
     assert tt.landscapes.marked_lines(TOP, lam).sizes["lambda"] == 3
 
 
-def test_the_theory_takes_bodies(run: tt.Run) -> None:
+def test_the_theory_takes_bodies() -> None:
     limits = tt.theory.thresholds(TOP)
     below, above = (tt.theory.regime(TOP, k * limits["lambda_s"].value) for k in (0.5, 1.5))
     assert (below.inverted, above.inverted) == (False, True)
     assert tt.theory.thresholds(HEAVY)["spin_sleeping"].value > 0
     assert tt.theory.linear_modes(TOP, tt.friction.Viscous(0.3), omega3=155.0)[0].real > 0
     assert np.all(np.abs(tt.theory.linear_modes(TOP, omega3=155.0).real) < 1e-9)
-    rows = run.trajectory.isel(time=100)
-    D, lam, energy, theta = (
-        float(rows[name]) for name in ("routh", "jellett", "modified_energy", "theta")
-    )
-    point, grid = (
-        tt.theory.nutation(TOP, energy=energy, theta=theta, D=D, lam=lam),
-        tt.landscapes.turning_angles(TOP, D=D, lam=lam, energy=energy),
-    )
-    assert point.theta_min == pytest.approx(float(grid["theta_min"]), rel=1e-10)
-    assert point.period == pytest.approx(float(grid["period"]), rel=1e-9)
-    with pytest.raises(tt.InputError, match="`lam` must be given"):
-        tt.theory.nutation(TOP, energy=energy, theta=theta, D=D)
     with pytest.raises(tt.InputError, match="must be a TippeTop"):
         tt.theory.regime(CYLINDER, 1.0)  # type: ignore[arg-type]
 
@@ -433,9 +421,6 @@ def test_what_is_no_finite_number_is_refused(value) -> None:
         lambda: tt.theory.regime(TOP, value),
         lambda: tt.theory.linear_modes(TOP, omega3=value),
         lambda: tt.theory.linear_modes(TOP, tt.friction.Viscous(mu=0.3), omega3=value),
-        lambda: tt.theory.nutation(TOP, energy=value, theta=0.5, D=1e-4, lam=1e-6),
-        lambda: tt.theory.nutation(TOP, energy=0.01, theta=value, D=1e-4, lam=1e-6),
-        lambda: tt.theory.nutation(TOP, energy=0.01, theta=0.5, D=value, lam=1e-6),
         *(
             []
             if value is None

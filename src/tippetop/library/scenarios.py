@@ -158,10 +158,9 @@ def _merge_friction(tables: dict[str, Any], given: dict[str, Any]) -> None:
             raise InputError(f"`{key}` must name a key of a table, but `{table}` is not a table.")
         _merge(tables, table, {name: given[key]})
     base = tables.get("friction", {})
-    if not isinstance(base, dict) or own.get("law", base.get("law")) != base.get("law"):
-        tables["friction"] = own
-    elif own:
-        tables["friction"] = {**base, **own}
+    if own:
+        base = base if isinstance(base, dict) else {}
+        tables["friction"] = reading.merged("friction", base, own)
 
 
 def _start(tables: dict[str, Any], given: Any, system: System) -> None:
@@ -188,10 +187,7 @@ def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
     base = tables.get("run", {})
     if not isinstance(base, dict):  # the check of the scenario reports it
         return
-    tables["run"] = {**reading.without_output(base, given), **given}
-    until, times = given.get("until"), tables["run"].get("output_times")
-    if "output_times" not in given and isinstance(times, list) and isinstance(until, int | float):
-        tables["run"]["output_times"] = reading.times_until(times, until)
+    tables["run"] = reading.merged("run", base, given)
 
 
 def table_of(law: Any) -> dict[str, Any]:

@@ -87,22 +87,6 @@ def refuse_more_than_memory(problem: Problem) -> None:
         )
 
 
-def run_to_end(problem: Problem) -> tuple[Status, np.ndarray, dict[str, Any], dict[str, Any], bool]:
-    """Integrate a problem and keep its end alone.
-
-    Returns
-    -------
-    tuple
-        Status, final internal state, report, numbers that events keep, whether it has settled.
-    """
-    integration = Integration(problem)
-    integration.run(Sink())
-    end = integration.progress()
-    assert end.status is not None
-    settled = end.settled_since is not None
-    return end.status, end.last[0], reporting.report(end), end.events.kept(), settled
-
-
 def _joined(pieces: list[np.ndarray], empty: np.ndarray) -> np.ndarray:
     """Join pieces; return a single one itself."""
     return pieces[0] if len(pieces) == 1 else np.concatenate([empty, *pieces])
