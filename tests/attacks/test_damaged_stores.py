@@ -28,7 +28,6 @@ from tippetop.errors import InputError, StoreError
 from tippetop.landscape import recording as surfaces
 from tippetop.runs import recording, resuming
 from tippetop.scenario import build
-from tippetop.store import root
 from tippetop.sweeps import sweep
 
 
@@ -41,8 +40,7 @@ FOREIGN = ["0", "99", "x", "zarr.json", "ledger.jsonl", ".x.part-1", "c.0.new", 
 def make(kind: str, store: Path, progress: Any = None) -> None:
     """Make the store of a run, a sweep or a surface, or continue it."""
     if kind == "run" and store.exists():
-        if root.attributes(store)["status"] == "running":
-            resuming.resume(store, progress)
+        resuming.resume(store, progress)
     elif kind == "run":
         problem = build.load("inverting", [*TURNING, "run.output_step=0.01"], 30.0)
         recording.record(problem, store, progress=progress)
