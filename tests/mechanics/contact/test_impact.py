@@ -71,71 +71,6 @@ def balanced(v: tuple, K: Mobility, made: Impact) -> None:
     )
 
 
-# --- an oracle of its own: everything by the cosine C of the slip direction, closed or one integral
-
-
-class Slip:
-    """v_2 of slip by C in closed form (partial fractions), the rest by quadrature in C."""
-
-    def __init__(self, v: tuple, K: Mobility, mu: float) -> None:
-        self.v, self.K, self.mu = (
-            [mp.mpf(float(x)) for x in v],
-            Mobility(*(mp.mpf(float(k)) for k in K)),
-            mp.mpf(mu),
-        )
-        self.d, self.k = self.mu * (self.K.ee - self.K.tt), self.K.ez
-        self.start = self.v[0] / mp.hypot(self.v[0], self.v[1])
-
-    def sigma(self, C: Any) -> Any:
-        k, d = self.k, self.d
-        at_end = d / (d**2 - k**2)
-        return (
-            -mp.log(1 - C) / (2 * (k - d))
-            + mp.log(1 + C) / (2 * (k + d))
-            - at_end * mp.log(abs(k - d * C))
-        )
-
-    def w(self, C: Any) -> Any:
-        fallen = mp.exp(-self.mu * self.K.tt * (self.sigma(C) - self.sigma(self.start)))
-        return abs(self.v[1]) * fallen / mp.sqrt(1 - C * C)
-
-    def integral(self, f: Any, C: Any) -> Any:
-        """Of f over the normal impulse."""
-        return mp.quad(
-            lambda c: f(c) * self.w(c) / ((1 - c * c) * (self.k - self.d * c)), [self.start, C]
-        )
-
-    def state(self, C: Any) -> tuple:
-        """Velocity, impulse and the works of normal force and friction where the direction has come
-        to C.
-        """
-        K, w = self.K, self.w(C)
-        after = [C * w, mp.sign(self.v[1]) * w * mp.sqrt(1 - C * C)]
-        p_z = self.integral(lambda c: 1, C)
-        p = [(after[0] - self.v[0] - K.ez * p_z) / K.ee, (after[1] - self.v[1]) / K.tt, p_z]
-        after.append(self.v[2] + K.ez * p[0] + K.zz * p[2])
-        work_t = -self.mu * self.integral(self.w, C)
-        energy = mp.fsum(x * (y + z) for x, y, z in zip(p, self.v, after, strict=True)) / 2
-        return after, p, energy - work_t, work_t
-
-
-def oracle(v: tuple, K: Mobility, mu: float, e_n: float, law: str, made: Impact) -> tuple:
-    """Velocity, impulse, works, for an impact that slips to the end."""
-    slip, e_n = Slip(v, K, mu), mp.mpf(e_n)
-    near = mp.mpf(float(made.v_e / np.hypot(made.v_e, made.v_2)))
-
-    def root(f: Any) -> Any:
-        return mp.findroot(f, (near, near + (slip.start - near) / 1000), tol=1e-34)
-
-    _, p, work_c, _ = slip.state(root(lambda c: slip.state(c)[0][2]))
-    goals = {
-        "energetic": lambda c: slip.state(c)[2] - (1 - e_n**2) * work_c,
-        "poisson": lambda c: slip.state(c)[1][2] - (1 + e_n) * p[2],
-        "newton": lambda c: slip.state(c)[0][2] + e_n * slip.v[2],
-    }
-    return slip.state(root(goals[law]))
-
-
 def compare(
     made: Impact, after: Any, p: Any, work_n: Any, work_t: Any, size: float, stiffest: float
 ) -> None:
@@ -148,43 +83,19 @@ def compare(
 
 
 one_or_many = pytest.mark.parametrize(
-    ("law", "count"), [("energetic", 1), *(at_night(law, 10) for law in RESTITUTIONS)]
+    ("law", "count"), [("energetic", 2), *(at_night(law, 10) for law in RESTITUTIONS)]
 )
 
 
 @one_or_many
-def test_impacts_that_slip_have_the_digits_of_an_oracle(
-    law: str, count: int, rng: np.random.Generator
-) -> None:
-    compared = 0
-    with mp.workdps(19):
-        while compared < count:
-            *v, K, mu = random_impact(rng, 0.5)
-            made = struck(*v, K, mu, 0.6, law)
-            if made.mode != "slip" or np.hypot(made.v_e, made.v_2) < 0.1:
-                continue
-            compare(
-                made,
-                *oracle(tuple(v), K, mu, 0.6, law, made),
-                size=np.abs(v).max(),
-                stiffest=max(K),
-            )
-            compared += 1
-
-
-@one_or_many
-def test_impacts_that_stop_have_the_digits_of_25(
-    law: str, count: int, rng: np.random.Generator
-) -> None:
-    """The same function fed with 25 digits, whose slip the oracle and the reference have tested."""
+def test_impacts_have_the_digits_of_25(law: str, count: int, rng: np.random.Generator) -> None:
+    """The same function with numbers of 25 digits, of which the reference tests one impact."""
     compared = 0
     with mp.workdps(25):
         while compared < count:
             *v, K, mu = random_impact(rng)
             v[2] *= 3
             made = struck(*v, K, mu, 0.6, law)
-            if made.mode == "slip":
-                continue
             exact_K = Mobility(*(mp.mpf(float(k)) for k in K))
             exact = struck(*(mp.mpf(float(x)) for x in v), exact_K, mp.mpf(mu), mp.mpf(0.6), law)
             compare(
