@@ -266,7 +266,7 @@ def test_slip_that_swings_round_tends_to_a_reversal(rng: np.random.Generator) ->
     assert struck(v_e, 1e-25, -1, K, mu, 0.5)[:6] == pytest.approx(exact[:6], rel=1e-9, abs=1e-12)
 
 
-@pytest.mark.parametrize("count", [100, pytest.param(33_334, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [100, at_night(3_000)])
 @every_law
 def test_impacts_never_make_energy(law: str, count: int, rng: np.random.Generator) -> None:
     for _ in range(count):
