@@ -64,6 +64,7 @@ def test_mypy_knows_options_and_their_values(tmp_path: Path) -> None:
     assert "Literal['times', 'events', 'steps', 'keyframes']" in found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("typed", "known"),
     [("tt.run('x', output_", "output_step="), ("tt.run('x').traj", "trajectory")],
