@@ -215,7 +215,7 @@ def test_a_sync_that_is_left_out_is_found(
             sync_one(folder, name)
 
     if left_out == "place":
-        monkeypatch.setattr("tippetop.store.files.synced", lambda _: None)
+        monkeypatch.setattr("tippetop.store.files.synced", lambda *_: None)
     else:
         monkeypatch.setattr(Folder, "sync_one", less)
     with pytest.raises((AssertionError, StoreError, FileNotFoundError)):

@@ -49,7 +49,7 @@ def reconstruct(
         root.loaded(root.open_group(store, name), store) for name in ("trajectory", "events")
     )
     result = awaited(
-        lambda: reconstruction(build.stored(attrs), lambda: rows, lambda: events, period),
+        lambda: reconstruction(build.stored(attrs), rows, events, period),
         "solving the main equation, from one turning to the next",
     )
     difference = np.abs(result["theta"].values - rows["theta"].values)
