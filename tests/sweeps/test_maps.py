@@ -104,7 +104,7 @@ def test_a_map_puts_every_top_in_its_cell(tmp_path: Path, monkeypatch: pytest.Mo
     np.testing.assert_allclose(x, np.linspace(100, 175, 16), rtol=1e-14)
     expected = x[:, None] + 1000 * y + 1e6 * 0.2
     np.testing.assert_allclose(found.fields["inverted_at"], expected, rtol=1e-13)
-    assert found.notes == ["θ(0) = 0.2 (one of 3)"]
+    assert found.notes == ["initial.θ = 0.2 (one of 3)"]
 
 
 def test_a_map_of_times_has_the_class_where_there_is_no_time(

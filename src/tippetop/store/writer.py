@@ -100,8 +100,8 @@ def begin_or_continue(
 def _difference(old: Any, new: Any) -> str:
     if not isinstance(new, dict):
         return f"has {old}, and here is {new}"
-    differ = [name for name in new if old.get(name) != new[name]]
     return "differs in " + ", ".join(
-        f"{name} {old.get(name)} (here {new[name]})" if isinstance(new[name], str) else name
-        for name in differ
+        f"{name} {old.get(name)} (here {value})" if isinstance(value, str) else name
+        for name, value in new.items()
+        if old.get(name) != value
     )

@@ -2,13 +2,12 @@
 
 import math
 import operator
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, ValidationError, WrapValidator
+from pydantic import Field, ValidationError
 
 from ..arguments import path_of
 from ..ensembles import ensemble
@@ -39,17 +38,11 @@ SECONDS_ALONE = 0.1
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must contain them
 
 
-def _or_text(value: Any, number: Callable) -> Any:
-    """Return a number, or a text that is read once the unit of its axis is known."""
-    if isinstance(value, str):
-        return float(value) if value in NOT_FINITE else value
-    return number(value)
-
-
-Number = Annotated[float, WrapValidator(_or_text)]
+# a text is read once the unit of its axis is known
+Number = float | str
 Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
 # an invalid top is marked, and its neighbours run
-AnyNumber = Annotated[float, Field(allow_inf_nan=True), WrapValidator(_or_text)]
+AnyNumber = Annotated[float, Field(allow_inf_nan=True)] | str
 Count = Annotated[int, Field(ge=1)]
 
 
@@ -78,7 +71,7 @@ class PlanTable(Table, use_attribute_docstrings=True):
 
     scenario: str | dict[str, Any]
     """the top that varies: a preset, a TOML file next to the plan, or tables"""
-    set: dict[str, Any] = Field(default_factory=dict)
+    set: dict[str, dict[str, Any] | str] = Field(default_factory=dict)
     """changes to it: tables as in a scenario"""
     axis: Annotated[list[AxisTable], Field(min_length=1)]
     """a number that differs from top to top"""
@@ -223,23 +216,19 @@ def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
     else:
         local = folder / shape.scenario
         tables = reading.read(str(local) if local.is_file() else shape.scenario)
-    before = dict(tables)
-    for name, value in shape.set.items():
-        old = tables.get(name)
-        if isinstance(old, dict) and isinstance(value, dict):
-            kept = reading.without_output(old, value) if name == "run" else old
-            value = {**kept, **value}
-        tables[name] = value
-    law = shape.set.get("friction")
+    before, changes = dict(tables), dict[str, Any](shape.set)
+    for name, value in changes.items():
+        old: Any = tables.get(name)
+        both = isinstance(old, dict) and isinstance(value, dict)
+        tables[name] = {**reading.without_output(old, value), **value} if both else value
+    law, run = (changes.get(name) or {} for name in ("friction", "run"))
     numbers = [axis.of.removeprefix("friction.") for axis in shape.axis]
-    change_law(before, tables, [*numbers, *(law if isinstance(law, dict) else ())])
-    initial, run = tables.get("initial"), shape.set.get("run")
-    if isinstance(initial, dict) and "from" in initial:
+    change_law(before, tables, [*numbers, *law])
+    if "from" in tables.get("initial", {}):
         raise InputError(
             "`initial.from` must be the start of a single run, but many are asked for."
         )
-    until = run.get("until") if isinstance(run, dict) else None
-    return build.ending(tables, until) if isinstance(until, int | float) else tables
+    return build.ending(tables, run["until"]) if "until" in run else tables
 
 
 def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:
@@ -247,11 +236,13 @@ def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:
     for way in WAYS:
         values: Any = getattr(axis, way) or []
         for j, value in enumerate(values):
-            if isinstance(value, str):
+            if value in NOT_FINITE:
+                values[j] = float(value)
+            elif isinstance(value, str):
                 values[j] = number_of(value, f"{name}.{way}.{j}", unit)
 
 
-def _axis(axis: AxisTable) -> Axis:
+def _axis(axis: Any) -> Axis:
     if axis.between is not None:
         return Axis(axis.of, (), (axis.between[0], axis.between[1]), bool(axis.log))
     if axis.values is not None:
@@ -262,7 +253,7 @@ def _axis(axis: AxisTable) -> Axis:
     return Axis(axis.of, values, log=axis.geomspace is not None)
 
 
-def _axis_faults(axis: AxisTable, name: str, nonzero: bool) -> list[str]:
+def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
     """Return the faults of one axis, whose number must keep its sign where it is `nonzero`."""
     given = [way for way in WAYS if getattr(axis, way) is not None]
     spaced = bool({"linspace", "geomspace"} & {*given})
@@ -348,13 +339,12 @@ def _keep_faults(plan: Plan) -> list[str]:
         return []
     known = column_names(plan.base)
     unknown = [name for name in plan.keep if name not in known]
-    sentences = []
-    if LYAPUNOV in unknown:
-        unknown.remove(LYAPUNOV)
-        faults = derivative_faults(plan.base)
-        sentences = [f"`keep` must not have lyapunov here: {fault}" for fault in faults]
-    names = ", ".join(known)
-    return sentences + [f"`keep` must be of {names}, but has {name!r}." for name in unknown]
+    faults = derivative_faults(plan.base) if LYAPUNOV in unknown else []
+    return [f"`keep` must not have lyapunov here: {fault}" for fault in faults] + [
+        f"`keep` must be of {', '.join(known)}, but has {name!r}."
+        for name in unknown
+        if name != LYAPUNOV
+    ]
 
 
 def scenario_sentence(error: Any) -> str:
@@ -364,5 +354,5 @@ def scenario_sentence(error: Any) -> str:
         place[1] += 1
     models: dict[Any, type[Table]] = {"axis": AxisTable, "sample": Sample}
     inner = models.get(place[0]) if len(place) > 1 else None
-    key = ".".join(str(p) for p in place if p not in ("str", "dict[str,any]"))
+    key = ".".join(str(p) for p in place if p not in ("float", "str", "dict[str,any]"))
     return error_sentence(error, key, list((inner or PlanTable).model_fields))

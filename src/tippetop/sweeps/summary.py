@@ -7,7 +7,6 @@ import numpy as np
 
 from ..engine.status import Status
 from ..ensembles import ensemble, hybrid_tops
-from ..errors import InputError
 from ..store import root
 from .plan import Plan
 from .store import GROUP, RUNS, chunk_counts
@@ -42,11 +41,6 @@ def gridded(table: Any) -> Any:
     """
     import xarray as xr
 
-    if not isinstance(table, xr.Dataset) or "plan" not in table.attrs:
-        raise InputError(
-            "`table` must be the table of a sweep, as `open` gives it, but is "
-            f"{type(table).__name__}."
-        )
     names, shape = table.attrs["dimensions"], table.attrs["shape"]
     axes = {
         axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs)
@@ -76,22 +70,19 @@ def report(path: str | Path) -> dict[str, Any]:
             found = np.bincount(column(path, table, name), minlength=len(meanings)).tolist()
             counts[name] = {word: n for word, n in zip(meanings, found, strict=True) if n}
         elif name.startswith("drift_"):
-            values, worst = column(path, table, name), None
-            if not np.isnan(values).all():
-                top = int(np.nanargmax(values))
-                worst = {"worst": float(values[top]), "top": top}
+            values = column(path, table, name)
+            top = int(np.where(np.isnan(values), -1.0, values).argmax())
+            worst = {"worst": float(values[top]), "top": top} if values[top] >= 0 else None
             drift[name.removeprefix("drift_")] = worst
+    names = "content title status reason tops chunks dimensions shape chunk plan versions cpu"
     return {
-        **{key: attrs[key] for key in ("content", "title", "status", "reason", "tops")},
+        **{name: attrs[name] for name in [*names.split(), "steps_by"] if name in attrs},
         "tops_done": int((status != Status.TODO.code).sum()),
-        "chunks": attrs["chunks"],
         "counts": counts,
         "drift": drift,
         "faults": _faults(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
         "failed": failed,
         "runs": runs,
-        **({"steps_by": attrs["steps_by"]} if "steps_by" in attrs else {}),
-        **{key: attrs[key] for key in ("dimensions", "shape", "chunk", "plan", "versions", "cpu")},
     }
 
 
@@ -117,11 +108,11 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
         result.append(("steps by", f"{facts['steps_by']}, {why}"))
     result += [("fault", fault) for fault in facts["faults"]]
     result += [("failed", f"chunk {k}: {sentence}") for k, sentence in facts["failed"].items()]
-    names = ("parameters", "friction", "contact", "stem", "initial", "run")
-    tables = {name: plan["scenario"][name] for name in names if name in plan["scenario"]}
+    tables = {**plan["scenario"], "versions": facts["versions"]}
     return result + [
         (name, ", ".join(f"{k} = {v}" for k, v in values.items()))
-        for name, values in [*tables.items(), ("versions", facts["versions"])]
+        for name, values in tables.items()
+        if isinstance(values, dict)
     ]
 
 
