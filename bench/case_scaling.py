@@ -130,8 +130,6 @@ def streamed(n: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "F.zarr"
         x, y = np.linspace(-8e-4, 9e-4, n), np.linspace(0, 8e-6, n)
-        seconds = timed(
-            lambda: recording.write(path, recording.Surface.over(FIGURE, x, y), threads=1)
-        )
+        seconds = timed(lambda: recording.write(path, recording.Surface(FIGURE, x, y), threads=1))
         size = sum(p.stat().st_size for p in path.rglob("*") if p.is_file())
     return {"points": n**2, "seconds": seconds, "stored_MB": size / 1e6}

@@ -55,7 +55,7 @@ def many_chunks() -> None:
     integration.STEPS_PER_SLICE = 48
     runs.COMMIT_EVERY, runs.ROWS_PER_CHUNK, runs.EVENTS_PER_CHUNK = 0.0, 256, 16
     surfaces.CHUNK = 16
-    surfaces.Surface.over.__func__.__kwdefaults__["chunk"] = 16
+    surfaces.Surface.__init__.__kwdefaults__["chunk"] = 16
 
 
 def must(*words: object) -> str:
@@ -137,7 +137,7 @@ def half_a_surface(folder: Path) -> Path:
     from tippetop.scenario import build
 
     base = build.load("inverting")
-    wanted = recording.Surface.over(
+    wanted = recording.Surface(
         base.parameters, np.linspace(-1e-4, 1e-4, 40), np.linspace(0, 1e-5, 30)
     )
 

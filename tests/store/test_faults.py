@@ -62,7 +62,7 @@ def extend(place: Path) -> None:
 
 
 def surface(place: Path) -> None:
-    wanted = surfaces.Surface.over(
+    wanted = surfaces.Surface(
         build.load("inverting").parameters, np.linspace(-1e-4, 1e-4, 6), [0.0, 1e-5], chunk=4
     )
     surfaces.write(place, wanted)

@@ -3,7 +3,6 @@
 import hashlib
 import itertools
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,28 +25,23 @@ SAME = ("system", "parameters", "axes", "chunk", "versions", "cpu")
 RUNNING, FINISHED = {"status": "running"}, {"status": "finished"}
 
 
-@dataclass(frozen=True)
 class Surface:
-    """A minimal surface F [J] over two momenta of a body, in square chunks of `chunk` points."""
+    """A minimal surface F [J] over two momenta of a body, in square chunks of `chunk` points.
 
-    top: bodies.Top
-    x: np.ndarray
-    y: np.ndarray
-    chunk: int = CHUNK
+    Raises InputError for axes that do not ascend.
+    """
 
-    @classmethod
-    def over(
-        cls,
+    def __init__(
+        self,
         parameters: Mapping[str, float],
         x: Any,
         y: Any,
         system: str = "tippe-top",
         *,
         chunk: int = CHUNK,
-    ) -> "Surface":
-        """Return the surface of a body. Raises InputError for axes that do not ascend."""
-        top = bodies.top(parameters, system)
-        return cls(top, labels.axis(top.momenta[0], x), labels.axis(top.momenta[1], y), chunk)
+    ):
+        self.top, self.chunk = bodies.top(parameters, system), chunk
+        self.x, self.y = map(labels.axis, self.top.momenta, (x, y))
 
     def axes(self) -> dict[str, Column]:
         """Return the axes as columns."""

@@ -1,5 +1,6 @@
 """Write a store as one netCDF, CSV or Parquet file, whole or not at all."""
 
+import contextlib
 import json
 import warnings
 from collections.abc import Iterator
@@ -89,13 +90,13 @@ def _parquet(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: An
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    first = pa.Table.from_pandas(next(frames), preserve_index=False)
     about = {name: str(value) for name, value in attrs.items()}
-    with pq.ParquetWriter(path, first.schema.with_metadata(about)) as writer:
-        writer.write_table(first.replace_schema_metadata(about))
+    with contextlib.ExitStack() as stack:
+        writer: Any = None
         for frame in frames:
-            arrow = pa.Table.from_pandas(frame, preserve_index=False)
-            writer.write_table(arrow.replace_schema_metadata(about))
+            arrow = pa.Table.from_pandas(frame, preserve_index=False).replace_schema_metadata(about)
+            writer = writer or stack.enter_context(pq.ParquetWriter(path, arrow.schema))
+            writer.write_table(arrow)
 
 
 def _frames(table: Any, store: Path) -> Iterator[Any]:

@@ -47,15 +47,12 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
         The disk; see `writing`.
     """
     path = Path(path)
-    if not path.name or path.is_dir():
-        raise StoreError(f"`{path}` must be the name of a file, but is a folder.")
+    other = os.path.lexists(path) and not path.is_symlink() and not path.is_file()
+    if not path.name or path.is_dir() or other:
+        raise StoreError(f"`{path}` must be the name of a file, but is a folder or a device.")
     refuse_inside(path)
     flag("overwrite", overwrite)
     remove_stale(path)
-    if overwrite and os.path.lexists(path) and not path.is_symlink() and not path.is_file():
-        raise StoreError(
-            f"`{path}` must be a file to be overwritten, but is a device, a pipe or a socket."
-        )
     _refuse_existing(path, overwrite)
     with scratch_folder(path) as folder:
         scratch = folder / path.name

@@ -229,14 +229,10 @@ class Ledger:
             self._lock()
             with sound(path):
                 self.state = acknowledged(self.folder.read(LEDGER))
-            if self.state.closing:
-                self._make_folders()
-                self._describe(self.state)
-                self.folder.sync()
-                self._seal()
-            else:
-                self.derive({})
-                self._compact()
+            self._make_folders()
+            self._describe(self.state, derived=not self.state.closing)
+            self.folder.sync()
+            (self._seal if self.state.closing else self._compact)()
             self._tidy()
         return self
 
