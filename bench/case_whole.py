@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
 from tippetop.problem import Problem
 from tippetop.runs.integration import Integration
@@ -19,7 +18,7 @@ from tippetop.scenario import build
 
 from .measure import interleaved, ratio, timed
 from .minimal import Minimal
-from .ours import ENDLESS, alone, by_hand, end_of, motion
+from .ours import alone, by_hand, end_of, motion, to_the_end
 
 
 RUNS = {
@@ -100,11 +99,8 @@ def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:
 
 
 def looped(problem: Problem) -> None:
-    """The compiled loop, to the end of a run; what it finds is left lying."""
-    driver: Any = driver_of(problem)
-    while driver.tally["status"] == Status.RUNNING.code:
-        driver.log.filled[0] = driver.samples.filled[0] = 0
-        driver.place.drive_on(ENDLESS)
+    """Drive the compiled loop to the end of a run, and keep nothing of what it finds."""
+    to_the_end(driver_of(problem))
 
 
 def _often(problem: Problem) -> None:

@@ -147,12 +147,9 @@ def heading(attrs: dict[str, Any]) -> str:
 
 
 def _on_sphere(trajectory: xr.Dataset) -> xr.Dataset:
-    """Return the columns of the sphere, NaN while the top is on its stem."""
-    if "ball" not in trajectory:
-        return trajectory
+    """Return the columns of a landscape, NaN while the top is on its stem or in the air."""
     names = {"theta", "routh", "jellett", "modified_energy"} & {*trajectory}
-    on_stem = flagged(trajectory["ball"], "stem")
-    return trajectory[sorted(names)].where(trajectory["ball"].copy(data=~on_stem))
+    return trajectory[sorted(names)].where(xr.DataArray(on_sphere(trajectory), dims="time"))
 
 
 def refuse_parts(friction: Mapping[str, Any]) -> None:

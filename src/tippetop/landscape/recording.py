@@ -136,13 +136,11 @@ def write(
             if key not in store.state.chunks:
                 x, y = wanted.x[i : i + wanted.chunk], wanted.y[j : j + wanted.chunk]
                 values = surface.variables(wanted.top, *surface.minima(wanted.top, x, y, threads))
-                store.check()
                 store.put(key, {name: variable[1] for name, variable in values.items()})
                 store.commit()
             if progress is not None:
                 progress(done, len(blocks))
         if not store.state.seal:
-            store.check()
             store.finish(FINISHED)
     return path
 

@@ -285,6 +285,7 @@ class Ledger:
     def _whole(self) -> Iterator[None]:
         if self.broken is not None:
             raise self.broken
+        self.check()
         try:
             yield
         except OSError as error:

@@ -40,12 +40,7 @@ class Writer:
         """
         while self.behind:
             self.behind.popleft().result()
-
-        def checked() -> None:
-            self.store.check()
-            work()
-
-        self.thread.submit(checked).result()
+        self.thread.submit(work).result()
 
     def __enter__(self) -> Self:
         return self

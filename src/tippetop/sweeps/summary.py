@@ -13,7 +13,6 @@ from .store import GROUP, RUNS, chunk_counts
 
 
 FAULTS = 5  # invalid tops whose faults are printed
-LABELS = {"status": "ends"}  # of counts: `status` is that of the sweep
 
 
 def open_sweep(path: str | Path) -> Any:
@@ -93,7 +92,8 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
     axes = [f"{drawn if name == 'sample' else name} ({n})" for name, n in sizes]
     done = f"{facts['tops_done']} of {facts['tops']} tops; {_text(facts['chunks'])} chunks"
     result = [("status", f"{facts['status']}: {done}"), ("axes", " x ".join(axes))]
-    result += [(LABELS.get(name, name), _text(counts)) for name, counts in facts["counts"].items()]
+    for name, counts in facts["counts"].items():  # `status` is also that of the sweep
+        result.append(("ends" if name == "status" else name, _text(counts)))
     worst = [
         f"{name.replace('_', ' ')} {found['worst']:.1e} (top {found['top']})"
         for name, found in facts["drift"].items()
