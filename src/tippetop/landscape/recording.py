@@ -1,6 +1,5 @@
 """Landscapes on disk. Surfaces beyond memory are written chunk by chunk, and can be continued."""
 
-import hashlib
 import itertools
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -54,7 +53,12 @@ class Surface:
         """Return the header of the ledger: the axes, and F, z and status over them."""
         axes = self.axes()
         about = {
-            name: [axis.values[0], axis.values[-1], axis.values.size, _digest(axis.values)]
+            name: [
+                axis.values[0],
+                axis.values[-1],
+                axis.values.size,
+                ledger.digest(axis.values.tobytes()),
+            ]
             for name, axis in axes.items()
         }
         attributes = {
@@ -79,10 +83,6 @@ class Surface:
             },
         }
         return ledger.header(attributes, tables)
-
-
-def _digest(values: np.ndarray) -> str:
-    return hashlib.sha256(values.tobytes()).hexdigest()[:16]
 
 
 def write(

@@ -75,7 +75,7 @@ def report(path: str | Path) -> dict[str, Any]:
             drift[name.removeprefix("drift_")] = worst
     names = "content title status reason tops chunks dimensions shape chunk plan versions cpu"
     return {
-        **{name: attrs[name] for name in [*names.split(), "steps_by"] if name in attrs},
+        **{name: attrs[name] for name in names.split()},
         "tops_done": int((status != Status.TODO.code).sum()),
         "counts": counts,
         "drift": drift,
@@ -103,9 +103,6 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
         result.append(("drift", f"{', '.join(worst)}: relative, worst of all tops"))
     if facts["runs"]:
         result.append(("runs", ", ".join(f"{RUNS}/{top}" for top in facts["runs"])))
-    if "steps_by" in facts:
-        why = "where the machine code of a step could not be called"
-        result.append(("steps by", f"{facts['steps_by']}, {why}"))
     result += [("fault", fault) for fault in facts["faults"]]
     result += [("failed", f"chunk {k}: {sentence}") for k, sentence in facts["failed"].items()]
     tables = {**plan["scenario"], "versions": facts["versions"]}
