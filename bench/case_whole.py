@@ -33,9 +33,7 @@ HOPS, SMOOTH = "flying", "inverting"  # presets: the same top, which hops, or sl
 
 
 def compare(quick: bool) -> dict[str, Any]:
-    """Processor seconds of motion, whole run and rows in memory; and processor time
-    over wall time.
-    """
+    """Return processor seconds of motion, whole run and rows, and processor over wall time."""
     found: dict[str, Any] = {"title": "A whole run beside its motion", "runs": {}}
     for name, (preset, until) in RUNS.items():
         problem = build.load(preset, None, until / 4 if quick else until)
@@ -72,10 +70,20 @@ def hops(rounds: int) -> dict[str, Any]:
 
 
 def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:
-    """The motion alone; with the integrals of a run; the compiled loop of a run, with all that it
-    finds, and the making of its driver; the whole run without rows, for which the orientation is
-    not integrated; the run with the rows of its preset in memory, and the orientation; heyoka by
-    hand.
+    """Return what is measured of a run, by name.
+
+    motion
+        The motion alone.
+    equations
+        With the integrals of a run.
+    loop
+        The compiled loop, with all that it finds, and the making of its driver.
+    whole
+        The whole run without rows, for which the orientation is not integrated.
+    rows
+        With the rows of its preset in memory, and the orientation.
+    by hand
+        The motion typed into heyoka.
     """
     minimal = Minimal(problem, np.array([problem.until]))
     moving, bare = motion((), minimal)(0.0), replace(problem, orientation=False)
@@ -104,15 +112,16 @@ def looped(problem: Problem) -> None:
 
 
 def _often(problem: Problem) -> None:
-    """Half a second of runs: the clock of the processor ticks each 10 ms."""
+    """Run for half a second: the clock of the processor ticks each 10 ms."""
     end = time.perf_counter() + 0.5
     while time.perf_counter() < end:
         Integration(problem).run(Sink())
 
 
 def processors(work: Callable[[], Any]) -> dict[str, float]:
-    """Processor time over wall time; and, where others keep the processors busy, over that of the
-    thread that works.
+    """Return processor time over wall time, and over that of the thread that works.
+
+    The latter counts where others keep the processors busy.
     """
     before, mine, clock = time.process_time(), time.thread_time(), time.perf_counter()
     work()

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, StoreError, missing_extra
+from ..errors import InputError, StoreError
 from . import chunks, files, root
 
 
@@ -48,17 +48,12 @@ def export(
             stacklevel=2,
         )
     attrs = {name: _plain(value) for name, value in attrs.items() if value is not None}
-    try:
-        with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
-            if to == "netcdf":
-                scratch.write_bytes(_netcdf(tables, attrs, store))
-            else:
-                write = _csv if to == "csv" else _parquet
-                write(_frames(tables[first], store), scratch, attrs, tables[first])
-    except ImportError as error:
-        if (sentence := missing_extra(error)) is None:
-            raise
-        raise InputError(sentence) from None
+    with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
+        if to == "netcdf":
+            scratch.write_bytes(_netcdf(tables, attrs, store))
+        else:
+            write = _csv if to == "csv" else _parquet
+            write(_frames(tables[first], store), scratch, attrs, tables[first])
 
 
 def _netcdf(tables: dict[str, Any], attrs: dict[str, str], store: Path) -> Any:
