@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.mechanics import systems
 
 
 PACKAGE = Path(__file__).parents[1] / "plugin_package"
