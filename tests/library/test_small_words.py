@@ -52,10 +52,6 @@ def test_what_is_no_top_is_refused_in_a_sentence() -> None:
         tt.theory.linear_modes(TOP, "coulomb", omega3=3.0)
 
 
-def test_the_final_state_has_units(run: tt.Run) -> None:
-    assert run.final["Lz"].attrs == {"units": "kg m2 s-1"}
-
-
 def test_nutation_says_why_there_is_no_period() -> None:
     with pytest.warns(UserWarning, match="not above the effective potential at any angle"):
         assert np.isnan(tt.theory.nutation(TOP, energy=-1.0, theta=1.0, D=3e-4, lam=4e-6).period)

@@ -220,10 +220,8 @@ def nutation(
     if math.isnan(result.period):
         warnings.warn(
             f"the energy {energy:.17g} J is not above the effective potential at any angle, so "
-            "that nothing swings: it "
-            "is that of steady motion, to rounding, or belongs to other momenta; both angles "
-            "are theta, the period is "
-            "NaN.",
+            "that nothing swings: it is that of steady motion, to rounding, or belongs to other "
+            "momenta; both angles are theta, the period is NaN.",
             stacklevel=2,
         )
     return result

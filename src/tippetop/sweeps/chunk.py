@@ -9,7 +9,9 @@ from ..ensembles import ensemble, outcomes
 from ..ensembles.hybrid_tops import Ended
 from ..mechanics.variables import Variables
 from ..problem import Problem, derivative_faults
-from ..runs.run import run_to_end
+from ..runs.integration import Integration
+from ..runs.reporting import report
+from ..runs.sinks import Sink
 from ..scenario import build
 from ..store import provenance
 
@@ -64,7 +66,12 @@ def measure(
 
 def alone(problem: Problem) -> Ended:
     """Run one top by itself."""
-    return Ended(*run_to_end(problem))
+    integration = Integration(problem)
+    integration.run(Sink())
+    end = integration.progress()
+    assert end.status is not None
+    settled = end.settled_since is not None
+    return Ended(end.status, end.last[0], report(end), end.events.kept(), settled)
 
 
 def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:
