@@ -155,8 +155,8 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(
     ("words", "sentence"),
     [
         (["--from", "-1", "--until", "1", "--step", "0.1"], "must be within 0 and 40"),
-        (["--from", "2", "--until", "1", "--step", "0.1"], "must end after they begin"),
-        (["--from", "1", "--until", "2", "--step", "0"], "must be greater than 0"),
+        (["--from", "2", "--until", "1", "--step", "0.1"], "must be within 0 and 40"),
+        (["--from", "1", "--until", "2", "--step", "0"], "must be at least"),
         (["--from", "1", "--until", "2", "--step", "1e-13"], "at most 1e"),
         (
             ["--from", "1", "--until", "1.00000000000001", "--step", "1e-15"],
