@@ -213,3 +213,8 @@ def names_its_faults(formula: Callable, words: str) -> Callable:
     if module.startswith("tippetop.") or isinstance(formula, NamedFormula):
         return formula
     return NamedFormula(formula, words)
+
+
+def owner(formula: Any) -> str:
+    """Return the owner of a formula of the user, "the column `mine`"; empty for others."""
+    return getattr(formula, "of", "")

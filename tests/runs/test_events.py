@@ -28,23 +28,6 @@ def count(
     return found, tallies
 
 
-@pytest.mark.parametrize("pieces", [1, 4])
-@pytest.mark.parametrize(
-    ("theta", "end", "rows"),
-    [
-        ([np.pi - x for x in (0.0, 1e-16, 0.0, 4e-16)], np.pi, []),
-        ([0.1, 0.5, 0.5 - 1e-16, 0.5 + 2e-16, 0.1], 0.4, [0, 3, 4]),
-        ([0.1, 0.5], 0.5 - NOISE_FLOOR / 10, [0]),  # counts only if theta comes back from it
-        ([0.1, 0.5], 0.5 - NOISE_FLOOR * 10, [0, 1]),
-    ],
-)
-def test_a_turning_counts_where_theta_comes_back(
-    theta: list[float], end: float, rows: list[int], pieces: int
-) -> None:
-    sign = [1, -1, 1, -1, 1][: len(theta)]
-    assert count(theta, sign, end, pieces)[0] == rows
-
-
 @pytest.mark.parametrize("pieces", [1, 2, 4])
 def test_turnings_that_count_are_those_that_a_zigzag_filter_keeps(
     pieces: int, rng: np.random.Generator

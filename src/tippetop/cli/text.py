@@ -7,6 +7,7 @@ import shutil
 import sys
 from collections.abc import Iterable
 from textwrap import wrap
+from typing import Any, NoReturn
 
 from .streams import report, visible
 
@@ -18,6 +19,17 @@ def width() -> int:
     """Return the columns of the output: COLUMNS, those of the terminal, or WIDE."""
     narrow = sys.stdout.isatty() or "COLUMNS" in os.environ
     return shutil.get_terminal_size().columns if narrow else WIDE
+
+
+def console() -> Any:
+    """Return rich's console, for help and for tables of several columns."""
+    from rich.console import Console
+
+    class Quiet(Console):
+        def on_broken_pipe(self) -> NoReturn:
+            raise  # the BrokenPipeError, for `cli.outcome`
+
+    return Quiet(highlight=False, markup=False, width=width())
 
 
 def warn(sentences: list[str]) -> list[str]:

@@ -3,7 +3,6 @@
 import dataclasses
 import re
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
 from typing import Any
 
 from ..engine.status import Status
@@ -85,14 +84,7 @@ def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity,
     if faults := _faults(system, events, columns):
         raise InputError(faults)
     own = tuple(dataclasses.replace(event, kept=tuple(event.kept)) for event in events)
-    return _extended(system, own, columns)
-
-
-@lru_cache(maxsize=64)
-def _extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
-    return system.replace(
-        events=(*system.events, *events), quantities=(*system.quantities, *columns)
-    )
+    return system.with_records(own, columns)
 
 
 def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> list[str]:

@@ -13,11 +13,11 @@ from ..engine.loop import count_turnings
 from ..engine.observables import Observables
 from ..engine.settling import slides
 from ..engine.tallies import Tallies
+from ..errors import owner
 from ..mechanics.event import Event
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..scenario.identity import is_user_defined
 from .events import EventTable
 
 
@@ -125,7 +125,7 @@ class EventLog:
         self.known = _known(problem.system, problem.events)
         self.tallies, self.kinds = tallies, problem.system.kinds
         logged = (event for event in self.known.events if event.name in problem.events)
-        self.keeps_states = any(is_user_defined(event.formula) for event in logged)
+        self.keeps_states = any(owner(event.formula) for event in logged)
         self.empty = EventTable.empty(self.kinds)
         if self.keeps_states:
             self.empty = replace(self.empty, state=self._states(np.zeros(0), first[:0]))

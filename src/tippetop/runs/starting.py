@@ -36,7 +36,7 @@ def load(
     assignments : list of str, optional
         `table.key=value` texts, as the command line's `--set` takes them.
     until : float or str, optional
-        Another end of the run [s], or a text with a unit, "2 min"; output times beyond it go.
+        Another end of the run [s], or a text with a unit, "2 min".
 
     Returns
     -------
@@ -52,7 +52,7 @@ def load(
     if isinstance(assignments, str):
         raise InputError(f"`assignments` must be a list of texts, but is {assignments!r:.60}.")
     tables = reading.override(reading.read(str(path_of("source", source))), assignments or [])
-    return problem(tables if until is None else build.ending(tables, until), source)
+    return problem(build.ending(tables, until), source)
 
 
 def load_any(source: str | Path, assignments: list[str] | None = None) -> Problem:

@@ -6,12 +6,8 @@ import numpy as np
 
 from ..columns import Column
 from ..ensembles import ensemble, outcomes
-from ..ensembles.hybrid_tops import Ended
 from ..mechanics.variables import Variables
 from ..problem import Problem, derivative_faults
-from ..runs.integration import Integration
-from ..runs.reporting import report
-from ..runs.sinks import Sink
 from ..scenario import build
 from ..store import provenance
 
@@ -61,17 +57,7 @@ def measure(
     chaos = outcomes.LYAPUNOV in names
     tops = ensemble.vary(base, numbers, orientation=ORIENTATION in map(_group, names))
     wanted = [*names, "t_end"] if chaos else keep
-    return ensemble.measure(tops, threads=threads, wanted=wanted, alone=alone, lyapunov=chaos)
-
-
-def alone(problem: Problem) -> Ended:
-    """Run one top by itself."""
-    integration = Integration(problem)
-    integration.run(Sink())
-    end = integration.progress()
-    assert end.status is not None
-    settled = end.settled_since is not None
-    return Ended(end.status, end.last[0], report(end), end.events.kept(), settled)
+    return ensemble.measure(tops, threads=threads, wanted=wanted, lyapunov=chaos)
 
 
 def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:

@@ -20,7 +20,6 @@ from ..mechanics.units import ONE
 from ..problem import Problem, derivative_faults, key_faults
 from ..scenario import build, reading
 from ..scenario.contact import touches
-from ..scenario.law_change import change_law
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
 from . import derived
@@ -214,7 +213,10 @@ class Plan:
             table, _, name = key.partition(".")
             replaced = self.base.system.replaced if table == "initial" else operator.or_
             tables[table] = replaced(tables[table], {name: float(values[0])})
-        return build.problem(build.ending(tables, tables["run"]["until"]))
+        run = tables["run"]
+        if "output_times" in run:
+            run["output_times"] = [t for t in run["output_times"] if t <= run["until"]]
+        return build.problem(tables)
 
     @cached_property
     def seconds_per_top(self) -> float:
@@ -243,23 +245,17 @@ def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
     else:
         local = folder / shape.scenario
         tables = reading.read(str(local) if local.is_file() else shape.scenario)
-    before = dict(tables)
     for name, value in shape.set.items():
         old = tables.get(name)
         if isinstance(old, dict) and isinstance(value, dict):
-            kept = reading.without_output(old, value) if name == "run" else old
-            value = {**kept, **value}
+            value = reading.merged(name, old, value)
         tables[name] = value
-    law = shape.set.get("friction")
-    numbers = [axis.of.removeprefix("friction.") for axis in shape.axis]
-    change_law(before, tables, [*numbers, *(law if isinstance(law, dict) else ())])
-    initial, run = tables.get("initial"), shape.set.get("run")
+    initial = tables.get("initial")
     if isinstance(initial, dict) and "from" in initial:
         raise InputError(
             "`initial.from` must be the start of a single run, but many are asked for."
         )
-    until = run.get("until") if isinstance(run, dict) else None
-    return build.ending(tables, until) if isinstance(until, int | float) else tables
+    return tables
 
 
 def _in_si(axes: list[AxisTable], base: Problem | None) -> tuple[list[AxisTable], list[str]]:
