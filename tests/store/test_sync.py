@@ -35,7 +35,7 @@ def test_a_folder_that_cannot_be_synced_is_let_be_and_a_file_is_not(
     monkeypatch.setattr(os, "fsync", refuse)
     files.synced(tmp_path)
     with pytest.raises(OSError, match="Invalid argument"):
-        files.synced(tmp_path / "file")
+        files.synced(tmp_path, "file")
 
 
 RUN = "run inverting --until 0.1 --columns theta --out"

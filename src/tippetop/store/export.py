@@ -1,5 +1,6 @@
 """Write a store as one netCDF, CSV or Parquet file, whole or not at all."""
 
+import contextlib
 import json
 import warnings
 from collections.abc import Iterator
@@ -8,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, StoreError, missing_extra
+from ..errors import InputError, StoreError
 from . import chunks, files, root
 
 
@@ -47,17 +48,12 @@ def export(
             stacklevel=2,
         )
     attrs = {name: _plain(value) for name, value in attrs.items() if value is not None}
-    try:
-        with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
-            if to == "netcdf":
-                scratch.write_bytes(_netcdf(tables, attrs, store))
-            else:
-                write = _csv if to == "csv" else _parquet
-                write(_frames(tables[first], store), scratch, attrs, tables[first])
-    except ImportError as error:
-        if (sentence := missing_extra(error)) is None:
-            raise
-        raise InputError(sentence) from None
+    with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
+        if to == "netcdf":
+            scratch.write_bytes(_netcdf(tables, attrs, store))
+        else:
+            write = _csv if to == "csv" else _parquet
+            write(_frames(tables[first], store), scratch, attrs, tables[first])
 
 
 def _netcdf(tables: dict[str, Any], attrs: dict[str, str], store: Path) -> Any:
@@ -89,13 +85,13 @@ def _parquet(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: An
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    first = pa.Table.from_pandas(next(frames), preserve_index=False)
     about = {name: str(value) for name, value in attrs.items()}
-    with pq.ParquetWriter(path, first.schema.with_metadata(about)) as writer:
-        writer.write_table(first.replace_schema_metadata(about))
+    with contextlib.ExitStack() as stack:
+        writer: Any = None
         for frame in frames:
-            arrow = pa.Table.from_pandas(frame, preserve_index=False)
-            writer.write_table(arrow.replace_schema_metadata(about))
+            arrow = pa.Table.from_pandas(frame, preserve_index=False).replace_schema_metadata(about)
+            writer = writer or stack.enter_context(pq.ParquetWriter(path, arrow.schema))
+            writer.write_table(arrow)
 
 
 def _frames(table: Any, store: Path) -> Iterator[Any]:
