@@ -144,9 +144,6 @@ def test_json_keys_are_names_and_units_are_values(said: Callable) -> None:
     assert found["at_start"]["jellett"]["unit"] == "kg m3 s-1"
     assert found["at_start"]["jellett"]["value"] == pytest.approx(6.8944413e-06)
     assert found["thresholds"]["lambda_s"]["unit"] == "kg m3 s-1"
-    by_eps = json.loads(said("check leine-glocker --json")[0])["inversion_by_eps"]
-    assert by_eps["eps"] == {"value": [0.005, 0.01], "unit": "m s-1"}
-    assert by_eps["first_equator"]["unit"] == "s"
 
 
 def test_an_empty_value_removes_a_key_or_a_table(said: Callable) -> None:

@@ -75,32 +75,6 @@ def test_the_body_turns_with_its_angular_velocity(preset: str, settings: tuple) 
     assert (columns["orientation"][:, 0] >= 0).all()
 
 
-@pytest.mark.parametrize(
-    ("preset", "forms"),
-    [
-        ("inverting", ("vector", "euler")),
-        ("rolling", ("vector", "reduced", "euler")),
-        ("gliding-heavy-top", ("vector", "euler")),
-        ("heavy-top", ("vector", "euler")),
-    ],
-)
-def test_forms_agree(preset: str, forms: tuple[str, ...]) -> None:
-    """And psi is the last of the angles about z, y, z."""
-    first, *others = (
-        examples.columns(solve(load(preset, f"form={form}", "initial.psi=0.4", until=0.3)))
-        for form in forms
-    )
-    assert first["psi"][0] == pytest.approx(0.4, abs=1e-14)
-    by_angles = Rotation.from_euler(
-        "ZYZ", np.stack([first[n] for n in ("phi", "theta", "psi")], axis=1)
-    ).as_matrix()
-    np.testing.assert_allclose(by_angles, matrices(first), rtol=0, atol=1e-13)
-    for other in others:
-        np.testing.assert_allclose(matrices(other), matrices(first), rtol=0, atol=1e-9)
-        apart = (other["psi"] - first["psi"] + math.pi) % (2 * math.pi) - math.pi
-        np.testing.assert_allclose(apart, 0.0, rtol=0, atol=1e-9)
-
-
 @pytest.mark.parametrize("preset", ["gliding-cylinder", "rolling-cylinder"])
 def test_a_cylinder_turns_about_the_horizontal(preset: str) -> None:
     columns = examples.columns(solve(load(preset)))

@@ -159,6 +159,7 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
     assert run.certify(0.1).theta < 1e-12  # it keeps theta for itself
 
 
+@pytest.mark.slow
 def test_a_figure_needs_no_more_than_it_names() -> None:
     """Of a run that keeps what the catalogue says alone, each figure shows what it shows of the
     whole run.

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterable
-from contextlib import AbstractContextManager
+from collections.abc import Iterable
 from textwrap import wrap
 from typing import Any, NoReturn
 
@@ -38,13 +37,6 @@ def warn(sentences: list[str]) -> list[str]:
     for sentence in sentences:
         report(f"warning: {sentence}")
     return sentences
-
-
-def following() -> AbstractContextManager[Callable[[Any], None]]:
-    """Provide a run's progress callback: it draws a bar and warns of a long run."""
-    from ..runs import cost
-
-    return cost.following(lambda sentence: warn([sentence]))
 
 
 def table(rows: Iterable[tuple[str, str]]) -> None:

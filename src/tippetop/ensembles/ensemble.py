@@ -275,8 +275,6 @@ def base_faults(base: Problem) -> list[str]:
             "`form` must be one in an ensemble that integrates the axis, as ux, uy, uz: "
             f'{others}, but is "{base.form.name}".'
         )
-    if base.sensitivities:
-        sentences.append("`run.sensitivities` must not be given in an ensemble: it keeps no rows.")
     if base.precision != "double":
         sentences.append(
             f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".'

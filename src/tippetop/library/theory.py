@@ -197,4 +197,4 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     guess = seconds("period", period)
     if guess is not None and guess <= 0:
         raise InputError(f"`period` must be greater than 0, but is {period!r:.60}.")
-    return reconstruction(run.problem, lambda: run.trajectory, lambda: run.events, guess)
+    return reconstruction(run.problem, run.trajectory, run.events, guess)

@@ -1,7 +1,7 @@
 """Checks that the records of a system do not contradict one another."""
 
 from collections.abc import Callable, Sequence
-from types import UnionType
+from types import MappingProxyType, NoneType, UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from .event import Event
@@ -123,10 +123,15 @@ def unmet_requirements(system: System) -> list[str]:
     ]
 
 
-WORDS = {"Callable": "a function", "str": "a text", "NoneType": "None", "Mapping": "a mapping"}
+WORDS = {"Callable": "a function", "str": "a text", "NoneType": "None", "Mapping": "a mapping", "mappingproxy": "a dict of laws by name"}
 """Types in words."""
 
-HINTS = get_type_hints(System) | dict.fromkeys(("body", "body_units", "start"), Callable)
+HINTS: dict[str, Any] = {
+    **get_type_hints(System),
+    **dict.fromkeys(("body", "body_units", "start"), Callable),
+    "contact": NoneType,
+    "laws": MappingProxyType,
+}
 
 
 def _wrong_types(system: System) -> list[str]:

@@ -21,6 +21,9 @@ from .operand import Vector, exp, formula, select, sqrt
 from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 
 
+__all__ = ["Contensou", "Coulomb", "Frictionless", "Latitude", "Mixed", "Stribeck", "Viscous"]
+
+
 PARTS = {
     "mu_r": number(
         METRE,

@@ -130,14 +130,6 @@ class RunOptions:
         given="Iterable[str | Quantity] | str | Quantity",
         example=("theta",),
     )
-    sensitivities: tuple[str, ...] | None = option(
-        "numbers, such as friction.mu, by which columns and events are differentiated too; none",
-        default=None,
-        note="the tables `sensitivities` and `event_sensitivities` of the run contain the "
-        "derivatives",
-        given="Sequence[str]",
-        example=(),
-    )
     orientation: bool | None = option(
         "whether the turn of the body about its axis is integrated; where a column needs it",
         default=None,

@@ -57,7 +57,6 @@ class Problem(RunOptions):
     on_liftoff: Literal["stop", "continue", "fly"] = "stop"
     keyframe_steps: int = KEYFRAME_STEPS
     orientation: bool = True
-    sensitivities: tuple[str, ...] = ()
     contact: ContactLaw | None = None
     origin: dict[str, Any] | None = None
     checked: ClassVar[bool] = False  # a copy by dataclasses.replace is not checked
@@ -180,7 +179,7 @@ class Problem(RunOptions):
         return {
             name: [*value] if isinstance(value, tuple) else value
             for name, value in given.items()
-            if value is not None and (name, value) != ("sensitivities", ())
+            if value is not None
         }
 
     def body(self, number: Any = float) -> Any:

@@ -56,22 +56,21 @@ def _known(system: System, logged: tuple[str, ...]) -> Known:
 class LogReport(NamedTuple):
     """The events of a run so far: the rows of its log, and the tallies of its driver."""
 
-    problem: Problem
+    known: Known
+    second: float  # the internal unit of time [s]
     counts: dict[str, int]  # rows of the log, by kind
     tally: Any  # a record of the tallies
     numbers: np.ndarray  # what events keep, (kept,); internal
 
-    @property
-    def known(self) -> Known:
-        """Return the events of the system."""
-        return _known(self.problem.system, self.problem.events)
-
     def kept(self) -> dict[str, Any]:
         """Return the numbers that events keep: counts, and times [s] or None, by name."""
         values = zip(self.known.kept, self.numbers.tolist(), strict=True)
-        second = float(self.problem.scales.of(SECOND))
         return {
-            name: int(value) if what == "count" else None if math.isnan(value) else value * second
+            name: int(value)
+            if what == "count"
+            else None
+            if math.isnan(value)
+            else value * self.second
             for (name, what), value in values
         }
 
@@ -84,7 +83,7 @@ class LogReport(NamedTuple):
         value = float(event.formula(view.moment(last[0]), view.body))
         if not value * event.direction > 0 or slides(view.problem.alone, last.T, [0]).any():
             return None
-        return since * float(self.problem.scales.of(SECOND))
+        return since * self.second
 
     def report(self) -> dict[str, Any]:
         """Return counts, inversion, band and the numbers that users' events keep."""
@@ -213,7 +212,7 @@ class EventLog:
     def summary(self) -> LogReport:
         """Return the events so far."""
         tally, numbers = self.tallies.lane[0].copy(), self.tallies.kept[:, 0].copy()
-        return LogReport(self.view.problem, dict(self.counts), tally, numbers)
+        return LogReport(self.known, self.second, dict(self.counts), tally, numbers)
 
     def snapshot(self) -> dict[str, Any]:
         """Return the data of a checkpoint, apart from the tallies."""

@@ -22,7 +22,6 @@ from ..problem import (
     Problem,
     column_faults,
     column_names,
-    sensitivity_faults,
 )
 from ..problem.options import UNITS, RunOptions
 from ..sampling import EvenTimes, ListedTimes
@@ -95,7 +94,6 @@ def problem(
         "keyframe_steps": run.keyframe_steps or KEYFRAME_STEPS,
         "columns": columns,
         "orientation": turns if run.orientation is None else run.orientation,
-        "sensitivities": run.sensitivities or (),
     }
     built = Problem(
         system=system,
@@ -115,7 +113,6 @@ def problem(
         *_pole_faults(built),
         *run.option_faults(kinds),
         *column_faults(run.columns or (), known_columns, run.orientation),
-        *sensitivity_faults(built),
     ] or [sentence for _, sentence in built.alone.check()[1]]
     if faults:
         raise InputError(faults)
@@ -132,7 +129,6 @@ KINDS: dict[str, Any] = {
     "times": EvenTimes | ListedTimes,
     "events": tuple | list,
     "columns": tuple | list | None,
-    "sensitivities": tuple | list,
     "contact": ContactLaw | None,
 }
 """The types of fields that are read before a problem is checked."""

@@ -12,6 +12,7 @@ from ..scenario import build
 from ..store import provenance
 
 
+Rows = dict[str, np.ndarray]  # the columns of a chunk by name
 # names in `keep` for several columns; those of the orientation are left out unless they are named
 FINAL, DRIFT, ORIENTATION = "final_state", "drift", "orientation"
 
@@ -24,13 +25,6 @@ class Task(NamedTuple):
     columns: dict[str, np.ndarray]  # numbers of the tops
     keep: list[str] | None  # columns that are kept; None: all
     versions: dict[str, str]  # of the store
-
-
-class Rows(NamedTuple):
-    """The columns of a chunk by name, and "heyoka" if its loop made steps, else an empty text."""
-
-    columns: dict[str, np.ndarray]
-    steps_by: str
 
 
 class OtherVersions(Exception):
@@ -46,7 +40,7 @@ def compute_chunk(task: Task, threads: int = 1) -> Rows:
         )
     measured = measure(build.problem(task.tables), task.columns, task.keep, threads)
     table = columns(measured, task.keep)
-    return Rows({name: column.values for name, column in table.items()}, measured.steps_by)
+    return {name: column.values for name, column in table.items()}
 
 
 def measure(

@@ -131,7 +131,7 @@ def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, A
     log = axis.log and bool(np.nanmin(numbers) > 0)
     return {
         "key": axis.key,
-        "label": maps.labelled(axis.key, attrs),
+        "label": maps.labelled(attrs),
         "log": log,
         "sampled": axis.sampled,
         "numbers": encode(numbers, "<f8"),
