@@ -115,9 +115,9 @@ def remove_stale(path: Path) -> None:
     """
     start = f".{path.name}.part-"
     with contextlib.suppress(OSError):
-        for old in sorted(path.parent.iterdir()):
-            ours = old.name.startswith(start) and SCRATCH.fullmatch(old.name, len(start))
-            if ours and _removed(old):
+        for name in sorted(os.listdir(path.parent)):
+            ours = name.startswith(start) and SCRATCH.fullmatch(name, len(start))
+            if ours and _removed(old := path.with_name(name)):
                 warnings.warn(f"`{old}` is removed: a killed run left it.", stacklevel=2)
 
 
