@@ -1,6 +1,4 @@
-"""Files and folders appear whole or not at all; nothing is replaced that nobody asked
-to replace.
-"""
+"""Test that files and folders appear whole or not at all, and replace nothing unasked."""
 
 import contextlib
 import errno
