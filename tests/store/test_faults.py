@@ -31,11 +31,10 @@ keep = ["theta_max"]
 of = "initial.omega3"
 values = [100.0, 120.0, 140.0, 160.0]
 """
-CHANGES = ["run.output_step=0.001", "run.columns=['theta']"]
 
 
 def run(place: Path, **how: Any) -> None:
-    tt.run("inverting", CHANGES, until=0.1, out=place, **how)
+    tt.run("inverting", output_step=0.001, columns="theta", until=0.1, out=place, **how)
 
 
 def resume(place: Path) -> None:

@@ -70,7 +70,7 @@ def test_so_is_what_is_made_from_a_store(
 ) -> None:
     """A replay, a copy, and a run that was continued into larger chunks."""
     short_slices(monkeypatch)
-    run = tippetop.run("inverting", ["run.output_step=0.001"], until=0.5)
+    run = tippetop.run("inverting", output_step=0.001, until=0.5)
     run.save(tmp_path / "saved")
     times = "--from 0.1 --until 0.2 --step 0.01"
     assert outcome(f"replay {tmp_path}/saved {times} --out {tmp_path}/rows".split()) == 0

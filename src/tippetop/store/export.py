@@ -74,7 +74,7 @@ def _csv(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: Any) -
     heads: dict[str, str] = {}
     for name, variable in table.variables.items():
         units = variable.attrs.get("units", "1")
-        bare = units in ("", "1") or "parameters" in variable.attrs  # a unit for each parameter
+        bare = units in ("", "1")
         heads |= {part: part if bare else f"{part} [{units}]" for part in _parts(name, variable)}
     with path.open("w") as file:
         for i, frame in enumerate(frames):
@@ -116,10 +116,7 @@ def _frames(table: Any, store: Path) -> Iterator[Any]:
 
 def _parts(name: Any, variable: Any) -> list[str]:
     """Return the names of the components of a column: letters of a vector, or numbers."""
-    dims = [dim for dim in variable.dims[1:] if dim != "parameter"]
-    letters = [f"{name}_{axis}" for dim in dims for axis in dim] or [name]
-    by = variable.attrs.get("parameters", "").split()
-    return [f"d_{letter}/d_{number}" for number in by for letter in letters] if by else letters
+    return [f"{name}_{axis}" for dim in variable.dims[1:] for axis in dim] or [name]
 
 
 def _plain(value: Any) -> Any:

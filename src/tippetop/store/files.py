@@ -53,13 +53,13 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
     refuse_inside(path)
     flag("overwrite", overwrite)
     remove_stale(path)
-    _refuse_existing(path, overwrite)
+    refuse_existing(path, overwrite)
     with scratch_folder(path) as folder:
         scratch = folder / path.name
         scratch.touch()
         yield scratch
         synced(folder, path.name)
-        _refuse_existing(path, overwrite)
+        refuse_existing(path, overwrite)
         os.replace(scratch, path)
         synced(path.parent)
 
@@ -152,14 +152,15 @@ def write_text(path: Path, text: str, *, overwrite: bool) -> None:
         scratch.write_text(text, encoding="utf-8")
 
 
-def _refuse_existing(path: Path, overwrite: bool) -> None:
+def refuse_existing(path: Path, overwrite: bool) -> None:
+    """Raise StoreError if a path exists, unless it may be overwritten."""
     if not overwrite and os.path.lexists(path):
         raise exists(path)
 
 
 def exists(path: Path) -> StoreError:
     """Return the error that a path exists."""
-    return StoreError(f"`{path}` must not exist yet, but does: remove it, or say --overwrite.")
+    return StoreError(f"`{path}` must not exist yet, but does: use --overwrite to replace it.")
 
 
 def name_aside(path: Path) -> Path:

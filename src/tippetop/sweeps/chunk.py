@@ -6,10 +6,8 @@ import numpy as np
 
 from ..columns import Column
 from ..ensembles import ensemble, outcomes
-from ..ensembles.hybrid_tops import Ended
 from ..mechanics.variables import Variables
 from ..problem import Problem, derivative_faults
-from ..runs.run import run_to_end
 from ..scenario import build
 from ..store import provenance
 
@@ -53,12 +51,7 @@ def measure(
     chaos = outcomes.LYAPUNOV in names
     tops = ensemble.vary(base, numbers, orientation=ORIENTATION in map(_group, names))
     wanted = [*names, "t_end"] if chaos else keep
-    return ensemble.measure(tops, threads=threads, wanted=wanted, alone=alone, lyapunov=chaos)
-
-
-def alone(problem: Problem) -> Ended:
-    """Run one top by itself."""
-    return Ended(*run_to_end(problem))
+    return ensemble.measure(tops, threads=threads, wanted=wanted, lyapunov=chaos)
 
 
 def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:

@@ -19,7 +19,6 @@ from ..mechanics.units import ONE, Unit
 from ..problem import Problem, derivative_faults, key_faults
 from ..scenario import build, reading
 from ..scenario.contact import touches
-from ..scenario.law_change import change_law
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
 from . import derived
@@ -187,7 +186,10 @@ class Plan:
             table, _, name = key.partition(".")
             replaced = self.base.system.replaced if table == "initial" else operator.or_
             tables[table] = replaced(tables[table], {name: float(values[0])})
-        return build.problem(build.ending(tables, tables["run"]["until"]))
+        run = tables["run"]
+        if "output_times" in run:
+            run["output_times"] = [t for t in run["output_times"] if t <= run["until"]]
+        return build.problem(tables)
 
     @cached_property
     def seconds_per_top(self) -> float:
@@ -216,19 +218,15 @@ def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
     else:
         local = folder / shape.scenario
         tables = reading.read(str(local) if local.is_file() else shape.scenario)
-    before, changes = dict(tables), dict[str, Any](shape.set)
-    for name, value in changes.items():
+    for name, value in dict[str, Any](shape.set).items():
         old: Any = tables.get(name)
         both = isinstance(old, dict) and isinstance(value, dict)
-        tables[name] = {**reading.without_output(old, value), **value} if both else value
-    law, run = (changes.get(name) or {} for name in ("friction", "run"))
-    numbers = [axis.of.removeprefix("friction.") for axis in shape.axis]
-    change_law(before, tables, [*numbers, *law])
+        tables[name] = reading.merged(name, old, value) if both else value
     if "from" in tables.get("initial", {}):
         raise InputError(
             "`initial.from` must be the start of a single run, but many are asked for."
         )
-    return build.ending(tables, run["until"]) if "until" in run else tables
+    return tables
 
 
 def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:

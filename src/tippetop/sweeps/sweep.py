@@ -105,7 +105,7 @@ def _unknown_to_others(base: Problem) -> str:
     if not known_to_others(base.system):
         return f"the system `{base.system.name}`"
     if not known_to_others(type(base.friction)):
-        return f"the friction law `{base.law_name}`"
+        return f"the friction law `{base.law.key}`"
     return ""
 
 

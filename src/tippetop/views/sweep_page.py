@@ -97,7 +97,7 @@ def _formulas(base: Problem) -> str:
     """Return the module of the system of a sweep, in vector form if there is one."""
     forms = base.system.forms
     return formulas.motions(
-        base.system, forms.get("vector", next(iter(forms.values()))), {base.law_name: base.law}
+        base.system, forms.get("vector", next(iter(forms.values()))), {base.law.key: base.law}
     )
 
 
