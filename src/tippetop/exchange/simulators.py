@@ -181,7 +181,7 @@ def _cannot(problem: Problem) -> tuple[Friction, list[str]]:
         mu = 0.0
     elif problem.law.set_valued:
         pass
-    elif "eps" in law._fields and problem.law_name == "coulomb":
+    elif "eps" in law._fields and problem.law.key == "coulomb":
         sentences.append(
             f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own"
         )

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 
 
 EXCLUDED = ("run.", "contact.", "stem.")  # tables: a motion has no derivatives by their numbers
-MOST_DERIVATIVES = 1_000_000  # rows times numbers: 400 MB of states and columns
 
 
 def derivative_faults(problem: "Problem") -> list[str]:
@@ -42,9 +41,7 @@ def derivative_faults(problem: "Problem") -> list[str]:
 
 def name_faults(problem: "Problem", wrt: Sequence[str]) -> list[str]:
     """Return sentences on the names of the numbers by which there are derivatives."""
-    twice = dict.fromkeys(name for name in wrt if list(wrt).count(name) > 1)
-    faults = [f"`{name}` must be named once, but is named twice." for name in twice]
-    faults += key_faults(problem, wrt, without=EXCLUDED)
+    faults = key_faults(problem, wrt, without=EXCLUDED)
     initial = [name.partition(".")[2] for name in wrt if name.startswith("initial.")]
     given = [name for name, value in problem.initial.items() if value is not False]
     return faults or problem.system.clashes([*given, *initial])
@@ -54,22 +51,3 @@ def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
     """Raise InputError for a run that has no derivatives, and for wrong names."""
     if faults := derivative_faults(problem) or name_faults(problem, wrt):
         raise InputError(faults)
-
-
-def sensitivity_faults(problem: "Problem") -> list[str]:
-    """Return sentences on the derivatives that a run is to keep (`run.sensitivities`)."""
-    wrt = problem.sensitivities
-    if not wrt:
-        return []
-    if problem.output != "times":
-        return [
-            '`run.output` must be "times" where `run.sensitivities` is given, but is '
-            f'"{problem.output}".'
-        ]
-    rows, most = len(problem.times), MOST_DERIVATIVES // len(wrt)
-    if rows > most:
-        return [
-            f"`run.output_step` must give at most {most:,} rows where `run.sensitivities` names "
-            f"{len(wrt)}, but gives {rows:,}."
-        ]
-    return derivative_faults(problem) or name_faults(problem, wrt)
