@@ -8,9 +8,8 @@ depend on balls or laws.
 import math
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import compress
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -89,6 +88,93 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     )
 
 
+class World(NamedTuple):
+    """What jumps know besides the state: see `form.Exit`."""
+
+    body: Any
+    system: System
+    rules: Any
+    phases: Mapping[str, Phase]
+    phase: Phase | None
+    left: Any
+    orientation: bool
+    struck: Callable | None  # of a body whose contact may open: see `exits`
+
+    def rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
+        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it
+        does not move. `b` is the body in the numbers of the state, if they are others.
+        """
+        integrals = Variables(phase.form, self.orientation).integrals
+        rates = {integral.name: integral.rate for integral in integrals}
+        b = b or phase.parameters(self.body)
+        return [
+            rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields
+        ]
+
+
+class Begun(NamedTuple):
+    """How a phase begins: what a jump returns, and what follows from it."""
+
+    n: Next  # of which numbers are apart
+    q: Any = ()  # the state of the phase
+    carried: Any = ()
+    values: tuple = ()  # of the event functions
+    times: tuple = (0, 0, None)  # `delay`, `logged_after` and `lasts` of `n`
+    rows: tuple = ()  # of tables, by name
+
+
+@lru_cache(maxsize=256)
+def jump_of(
+    system: System,
+    phases: tuple[tuple[str, Phase], ...],
+    name: str,
+    exit: Exit,
+    orientation: bool,
+    impacts: Any,
+    *_: type,
+) -> Callable:
+    """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals,
+    the time that is left, the rules of the contact, what follows the motion of an impact, and the
+    body, whose types tell apart what this function keeps.
+    """
+    known, phase = dict(phases), dict(phases)[name]
+    events = {event.name for phase in known.values() for event in phase.events}
+    events |= {event.name for event in system.events}
+    where = where_of(exit.event, name, system)
+
+    def jump(q: Any, carried: Any, left: Any, rules: Any, piece: Any, body: Any) -> Begun:
+        struck = partial(impacts.struck, piece) if impacts else None
+        world = World(body, system, rules, known, phase, left, orientation, struck)
+        x = phase.leave(q, phase.parameters(body))
+        if hasattr(x, "carried"):
+            x = x._replace(carried=carried)
+        n = exit.jump(x, world)
+        if fault := fault_of(n, exit, x, events):
+            raise InputError([f"{where} must {fault}."])
+        return begun(n, carried, world)
+
+    return inlined(jump) if exit.is_pure else jump
+
+
+def begun(n: Next, carried: Any, world: World) -> Begun:
+    """Return how a phase begins, or that the run ends."""
+    rows = tuple((name, tuple(some)) for name, some in n.rows.items())
+    times = n.delay, n.logged_after, n.lasts
+    if n.ends:
+        return Begun(n, times=times, rows=rows)
+    to = world.phases[n.phase]
+    b = to.parameters(world.body)
+    q, carried = to.enter(n.x, b), getattr(n.x, "carried", carried)
+    functions = formulas_of_phase(world.system, to, type(b), type(b.friction)).functions
+    values = tuple(functions(type(to.form.units)._make(q), carried, b))
+    return Begun(n, tuple(q), tuple(carried), values, times, rows)
+
+
+def where_of(event: str, phase: str, system: System) -> str:
+    """Return the words for a jump."""
+    return f"the jump by `{event}` from phase `{phase}` of `{system.name}`"
+
+
 class Track:
     """A phase that a run may have, and the driver that follows it.
 
@@ -107,10 +193,13 @@ class Track:
         self.name, self.phase = name, run.phases[name]
         phase = self.phase
         self.b = phase.parameters(run.body)
-        self.exits = {exit.event: exit for exit in phase.exits}
-        self.formulas = formulas_of_phase(
-            problem.system, phase, self.b.__class__, self.b.friction.__class__
-        )
+        kinds = self.b.__class__, self.b.friction.__class__
+        given = problem.orientation, run.impacts and run.impacts.kind, *kinds
+        phases = tuple(run.phases.items())
+        self.exits = {
+            exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
+        }
+        self.formulas = formulas_of_phase(problem.system, phase, *kinds)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
         self.moving, self.record, self.width = (
@@ -263,34 +352,27 @@ class HybridDriver:
         # The phases of a slice: the track, the integrals, and the counts of its track at the
         # beginning of the phase.
         self.spans: list[tuple] = []
-        self.world = SimpleNamespace(
-            body=self.body,
-            system=system,
-            rules=problem.contact,
-            phases=self.phases,
-            phase=None,
-            left=self.end,
-            rates=self._rates,
-        )
+        self.impacts = None
         if problem.contact is not None:
             from .impacts import Impacts
 
-            self.world.struck = Impacts(problem, self.body[0].friction, stop).struck
+            self.impacts = Impacts(problem, self.body[0].friction, stop)
         start = problem.start()
         q, carried = problem.variables.split(start.tolist())
         self.whole = start[problem.variables.moving :].tolist()
         x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
+        struck = self.impacts and self.impacts.struck
+        world = World(
+            self.body, system, problem.contact, self.phases, None, self.end, problem.orientation, struck
+        )
+        n = Next(next(iter(self.phases)), x, "start")
         try:
-            n = (
-                system.begin(x, self.world)
-                if system.begin
-                else Next(next(iter(self.phases)), x, "start")
-            )
+            n = system.begin(x, world) if system.begin else n
         except ArithmeticError as error:
-            n = Next(next(iter(self.phases)), x, "start", ends="stalled", message=str(error))
-        self._enter(n, number(0), None)
+            n.ends, n.message = "stalled", str(error)
         if n.ends:
-            self.ended, self.sentence = Status(n.ends), n.message
+            self.ended, self.sentence, n.ends = Status(n.ends), n.message, ""
+        self._enter(self._called(begun, n, self._integrals(), world), number(0), None)
         self.first = self.present()
 
     # --- phases ----------------------------------------------------------------------------------
@@ -313,42 +395,32 @@ class HybridDriver:
         """Return the equations of every phase: pairs of a variable and its rate."""
         return [pair for name in self.phases for pair in self.track_of(name).driver.equations()]
 
-    def _rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
-        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it
-        does not move. `b` is the body in the numbers of the state, if they are others.
-        """
-        integrals = Variables(phase.form, self.problem.orientation).integrals
-        rates = {integral.name: integral.rate for integral in integrals}
-        b = b or phase.parameters(self.body)
-        return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
-
-    def _enter(self, n: Next, now: Any, before: Track | None) -> None:
+    def _enter(self, begun: Begun, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
-        track = self.track_of(n.phase)
-        q = self._called(track.phase.enter, n.x, track.b)
-        if before and not math.isfinite(self._called(sum, q)):
+        n, q, carried, values, (delay, logged_after, lasts), rows = begun
+        if before and not math.isfinite(sum(q)):
             raise ArithmeticError(
                 f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
             )
-        self.track, self.world.phase = track, track.phase
+        self.track = track = self.track_of(n.phase)
         if n.cause != "":
             self.tables.begin(
-                track.name, track.phase, float(now + n.logged_after), n.cause or self.way[0]
+                track.name, track.phase, float(now + logged_after), n.cause or self.way[0]
             )
-        self.tables.add(float(now), n.rows)
-        time = min(now + self.number(n.delay), self.end)
+        self.tables.add(float(now), rows)
+        time = min(now + self.number(delay), self.end)
         if hasattr(n.x, "carried"):
-            self.whole = [self.number(value) * INTEGRAL_SCALE for value in n.x.carried]
+            self.whole = [self.number(value) * INTEGRAL_SCALE for value in carried]
         track.driver.put(track.state(q, self.whole), (time, 0 * time))
-        self.waits = n.delay > 0 and n.series is None
+        self.waits = delay > 0 and n.series is None
         counts = track.counts if n.series is not None else ()
-        self._begin_events(n, track.record._make(q), now, before)
+        self._begin_events(n, track.record._make(q), values, now, before)
         self.spans.append((track, self.whole, *(counts or track.counts)))
         self.began = float(time)
         driver = track.driver
         driver.begin()
         driver.time[0] = self.began
-        self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
+        self._set_clock(None if lasts is None else time + self.number(lasts))
 
     def _set_clock(self, clock: Any) -> None:
         """Set the end of the phase."""
@@ -356,10 +428,11 @@ class HybridDriver:
         self.until = clock
         self.track.driver.end_at(clock if self.clocked else self.end)
 
-    def _begin_events(self, n: Next, q: Any, now: Any, before: Track | None) -> None:
+    def _begin_events(
+        self, n: Next, q: Any, values: Sequence, now: Any, before: Track | None
+    ) -> None:
         """Write on which side of their zeros the event functions of a phase begin."""
         track, live = self.track, set()
-        values = track.formulas.functions(q, self._integrals(), track.b)
         if n.series is not None:
             self._fill(
                 float(now + n.delay), lambda times: self._series(n, times.astype(self.number) - now)
@@ -500,23 +573,26 @@ class HybridDriver:
         self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, state = self.number(when), self.track, self.last
-        self.world.left = self.end - now
         self.whole = track.moved(self.whole, state)
-        x = track.phase.leave(track.q(state), track.b)
-        if hasattr(x, "carried"):
-            x = x._replace(carried=self._integrals())
         try:
-            n = self._called(track.exits[ending].jump, x, self.world)
+            begun = self._called(
+                track.exits[ending],
+                track.q(state),
+                self._integrals(),
+                self.end - now,
+                self.problem.contact,
+                self.impacts and self.impacts.piece,
+                self.body,
+            )
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
-        if fault := fault_of(n, track.exits[ending], x, self.numbers):
-            raise InputError([f"{self._where()} must {fault}."])
+        n, _, _, _, (_, logged_after, _), rows = begun
         for name in n.logged:
-            self._note(name, now + n.logged_after, track, state, 1)
+            self._note(name, now + logged_after, track, state, 1)
         if n.ends:
             self.sentence = n.message or f"{self._where()} ends the run"
-            self.tables.add(float(when), n.rows)
+            self.tables.add(float(when), rows)
             return Status.of_event(n.ends)
         if ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop":
             return Status.LIFTOFF
@@ -534,7 +610,7 @@ class HybridDriver:
         if self.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of whole steps
             self.take(np.array([when]), state[None])
         try:
-            self._enter(n, now, track)
+            self._enter(begun, now, track)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.NON_FINITE
@@ -542,9 +618,7 @@ class HybridDriver:
 
     def _where(self) -> str:
         """Return the words for the present jump."""
-        return "the jump by `{}` from phase `{}` of `{}`".format(
-            *self.way, self.problem.system.name
-        )
+        return where_of(*self.way, self.problem.system)
 
     def _called(self, function: Callable, *given: Any) -> Any:
         """Call a function of a system.
@@ -554,7 +628,7 @@ class HybridDriver:
         try:
             return function(*given)
         except Exception as error:
-            if type(error) is ArithmeticError:  # it has a message for the user
+            if type(error) in (ArithmeticError, InputError):  # it has a message for the user
                 raise
             failure = f"{self._where()} fails: {type(error).__name__}: {error}"
             raise (
@@ -763,7 +837,6 @@ class HybridDriver:
         count = 1 + len(self.tables.tables["phases"])
         under_way, live = rest[:count], rest[count:]
         self.track = track = self.track_of(list(self.phases)[int(phase)])
-        self.world.phase = track.phase
         *self.whole, until = kept["carried"].tolist()
         track.driver.restore(kept, state[: len(track.driver.state)], clock)
         self.live = {name for name, is_live in zip(self.numbers, live, strict=True) if is_live}

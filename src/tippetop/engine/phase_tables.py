@@ -1,6 +1,6 @@
 """Tables of the phases of a run and of occurrences between them: groups of its store."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -54,9 +54,9 @@ class PhaseTables:
             self.rows["phases"].append([start, time * self.second, *rest])
             self.under_way = None
 
-    def add(self, time: float, rows: Mapping[str, tuple]) -> None:
+    def add(self, time: float, rows: Sequence[tuple[str, tuple]]) -> None:
         """Add rows of other tables at an internal time."""
-        for name, some in rows.items():
+        for name, some in rows:
             kinds = self.tables[name].values()
             for row in some:
                 values = [

@@ -111,7 +111,7 @@ def size(v: Vector) -> Any:
 
 def touching(x: Moving, world: Any) -> list[int]:
     """Return the balls that touch the plane."""
-    gaps = [float(contact.gap(x.height, x.u.z, b)) for b in world.body]
+    gaps = [contact.gap(x.height, x.u.z, b) for b in world.body]
     return [k for k, gap in enumerate(gaps) if gap <= ON_PLANE]
 
 

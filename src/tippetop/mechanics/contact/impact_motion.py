@@ -18,7 +18,7 @@ from ..disc_friction import Drag, rolling
 from ..event import Event
 from ..form import Form
 from ..friction import load
-from ..inlining import inlined
+from ..inlining import inlined, whole
 from ..operand import Vector, cross, dot, plus, sqrt, times
 from ..units import ONE
 from .body import angular_velocity, arm
@@ -267,6 +267,7 @@ def kicked(law: Any, q: Any, v: Vector, turn: Any, b: Any) -> Any:
     return Motion._make(one + more for one, more in zip(q, added, strict=True))
 
 
+@whole
 def unit_of(*values: Any) -> float:
     """Return a power of two near the largest of some numbers."""
     return math.ldexp(1.0, math.frexp(max(map(abs, map(float, values))))[1])

@@ -176,15 +176,16 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
 
     def way_out(event: str) -> Exit:
         if phase.label == "flight":
-            return Exit(event, tuple(bare), land)
+            return Exit(event, tuple(bare), land, True)
         if event == RESTS.name:
-            return Exit(event, on_disc, partial(come_to_rest, slides=name))
+            return Exit(event, on_disc, partial(come_to_rest, slides=name), True)
         if event in ways:
             to, passed, side = ways[event]
-            return Exit(event, (to, *on_disc), partial(go_on, to=to, passed=passed, side=side))
+            jump = partial(go_on, to=to, passed=passed, side=side)
+            return Exit(event, (to, *on_disc), jump, True)
         jump, labels = JUMPS[event]
         following = tuple(other for other, label in near.items() if label in labels)
-        return Exit(event, following or tuple(bare), jump)
+        return Exit(event, following or tuple(bare), jump, True)
 
     names = (
         *(event.name for event in phase.events),
