@@ -97,14 +97,14 @@ class World(NamedTuple):
     phases: Mapping[str, Phase]
     phase: Phase | None
     left: Any
-    orientation: bool
+    variables: Variables  # of the rows of the run
     struck: Callable | None  # of a body whose contact may open: see `exits`
 
     def rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
         """Return the rates of the integrals of the run in a state of a phase; 0 for those that it
         does not move. `b` is the body in the numbers of the state, if they are others.
         """
-        integrals = Variables(phase.form, self.orientation).integrals
+        integrals = Variables(phase.form, self.variables.orientation).integrals
         rates = {integral.name: integral.rate for integral in integrals}
         b = b or phase.parameters(self.body)
         return [
@@ -115,12 +115,12 @@ class World(NamedTuple):
 class Begun(NamedTuple):
     """How a phase begins: what a jump returns, and what follows from it."""
 
-    n: Next  # of which numbers are apart
-    q: Any = ()  # the state of the phase
-    carried: Any = ()
+    n: Next  # of which numbers stand here
+    state: tuple = ()  # of the phase: its variables
+    whole: tuple = ()  # the integrals of the run, scaled
     values: tuple = ()  # of the event functions
-    times: tuple = (0, 0, None)  # `delay`, `logged_after` and `lasts` of `n`
-    rows: tuple = ()  # of tables, by name
+    times: tuple = ()  # `delay`, `logged_after` and `lasts` of `n`
+    rows: tuple = ()  # of tables: pairs of a name and rows
 
 
 @lru_cache(maxsize=256)
@@ -129,7 +129,7 @@ def jump_of(
     phases: tuple[tuple[str, Phase], ...],
     name: str,
     exit: Exit,
-    orientation: bool,
+    variables: Variables,
     impacts: Any,
     *_: type,
 ) -> Callable:
@@ -138,22 +138,25 @@ def jump_of(
     body, whose types tell apart what this function keeps.
     """
     known, phase = dict(phases), dict(phases)[name]
-    events = {event.name for phase in known.values() for event in phase.events}
-    events |= {event.name for event in system.events}
-    where = where_of(exit.event, name, system)
+    events = {event.name for one in (system, *known.values()) for event in one.events}
 
-    def jump(q: Any, carried: Any, left: Any, rules: Any, piece: Any, body: Any) -> Begun:
+    def jump(q: Any, whole: tuple, left: Any, rules: Any, piece: Any, body: Any) -> Begun:
         struck = partial(impacts.struck, piece) if impacts else None
-        world = World(body, system, rules, known, phase, left, orientation, struck)
-        x = phase.leave(q, phase.parameters(body))
+        world = World(body, system, rules, known, phase, left, variables, struck)
+        x, carried = phase.leave(q, phase.parameters(body)), integrals(whole, variables)
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
         n = exit.jump(x, world)
         if fault := fault_of(n, exit, x, events):
-            raise InputError([f"{where} must {fault}."])
+            raise InputError([f"{where_of(exit.event, name, system)} must {fault}."])
         return begun(n, carried, world)
 
     return inlined(jump) if exit.is_pure else jump
+
+
+def integrals(whole: Sequence, variables: Variables) -> Any:
+    """Return the record of the integrals of a run, of the scaled ones."""
+    return variables.carried(*(value / INTEGRAL_SCALE for value in whole))
 
 
 def begun(n: Next, carried: Any, world: World) -> Begun:
@@ -162,12 +165,14 @@ def begun(n: Next, carried: Any, world: World) -> Begun:
     times = n.delay, n.logged_after, n.lasts
     if n.ends:
         return Begun(n, times=times, rows=rows)
-    to = world.phases[n.phase]
+    to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
     b = to.parameters(world.body)
-    q, carried = to.enter(n.x, b), getattr(n.x, "carried", carried)
+    q = type(to.form.units)(*to.enter(n.x, b))
     functions = formulas_of_phase(world.system, to, type(b), type(b.friction)).functions
-    values = tuple(functions(type(to.form.units)._make(q), carried, b))
-    return Begun(n, tuple(q), tuple(carried), values, times, rows)
+    moved = Variables(to.form, world.variables.orientation).integrals
+    state = *q, *(getattr(carried, one.name) * INTEGRAL_SCALE for one in moved)
+    whole = tuple(value * INTEGRAL_SCALE for value in carried)
+    return Begun(n, state, whole, tuple(functions(q, carried, b)), times, rows)
 
 
 def where_of(event: str, phase: str, system: System) -> str:
@@ -194,7 +199,7 @@ class Track:
         phase = self.phase
         self.b = phase.parameters(run.body)
         kinds = self.b.__class__, self.b.friction.__class__
-        given = problem.orientation, run.impacts and run.impacts.kind, *kinds
+        given = problem.variables, run.impacts and run.impacts.kind, *kinds
         phases = tuple(run.phases.items())
         self.exits = {
             exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
@@ -213,8 +218,11 @@ class Track:
         self.events = self.formulas.events
         self.numbers = [run.numbers[event.name] for event in self.events]
         self.ways = {
-            run.numbers[event.name]: event.name for event in self.events if event.name in self.exits
+            number: event.name
+            for number, event in zip(self.numbers, self.events, strict=True)
+            if event.name in self.exits
         }
+        self.live = {*self.numbers} - {*self.ways}
         rows = run.rows._replace(events=self._records(run, code.rows.events), axis=code.rows.axis)
         self.driver: Driver = kind_of_driver(problem)(
             code,
@@ -262,31 +270,24 @@ class Track:
     @property
     def counts(self) -> tuple[int, int]:
         """The numbers of samples and passages of a slice so far."""
-        return int(self.driver.samples.filled[0]), int(self.driver.log.filled[0])
+        return self.driver.sampled_so_far[0], self.driver.logged[0]
 
     def q(self, state: np.ndarray) -> Any:
         """Return the record of a state; doubles become floats, which formulas take faster."""
         return self.record._make(state[: self.moving].tolist())
 
-    def state(self, q: Any, whole: Sequence) -> list:
-        """Return all variables of the phase, of its state and the integrals of the run, scaled."""
-        state = [*q, *(whole[k] for k in self.integrals)]
-        return state + [self.driver.number(0)] * (len(self.driver.state) - len(state))
-
-    def moved(self, whole: Sequence, state: np.ndarray) -> list:
+    def moved(self, whole: Sequence, state: np.ndarray) -> tuple:
         """Return the integrals of the run, scaled, of which the phase has moved some."""
         whole = list(whole)
         for k, value in zip(self.integrals, state[self.moving : self.width].tolist(), strict=True):
             whole[k] = value
-        return whole
+        return tuple(whole)
 
 
-class Span(NamedTuple):
-    """States of a phase that become rows of the run, apart from these states."""
-
-    track: Track
-    whole: Sequence  # the integrals of the run, scaled, before the phase moved some
-    size: int
+Span = tuple[Track, Sequence, int]
+"""States of a phase that become rows of the run: the integrals of the run, scaled, before the phase
+moved some, and the number of states.
+"""
 
 
 class HybridDriver:
@@ -345,7 +346,10 @@ class HybridDriver:
         self.row_times, self.tables = Wanted(), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
-        self.live: set[str] = set()
+        self.live: set[int] = set()
+        self.signs, self.zeros = (
+            memoryview(self.tallies.functions[kind, :, 0]) for kind in (SIGN, ON_ZERO)
+        )
         self.rooted: set[tuple] = (
             set()
         )  # roots that jumps have named rightly: the exit, the next phase, the event
@@ -359,12 +363,11 @@ class HybridDriver:
             self.impacts = Impacts(problem, self.body[0].friction, stop)
         start = problem.start()
         q, carried = problem.variables.split(start.tolist())
-        self.whole = start[problem.variables.moving :].tolist()
+        self.whole = tuple(start[problem.variables.moving :].tolist())
         x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
         struck = self.impacts and self.impacts.struck
-        world = World(
-            self.body, system, problem.contact, self.phases, None, self.end, problem.orientation, struck
-        )
+        given = self.body, system, problem.contact, self.phases, None, self.end
+        world = World(*given, problem.variables, struck)
         n = Next(next(iter(self.phases)), x, "start")
         try:
             n = system.begin(x, world) if system.begin else n
@@ -372,7 +375,7 @@ class HybridDriver:
             n.ends, n.message = "stalled", str(error)
         if n.ends:
             self.ended, self.sentence, n.ends = Status(n.ends), n.message, ""
-        self._enter(self._called(begun, n, self._integrals(), world), number(0), None)
+        self._enter(self._called(begun, n, carried, world), number(0), None)
         self.first = self.present()
 
     # --- phases ----------------------------------------------------------------------------------
@@ -397,27 +400,25 @@ class HybridDriver:
 
     def _enter(self, begun: Begun, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
-        n, q, carried, values, (delay, logged_after, lasts), rows = begun
-        if before and not math.isfinite(sum(q)):
+        n, state, whole, values, (delay, logged_after, lasts), rows = begun
+        if before and not math.isfinite(sum(state)):
             raise ArithmeticError(
                 f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
             )
-        self.track = track = self.track_of(n.phase)
+        self.track = track = self.tracks.get(n.phase) or self.track_of(n.phase)
+        driver, time = track.driver, now
         if n.cause != "":
-            self.tables.begin(
-                track.name, track.phase, float(now + logged_after), n.cause or self.way[0]
-            )
-        self.tables.add(float(now), rows)
-        time = min(now + self.number(delay), self.end)
-        if hasattr(n.x, "carried"):
-            self.whole = [self.number(value) * INTEGRAL_SCALE for value in carried]
-        track.driver.put(track.state(q, self.whole), (time, 0 * time))
-        self.waits = delay > 0 and n.series is None
-        counts = track.counts if n.series is not None else ()
-        self._begin_events(n, track.record._make(q), values, now, before)
-        self.spans.append((track, self.whole, *(counts or track.counts)))
-        self.began = float(time)
-        driver = track.driver
+            cause = n.cause or self.way[0]
+            self.tables.begin(track.name, track.phase, float(now + logged_after), cause)
+        if rows:
+            self.tables.add(float(now), rows)
+        if delay:
+            time = min(now + self.number(delay), self.end)
+        driver.put(state, (time, 0 * time))
+        self.whole, self.waits, self.began = whole, delay > 0 and n.series is None, float(time)
+        counts = track.counts
+        self._begin_events(n, state, values, now, before)
+        self.spans.append((track, whole, *counts))
         driver.begin()
         driver.time[0] = self.began
         self._set_clock(None if lasts is None else time + self.number(lasts))
@@ -429,68 +430,57 @@ class HybridDriver:
         self.track.driver.end_at(clock if self.clocked else self.end)
 
     def _begin_events(
-        self, n: Next, q: Any, values: Sequence, now: Any, before: Track | None
+        self, n: Next, state: Sequence, values: Sequence, now: Any, before: Track | None
     ) -> None:
         """Write on which side of their zeros the event functions of a phase begin."""
-        track, live = self.track, set()
+        track, live, signs, zeros = self.track, self.live, self.signs, self.zeros
         if n.series is not None:
             self._fill(
                 float(now + n.delay), lambda times: self._series(n, times.astype(self.number) - now)
             )
-        signs, zeros = (self.tallies.functions[kind, :, 0] for kind in (SIGN, ON_ZERO))
         for number, event, value in zip(track.numbers, track.events, values, strict=True):
-            name, value = event.name, float(value)
             sign, zero = 1.0 if value > 0 else -1.0, 0
-            if name in track.exits:
-                sign = n.sides.get(name, -event.direction or sign)
-                zero = -n.zeros.get(name, 0)
-                if zero and (self.way, track.name, name) not in self.rooted:
-                    self._check_root(name, values, -zero, q)
-            elif name in self.live:
-                known = signs[number]
+            if number in track.ways:
+                sign = n.sides.get(event.name, -event.direction or sign)
+                zero = -n.zeros.get(event.name, 0)
+                if zero and (self.way, track.name, number) not in self.rooted:
+                    self._check_root(number, values, -zero, state)
+            elif number not in live:
+                zero = abs(value) < BELOW
+            elif sign != (known := signs[number]):
                 if abs(value) < BELOW:
                     sign = known
-                elif sign != known and n.series is not None:
+                elif n.series is not None:
                     self._note_along(n, track, event, known, now)
-                elif (
-                    sign != known
-                    and before
-                    and (event.sense or (event.lasting and sign == event.direction))
-                ):
-                    self._note(name, now, before, self.last, int(sign))  # of theta: it has a corner
-                live.add(name)
-            else:
-                zero = abs(value) < BELOW
-                live.add(name)
+                elif before and (event.sense or (event.lasting and sign == event.direction)):
+                    # of theta: it has a corner
+                    self._note(event.name, now, before, self.last, int(sign))
             signs[number], zeros[number] = sign, zero
-        self.live = live
+        self.live = track.live
 
-    def _check_root(self, name: str, values: list, count: int, q: Any) -> None:
+    def _check_root(self, number: int, values: Sequence, count: int, state: Sequence) -> None:
         """Raise InputError where an event function has no root of this multiplicity in a state of
         the present phase: its value, and its slope if there is more than one root, are zero. Once
         for an exit.
         """
         track = self.track
-        self.rooted.add((self.way, track.name, name))
-        k = [event.name for event in track.events].index(name)
+        self.rooted.add((self.way, track.name, number))
+        k, q = track.numbers.index(number), track.record._make(state[: track.moving])
         missed = not abs(values[k]) < ROOT
         if count > 1 and not missed:
             near = (
                 one + NEAR * rate
                 for one, rate in zip(q, track.phase.form.rates(q, track.b), strict=True)
             )
-            ahead = track.formulas.functions(track.record(*near), self._integrals(), track.b)[k]
+            carried = integrals(self.whole, self.problem.variables)
+            ahead = track.formulas.functions(track.record(*near), carried, track.b)[k]
             missed = not abs(ahead - values[k]) < SLOPE * NEAR
         if missed:
             there = (
-                f"in `zeros`, but {name!r} has no root of multiplicity {count} where phase "
+                f"in `zeros`, but {track.events[k].name!r} has no root of multiplicity {count} where phase "
                 f"`{track.name}` begins"
             )
             raise InputError([f"{self._where()} must give multiplicities of roots {there}."])
-
-    def _integrals(self) -> Any:
-        """Return the integrals of the run as they are now, whole again."""
-        return self.carried._make([value / INTEGRAL_SCALE for value in self.whole])
 
     # --- steps -----------------------------------------------------------------------------------
 
@@ -578,7 +568,7 @@ class HybridDriver:
             begun = self._called(
                 track.exits[ending],
                 track.q(state),
-                self._integrals(),
+                self.whole,
                 self.end - now,
                 self.problem.contact,
                 self.impacts and self.impacts.piece,
@@ -587,7 +577,7 @@ class HybridDriver:
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
-        n, _, _, _, (_, logged_after, _), rows = begun
+        n, *_, (_, logged_after, _), rows = begun
         for name in n.logged:
             self._note(name, now + logged_after, track, state, 1)
         if n.ends:
@@ -703,68 +693,56 @@ class HybridDriver:
     ) -> np.ndarray:
         """Return the rows of spans, one after another, of states by phase."""
         system, number = self.problem.system, self.number
-        counts = [span.size for span in spans]
-        rows = np.empty((self.variables, sum(counts)), number)
-        moving = self.variables - len(self.whole)
-        for track, pieces in states.items():
-            mine = [span.track is track for span in spans]
+        tracks, wholes, sizes = zip(*spans, strict=True)
+        span, wholes = np.repeat(np.arange(len(spans)), sizes), np.array(wholes).T
+        owner = np.array([list(states).index(track) for track in tracks])[span]
+        rows = np.empty((self.variables, len(span)), number)
+        moving, made, places = self.variables - len(self.whole), 0, np.empty(len(span), int)
+        for k, (track, pieces) in enumerate(states.items()):
             state = np.concatenate([piece.T[: track.width] for piece in pieces], axis=1)
-            wholes = np.array([span.whole for span in compress(spans, mine)])
-            whole = np.repeat(wholes.T, list(compress(counts, mine)), axis=1)
+            mine = np.flatnonzero(owner == k)
+            part = slice(made, made := made + len(mine))
+            places[mine], whole = np.arange(part.start, part.stop), wholes[:, span[mine]]
             whole[track.integrals] = state[track.moving :]
-            q, carried = (
-                track.record(*state[: track.moving]),
-                self.carried(*(whole * number(1 / INTEGRAL_SCALE))),
-            )
+            q, carried = track.record(*state[: track.moving]), whole * number(1 / INTEGRAL_SCALE)
             record = (
-                system.row(track.phase, q, carried, self.body)
+                system.row(track.phase, q, self.problem.variables.carried(*carried), self.body)
                 if system.row
                 else track.phase.leave(q, track.b)
             )
-            places = np.flatnonzero(np.repeat(mine, counts))
-            for k, value in enumerate((*record[:moving], *whole)):
-                rows[k, places] = value
-        return rows.T
+            for row, value in zip(rows, (*record[:moving], *whole), strict=True):
+                row[part] = value
+        return (rows if len(states) == 1 else rows.take(places, axis=1)).T
 
     def _slice(self, steps: int, when: Any, track: Track, status: Status | None) -> Slice:
         """Make rows of all that waits, give those that were asked for, and return the rest."""
-        asked = [Span(track, whole, len(times)) for track, whole, times, _ in self.asked]
+        asked = [(track, whole, len(times)) for track, whole, times, _ in self.asked]
         samples, logged, ends = [], [], {track: track.counts for track in self.tracks.values()}
         for of, whole, *before in reversed(self.spans):
-            samples.append(Span(of, whole, ends[of][0] - before[0]))
-            logged.append(Span(of, whole, ends[of][1] - before[1]))
-            ends[of] = before[0], before[1]
-        groups = asked, samples[::-1], logged[::-1], [Span(track, self.whole, 1)]
-        passages_of: dict[Track, Passages] = {}
+            samples.append((of, whole, ends[of][0] - before[0]))
+            logged.append((of, whole, ends[of][1] - before[1]))
+            ends[of] = before
+        groups = asked, samples[::-1], logged[::-1], [(track, self.whole, 1)]
+        passages_of = {one: one.driver.passages() for one in ends}
         states: dict[Track, list[np.ndarray]] = {}
-        for one in self.tracks.values():
-            passages, own = (
-                one.driver.passages(),
-                [states for of, _, _, states in self.asked if of is one],
-            )
-            pieces = [
-                *own,
-                one.driver.sampled(),
-                passages.states,
-                *([self.last[None]] if one is track else []),
-            ]
+        for one, passages in passages_of.items():
+            own = [states for of, _, _, states in self.asked if of is one]
+            pieces = [*own, one.driver.sampled(), passages.states]
+            pieces += [self.last[None]] if one is track else []
             states |= {one: pieces} if any(map(len, pieces)) else {}
-            passages_of[one] = passages
         rows = self._rows([span for group in groups for span in group], states)
-        parts = np.split(
-            rows, np.cumsum([sum(span.size for span in group) for group in groups])[:-1]
-        )
+        ends = np.cumsum([sum(size for _, _, size in group) for group in groups])
+        parts = np.split(rows, ends[:-1])
         if asked:
             self.request.take(np.concatenate([times for _, _, times, _ in self.asked]), parts[0])
-        owners = [
-            list(passages_of).index(span.track) for span in groups[2] for _ in range(span.size)
-        ]
+        tracks, _, sizes = zip(*groups[2], strict=True)
+        owners = np.repeat([list(passages_of).index(track) for track in tracks], sizes)
         order = np.argsort(np.argsort(owners, kind="stable"))
-        columns = [
+        columns = (
             np.concatenate(column)[order]
             for column in zip(*(p[:-1] for p in passages_of.values()), strict=True)
-        ]
-        passages = Passages._make([*columns, parts[2]])
+        )
+        passages = Passages(*columns, parts[2])
         return Slice(steps, when, parts[3], parts[1], passages, status, self.tables.take())
 
     # --- where the run is ------------------------------------------------------------------------
@@ -796,7 +774,7 @@ class HybridDriver:
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        return self._rows([Span(self.track, self.whole, 1)], {self.track: [self.state[None]]})
+        return self._rows([(self.track, self.whole, 1)], {self.track: [self.state[None]]})
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units."""
@@ -827,7 +805,7 @@ class HybridDriver:
         phase += [self.until is not None, self.waits]
         return {
             **self.track.driver.snapshot(),
-            "phase": [*phase, *under_way, *(name in self.live for name in self.numbers)],
+            "phase": [*phase, *under_way, *(k in self.live for k in self.numbers.values())],
             "carried": [*self.whole, self.number(0) if self.until is None else self.until],
         }
 
@@ -837,9 +815,10 @@ class HybridDriver:
         count = 1 + len(self.tables.tables["phases"])
         under_way, live = rest[:count], rest[count:]
         self.track = track = self.track_of(list(self.phases)[int(phase)])
-        *self.whole, until = kept["carried"].tolist()
+        *whole, until = kept["carried"].tolist()
+        self.whole = tuple(whole)
         track.driver.restore(kept, state[: len(track.driver.state)], clock)
-        self.live = {name for name, is_live in zip(self.numbers, live, strict=True) if is_live}
+        self.live = {number for number, is_live in enumerate(live) if is_live}
         self._set_clock(until if has_clock else None)
         self.tables = PhaseTables(self.problem)
         self.tables.under_way = (

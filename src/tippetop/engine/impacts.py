@@ -112,11 +112,11 @@ class Pieces:
         known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
         driver.take(pars[: len(driver.motion.pars)])
         driver.begin()
-        driver.put([*q, *[none] * (driver.width - len(q))], (none, none))
+        driver.put(q, (none, none))
         driver.end_at(end)
         driver.forget()
-        steps, code = driver.make(NO_ROWS, int(most)), int(driver.status[0])
-        event = int(driver.log.event[driver.log.filled[0] - 1]) if code == ENDED else -1
+        steps, code = driver.make(NO_ROWS, int(most)), driver.status[0]
+        event = int(driver.log.event[driver.logged[0] - 1]) if code == ENDED else -1
         return code, steps, event, motion.Motion(*driver.reached()[1][: len(q)].tolist())
 
 

@@ -168,7 +168,8 @@ class WideDriver(Driver):
     def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Put state and time in place."""
         ta = self.stepper.integrator
-        ta.state[:], ta.dtime = state, clock
+        ta.state[:] = 0
+        ta.state[: len(state)], ta.dtime = state, clock
 
     def end_at(self, end: Any) -> None:
         """Put the end of the run at an internal time."""
