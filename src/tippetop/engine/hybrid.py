@@ -9,7 +9,6 @@ import math
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache, partial
-from itertools import compress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -107,9 +106,7 @@ class World(NamedTuple):
         integrals = Variables(phase.form, self.variables.orientation).integrals
         rates = {integral.name: integral.rate for integral in integrals}
         b = b or phase.parameters(self.body)
-        return [
-            rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields
-        ]
+        return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
 
 
 class Begun(NamedTuple):

@@ -153,21 +153,6 @@ def at_poles(rng: np.random.Generator) -> list[State]:
         ]
 
 
-def test_mobility_is_that_of_newton_and_euler(states: list[State]) -> None:
-    for x in states:
-        K = response.mobility(mp.sin(x.theta), mp.cos(x.theta), x.ball)
-        free = acceleration(x, column(0, 0, 0))
-        F = x.e - 2 * x.t + 3 * Z
-        expected = (K.ee + 3 * K.ez) * x.e - 2 * K.tt * x.t + (K.ez + 3 * K.zz) * Z
-        assert_close(acceleration(x, F) - free, expected)
-
-
-def test_the_mobility_of_a_spin_is_that_of_the_tensor_of_inertia(states: list[State]) -> None:
-    for x in states:
-        found = response.spin_mobility(mp.sin(x.theta), mp.cos(x.theta), x.ball)
-        assert_close([found.about], [mp.lu_solve(inertia(x), Z)[2]])
-
-
 def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
     states: list[State], at_poles: list[State]
 ) -> None:

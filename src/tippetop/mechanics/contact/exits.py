@@ -2,8 +2,7 @@
 the common state.
 
 `world` is that of `form.Exit`, of which `body` is the body seen from each ball; in addition it has
-landing(x, b, zeros), the time to the landing of a ball, and struck(x, b, e_n), the velocity of its
-lowest point, an impact and the body after it. [contact 2, 3, 4, 6]
+struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 """
 
 from collections.abc import Callable
@@ -284,7 +283,8 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool
     plane, and whether the impact made energy. Raises ArithmeticError if it has no solution."""
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
-    v, impact, after = world.struck(x, b, e_n)
+    v, impact = point(x, b), world.struck(x, b, e_n)
+    after = impact.after
     x = gained(x, work=-after.gained, impulse=after.p.z)
     if any(after.twist):
         x = gained(x, jellett_lost=dot(after.twist, contact.arm(x.u, b)))
