@@ -20,7 +20,6 @@ from .coulomb import cone, slip_motion, sticking
 from .disc_at_rest import Held, direction, impulses, jumped, margin, stopping, turning
 from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
-from .planar import signed_slide
 from .response import bias_vector, jumps, mobility_inverse_times
 from .single_contact import RESTS, STOPS_AT, directed, regions_of, rest_speed2
 from .state import LOST, Moving, gained
@@ -319,8 +318,6 @@ def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
     """Return the first of a slide from rest, so short that its rates stay; and the time that it
     takes."""
     phase, b, n = world.phases[phase_name("slip", ball)], world.body[ball], along(beta)
-    if world.system.opening.planar:
-        n = Vector(np.sign(n.x), 0 * b.m, 0 * b.m)
     by = slip_motion(x.u, x.L, n, b)
     speed = min(type(by.P)(BEGINS_AT), by.P * world.left)
     delay = speed / by.P
@@ -363,14 +360,11 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     cone, and its series: of times (n,), states and integrals. Wider numbers are rounded to 80 bits.
     """
     x = Moving(*(rounded(v) if isinstance(v, tuple) else eighty_bits(v) for v in x))
-    b, sliding = (
-        rounded(world.body[phase.ball]),
-        signed_slide if world.system.opening.planar else directed,
-    )
+    b = rounded(world.body[phase.ball])
 
     def read(state: np.ndarray, w: Any, beta: Any) -> tuple[Vector, Vector, Any, Any]:
         u, L = Vector(*state[:3]), Vector(*state[3:6])
-        return u, L, sliding(u, L, w, beta, b), x.carried._make(state[6:])
+        return u, L, directed(u, L, w, beta), x.carried._make(state[6:])
 
     def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any, Any]:
         u, L, q, carried = read(state, w, beta)

@@ -20,17 +20,15 @@ from .body import Touch, seen_from_balls
 from .double_contact import double_contact
 from .exits import JUMPS, Impact, begin, come_to_rest, go_on, land, phase_name
 from .gliding import catalogue as gliding
-from .planar import IN_PLANE, SIGNED_SLIP
+from .planar import in_plane
 from .single_contact import (
     CONE,
-    DIRECTED_SLIP,
     FLIGHT,
+    LOADED,
     REST,
     RESTS,
-    ROLL,
-    SLIP,
     STICK,
-    WITH_PARTS,
+    UNLOADED,
     disc_slip,
 )
 from .state import (
@@ -128,26 +126,19 @@ def kind_of(law: Any) -> tuple:
 
 def phases_of(planar: bool, law: Any, balls: int) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name."""
-    of_any = IN_PLANE if planar else {phase.label: phase for phase in (SLIP, ROLL, FLIGHT)}
-    if law.torque:
-        of_any = of_any | WITH_PARTS
     bare: dict[str, Bare] = {}
 
     def place(phase: Phase, ball: int, *regions: str) -> None:
         bare[phase_name(phase.label, ball, *regions)] = phase, ball, regions
 
+    names = ("directed", "roll") if law.set_valued else () if law.regions else ("slip",)
+    on_ball = [(LOADED if law.torque else UNLOADED)[name] for name in names]
+    on_ball += [REST, FLIGHT] if law.regions else [FLIGHT]
     for ball in range(balls):
         for name, region in law.regions.items():
             place(disc_slip(region, law.torque), ball, name)
-        if law.regions:
-            place(REST, ball)
-        if law.set_valued:
-            directed = WITH_PARTS["directed"] if law.torque else DIRECTED_SLIP
-            place(SIGNED_SLIP if planar else directed, ball)
-            place(of_any["roll"], ball)
-        elif not law.regions:
-            place(of_any["slip"], ball)
-        place(of_any["flight"], ball)
+        for phase in on_ball:
+            place(in_plane(phase) if planar else phase, ball)
     if balls > 1 and not law.set_valued:
         for names in product(law.regions, repeat=2) if law.regions else ((),):
             regions = tuple(law.regions[name] for name in names)

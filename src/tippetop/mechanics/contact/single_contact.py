@@ -234,7 +234,7 @@ def on_plane(u, L, v, b):
     return Moving(u, L, centre_velocity(u, L, v, b), height(u.z, b))
 
 
-def directed(u: Vector, L: Vector, w: Any, beta: Any, b: Touch) -> Any:
+def directed(u: Vector, L: Vector, w: Any, beta: Any) -> Any:
     """Return the state of sliding with the speed w in the direction beta."""
     return type(DIRECTED)(*u, *L, beta, w)
 
@@ -242,7 +242,7 @@ def directed(u: Vector, L: Vector, w: Any, beta: Any, b: Touch) -> Any:
 def directed_enter(x, b):
     """The state of a body that slides."""
     v = contact_velocity(x.u, x.L, x.velocity, b)
-    return directed(x.u, x.L, sqrt(v.x * v.x + v.y * v.y), atan2(v.y, v.x), b)
+    return directed(x.u, x.L, sqrt(v.x * v.x + v.y * v.y), atan2(v.y, v.x))
 
 
 def directed_leave(q, b):
@@ -471,7 +471,10 @@ def directed_acts(q, b):
     return Acts(by.force, by.torque, times(q.w, direction(q)), omega)
 
 
-WITH_PARTS = {
+UNLOADED = {"slip": SLIP, "directed": DIRECTED_SLIP, "roll": ROLL}
+"""The phases of contacts under laws without torques."""
+
+LOADED = {
     "slip": slip_under(smooth_friction, (LIFTOFF, TOUCH), lambda omega, b: 0 * omega.z),
     "directed": loaded_phase("slip", DIRECTED, (LIFTOFF, TOUCH, STICK), SLIDES, directed_acts),
     "roll": without_slip("roll", (LIFTOFF, TOUCH, replace(CONE, formula=loaded_cone)), sticking),
