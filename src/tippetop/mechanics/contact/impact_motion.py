@@ -22,7 +22,7 @@ from ..inlining import inlined, whole
 from ..operand import Operand, Vector, cross, dot, exp, formula, log, plus, sqrt, times
 from ..units import ONE
 from .body import angular_velocity, arm, contact_velocity
-from .coulomb import along_and_across, held_point
+from .coulomb import across_and_along, held_point
 from .disc_at_rest import Held, direction, held_disc, impulses, margin
 from .response import jumps, mobility_inverse_times, mobility_times, torque_acceleration
 from .single_contact import Acts, Speeds, disc_friction, region_of, smooth_friction
@@ -148,7 +148,7 @@ def held(law: Any, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
         rolls = rolling(omega, b.friction)
         force, torque = held_disc(u, FLAT_BIAS, 0.0, rolls, b)
         return force, Vector(force.z * rolls.x, force.z * rolls.y, torque)
-    return held_point(u, FLAT_BIAS, load(omega, b.friction) or Vector(0.0, 0.0, 0.0), b)
+    return held_point(u, FLAT_BIAS, load(omega, b.friction), b)
 
 
 _stages: dict[type, dict[str, Stage]] = {}
@@ -199,7 +199,7 @@ def new_stages(law: Any) -> dict[str, Stage]:
             slides: Any = across.x, across.y, spun(by, b) if law.regions else none
             pace, w = 1 / across.z, 1
             if is_directed:
-                along, turns = along_and_across(across, Vector(q.v_x, q.v_y, none))
+                turns, along = across_and_along(across, Vector(q.v_x, q.v_y, none))
                 slides, pace, w = (-(turns * q.v_y), turns * q.v_x, along), 1, exp(q.turn)
             slips = (b.ratio * pace * one if friction else none for one in slides)
             power = w * (by.force.x * q.v_x + by.force.y * q.v_y)

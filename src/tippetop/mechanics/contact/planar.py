@@ -29,7 +29,7 @@ def in_plane(phase: Phase) -> Phase:
         return with_theta_dot(record)(*s, planar_theta_dot(q, b))
 
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
-    integrals = (theta, *(one for one in form.integrals if one.name != "y"))
+    integrals = (theta, *form.integrals)
     turn = PLANAR_ROW.orientation
     changed = replace(form, scalars=scalars, integrals=integrals, orientation=turn)
-    return replace(phase, forms={form.name: changed})
+    return replace(phase, forms=changed)

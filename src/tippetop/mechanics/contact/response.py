@@ -62,12 +62,6 @@ def bias_vector(u, L, b):
 
 
 @formula
-def contact_acceleration_vector(u, b, F, body):
-    """b + K F, (3,) [m/s^2]."""
-    return plus(b, mobility_times(u, F, body))
-
-
-@formula
 @inlined
 def jumps(u, p, b):
     """What the impulse p, (3,), adds to the velocity of the centre of mass and to L:
