@@ -64,6 +64,7 @@ typedef void (*Dense)(real *out, const real *tc, const real *h);
 
 typedef struct {
     integer variables, parameters, size, lanes, events, numbers, axis, log, samples;
+    integer width; /* numbers from one state to the next in the log and among the samples */
 } Sizes;
 
 typedef struct {
@@ -851,7 +852,7 @@ static bool take_step(const Loop *l, integer lane) {
     if (l->sizes.samples > 0 && tally->upto == 1 && sampled) {
         integer at = samples->filled[0]++, variables = l->sizes.variables;
         samples->top[at] = samples->in_lane[lane];
-        copy(variables, m->state + lane, l->sizes.lanes, samples->states + at * variables, 1);
+        copy(variables, m->state + lane, l->sizes.lanes, samples->states + at * l->sizes.width, 1);
     }
     return tally->status != RUNNING;
 }
@@ -982,7 +983,7 @@ static bool end_step(const Loop *l) {
     sort_log(&l->log, first);
     for (integer k = first; k < l->log.filled[0]; k++) {
         state_at(l, 0, l->log.time[k]);
-        copy(variables, l->out, lanes, l->log.states + k * variables, 1);
+        copy(variables, l->out, lanes, l->log.states + k * l->sizes.width, 1);
     }
     bool filled = take_rows(l, true);
     if (ended && l->ensemble.count > 0)

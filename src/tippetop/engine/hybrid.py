@@ -9,7 +9,6 @@ import math
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache, partial
-from itertools import compress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,21 +25,36 @@ from ..mechanics.units import SECOND
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import Problem
 from .driver import (
+    PASSAGES,
     RUNNING,
     STATUSES,
+    STEPS_PER_SLICE,
     Driver,
     Extremes,
     Passages,
     Request,
+    Shared,
     Slice,
     Wanted,
     extremes_of,
 )
 from .expressions import Formulas
 from .phase_tables import PhaseTables
+from .loop import MOST_COEFFICIENTS
 from .sampled import Sampler, zero_of
 from .status import Status
-from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bounded, new_tallies
+from .tallies import (
+    COUNT,
+    LAST,
+    ON_ZERO,
+    SIGN,
+    EventRows,
+    event_rows,
+    mark_bounded,
+    new_log,
+    new_samples,
+    new_tallies,
+)
 
 
 MOST_CHANGES = 10_000  # of phase in a run
@@ -231,11 +245,11 @@ class Track:
             np.zeros(self.width, problem.number),
             np.zeros(len(rows.events)),
             run.end,
-            run.tallies,
+            run.shared,
             self.numbers[code.lasting] if code.lasting >= 0 else -1,
         )
-        self.driver.wanted = run.row_times
-        self.driver.forget()
+        if run.tracks:
+            self.driver.share(next(iter(run.tracks.values())).driver)
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = (
             Sampler(self.driver, leaves(self.b), sampled, self._value) if sampled else None
@@ -267,11 +281,6 @@ class Track:
         mark_bounded(records)
         return records
 
-    @property
-    def counts(self) -> tuple[int, int]:
-        """The numbers of samples and passages of a slice so far."""
-        return self.driver.sampled_so_far[0], self.driver.logged[0]
-
     def q(self, state: np.ndarray) -> Any:
         """Return the record of a state; doubles become floats, which formulas take faster."""
         return self.record._make(state[: self.moving].tolist())
@@ -288,6 +297,15 @@ Span = tuple[Track, Sequence, int]
 """States of a phase that become rows of the run: the integrals of the run, scaled, before the phase
 moved some, and the number of states.
 """
+
+
+class Block(NamedTuple):
+    """Rows that were asked for together."""
+
+    times: np.ndarray
+    states: np.ndarray  # (variables, rows) in the precision of the run
+    made: memoryview  # the number of rows that exist
+    first: int  # of the present slice
 
 
 class HybridDriver:
@@ -341,9 +359,15 @@ class HybridDriver:
             numbers[first:last] for first, last in self.rows.events[["first", "last"]].tolist()
         ]
         self.lasting = {name for name, event in events.items() if event.lasting}
-        self.tallies = new_tallies(self.rows, 1)
+        width = self.width
+        most = PASSAGES + len(self.rows.events) * MOST_COEFFICIENTS
+        self.shared = Shared(
+            new_tallies(self.rows, 1), new_log(most, width), new_samples(STEPS_PER_SLICE + 2, width)
+        )
+        self.tallies = self.shared.tallies
         self.tallies.functions[SIGN] = 0.0  # not known
-        self.row_times, self.tables = Wanted(), PhaseTables(problem)
+        self.counts = [memoryview(one.filled) for one in self.shared[1:]]
+        self.wanted, self.tables = Wanted(width), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         self.live: set[int] = set()
@@ -353,9 +377,9 @@ class HybridDriver:
         self.rooted: set[tuple] = (
             set()
         )  # roots that jumps have named rightly: the exit, the next phase, the event
-        # The phases of a slice: the track, the integrals, and the counts of its track at the
-        # beginning of the phase.
-        self.spans: list[tuple] = []
+        self.blocks: list[Block] = []
+        # the phases of a slice: track, integrals, and how many states there are
+        self.spans: list[tuple[Track, Sequence, tuple]] = []
         self.impacts = None
         if problem.contact is not None:
             from .impacts import Impacts
@@ -416,9 +440,9 @@ class HybridDriver:
             time = min(now + self.number(delay), self.end)
         driver.put(state, (time, 0 * time))
         self.whole, self.waits, self.began = whole, delay > 0 and n.series is None, float(time)
-        counts = track.counts
+        counts = self._counts()
         self._begin_events(n, state, values, now, before)
-        self.spans.append((track, whole, *counts))
+        self.spans.append((track, whole, counts))
         driver.begin()
         driver.time[0] = self.began
         self._set_clock(None if lasts is None else time + self.number(lasts))
@@ -487,11 +511,10 @@ class HybridDriver:
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.steps = request, request.steps
-        self.asked: list[tuple[Track, Sequence, np.ndarray, np.ndarray]] = []
-        for track in self.tracks.values():
-            track.driver.forget()
-        self.spans = [(self.track, self.whole, 0, 0)]
+        self.request, self.blocks = request, []
+        self.track.driver.forget()
+        self._new_block(request.steps or self.wanted.is_made)
+        self.spans = [(self.track, self.whole, self._counts())]
         steps, status = 0, None
         while self.clock[0] < self.end:
             if self.waits:
@@ -500,12 +523,10 @@ class HybridDriver:
                     self.began, lambda times: np.repeat(self.state[None], len(times), axis=0)
                 )
             track, sampled, driver = self.track, self._sample(), self.track.driver
-            before, logged = int(driver.steps[0]), int(driver.log.filled[0])
-            driver.drive(self, 1 if track.sampler else most - steps)
-            steps += int(driver.steps[0]) - before
+            logged = driver.logged[0]
+            steps += self._drive(1 if track.sampler else most - steps)
             when, last = driver.reached()
-            self.last = last[: track.width].copy()
-            code = int(driver.status[0])
+            self.last, code = last[: track.width].copy(), driver.status[0]
             status = None if code == RUNNING else STATUSES[code]
             ending = (
                 sampled if sampled and status is Status.FINISHED else self._ending(status, logged)
@@ -548,9 +569,9 @@ class HybridDriver:
         """Return the exit by which the present phase ends, at the end of the run too; None if it
         does not, or ends the run. Before its last steps the log had this length.
         """
-        log = self.track.driver.log
-        if status is not None and log.filled[0] > logged:
-            way = self.track.ways.get(int(log.event[log.filled[0] - 1]))
+        at = self.track.driver.logged[0]
+        if status is not None and at > logged:
+            way = self.track.ways.get(int(self.shared.log.event[at - 1]))
             if way is not None:
                 return way
         return CLOCK if status is Status.FINISHED and self.clocked else None
@@ -597,8 +618,8 @@ class HybridDriver:
             )
         if self.sentence:
             return Status.STALLED
-        if self.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of whole steps
-            self.take(np.array([when]), state[None])
+        if self.request.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of steps
+            self._give(np.array([when]), state[None])
         try:
             self._enter(begun, now, track)
         except ArithmeticError as error:
@@ -629,13 +650,44 @@ class HybridDriver:
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def wanted(self) -> np.ndarray:
-        """Return internal times of the next rows, or an array with room for them."""
-        return self.request.wanted()
+    def _new_block(self, is_made: bool = True) -> None:
+        """Go on with the rows that are wanted; with further ones, if these are made."""
+        if is_made:
+            self.wanted.ask(self.request)
+        rows, made = self.wanted.rows, self.wanted.made
+        states = rows.states if self.number is float else np.empty(rows.states.shape, self.number)
+        self.blocks.append(Block(rows.times, states, made, made[0]))
 
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Take states of the present phase that were asked for."""
-        self.asked.append((self.track, self.whole, times, states))
+    def _counts(self) -> tuple[int, int, int]:
+        """Return the numbers of rows, passages and samples of this slice."""
+        rows = sum(block.made[0] - block.first for block in self.blocks)
+        return rows, self.counts[0][0], self.counts[1][0]
+
+    def _drive(self, most: int) -> int:
+        """Make at most `most` steps of the present phase and their rows.
+
+        Return the number of steps.
+        """
+        driver, wanted, steps = self.track.driver, self.wanted, 0
+        while True:
+            first = wanted.made[0]
+            steps += driver.make(wanted.rows, most - steps if driver.status[0] == RUNNING else 0)
+            made = wanted.made[0]
+            if self.number is not float and made > first:
+                states = driver.states_of(wanted.rows, first).T
+                self.blocks[-1].states[: len(states), first:made] = states
+            if made == first or not wanted.is_made:
+                return steps
+            self._new_block()
+
+    def _give(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Give rows that no step makes: times, and states of the present phase (k, variables)."""
+        block = self.blocks[-1]
+        made, block.made[0] = block.made[0], block.made[0] + len(times)
+        part = slice(made, block.made[0])
+        block.times[part], block.states[: states.shape[1], part] = times, states.T
+        if self.wanted.is_made:
+            self._new_block()
 
     def _note(self, name: str, time: Any, track: Track, state: np.ndarray, sign: int) -> None:
         """Log an event that no step has logged, in a state of a phase."""
@@ -666,14 +718,12 @@ class HybridDriver:
         """Give the rows that are wanted before a time, at which the present phase makes its first
         step.
         """
-        while not self.steps:
-            self.row_times.ask(self)
-            left = self.row_times.left
-            count = int(np.searchsorted(left, until))
+        while not self.request.steps:
+            times = self.wanted.rows.times[self.wanted.made[0] :]
+            count = int(np.searchsorted(times, until))
             if count:
-                self.take(left[:count], states_at(left[:count]))
-            self.row_times.made += count
-            if count < len(left) or not count:
+                self._give(times[:count], states_at(times[:count]))
+            if count < len(times) or not count:
                 break
 
     def _note_along(self, n: Next, track: Track, event: Event, known: float, now: Any) -> None:
@@ -688,21 +738,20 @@ class HybridDriver:
         t = zero_of(lambda t: function(t) * known, 0 * n.delay, n.delay)
         self._note(event.name, now + t, track, self._series(n, np.array([t]))[0], -int(known))
 
-    def _rows(
-        self, spans: Sequence[Span], states: Mapping[Track, Sequence[np.ndarray]]
-    ) -> np.ndarray:
-        """Return the rows of spans, one after another, of states by phase."""
+    def _rows(self, spans: Sequence[Span], states: np.ndarray) -> np.ndarray:
+        """Return the rows of states (variables, k), which belong to spans, one after another."""
         system, number = self.problem.system, self.number
         tracks, wholes, sizes = zip(*spans, strict=True)
+        known = list(dict.fromkeys(tracks))
         span, wholes = np.repeat(np.arange(len(spans)), sizes), np.array(wholes).T
-        owner = np.array([list(states).index(track) for track in tracks])[span]
+        owner = np.array([known.index(track) for track in tracks])[span]
         rows = np.empty((self.variables, len(span)), number)
         moving, made, places = self.variables - len(self.whole), 0, np.empty(len(span), int)
-        for k, (track, pieces) in enumerate(states.items()):
-            state = np.concatenate([piece.T[: track.width] for piece in pieces], axis=1)
+        for k, track in enumerate(known):
             mine = np.flatnonzero(owner == k)
             part = slice(made, made := made + len(mine))
             places[mine], whole = np.arange(part.start, part.stop), wholes[:, span[mine]]
+            state = states[: track.width].take(mine, axis=1)
             whole[track.integrals] = state[track.moving :]
             q, carried = track.record(*state[: track.moving]), whole * number(1 / INTEGRAL_SCALE)
             record = (
@@ -712,38 +761,30 @@ class HybridDriver:
             )
             for row, value in zip(rows, (*record[:moving], *whole), strict=True):
                 row[part] = value
-        return (rows if len(states) == 1 else rows.take(places, axis=1)).T
+        return (rows if len(known) == 1 else rows.take(places, axis=1)).T
 
     def _slice(self, steps: int, when: Any, track: Track, status: Status | None) -> Slice:
         """Make rows of all that waits, give those that were asked for, and return the rest."""
-        asked = [(track, whole, len(times)) for track, whole, times, _ in self.asked]
-        samples, logged, ends = [], [], {track: track.counts for track in self.tracks.values()}
-        for of, whole, *before in reversed(self.spans):
-            samples.append((of, whole, ends[of][0] - before[0]))
-            logged.append((of, whole, ends[of][1] - before[1]))
-            ends[of] = before
-        groups = asked, samples[::-1], logged[::-1], [(track, self.whole, 1)]
-        passages_of = {one: one.driver.passages() for one in ends}
-        states: dict[Track, list[np.ndarray]] = {}
-        for one, passages in passages_of.items():
-            own = [states for of, _, _, states in self.asked if of is one]
-            pieces = [*own, one.driver.sampled(), passages.states]
-            pieces += [self.last[None]] if one is track else []
-            states |= {one: pieces} if any(map(len, pieces)) else {}
-        rows = self._rows([span for group in groups for span in group], states)
-        ends = np.cumsum([sum(size for _, _, size in group) for group in groups])
-        parts = np.split(rows, ends[:-1])
-        if asked:
-            self.request.take(np.concatenate([times for _, _, times, _ in self.asked]), parts[0])
-        tracks, _, sizes = zip(*groups[2], strict=True)
-        owners = np.repeat([list(passages_of).index(track) for track in tracks], sizes)
-        order = np.argsort(np.argsort(owners, kind="stable"))
-        columns = (
-            np.concatenate(column)[order]
-            for column in zip(*(p[:-1] for p in passages_of.values()), strict=True)
-        )
-        passages = Passages(*columns, parts[2])
-        return Slice(steps, when, parts[3], parts[1], passages, status, self.tables.take())
+        driver, last = self.track.driver, np.resize(self.last, self.width)
+        *columns, logged = driver.passages()
+        parts = [slice(block.first, block.made[0]) for block in self.blocks]
+        asked = [
+            block.states[:, part] for block, part in zip(self.blocks, parts, strict=True)
+        ]
+        states = np.concatenate([*asked, logged.T, driver.sampled().T, last[:, None]], axis=1)
+        counts = [counts for *_, counts in self.spans] + [self._counts()]
+        spans = [
+            (of, whole, size)
+            for sizes in np.diff(counts, axis=0).T.tolist()
+            for (of, whole, _), size in zip(self.spans, sizes, strict=True)
+        ]
+        rows = self._rows([*spans, (track, self.whole, 1)], states)
+        asked, logged, samples, last = np.split(rows, np.cumsum(counts[-1]))
+        if len(asked):
+            times = [block.times[part] for block, part in zip(self.blocks, parts, strict=True)]
+            self.request.take(np.concatenate(times), asked)
+        passages = Passages(*(column.copy() for column in columns), logged)
+        return Slice(steps, when, last, samples, passages, status, self.tables.take())
 
     # --- where the run is ------------------------------------------------------------------------
 
@@ -774,7 +815,7 @@ class HybridDriver:
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        return self._rows([(self.track, self.whole, 1)], {self.track: [self.state[None]]})
+        return self._rows([(self.track, self.whole, 1)], self.state[:, None])
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units."""

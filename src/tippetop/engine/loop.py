@@ -92,6 +92,7 @@ class _Sizes(NamedTuple):
     axis: int
     log: int
     samples: int
+    width: int
 
 
 class _Thresholds(NamedTuple):
@@ -240,7 +241,7 @@ class Loop:
             raise ValueError(f"a step must have {most}, but has {size} and {lanes}")
         self.library = library()
         self.out = np.zeros((variables, lanes))  # a state in every lane
-        lengths = (rows.events, rows.numbers, rows.axis, log.time, samples.top)
+        lengths = (rows.events, rows.numbers, rows.axis, log.time, samples.top, log.states[:1].T)
         self.records = {
             "sizes": _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths)),
             "motion": motion,
@@ -279,7 +280,9 @@ class Loop:
             return
         self.records["output"] = rows
         self.structure.output = filled(
-            rows._replace(length=len(rows.times), variables=len(rows.states))
+            rows._replace(
+                length=len(rows.times), variables=min(len(rows.states), len(self.out))
+            )
         )
 
     def take(self, tops: Tops, queue: Queue, fresh: Tallies) -> None:
