@@ -75,12 +75,9 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     of a law.
     """
     form = phase.form
-    of_phases = {event.name for other in system.phases.values() for event in other.events}
-    common = tuple(
-        event for event in system.events if event.formula and event.name not in of_phases
-    )
-    own = tuple(event for event in phase.events if event.formula is not None and not event.sampled)
-    events = (*own, *common)
+    events = events_of_phase(system, phase)
+    own = [event for event in events if event in phase.events]
+    common = events[len(own) :]
     template = body(
         *(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields)
     )
@@ -133,6 +130,7 @@ class Begun(NamedTuple):
     state: tuple = ()  # of the phase: its variables
     whole: tuple = ()  # the integrals of the run, scaled
     values: tuple = ()  # of the event functions
+    keeps: bool = False  # whether event functions that go on have the signs that they had
     times: tuple = ()  # `delay`, `logged_after` and `lasts` of `n`
     rows: tuple = ()  # of tables: pairs of a name and rows
 
@@ -147,38 +145,49 @@ def jump_of(
     impacts: Any,
     *_: type,
 ) -> Callable:
-    """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals,
-    the time that is left, the rules of the contact, what follows the motion of an impact, and the
-    body, whose types tell apart what this function keeps.
+    """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals
+    when the phase began, the time that is left, the signs of event functions, the rules of the
+    contact, what follows the motion of an impact, and the body, whose types tell apart what this
+    function keeps.
     """
     known, phase = dict(phases), dict(phases)[name]
-    events = {event.name for one in (system, *known.values()) for event in one.events}
+    numbers = {event: k for k, event in enumerate(events_of(system, known))}
+    of_phase, record = Variables(phase.form, variables.orientation), type(phase.form.units)
+    live = {numbers[event.name] for event in events_of_phase(system, phase)}
+    live -= {numbers[one.event] for one in phase.exits if one.event in numbers}
 
-    def jump(q: Any, whole: tuple, left: Any, rules: Any, piece: Any, body: Any) -> Begun:
+    def jump(
+        state: tuple, whole: tuple, left: Any, signs: tuple, rules: Any, piece: Any, body: Any
+    ) -> Begun:
         struck = partial(impacts.struck, piece) if impacts else None
         world = World(body, system, rules, known, phase, left, variables, struck)
-        x, carried = phase.leave(q, phase.parameters(body)), integrals(whole, variables)
+        x = phase.leave(record(*state[: of_phase.moving]), phase.parameters(body))
+        own = zip(of_phase.integrals, state[of_phase.moving :], strict=True)
+        now = variables.carried(*whole)._replace(**{one.name: value for one, value in own})
+        carried = now._make(value / INTEGRAL_SCALE for value in now)
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
         n = exit.jump(x, world)
-        if fault := fault_of(n, exit, x, events):
+        if fault := fault_of(n, exit, x, numbers):
             raise InputError([f"{where_of(exit.event, name, system)} must {fault}."])
-        return begun(n, carried, world)
+        if n.ends:
+            return Begun(n, whole=tuple(now), times=times_of(n), rows=tuple(n.rows.items()))
+        made = begun(n, carried, world)
+        names = (event.name for event in events_of_phase(system, known[n.phase]))
+        leaving = [one.event for one in known[n.phase].exits]
+        going_on = [
+            (numbers[event], value)
+            for event, value in zip(names, made.values, strict=True)
+            if event not in leaving
+        ]
+        keeps = all(k in live and (value > 0) == (signs[k] > 0) for k, value in going_on)
+        return made._replace(keeps=keeps)
 
     return inlined(jump) if exit.is_pure else jump
 
 
-def integrals(whole: Sequence, variables: Variables) -> Any:
-    """Return the record of the integrals of a run, of the scaled ones."""
-    return variables.carried(*(value / INTEGRAL_SCALE for value in whole))
-
-
 def begun(n: Next, carried: Any, world: World) -> Begun:
-    """Return how a phase begins, or that the run ends."""
-    rows = tuple((name, tuple(some)) for name, some in n.rows.items())
-    times = n.delay, n.logged_after, n.lasts
-    if n.ends:
-        return Begun(n, times=times, rows=rows)
+    """Return how a phase begins."""
     to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
     b = to.parameters(world.body)
     q = type(to.form.units)(*to.enter(n.x, b))
@@ -186,7 +195,29 @@ def begun(n: Next, carried: Any, world: World) -> Begun:
     moved = Variables(to.form, world.variables.orientation).integrals
     state = *q, *(getattr(carried, one.name) * INTEGRAL_SCALE for one in moved)
     whole = tuple(value * INTEGRAL_SCALE for value in carried)
-    return Begun(n, state, whole, tuple(functions(q, carried, b)), times, rows)
+    values = tuple(functions(q, carried, b))
+    return Begun(n, state, whole, values, False, times_of(n), tuple(n.rows.items()))
+
+
+def times_of(n: Next) -> tuple:
+    """Return the times of a jump, which are numbers of its copies."""
+    return n.delay, n.logged_after, n.lasts
+
+
+def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
+    """Return the events of a run, by name."""
+    events = {event.name: event for event in system.events}
+    in_phases = {event.name: event for phase in phases.values() for event in phase.events}
+    return events | in_phases | events
+
+
+def events_of_phase(system: System, phase: Phase) -> tuple[Event, ...]:
+    """Return the events that the loop looks for in a phase: its own, and common ones."""
+    of_phases = {event.name for other in system.phases.values() for event in other.events}
+    own = (event for event in phase.events if event.formula is not None and not event.sampled)
+    return *own, *(
+        event for event in system.events if event.formula and event.name not in of_phases
+    )
 
 
 def where_of(event: str, phase: str, system: System) -> str:
@@ -285,13 +316,6 @@ class Track:
         """Return the record of a state; doubles become floats, which formulas take faster."""
         return self.record._make(state[: self.moving].tolist())
 
-    def moved(self, whole: Sequence, state: np.ndarray) -> tuple:
-        """Return the integrals of the run, scaled, of which the phase has moved some."""
-        whole = list(whole)
-        for k, value in zip(self.integrals, state[self.moving : self.width].tolist(), strict=True):
-            whole[k] = value
-        return tuple(whole)
-
 
 Span = tuple[Track, Sequence, int]
 """States of a phase that become rows of the run: the integrals of the run, scaled, before the phase
@@ -345,9 +369,8 @@ class HybridDriver:
         self.end = number(problem.until) / number(float(problem.scales.of(SECOND)))
         self.body, self.phases = _assembled(problem)
         self.carried = problem.variables.carried
-        events = {event.name: event for event in system.events}
+        events = events_of(system, self.phases)
         in_phases = [event for phase in self.phases.values() for event in phase.events]
-        events = events | {event.name: event for event in in_phases} | events
         self.rows: EventRows = event_rows(
             list(events.values()), [(0, 1, 1.0, 0.0)] * len(events), ()
         )
@@ -424,7 +447,7 @@ class HybridDriver:
 
     def _enter(self, begun: Begun, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
-        n, state, whole, values, (delay, logged_after, lasts), rows = begun
+        n, state, whole, values, _, (delay, logged_after, lasts), rows = begun
         if before and not math.isfinite(sum(state)):
             raise ArithmeticError(
                 f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
@@ -496,7 +519,7 @@ class HybridDriver:
                 one + NEAR * rate
                 for one, rate in zip(q, track.phase.form.rates(q, track.b), strict=True)
             )
-            carried = integrals(self.whole, self.problem.variables)
+            carried = self.carried(*(value / INTEGRAL_SCALE for value in self.whole))
             ahead = track.formulas.functions(track.record(*near), carried, track.b)[k]
             missed = not abs(ahead - values[k]) < SLOPE * NEAR
         if missed:
@@ -584,13 +607,13 @@ class HybridDriver:
         self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, state = self.number(when), self.track, self.last
-        self.whole = track.moved(self.whole, state)
         try:
             begun = self._called(
                 track.exits[ending],
-                track.q(state),
+                tuple(state.tolist()),
                 self.whole,
                 self.end - now,
+                tuple(self.signs.tolist()),
                 self.problem.contact,
                 self.impacts and self.impacts.piece,
                 self.body,

@@ -199,6 +199,7 @@ def library() -> ctypes.CDLL:
         )
     whole, array = ctypes.c_int64, ctypes.c_void_p
     loaded.loop_drive.restype, loaded.loop_drive.argtypes = whole, [array, whole]
+    loaded.loop_run.restype, loaded.loop_run.argtypes = whole, [array, whole]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
     return loaded
 

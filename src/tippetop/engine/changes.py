@@ -1,0 +1,210 @@
+"""Changes of phase that the compiled loop makes by itself: straight-line copies of jumps become
+programs, of which each line writes one register.
+"""
+
+import ast
+import ctypes
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..mechanics.inlining import unit_of
+from .loop import filled, library, structure
+
+
+OPERATIONS = [
+    *("Add", "Sub", "Mult", "Div", "Pow", "Lt", "LtE", "Gt", "GtE", "Eq", "NotEq", "USub"),
+    *("sqrt", "absolute", "larger", "unit", "expect", "expect not", "copy", "motion", "result"),
+]
+"""As in the loop."""
+
+Place = tuple[str, int]
+"""A register: of a line or an input, and its number; or a number itself."""
+
+
+class Program:
+    """A copy of a function as lines.
+
+    Parameters
+    ----------
+    copy
+        The copy.
+    inputs
+        How many numbers the loop writes of each of the first arguments.
+    outputs
+        The results, symbols and numbers, which are the last lines.
+    motion
+        motion(region) -> the number of the loop of a motion, its parameters and variables.
+
+    Raises
+    ------
+    TypeError
+        If a line has a function that the loop does not know.
+    """
+
+    def __init__(self, copy: Any, inputs: Sequence[int], outputs: Sequence, motion: Callable):
+        self.names, self.motion, self.count = copy.trace.values, motion, sum(inputs)
+        self.given: list[Any] = []  # expressions of further inputs
+        self.lines: list[tuple[str, Place, Place]] = []
+        self.places: dict[str, Place] = {}
+        for k, count in enumerate(inputs):
+            first = sum(inputs[:k])
+            self.places |= {f"a{k}[{i}]": ("input", first + i) for i in range(count)}
+            self.places[f"a{k}"] = "input", first
+        for text, name in copy.trace.needed([*copy.trace.expected, *outputs]):
+            self.places[name] = self.place(ast.parse(text, mode="eval").body, name)
+        names = [copy.trace.of(one).name for one in outputs]
+        self.out = [self.add("copy", self.operand(ast.parse(n, mode="eval").body)) for n in names]
+
+    def add(self, what: str, a: Place = ("", 0), b: Place = ("", 0)) -> Place:
+        """Add a line."""
+        self.lines.append((what, a, b))
+        return "line", len(self.lines) - 1
+
+    def operand(self, node: Any) -> Place:
+        """Return the register of an operand."""
+        text = ast.unparse(node)
+        if text not in self.places:
+            self.given.append(compile(text, "", "eval"))
+            self.places[text] = "input", self.count + len(self.given) - 1
+        return self.places[text]
+
+    def place(self, node: Any, name: str) -> Place:
+        """Return the register of an expression."""
+        match node:
+            case ast.BinOp(left, kind, right) | ast.Compare(left, [kind], [right]):
+                if isinstance(getattr(right, "value", None), str):
+                    return self.operand(node)
+                return self.add(type(kind).__name__, self.operand(left), self.operand(right))
+            case ast.UnaryOp(ast.USub(), number):
+                return self.add("USub", self.operand(number))
+            case ast.BoolOp(_, [ast.UnaryOp(ast.Not(), number), _]):
+                return self.add("expect not", self.operand(number))
+            case ast.BoolOp(_, [number, _]):
+                return self.add("expect", self.operand(number))
+            case ast.Call(ast.Name(function), numbers):
+                if self.names.get(function) is unit_of.plain:
+                    largest = self.operand(numbers[0])
+                    for number in numbers:
+                        largest = self.add("larger", largest, self.operand(number))
+                    return self.add("unit", largest)
+                if function in self.places:
+                    return self.follow(*numbers, name=name)
+                if function not in OPERATIONS:
+                    raise TypeError(f"the loop has no function {function}")
+                return self.add(function, *map(self.operand, numbers))
+            case ast.Name(argument) if argument not in self.places:
+                return "function", 0
+        return self.operand(node)
+
+    def follow(self, region: Any, *inputs: Any, name: str) -> Place:
+        """Return the first register of the results of a motion."""
+        loop, parameters, variables = self.motion(self.names[region.id])
+        end, most, signs, zeros, pars, q = (self.listed(one) for one in inputs)
+        none = [ast.Constant(0.0)] * (variables - len(q))
+        numbers = [*end, *most, *signs, *zeros, *pars[:parameters], *q, *none]
+        first, *_ = [self.add("copy", place) for place in [*map(self.operand, numbers)]]
+        place = self.add("motion", first, ("", loop))
+        states = [f"[3][{k}]" for k in range(variables)]
+        texts = dict(enumerate(["[0]", "[1]", "[2]", *states]))
+        self.places |= {name + text: ("line", place[1] + k) for k, text in texts.items()}
+        for _ in range(2 + variables):
+            self.add("result")
+        return place
+
+    def listed(self, node: Any) -> list:
+        """Return the numbers of a record."""
+        if isinstance(node, ast.Call):
+            node = node.args[1]
+        return node.elts if isinstance(node, ast.Tuple) else [node]
+
+    def registers(self, arguments: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, int]:
+        """Return the lines, their registers with the further inputs that arguments give, and the
+        number of inputs.
+        """
+        inputs = self.count + len(self.given)
+        names = self.names | arguments
+        registers = np.zeros(inputs + len(self.lines))
+        registers[self.count : inputs] = [eval(one, names) for one in self.given]
+
+        def register(place: Place) -> int:
+            return place[1] + inputs * (place[0] == "line")
+
+        lines = [(OPERATIONS.index(o), register(a), register(b)) for o, a, b in self.lines]
+        return np.array(lines, np.int64), registers, inputs
+
+
+class Change(NamedTuple):
+    lines: np.ndarray
+    registers: np.ndarray
+    signs: np.ndarray
+    zeros: np.ndarray
+    count: int
+    begin: int
+    out: int
+    next: int
+    logged: int
+    first: int
+    last: int
+
+
+class _Phases(NamedTuple):
+    loops: np.ndarray
+    changes: np.ndarray
+    whole: np.ndarray
+    made: np.ndarray
+    began: float
+    end: float
+    clock: float
+    chatter: float
+    present: int
+    count: int
+    most: int
+    integrals: int
+    width: int
+
+
+MOST_MOTIONS, NUMBERS = 8, 64
+"""Regions of a law; numbers of a change for tables."""
+
+
+class Changes:
+    """The changes of phase that the loop makes by itself in a run.
+
+    Parameters
+    ----------
+    phases, events, integrals
+        Their numbers.
+    end, chatter
+        Internal time of the end of the run; after a shorter phase Python makes the change.
+    most
+        Changes in a call.
+    """
+
+    def __init__(
+        self, phases: int, events: int, integrals: int, end: float, chatter: float, most: int
+    ):
+        kind: Any = structure(Change)
+        self.table, self.kept = (kind * (phases * events))(), list[Any]()
+        self.loops = np.zeros(phases + MOST_MOTIONS, np.uint64)
+        self.made = np.zeros((most, 6 + integrals + NUMBERS))
+        self.whole = np.zeros(integrals)
+        arrays = self.loops, np.frombuffer(self.table, np.uint8), self.whole, self.made
+        sizes = 0, 0, most, integrals, self.made.shape[1]
+        self.record: Any = filled(_Phases(*arrays, 0.0, end, 0.0, chatter, *sizes))
+
+    def follow(self, place: int, loop: Any) -> None:
+        """Follow a phase or a motion by a loop."""
+        self.loops[place] = ctypes.addressof(loop.structure)
+
+    def add(self, number: int, change: Change) -> None:
+        """Let the loop make a change."""
+        self.kept.append(change)
+        self.table[number] = filled(change)
+
+    def run(self, present: int, began: float, whole: Sequence, most: int, changes: int) -> int:
+        """Make at most `most` steps and `changes` changes of phase; return the number of steps."""
+        record, self.whole[:] = self.record, whole
+        record.present, record.began, record.count, record.most = present, began, 0, changes
+        return library().loop_run(ctypes.byref(record), most)
