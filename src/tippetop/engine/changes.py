@@ -4,12 +4,15 @@ programs, of which each line writes one register.
 
 import ast
 import ctypes
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..mechanics.inlining import unit_of
+from ..mechanics.operand import leaves
+from ..mechanics.writing import Symbol
+from .driver import NO_ROWS
 from .loop import filled, library, structure
 
 
@@ -46,6 +49,7 @@ class Program:
     def __init__(self, copy: Any, inputs: Sequence[int], outputs: Sequence, motion: Callable):
         self.names, self.motion, self.count = copy.trace.values, motion, sum(inputs)
         self.given: list[Any] = []  # expressions of further inputs
+        self.regions: list[str] = []
         self.lines: list[tuple[str, Place, Place]] = []
         self.places: dict[str, Place] = {}
         for k, count in enumerate(inputs):
@@ -100,7 +104,8 @@ class Program:
 
     def follow(self, region: Any, *inputs: Any, name: str) -> Place:
         """Return the first register of the results of a motion."""
-        loop, parameters, variables = self.motion(self.names[region.id])
+        self.regions.append(self.names[region.id])
+        loop, parameters, variables = self.motion(self.regions[-1])
         end, most, signs, zeros, pars, q = (self.listed(one) for one in inputs)
         none = [ast.Constant(0.0)] * (variables - len(q))
         numbers = [*end, *most, *signs, *zeros, *pars[:parameters], *q, *none]
@@ -174,37 +179,101 @@ class Changes:
 
     Parameters
     ----------
-    phases, events, integrals
-        Their numbers.
-    end, chatter
-        Internal time of the end of the run; after a shorter phase Python makes the change.
+    run
+        A `HybridDriver`.
+    chatter
+        Internal time: after a shorter phase Python makes the change.
     most
         Changes in a call.
+
+    Attributes
+    ----------
+    known
+        Of each change what its copy returns, its exit, and the track that follows.
     """
 
-    def __init__(
-        self, phases: int, events: int, integrals: int, end: float, chatter: float, most: int
-    ):
-        kind: Any = structure(Change)
-        self.table, self.kept = (kind * (phases * events))(), list[Any]()
+    def __init__(self, run: Any, chatter: float, most: int):
+        self.run, self.known, self.kept = run, dict[int, tuple](), list[Any]()
+        phases, self.events, integrals = len(run.phases), len(run.numbers), len(run.carried._fields)
         self.loops = np.zeros(phases + MOST_MOTIONS, np.uint64)
-        self.made = np.zeros((most, 6 + integrals + NUMBERS))
-        self.whole = np.zeros(integrals)
+        kind: Any = structure(Change)
+        self.table = (kind * (phases * self.events))()
+        self.whole, self.made = np.zeros(integrals), np.zeros((most, 6 + integrals + NUMBERS))
         arrays = self.loops, np.frombuffer(self.table, np.uint8), self.whole, self.made
         sizes = 0, 0, most, integrals, self.made.shape[1]
-        self.record: Any = filled(_Phases(*arrays, 0.0, end, 0.0, chatter, *sizes))
+        self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), 0.0, chatter, *sizes))
 
     def follow(self, place: int, loop: Any) -> None:
         """Follow a phase or a motion by a loop."""
         self.loops[place] = ctypes.addressof(loop.structure)
 
-    def add(self, number: int, change: Change) -> None:
-        """Let the loop make a change."""
-        self.kept.append(change)
-        self.table[number] = filled(change)
+    def teach(self, copy: Any, exit: str) -> None:
+        """Let the loop make a change of the present phase, if its copy only begins a phase."""
+        run, track, begun = self.run, self.run.track, copy.result
+        number = track.place * self.events + run.numbers.get(exit, -1)
+        if exit not in run.numbers or number in self.known:
+            return
+        n, to = begun.n, run.track_of(begun.n.phase)
+        self.known[number] = begun, exit, to
+        signs, zeros = np.zeros((2, self.events))
+        for k, event in zip(to.numbers, to.events, strict=True):
+            if k in to.ways:
+                signs[k] = n.sides.get(event.name, -event.direction)
+                zeros[k] = -n.zeros.get(event.name, 0)
+        *delays, lasts = begun.times
+        is_plain = begun.keeps and delays == [0, 0] and len(n.logged) == 1 and n.series is None
+        if not is_plain or track.sampler or to.sampler or not signs[[*to.ways]].all():
+            return
+        pad = [0.0] * (to.driver.width - len(begun.state))
+        numbers = [one for one in leaves(begun.rows) if isinstance(one, Symbol | float)]
+        outputs = *begun.state, *pad, *begun.whole, np.nan if lasts is None else lasts, *numbers
+        inputs = track.driver.width, len(self.whole), 1, self.events
+        if not hasattr(copy, "program"):
+            try:
+                copy.program = Program(copy, inputs, outputs, self._motion)
+            except TypeError:
+                copy.program = None
+        if copy.program:
+            for region in copy.program.regions:
+                self._motion(region)
+            given = run.problem.contact, None, run.body
+            arguments = {f"a{k}": value for k, value in enumerate(given, len(inputs))}
+            lines, registers, begin = copy.program.registers(arguments)
+            logged = run.numbers[n.logged[0]]
+            kept = run.rows.events[logged][["first", "last"]].item()
+            sizes = len(lines), begin, begin + len(lines) - len(outputs), to.place, logged, *kept
+            change = Change(lines, registers, signs, zeros, *sizes)
+            self.kept.append(change)
+            self.table[number] = filled(change)
 
-    def run(self, present: int, began: float, whole: Sequence, most: int, changes: int) -> int:
+    def _motion(self, region: str) -> tuple[int, int, int]:
+        """Return the number of the loop of a motion, its parameters and variables."""
+        piece = self.run.impacts.piece
+        driver, place = piece.driver(region), len(self.run.phases) + [*piece.stages].index(region)
+        driver.loop.fill(NO_ROWS)
+        self.follow(place, driver.loop)
+        return place, len(driver.motion.pars), driver.width
+
+    def make(self, most: int, changes: int) -> int:
         """Make at most `most` steps and `changes` changes of phase; return the number of steps."""
-        record, self.whole[:] = self.record, whole
-        record.present, record.began, record.count, record.most = present, began, 0, changes
+        run, record, self.whole[:] = self.run, self.record, self.run.whole
+        record.present, record.began = run.track.place, run.began
+        record.count, record.most = 0, changes
         return library().loop_run(ctypes.byref(record), most)
+
+    def taken(self) -> Iterator[tuple]:
+        """Yield the changes that were made: time, what the copy returns, its exit, the track that
+        follows, counts of rows, passages and samples, integrals and rows.
+        """
+        at = 5 + len(self.whole)
+        for row in self.made[: self.record.count].tolist():
+            begun, exit, to = self.known[int(row[1])]
+            rows = _with(begun.rows, iter(row[at + 1 :]))
+            yield row[0], begun.n, exit, to, row[2:5], tuple(row[5:at]), rows
+
+
+def _with(record: Any, numbers: Iterator) -> Any:
+    """Return a record with numbers in place of symbols."""
+    if isinstance(record, tuple):
+        return tuple.__new__(type(record), [_with(one, numbers) for one in record])
+    return next(numbers) if isinstance(record, Symbol | float) else record

@@ -24,6 +24,7 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import Problem
+from .changes import Changes
 from .driver import (
     PASSAGES,
     RUNNING,
@@ -279,6 +280,9 @@ class Track:
             run.shared,
             self.numbers[code.lasting] if code.lasting >= 0 else -1,
         )
+        self.place = list(run.phases).index(name)
+        if run.copies:
+            run.copies.follow(self.place, self.driver.loop)
         if run.tracks:
             self.driver.share(next(iter(run.tracks.values())).driver)
         sampled = [event for event in phase.events if event.sampled]
@@ -403,6 +407,7 @@ class HybridDriver:
         self.blocks: list[Block] = []
         # the phases of a slice: track, integrals, and how many states there are
         self.spans: list[tuple[Track, Sequence, tuple]] = []
+        self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
         self.impacts = None
         if problem.contact is not None:
             from .impacts import Impacts
@@ -545,9 +550,9 @@ class HybridDriver:
                 self._fill(
                     self.began, lambda times: np.repeat(self.state[None], len(times), axis=0)
                 )
-            track, sampled, driver = self.track, self._sample(), self.track.driver
-            logged = driver.logged[0]
-            steps += self._drive(1 if track.sampler else most - steps)
+            sampled, logged = self._sample(), self.counts[0][0]
+            steps += self._drive(1 if self.track.sampler else most - steps)
+            track, driver = self.track, self.track.driver
             when, last = driver.reached()
             self.last, code = last[: track.width].copy(), driver.status[0]
             status = None if code == RUNNING else STATUSES[code]
@@ -621,6 +626,9 @@ class HybridDriver:
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
+        stops = ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop"
+        if self.copies and not stops and (copy := getattr(track.exits[ending], "used", None)):
+            self.copies.teach(copy, ending)
         n, *_, (_, logged_after, _), rows = begun
         for name in n.logged:
             self._note(name, now + logged_after, track, state, 1)
@@ -628,7 +636,7 @@ class HybridDriver:
             self.sentence = n.message or f"{self._where()} ends the run"
             self.tables.add(float(when), rows)
             return Status.of_event(n.ends)
-        if ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop":
+        if stops:
             return Status.LIFTOFF
         if self.short > 2:
             often = f"more often than every {CHATTER * self.tables.second:.1g} s"
@@ -691,10 +699,18 @@ class HybridDriver:
 
         Return the number of steps.
         """
-        driver, wanted, steps = self.track.driver, self.wanted, 0
+        wanted, steps = self.wanted, 0
         while True:
+            track, driver = self.track, self.track.driver
             first = wanted.made[0]
-            steps += driver.make(wanted.rows, most - steps if driver.status[0] == RUNNING else 0)
+            left = most - steps if driver.status[0] == RUNNING else 0
+            if self.copies and self.copies.kept and not (self.request.steps or track.sampler):
+                for one in self.tracks.values():
+                    one.driver.loop.fill(wanted.rows)
+                steps += self.copies.make(left, PER_SLICE - 1 - self.changes % PER_SLICE)
+                self._take_changes()
+            else:
+                steps += driver.make(wanted.rows, left)
             made = wanted.made[0]
             if self.number is not float and made > first:
                 states = driver.states_of(wanted.rows, first).T
@@ -702,6 +718,21 @@ class HybridDriver:
             if made == first or not wanted.is_made:
                 return steps
             self._new_block()
+
+    def _take_changes(self) -> None:
+        """Take the changes of phase that the loop has made."""
+        before = self._counts()[0] - self.wanted.made[0]
+        for time, n, exit, track, counts, whole, rows in self.copies.taken():
+            if n.cause != "":
+                self.tables.begin(track.name, track.phase, time, n.cause or exit)
+            self.tables.add(time, rows)
+            made, *others = map(int, counts)
+            self.spans.append((track, whole, (before + made, *others)))
+            self.track, self.whole, self.live, self.short = track, whole, track.live, 0
+            self.changes += 1
+            clock, self.began = self.copies.record.clock, time
+            self.until = None if math.isnan(clock) else clock
+            self.clocked = clock < self.end
 
     def _give(self, times: np.ndarray, states: np.ndarray) -> None:
         """Give rows that no step makes: times, and states of the present phase (k, variables)."""

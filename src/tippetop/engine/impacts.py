@@ -93,6 +93,7 @@ class Pieces:
         self, law: Any, has_torques: bool, precision: str, stop: threading.Event | None = None
     ):
         self.given, self.precision, self.stop = (law, has_torques), precision, stop
+        self.stages = motion.stages(law)
         self.drivers: dict[str, Driver] = {}
 
     def driver(self, region: str) -> Driver:
