@@ -58,8 +58,15 @@ class Program:
             self.places[f"a{k}"] = "input", first
         for text, name in copy.trace.needed([*copy.trace.expected, *outputs]):
             self.places[name] = self.place(ast.parse(text, mode="eval").body, name)
-        names = [copy.trace.of(one).name for one in outputs]
-        self.out = [self.add("copy", self.operand(ast.parse(n, mode="eval").body)) for n in names]
+        for one in outputs:
+            self.add("copy", self.operand(ast.parse(copy.trace.of(one).name, mode="eval").body))
+        self.begin = self.count + len(self.given)  # the first register of a line
+
+        def register(place: Place) -> int:
+            return place[1] + self.begin * (place[0] == "line")
+
+        lines = [(OPERATIONS.index(o), register(a), register(b)) for o, a, b in self.lines]
+        self.code = np.array(lines, np.int64)
 
     def add(self, what: str, a: Place = ("", 0), b: Place = ("", 0)) -> Place:
         """Add a line."""
@@ -124,20 +131,11 @@ class Program:
             node = node.args[1]
         return node.elts if isinstance(node, ast.Tuple) else [node]
 
-    def registers(self, arguments: dict[str, Any]) -> tuple[np.ndarray, np.ndarray, int]:
-        """Return the lines, their registers with the further inputs that arguments give, and the
-        number of inputs.
-        """
-        inputs = self.count + len(self.given)
-        names = self.names | arguments
-        registers = np.zeros(inputs + len(self.lines))
-        registers[self.count : inputs] = [eval(one, names) for one in self.given]
-
-        def register(place: Place) -> int:
-            return place[1] + inputs * (place[0] == "line")
-
-        lines = [(OPERATIONS.index(o), register(a), register(b)) for o, a, b in self.lines]
-        return np.array(lines, np.int64), registers, inputs
+    def registers(self, arguments: dict[str, Any]) -> np.ndarray:
+        """Return its registers, with the further inputs that arguments give."""
+        registers, names = np.zeros(self.begin + len(self.lines)), self.names | arguments
+        registers[self.count : self.begin] = [eval(one, names) for one in self.given]
+        return registers
 
 
 class Change(NamedTuple):
@@ -238,11 +236,11 @@ class Changes:
                 self._motion(region)
             given = run.problem.contact, None, run.body
             arguments = {f"a{k}": value for k, value in enumerate(given, len(inputs))}
-            lines, registers, begin = copy.program.registers(arguments)
+            program, registers = copy.program, copy.program.registers(arguments)
             logged = run.numbers[n.logged[0]]
             kept = run.rows.events[logged][["first", "last"]].item()
-            sizes = len(lines), begin, begin + len(lines) - len(outputs), to.place, logged, *kept
-            change = Change(lines, registers, signs, zeros, *sizes)
+            sizes = len(program.code), program.begin, len(registers) - len(outputs)
+            change = Change(program.code, registers, signs, zeros, *sizes, to.place, logged, *kept)
             self.kept.append(change)
             self.table[number] = filled(change)
 

@@ -707,7 +707,8 @@ class HybridDriver:
             if self.copies and self.copies.kept and not (self.request.steps or track.sampler):
                 for one in self.tracks.values():
                     one.driver.loop.fill(wanted.rows)
-                steps += self.copies.make(left, PER_SLICE - 1 - self.changes % PER_SLICE)
+                most_changes = PER_SLICE - 1 - self.changes % PER_SLICE
+                steps += self.copies.make(left, min(most_changes, MOST_CHANGES - self.changes))
                 self._take_changes()
             else:
                 steps += driver.make(wanted.rows, left)
