@@ -187,7 +187,8 @@ class Changes:
     Attributes
     ----------
     known
-        Of each change what its copy returns, its exit, and the track that follows.
+        Of each change its `Next`, its exit, the track that follows, and its rows as a function of
+        numbers; nothing where the loop cannot make it.
     """
 
     def __init__(self, run: Any, chatter: float, most: int):
@@ -212,7 +213,7 @@ class Changes:
         if exit not in run.numbers or number in self.known:
             return
         n, to = begun.n, run.track_of(begun.n.phase)
-        self.known[number] = begun, exit, to
+        self.known[number] = ()
         signs, zeros = np.zeros((2, self.events))
         for k, event in zip(to.numbers, to.events, strict=True):
             if k in to.ways:
@@ -229,6 +230,9 @@ class Changes:
         if not hasattr(copy, "program"):
             try:
                 copy.program = Program(copy, inputs, outputs, self._motion)
+                listed = iter([Symbol(copy.trace, f"n[{k}]") for k in range(len(numbers))])
+                text = f"lambda n: {copy.trace.written(_with(begun.rows, listed))}"
+                copy.program.rows = eval(text, copy.trace.values)
             except TypeError:
                 copy.program = None
         if copy.program:
@@ -243,6 +247,7 @@ class Changes:
             change = Change(program.code, registers, signs, zeros, *sizes, to.place, logged, *kept)
             self.kept.append(change)
             self.table[number] = filled(change)
+            self.known[number] = n, exit, to, program.rows
 
     def _motion(self, region: str) -> tuple[int, int, int]:
         """Return the number of the loop of a motion, its parameters and variables."""
@@ -265,9 +270,8 @@ class Changes:
         """
         at = 5 + len(self.whole)
         for row in self.made[: self.record.count].tolist():
-            begun, exit, to = self.known[int(row[1])]
-            rows = _with(begun.rows, iter(row[at + 1 :]))
-            yield row[0], begun.n, exit, to, row[2:5], tuple(row[5:at]), rows
+            n, exit, to, rows_of = self.known[int(row[1])]
+            yield row[0], n, exit, to, row[2:5], tuple(row[5:at]), rows_of(row[at + 1 :])
 
 
 def _with(record: Any, numbers: Iterator) -> Any:
