@@ -321,12 +321,6 @@ class Track:
         return self.record._make(state[: self.moving].tolist())
 
 
-Span = tuple[Track, Sequence, int]
-"""States of a phase that become rows of the run: the integrals of the run, scaled, before the phase
-moved some, and the number of states.
-"""
-
-
 class Block(NamedTuple):
     """Rows that were asked for together."""
 
@@ -793,28 +787,32 @@ class HybridDriver:
         t = zero_of(lambda t: function(t) * known, 0 * n.delay, n.delay)
         self._note(event.name, now + t, track, self._series(n, np.array([t]))[0], -int(known))
 
-    def _rows(self, spans: Sequence[Span], states: np.ndarray) -> np.ndarray:
-        """Return the rows of states (variables, k), which belong to spans, one after another."""
-        system, number = self.problem.system, self.number
-        tracks, wholes, sizes = zip(*spans, strict=True)
-        known = list(dict.fromkeys(tracks))
-        span, wholes = np.repeat(np.arange(len(spans)), sizes), np.array(wholes).T
-        owner = np.array([known.index(track) for track in tracks])[span]
-        rows = np.empty((self.variables, len(span)), number)
-        moving, made, places = self.variables - len(self.whole), 0, np.empty(len(span), int)
-        for k, track in enumerate(known):
-            mine = np.flatnonzero(owner == k)
+    def _rows(
+        self, phases: Sequence[tuple[Track, Sequence]], phase: np.ndarray, states: np.ndarray
+    ) -> np.ndarray:
+        """Return the rows of states (variables, k).
+
+        `phases` are tracks, and the scaled integrals before they moved some; `phase` (k,) is the
+        number of that of each state.
+        """
+        system, number, record = self.problem.system, self.number, self.carried
+        tracks, wholes = zip(*phases, strict=True)
+        owner, wholes = np.array([track.place for track in tracks])[phase], np.array(wholes).T
+        rows, places = np.empty((self.variables, len(phase)), number), np.empty(len(phase), int)
+        made, moving = 0, self.variables - len(wholes)
+        for track in (known := dict.fromkeys(tracks)):
+            mine = np.flatnonzero(owner == track.place)
             part = slice(made, made := made + len(mine))
-            places[mine], whole = np.arange(part.start, part.stop), wholes[:, span[mine]]
-            state = states[: track.width].take(mine, axis=1)
+            places[mine] = np.arange(part.start, part.stop)
+            state, whole = states[: track.width].take(mine, axis=1), wholes.take(phase[mine], axis=1)
             whole[track.integrals] = state[track.moving :]
             q, carried = track.record(*state[: track.moving]), whole * number(1 / INTEGRAL_SCALE)
-            record = (
-                system.row(track.phase, q, self.problem.variables.carried(*carried), self.body)
+            values = (
+                system.row(track.phase, q, record(*carried), self.body)
                 if system.row
                 else track.phase.leave(q, track.b)
             )
-            for row, value in zip(rows, (*record[:moving], *whole), strict=True):
+            for row, value in zip(rows, (*values[:moving], *whole), strict=True):
                 row[part] = value
         return (rows if len(known) == 1 else rows.take(places, axis=1)).T
 
@@ -822,21 +820,21 @@ class HybridDriver:
         """Make rows of all that waits, give those that were asked for, and return the rest."""
         driver, last = self.track.driver, np.resize(self.last, self.width)
         *columns, logged = driver.passages()
-        parts = [slice(block.first, block.made[0]) for block in self.blocks]
-        asked = [
-            block.states[:, part] for block, part in zip(self.blocks, parts, strict=True)
-        ]
+        times, asked = zip(
+            *(
+                (block.times[block.first : made], block.states[:, block.first : made])
+                for block in self.blocks
+                for made in block.made
+            ),
+            strict=True,
+        )
         states = np.concatenate([*asked, logged.T, driver.sampled().T, last[:, None]], axis=1)
-        counts = [counts for *_, counts in self.spans] + [self._counts()]
-        spans = [
-            (of, whole, size)
-            for sizes in np.diff(counts, axis=0).T.tolist()
-            for (of, whole, _), size in zip(self.spans, sizes, strict=True)
-        ]
-        rows = self._rows([*spans, (track, self.whole, 1)], states)
+        tracks, wholes, counts = zip(*self.spans, (track, self.whole, self._counts()), strict=True)
+        sizes = np.append(np.diff(counts, axis=0), [[0, 0, 1]], axis=0)
+        phase = np.repeat(np.tile(np.arange(len(sizes)), 3), sizes.T.ravel())
+        rows = self._rows([*zip(tracks, wholes, strict=True)], phase, states)
         asked, logged, samples, last = np.split(rows, np.cumsum(counts[-1]))
         if len(asked):
-            times = [block.times[part] for block, part in zip(self.blocks, parts, strict=True)]
             self.request.take(np.concatenate(times), asked)
         passages = Passages(*(column.copy() for column in columns), logged)
         return Slice(steps, when, last, samples, passages, status, self.tables.take())
@@ -870,7 +868,7 @@ class HybridDriver:
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        return self._rows([(self.track, self.whole, 1)], self.state[:, None])
+        return self._rows([(self.track, self.whole)], np.zeros(1, int), self.state[:, None])
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units."""
