@@ -168,7 +168,7 @@ class _Phases(NamedTuple):
     width: int
 
 
-MOST_MOTIONS, NUMBERS = 8, 64
+MOST_MOTIONS, NUMBERS = 8, 24
 """Regions of a law; numbers of a change for tables."""
 
 
@@ -221,11 +221,14 @@ class Changes:
                 zeros[k] = -n.zeros.get(event.name, 0)
         *delays, lasts = begun.times
         is_plain = begun.keeps and delays == [0, 0] and len(n.logged) == 1 and n.series is None
+        numbers = [one for one in leaves(begun.rows) if isinstance(one, Symbol | float)]
+        is_plain = is_plain and len(numbers) <= NUMBERS
         if not is_plain or track.sampler or to.sampler or not signs[[*to.ways]].all():
             return
         pad = [0.0] * (to.driver.width - len(begun.state))
-        numbers = [one for one in leaves(begun.rows) if isinstance(one, Symbol | float)]
-        outputs = *begun.state, *pad, *begun.whole, np.nan if lasts is None else lasts, *numbers
+        lasts = np.nan if lasts is None else lasts
+        none = [0.0] * (NUMBERS - len(numbers))
+        outputs = *begun.state, *pad, *begun.whole, lasts, *numbers, *none
         inputs = track.driver.width, len(self.whole), 1, self.events
         if not hasattr(copy, "program"):
             try:

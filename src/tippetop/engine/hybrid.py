@@ -388,7 +388,7 @@ class HybridDriver:
         self.tallies = self.shared.tallies
         self.tallies.functions[SIGN] = 0.0  # not known
         self.counts = [memoryview(one.filled) for one in self.shared[1:]]
-        self.wanted, self.tables = Wanted(width), PhaseTables(problem)
+        self.wanted, self.tables = Wanted(width - len(self.rows.events)), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         self.live: set[int] = set()
@@ -818,7 +818,7 @@ class HybridDriver:
 
     def _slice(self, steps: int, when: Any, track: Track, status: Status | None) -> Slice:
         """Make rows of all that waits, give those that were asked for, and return the rest."""
-        driver, last = self.track.driver, np.resize(self.last, self.width)
+        driver, n = self.track.driver, self.wanted.variables
         *columns, logged = driver.passages()
         times, asked = zip(
             *(
@@ -828,7 +828,8 @@ class HybridDriver:
             ),
             strict=True,
         )
-        states = np.concatenate([*asked, logged.T, driver.sampled().T, last[:, None]], axis=1)
+        others = logged, driver.sampled(), np.resize(self.last, (1, n))
+        states = np.concatenate([*asked, *(one[:, :n].T for one in others)], axis=1)
         tracks, wholes, counts = zip(*self.spans, (track, self.whole, self._counts()), strict=True)
         sizes = np.append(np.diff(counts, axis=0), [[0, 0, 1]], axis=0)
         phase = np.repeat(np.tile(np.arange(len(sizes)), 3), sizes.T.ravel())
