@@ -24,22 +24,38 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import Problem
+from .changes import Changes
 from .driver import (
+    PASSAGES,
     RUNNING,
     STATUSES,
+    STEPS_PER_SLICE,
     Driver,
     Extremes,
     Passages,
     Request,
+    Shared,
     Slice,
     Wanted,
     extremes_of,
 )
 from .expressions import Formulas
 from .phase_tables import PhaseTables
+from .loop import MOST_COEFFICIENTS
 from .sampled import Sampler, zero_of
 from .status import Status
-from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bounded, new_tallies
+from .tallies import (
+    COUNT,
+    LAST,
+    ON_ZERO,
+    SIGN,
+    EventRows,
+    event_rows,
+    mark_bounded,
+    new_log,
+    new_samples,
+    new_tallies,
+)
 
 
 MOST_CHANGES = 10_000  # of phase in a run
@@ -60,12 +76,9 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     of a law.
     """
     form = phase.form
-    of_phases = {event.name for other in system.phases.values() for event in other.events}
-    common = tuple(
-        event for event in system.events if event.formula and event.name not in of_phases
-    )
-    own = tuple(event for event in phase.events if event.formula is not None and not event.sampled)
-    events = (*own, *common)
+    events = events_of_phase(system, phase)
+    own = [event for event in events if event in phase.events]
+    common = events[len(own) :]
     template = body(
         *(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields)
     )
@@ -116,6 +129,7 @@ class Begun(NamedTuple):
     state: tuple = ()  # of the phase: its variables
     whole: tuple = ()  # the integrals of the run, scaled
     values: tuple = ()  # of the event functions
+    keeps: bool = False  # whether event functions that go on have the signs that they had
     times: tuple = ()  # `delay`, `logged_after` and `lasts` of `n`
     rows: tuple = ()  # of tables: pairs of a name and rows
 
@@ -130,38 +144,49 @@ def jump_of(
     impacts: Any,
     *_: type,
 ) -> Callable:
-    """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals,
-    the time that is left, the rules of the contact, what follows the motion of an impact, and the
-    body, whose types tell apart what this function keeps.
+    """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals
+    when the phase began, the time that is left, the signs of event functions, the rules of the
+    contact, what follows the motion of an impact, and the body, whose types tell apart what this
+    function keeps.
     """
     known, phase = dict(phases), dict(phases)[name]
-    events = {event.name for one in (system, *known.values()) for event in one.events}
+    numbers = {event: k for k, event in enumerate(events_of(system, known))}
+    of_phase, record = Variables(phase.form, variables.orientation), type(phase.form.units)
+    live = {numbers[event.name] for event in events_of_phase(system, phase)}
+    live -= {numbers[one.event] for one in phase.exits if one.event in numbers}
 
-    def jump(q: Any, whole: tuple, left: Any, rules: Any, piece: Any, body: Any) -> Begun:
+    def jump(
+        state: tuple, whole: tuple, left: Any, signs: tuple, rules: Any, piece: Any, body: Any
+    ) -> Begun:
         struck = partial(impacts.struck, piece) if impacts else None
         world = World(body, system, rules, known, phase, left, variables, struck)
-        x, carried = phase.leave(q, phase.parameters(body)), integrals(whole, variables)
+        x = phase.leave(record(*state[: of_phase.moving]), phase.parameters(body))
+        own = zip(of_phase.integrals, state[of_phase.moving :], strict=True)
+        now = variables.carried(*whole)._replace(**{one.name: value for one, value in own})
+        carried = now._make(value / INTEGRAL_SCALE for value in now)
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
         n = exit.jump(x, world)
-        if fault := fault_of(n, exit, x, events):
+        if fault := fault_of(n, exit, x, numbers):
             raise InputError([f"{where_of(exit.event, name, system)} must {fault}."])
-        return begun(n, carried, world)
+        if n.ends:
+            return Begun(n, whole=tuple(now), times=times_of(n), rows=tuple(n.rows.items()))
+        made = begun(n, carried, world)
+        names = (event.name for event in events_of_phase(system, known[n.phase]))
+        leaving = [one.event for one in known[n.phase].exits]
+        going_on = [
+            (numbers[event], value)
+            for event, value in zip(names, made.values, strict=True)
+            if event not in leaving
+        ]
+        keeps = all(k in live and (value > 0) == (signs[k] > 0) for k, value in going_on)
+        return made._replace(keeps=keeps)
 
     return inlined(jump) if exit.is_pure else jump
 
 
-def integrals(whole: Sequence, variables: Variables) -> Any:
-    """Return the record of the integrals of a run, of the scaled ones."""
-    return variables.carried(*(value / INTEGRAL_SCALE for value in whole))
-
-
 def begun(n: Next, carried: Any, world: World) -> Begun:
-    """Return how a phase begins, or that the run ends."""
-    rows = tuple((name, tuple(some)) for name, some in n.rows.items())
-    times = n.delay, n.logged_after, n.lasts
-    if n.ends:
-        return Begun(n, times=times, rows=rows)
+    """Return how a phase begins."""
     to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
     b = to.parameters(world.body)
     q = type(to.form.units)(*to.enter(n.x, b))
@@ -169,7 +194,29 @@ def begun(n: Next, carried: Any, world: World) -> Begun:
     moved = Variables(to.form, world.variables.orientation).integrals
     state = *q, *(getattr(carried, one.name) * INTEGRAL_SCALE for one in moved)
     whole = tuple(value * INTEGRAL_SCALE for value in carried)
-    return Begun(n, state, whole, tuple(functions(q, carried, b)), times, rows)
+    values = tuple(functions(q, carried, b))
+    return Begun(n, state, whole, values, False, times_of(n), tuple(n.rows.items()))
+
+
+def times_of(n: Next) -> tuple:
+    """Return the times of a jump, which are numbers of its copies."""
+    return n.delay, n.logged_after, n.lasts
+
+
+def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
+    """Return the events of a run, by name."""
+    events = {event.name: event for event in system.events}
+    in_phases = {event.name: event for phase in phases.values() for event in phase.events}
+    return events | in_phases | events
+
+
+def events_of_phase(system: System, phase: Phase) -> tuple[Event, ...]:
+    """Return the events that the loop looks for in a phase: its own, and common ones."""
+    of_phases = {event.name for other in system.phases.values() for event in other.events}
+    own = (event for event in phase.events if event.formula is not None and not event.sampled)
+    return *own, *(
+        event for event in system.events if event.formula and event.name not in of_phases
+    )
 
 
 def where_of(event: str, phase: str, system: System) -> str:
@@ -228,11 +275,14 @@ class Track:
             np.zeros(self.width, problem.number),
             np.zeros(len(rows.events)),
             run.end,
-            run.tallies,
+            run.shared,
             self.numbers[code.lasting] if code.lasting >= 0 else -1,
         )
-        self.driver.wanted = run.row_times
-        self.driver.forget()
+        self.place = list(run.phases).index(name)
+        if run.copies:
+            run.copies.follow(self.place, self.driver.loop)
+        if run.tracks:
+            self.driver.share(next(iter(run.tracks.values())).driver)
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = (
             Sampler(self.driver, leaves(self.b), sampled, self._value) if sampled else None
@@ -264,27 +314,18 @@ class Track:
         mark_bounded(records)
         return records
 
-    @property
-    def counts(self) -> tuple[int, int]:
-        """The numbers of samples and passages of a slice so far."""
-        return self.driver.sampled_so_far[0], self.driver.logged[0]
-
     def q(self, state: np.ndarray) -> Any:
         """Return the record of a state; doubles become floats, which formulas take faster."""
         return self.record._make(state[: self.moving].tolist())
 
-    def moved(self, whole: Sequence, state: np.ndarray) -> tuple:
-        """Return the integrals of the run, scaled, of which the phase has moved some."""
-        whole = list(whole)
-        for k, value in zip(self.integrals, state[self.moving : self.width].tolist(), strict=True):
-            whole[k] = value
-        return tuple(whole)
 
+class Block(NamedTuple):
+    """Rows that were asked for together."""
 
-Span = tuple[Track, Sequence, int]
-"""States of a phase that become rows of the run: the integrals of the run, scaled, before the phase
-moved some, and the number of states.
-"""
+    times: np.ndarray
+    states: np.ndarray  # (variables, rows) in the precision of the run
+    made: memoryview  # the number of rows that exist
+    first: int  # of the present slice
 
 
 class HybridDriver:
@@ -324,9 +365,8 @@ class HybridDriver:
         self.end = number(problem.until) / number(float(problem.scales.of(SECOND)))
         self.body, self.phases = _assembled(problem)
         self.carried = problem.variables.carried
-        events = {event.name: event for event in system.events}
+        events = events_of(system, self.phases)
         in_phases = [event for phase in self.phases.values() for event in phase.events]
-        events = events | {event.name: event for event in in_phases} | events
         self.rows: EventRows = event_rows(
             list(events.values()), [(0, 1, 1.0, 0.0)] * len(events), ()
         )
@@ -338,9 +378,15 @@ class HybridDriver:
             numbers[first:last] for first, last in self.rows.events[["first", "last"]].tolist()
         ]
         self.lasting = {name for name, event in events.items() if event.lasting}
-        self.tallies = new_tallies(self.rows, 1)
+        width = self.width
+        most = PASSAGES + len(self.rows.events) * MOST_COEFFICIENTS
+        self.shared = Shared(
+            new_tallies(self.rows, 1), new_log(most, width), new_samples(STEPS_PER_SLICE + 2, width)
+        )
+        self.tallies = self.shared.tallies
         self.tallies.functions[SIGN] = 0.0  # not known
-        self.row_times, self.tables = Wanted(), PhaseTables(problem)
+        self.counts = [memoryview(one.filled) for one in self.shared[1:]]
+        self.wanted, self.tables = Wanted(width - len(self.rows.events)), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         self.live: set[int] = set()
@@ -350,9 +396,10 @@ class HybridDriver:
         self.rooted: set[tuple] = (
             set()
         )  # roots that jumps have named rightly: the exit, the next phase, the event
-        # The phases of a slice: the track, the integrals, and the counts of its track at the
-        # beginning of the phase.
-        self.spans: list[tuple] = []
+        self.blocks: list[Block] = []
+        # the phases of a slice: track, integrals, and how many states there are
+        self.spans: list[tuple[Track, Sequence, tuple]] = []
+        self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
         self.impacts = None
         if problem.contact is not None:
             from .impacts import Impacts
@@ -397,7 +444,7 @@ class HybridDriver:
 
     def _enter(self, begun: Begun, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
-        n, state, whole, values, (delay, logged_after, lasts), rows = begun
+        n, state, whole, values, _, (delay, logged_after, lasts), rows = begun
         if before and not math.isfinite(sum(state)):
             raise ArithmeticError(
                 f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
@@ -413,9 +460,9 @@ class HybridDriver:
             time = min(now + self.number(delay), self.end)
         driver.put(state, (time, 0 * time))
         self.whole, self.waits, self.began = whole, delay > 0 and n.series is None, float(time)
-        counts = track.counts
+        counts = self._counts()
         self._begin_events(n, state, values, now, before)
-        self.spans.append((track, whole, *counts))
+        self.spans.append((track, whole, counts))
         driver.begin()
         driver.time[0] = self.began
         self._set_clock(None if lasts is None else time + self.number(lasts))
@@ -469,7 +516,7 @@ class HybridDriver:
                 one + NEAR * rate
                 for one, rate in zip(q, track.phase.form.rates(q, track.b), strict=True)
             )
-            carried = integrals(self.whole, self.problem.variables)
+            carried = self.carried(*(value / INTEGRAL_SCALE for value in self.whole))
             ahead = track.formulas.functions(track.record(*near), carried, track.b)[k]
             missed = not abs(ahead - values[k]) < SLOPE * NEAR
         if missed:
@@ -484,11 +531,10 @@ class HybridDriver:
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.steps = request, request.steps
-        self.asked: list[tuple[Track, Sequence, np.ndarray, np.ndarray]] = []
-        for track in self.tracks.values():
-            track.driver.forget()
-        self.spans = [(self.track, self.whole, 0, 0)]
+        self.request, self.blocks = request, []
+        self.track.driver.forget()
+        self._new_block(request.steps or self.wanted.is_made)
+        self.spans = [(self.track, self.whole, self._counts())]
         steps, status = 0, None
         while self.clock[0] < self.end:
             if self.waits:
@@ -496,13 +542,11 @@ class HybridDriver:
                 self._fill(
                     self.began, lambda times: np.repeat(self.state[None], len(times), axis=0)
                 )
-            track, sampled, driver = self.track, self._sample(), self.track.driver
-            before, logged = int(driver.steps[0]), int(driver.log.filled[0])
-            driver.drive(self, 1 if track.sampler else most - steps)
-            steps += int(driver.steps[0]) - before
+            sampled, logged = self._sample(), self.counts[0][0]
+            steps += self._drive(1 if self.track.sampler else most - steps)
+            track, driver = self.track, self.track.driver
             when, last = driver.reached()
-            self.last = last[: track.width].copy()
-            code = int(driver.status[0])
+            self.last, code = last[: track.width].copy(), driver.status[0]
             status = None if code == RUNNING else STATUSES[code]
             ending = (
                 sampled if sampled and status is Status.FINISHED else self._ending(status, logged)
@@ -545,9 +589,9 @@ class HybridDriver:
         """Return the exit by which the present phase ends, at the end of the run too; None if it
         does not, or ends the run. Before its last steps the log had this length.
         """
-        log = self.track.driver.log
-        if status is not None and log.filled[0] > logged:
-            way = self.track.ways.get(int(log.event[log.filled[0] - 1]))
+        at = self.track.driver.logged[0]
+        if status is not None and at > logged:
+            way = self.track.ways.get(int(self.shared.log.event[at - 1]))
             if way is not None:
                 return way
         return CLOCK if status is Status.FINISHED and self.clocked else None
@@ -560,13 +604,13 @@ class HybridDriver:
         self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, state = self.number(when), self.track, self.last
-        self.whole = track.moved(self.whole, state)
         try:
             begun = self._called(
                 track.exits[ending],
-                track.q(state),
+                tuple(state.tolist()),
                 self.whole,
                 self.end - now,
+                tuple(self.signs.tolist()),
                 self.problem.contact,
                 self.impacts and self.impacts.piece,
                 self.body,
@@ -574,6 +618,9 @@ class HybridDriver:
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
+        stops = ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop"
+        if self.copies and not stops and (copy := getattr(track.exits[ending], "used", None)):
+            self.copies.teach(copy, ending)
         n, *_, (_, logged_after, _), rows = begun
         for name in n.logged:
             self._note(name, now + logged_after, track, state, 1)
@@ -581,7 +628,7 @@ class HybridDriver:
             self.sentence = n.message or f"{self._where()} ends the run"
             self.tables.add(float(when), rows)
             return Status.of_event(n.ends)
-        if ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop":
+        if stops:
             return Status.LIFTOFF
         if self.short > 2:
             often = f"more often than every {CHATTER * self.tables.second:.1g} s"
@@ -594,8 +641,8 @@ class HybridDriver:
             )
         if self.sentence:
             return Status.STALLED
-        if self.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of whole steps
-            self.take(np.array([when]), state[None])
+        if self.request.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of steps
+            self._give(np.array([when]), state[None])
         try:
             self._enter(begun, now, track)
         except ArithmeticError as error:
@@ -626,13 +673,68 @@ class HybridDriver:
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def wanted(self) -> np.ndarray:
-        """Return internal times of the next rows, or an array with room for them."""
-        return self.request.wanted()
+    def _new_block(self, is_made: bool = True) -> None:
+        """Go on with the rows that are wanted; with further ones, if these are made."""
+        if is_made:
+            self.wanted.ask(self.request)
+        rows, made = self.wanted.rows, self.wanted.made
+        states = rows.states if self.number is float else np.empty(rows.states.shape, self.number)
+        self.blocks.append(Block(rows.times, states, made, made[0]))
 
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Take states of the present phase that were asked for."""
-        self.asked.append((self.track, self.whole, times, states))
+    def _counts(self) -> tuple[int, int, int]:
+        """Return the numbers of rows, passages and samples of this slice."""
+        rows = sum(block.made[0] - block.first for block in self.blocks)
+        return rows, self.counts[0][0], self.counts[1][0]
+
+    def _drive(self, most: int) -> int:
+        """Make at most `most` steps of the present phase and their rows.
+
+        Return the number of steps.
+        """
+        wanted, steps = self.wanted, 0
+        while True:
+            track, driver = self.track, self.track.driver
+            first = wanted.made[0]
+            left = most - steps if driver.status[0] == RUNNING else 0
+            if self.copies and self.copies.kept and not (self.request.steps or track.sampler):
+                for one in self.tracks.values():
+                    one.driver.loop.fill(wanted.rows)
+                most_changes = PER_SLICE - 1 - self.changes % PER_SLICE
+                steps += self.copies.make(left, min(most_changes, MOST_CHANGES - self.changes))
+                self._take_changes()
+            else:
+                steps += driver.make(wanted.rows, left)
+            made = wanted.made[0]
+            if self.number is not float and made > first:
+                states = driver.states_of(wanted.rows, first).T
+                self.blocks[-1].states[: len(states), first:made] = states
+            if made == first or not wanted.is_made:
+                return steps
+            self._new_block()
+
+    def _take_changes(self) -> None:
+        """Take the changes of phase that the loop has made."""
+        before = self._counts()[0] - self.wanted.made[0]
+        for time, n, exit, track, counts, whole, rows in self.copies.taken():
+            if n.cause != "":
+                self.tables.begin(track.name, track.phase, time, n.cause or exit)
+            self.tables.add(time, rows)
+            made, *others = map(int, counts)
+            self.spans.append((track, whole, (before + made, *others)))
+            self.track, self.whole, self.live, self.short = track, whole, track.live, 0
+            self.changes += 1
+            clock, self.began = self.copies.record.clock, time
+            self.until = None if math.isnan(clock) else clock
+            self.clocked = clock < self.end
+
+    def _give(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Give rows that no step makes: times, and states of the present phase (k, variables)."""
+        block = self.blocks[-1]
+        made, block.made[0] = block.made[0], block.made[0] + len(times)
+        part = slice(made, block.made[0])
+        block.times[part], block.states[: states.shape[1], part] = times, states.T
+        if self.wanted.is_made:
+            self._new_block()
 
     def _note(self, name: str, time: Any, track: Track, state: np.ndarray, sign: int) -> None:
         """Log an event that no step has logged, in a state of a phase."""
@@ -663,14 +765,12 @@ class HybridDriver:
         """Give the rows that are wanted before a time, at which the present phase makes its first
         step.
         """
-        while not self.steps:
-            self.row_times.ask(self)
-            left = self.row_times.left
-            count = int(np.searchsorted(left, until))
+        while not self.request.steps:
+            times = self.wanted.rows.times[self.wanted.made[0] :]
+            count = int(np.searchsorted(times, until))
             if count:
-                self.take(left[:count], states_at(left[:count]))
-            self.row_times.made += count
-            if count < len(left) or not count:
+                self._give(times[:count], states_at(times[:count]))
+            if count < len(times) or not count:
                 break
 
     def _note_along(self, n: Next, track: Track, event: Event, known: float, now: Any) -> None:
@@ -686,61 +786,57 @@ class HybridDriver:
         self._note(event.name, now + t, track, self._series(n, np.array([t]))[0], -int(known))
 
     def _rows(
-        self, spans: Sequence[Span], states: Mapping[Track, Sequence[np.ndarray]]
+        self, phases: Sequence[tuple[Track, Sequence]], phase: np.ndarray, states: np.ndarray
     ) -> np.ndarray:
-        """Return the rows of spans, one after another, of states by phase."""
-        system, number = self.problem.system, self.number
-        tracks, wholes, sizes = zip(*spans, strict=True)
-        span, wholes = np.repeat(np.arange(len(spans)), sizes), np.array(wholes).T
-        owner = np.array([list(states).index(track) for track in tracks])[span]
-        rows = np.empty((self.variables, len(span)), number)
-        moving, made, places = self.variables - len(self.whole), 0, np.empty(len(span), int)
-        for k, (track, pieces) in enumerate(states.items()):
-            state = np.concatenate([piece.T[: track.width] for piece in pieces], axis=1)
-            mine = np.flatnonzero(owner == k)
+        """Return the rows of states (variables, k).
+
+        `phases` are tracks, and the scaled integrals before they moved some; `phase` (k,) is the
+        number of that of each state.
+        """
+        system, number, record = self.problem.system, self.number, self.carried
+        tracks, wholes = zip(*phases, strict=True)
+        owner, wholes = np.array([track.place for track in tracks])[phase], np.array(wholes).T
+        rows, places = np.empty((self.variables, len(phase)), number), np.empty(len(phase), int)
+        made, moving = 0, self.variables - len(wholes)
+        for track in (known := dict.fromkeys(tracks)):
+            mine = np.flatnonzero(owner == track.place)
             part = slice(made, made := made + len(mine))
-            places[mine], whole = np.arange(part.start, part.stop), wholes[:, span[mine]]
+            places[mine] = np.arange(part.start, part.stop)
+            state, whole = states[: track.width].take(mine, axis=1), wholes.take(phase[mine], axis=1)
             whole[track.integrals] = state[track.moving :]
             q, carried = track.record(*state[: track.moving]), whole * number(1 / INTEGRAL_SCALE)
-            record = (
-                system.row(track.phase, q, self.problem.variables.carried(*carried), self.body)
+            values = (
+                system.row(track.phase, q, record(*carried), self.body)
                 if system.row
                 else track.phase.leave(q, track.b)
             )
-            for row, value in zip(rows, (*record[:moving], *whole), strict=True):
+            for row, value in zip(rows, (*values[:moving], *whole), strict=True):
                 row[part] = value
-        return (rows if len(states) == 1 else rows.take(places, axis=1)).T
+        return (rows if len(known) == 1 else rows.take(places, axis=1)).T
 
     def _slice(self, steps: int, when: Any, track: Track, status: Status | None) -> Slice:
         """Make rows of all that waits, give those that were asked for, and return the rest."""
-        asked = [(track, whole, len(times)) for track, whole, times, _ in self.asked]
-        samples, logged, ends = [], [], {track: track.counts for track in self.tracks.values()}
-        for of, whole, *before in reversed(self.spans):
-            samples.append((of, whole, ends[of][0] - before[0]))
-            logged.append((of, whole, ends[of][1] - before[1]))
-            ends[of] = before
-        groups = asked, samples[::-1], logged[::-1], [(track, self.whole, 1)]
-        passages_of = {one: one.driver.passages() for one in ends}
-        states: dict[Track, list[np.ndarray]] = {}
-        for one, passages in passages_of.items():
-            own = [states for of, _, _, states in self.asked if of is one]
-            pieces = [*own, one.driver.sampled(), passages.states]
-            pieces += [self.last[None]] if one is track else []
-            states |= {one: pieces} if any(map(len, pieces)) else {}
-        rows = self._rows([span for group in groups for span in group], states)
-        ends = np.cumsum([sum(size for _, _, size in group) for group in groups])
-        parts = np.split(rows, ends[:-1])
-        if asked:
-            self.request.take(np.concatenate([times for _, _, times, _ in self.asked]), parts[0])
-        tracks, _, sizes = zip(*groups[2], strict=True)
-        owners = np.repeat([list(passages_of).index(track) for track in tracks], sizes)
-        order = np.argsort(np.argsort(owners, kind="stable"))
-        columns = (
-            np.concatenate(column)[order]
-            for column in zip(*(p[:-1] for p in passages_of.values()), strict=True)
+        driver, n = self.track.driver, self.wanted.variables
+        *columns, logged = driver.passages()
+        times, asked = zip(
+            *(
+                (block.times[block.first : made], block.states[:, block.first : made])
+                for block in self.blocks
+                for made in block.made
+            ),
+            strict=True,
         )
-        passages = Passages(*columns, parts[2])
-        return Slice(steps, when, parts[3], parts[1], passages, status, self.tables.take())
+        others = logged, driver.sampled(), np.resize(self.last, (1, n))
+        states = np.concatenate([*asked, *(one[:, :n].T for one in others)], axis=1)
+        tracks, wholes, counts = zip(*self.spans, (track, self.whole, self._counts()), strict=True)
+        sizes = np.append(np.diff(counts, axis=0), [[0, 0, 1]], axis=0)
+        phase = np.repeat(np.tile(np.arange(len(sizes)), 3), sizes.T.ravel())
+        rows = self._rows([*zip(tracks, wholes, strict=True)], phase, states)
+        asked, logged, samples, last = np.split(rows, np.cumsum(counts[-1]))
+        if len(asked):
+            self.request.take(np.concatenate(times), asked)
+        passages = Passages(*(column.copy() for column in columns), logged)
+        return Slice(steps, when, last, samples, passages, status, self.tables.take())
 
     # --- where the run is ------------------------------------------------------------------------
 
@@ -771,7 +867,7 @@ class HybridDriver:
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        return self._rows([(self.track, self.whole, 1)], {self.track: [self.state[None]]})
+        return self._rows([(self.track, self.whole)], np.zeros(1, int), self.state[:, None])
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units."""

@@ -11,9 +11,10 @@ import numpy as np
 
 from ..mechanics.contact import impact_motion as motion
 from ..mechanics.contact.body import Touch, angular_velocity, contact_velocity
-from ..mechanics.contact.impact_motion import CLOCK_RATE, Struck, after_impact, unit_of
+from ..mechanics.contact.impact_motion import CLOCK_RATE, Struck, after_impact
 from ..mechanics.contact.state import Moving
 from ..mechanics.friction import PARTS, has_parts
+from ..mechanics.inlining import unit_of
 from ..mechanics.operand import Vector, leaves, refill, times
 from ..problem import PRECISIONS, Problem
 from .driver import NO_ROWS, Driver
@@ -86,21 +87,26 @@ class Pieces:
         self, law: Any, has_torques: bool, precision: str, stop: threading.Event | None = None
     ):
         self.given, self.precision, self.stop = (law, has_torques), precision, stop
+        self.stages = motion.stages(law)
         self.drivers: dict[str, Driver] = {}
 
+    def driver(self, region: str) -> Driver:
+        """Return what executes the motion in a region."""
+        if region not in self.drivers:
+            law, has_torques = self.given
+            formulas = formulas_of_impact(law, region, has_torques)
+            self.drivers[region] = driver_of(formulas, self.precision, self.stop)
+        return self.drivers[region]
+
     def __call__(
-        self, region: str, pars: tuple, q: Any, signs: tuple, zeros: tuple, end: Any, most: int
+        self, region: str, end: Any, most: int, signs: tuple, zeros: tuple, pars: tuple, q: Any
     ) -> tuple:
         """Follow a motion from q until its clock reaches `end` or an event happens.
 
         Return the code of its status, the number of steps and of the event, -1 without one, and the
         state.
         """
-        if region not in self.drivers:
-            law, has_torques = self.given
-            formulas = formulas_of_impact(law, region, has_torques)
-            self.drivers[region] = driver_of(formulas, self.precision, self.stop)
-        driver = self.drivers[region]
+        driver = self.driver(region)
         known, none = driver.tallies.functions, driver.number(0)
         known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
         driver.take(pars[: len(driver.motion.pars)])
@@ -231,7 +237,7 @@ class ImpactMotions:
             zeros = tuple(-float(event.name == passed) for event in stage.events)
             end = CLOCK_RATE * (span if rests else LONGEST)
             status, steps, k, after = self.piece(
-                self.region, tuple(leaves(b)), q, tuple(signs), zeros, end, self.left
+                self.region, end, self.left, tuple(signs), zeros, tuple(leaves(b)), q
             )
             passed = ""
             self.left -= steps + 1

@@ -73,7 +73,7 @@ class Trace(Program):
 
     def call(self, name: str, arguments: tuple) -> Any:
         """Return what a function returns that is called as it is."""
-        needs = [one.name for one in leaves(arguments) if isinstance(one, Symbol)]
+        needs = [name, *(one.name for one in leaves(arguments) if isinstance(one, Symbol))]
         text = f"{name}({', '.join(map(self.written, arguments))})"
         made = self.new(text, needs)
         return self.symbols(self.value(made), made.name)
@@ -87,7 +87,7 @@ class Trace(Program):
             return tuple.__new__(type(value), parts)
         symbol = self.new(text, [text.partition("[")[0]])
         if isinstance(value, str):
-            self.branch(self.new(f"{symbol.name} == {value!r}", [symbol.name]))
+            self.branch(self.new(f"{text} == {value!r}", [text.partition("[")[0]]))
             return value
         return symbol
 
@@ -113,8 +113,7 @@ def straight(function: Callable, arguments: tuple) -> Callable:
     """Return the straight-line copy of a function as it runs for such arguments; the function
     itself, if it cannot be written.
     """
-    trace = Trace()
-    names = [f"a{k}" for k in range(len(arguments))]
+    trace, names = Trace(), [f"a{k}" for k in range(len(arguments))]
     trace.values.update(zip(names, arguments, strict=True))
     try:
         result = function(*map(trace.symbols, arguments, names))
@@ -123,8 +122,13 @@ def straight(function: Callable, arguments: tuple) -> Callable:
         lines = [*trace.lines([*trace.expected, *wanted]), f"return {trace.written(result)}"]
     except Exception:  # whatever a function does that a symbol cannot
         return function
-    exec("\n    ".join([f"def copy({', '.join(names)}):", *lines]), trace.values)
-    return trace.values["copy"]
+    used = {"k", *FUNCTIONS, "record", "missed", "inf", "nan"}
+    known = {name: one for name, one in trace.values.items() if {name, name[0]} & used}
+    trace.values = known  # of the arguments nothing
+    exec("\n    ".join([f"def copy({', '.join(names)}):", *lines]), known)
+    copy = known["copy"]
+    copy.trace, copy.result = trace, result
+    return copy
 
 
 def whole(function: F) -> F:
@@ -135,7 +139,14 @@ def whole(function: F) -> F:
         trace = next((one.program for one in leaves(arguments) if isinstance(one, Symbol)), None)
         return trace.call(trace.constant(function), arguments) if trace else function(*arguments)
 
+    called.plain = function  # type: ignore[attr-defined]
     return called  # type: ignore[return-value]
+
+
+@whole
+def unit_of(*values: Any) -> float:
+    """Return a power of two near the largest of some numbers."""
+    return math.ldexp(1.0, math.frexp(max(map(abs, map(float, values))))[1])
 
 
 def inlined(function: F) -> F:
@@ -164,7 +175,9 @@ def inlined(function: F) -> F:
         copies = known.get(kinds, ())
         for copy in copies:
             try:
-                return copy(*arguments)
+                result = copy(*arguments)
+                chosen.used = copy  # type: ignore[attr-defined]
+                return result
             except ArithmeticError:
                 pass
         if len(copies) < MOST_COPIES:

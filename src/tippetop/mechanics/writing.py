@@ -81,8 +81,8 @@ class Program:
         """Return what a function of this name returns."""
         raise TypeError("a formula must not call other functions")
 
-    def lines(self, results: Sequence[Any]) -> list[str]:
-        """Return the lines that the results need, in order; each ends with a semicolon."""
+    def needed(self, results: Sequence[Any]) -> list[tuple[str, str]]:
+        """Return the expressions that the results need, and their names, in order."""
         wanted = [self.of(result).name for result in results]
         alive: set[str] = set()
         while wanted:
@@ -90,10 +90,12 @@ class Program:
             if name in self.needs and name not in alive:
                 alive.add(name)
                 wanted += self.needs[name]
+        return [(text, name) for text, name in self.names.items() if name in alive]
+
+    def lines(self, results: Sequence[Any]) -> list[str]:
+        """Return the lines that the results need, in order; each ends with a semicolon."""
         return [
-            f"{self.language.begin}{name} = {text};"
-            for text, name in self.names.items()
-            if name in alive
+            f"{self.language.begin}{name} = {text};" for text, name in self.needed(results)
         ]
 
 

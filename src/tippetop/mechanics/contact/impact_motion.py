@@ -8,7 +8,6 @@ v_n are powers of two near them, so that steps are as exact for slow impacts as 
 [contact 3.2, 3.3]
 """
 
-import math
 from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +17,7 @@ from ..disc_friction import Drag, rolling
 from ..event import Event
 from ..form import Form
 from ..friction import load
-from ..inlining import inlined, whole
+from ..inlining import inlined
 from ..operand import Operand, Vector, cross, dot, exp, formula, log, plus, sqrt, times
 from ..units import ONE
 from .body import angular_velocity, arm, contact_velocity
@@ -297,9 +296,3 @@ def kicked(law: Any, q: Any, v: Vector, turn: Any, b: Any) -> Any:
     p, twist = times(1 / b.ratio, p), twist / b.ratio
     added = (v.x, v.y, turn, 0.0, *p, 0.0, 0.0, twist, p.z * q.v_n, work / b.ratio)
     return Motion._make(one + more for one, more in zip(q, added, strict=True))
-
-
-@whole
-def unit_of(*values: Any) -> float:
-    """Return a power of two near the largest of some numbers."""
-    return math.ldexp(1.0, math.frexp(max(map(abs, map(float, values))))[1])
