@@ -110,10 +110,10 @@ def test_the_start_goes_on_as_an_integration_of_the_same_equations(
         rates = slip_rates(edge.ball)
         made = slipped(edge.ball, edge.state, edge.beta, 0.03 / edge.omega)
 
-        def rate(t: float, y: np.ndarray, rates: Callable = rates) -> np.ndarray:
+        def rate(t: float, y: Any, rates: Callable = rates, ball: Touch = edge.ball) -> Any:
             state_rate, P = rates(y[:-2], y[-2], y[-1])
             n = Vector(np.cos(y[-1]), np.sin(y[-1]), 0)
-            Q = slid(Vector(*y[:3]), Vector(*y[3:6]), n, edge.ball)[1]
+            Q = slid(Vector(*y[:3]), Vector(*y[3:6]), n, ball)[1]
             return np.array([*state_rate, P, Q / y[-2]])
 
         middle = 7
