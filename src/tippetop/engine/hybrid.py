@@ -143,13 +143,13 @@ def jump_of(
     name: str,
     exit: Exit,
     variables: Variables,
+    rules: Any,
     impacts: Any,
     *_: type,
 ) -> Callable:
     """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals
-    when the phase began, the time that is left, the signs of event functions, the rules of the
-    contact, what follows the motion of an impact, and the body, whose types tell apart what this
-    function keeps.
+    when the phase began, the time that is left, the signs of event functions, what follows the
+    motion of an impact, and the body, whose types tell apart what this function keeps.
     """
     known, phase = dict(phases), dict(phases)[name]
     numbers = {event: k for k, event in enumerate(events_of(system, known))}
@@ -158,12 +158,12 @@ def jump_of(
     live -= {numbers[one.event] for one in phase.exits if one.event in numbers}
 
     def jump(
-        state: tuple, whole: tuple, left: Any, signs: tuple, rules: Any, piece: Any, body: Any
+        state: Sequence, whole: tuple, left: Any, signs: Sequence, piece: Any, body: Any
     ) -> Begun:
         struck = partial(impacts.struck, piece) if impacts else None
         world = World(body, system, rules, known, phase, left, variables, struck)
         x = phase.leave(record(*state[: of_phase.moving]), phase.parameters(body))
-        own = zip(of_phase.integrals, state[of_phase.moving :], strict=True)
+        own = zip(of_phase.integrals, state[of_phase.moving :], strict=False)
         now = variables.carried(*whole)._replace(**{one.name: value for one, value in own})
         carried = now._make(value / INTEGRAL_SCALE for value in now)
         if hasattr(x, "carried"):
@@ -184,7 +184,7 @@ def jump_of(
         keeps = all(k in live and (value > 0) == (signs[k] > 0) for k, value in going_on)
         return made._replace(keeps=keeps)
 
-    return inlined(jump) if exit.is_pure else jump
+    return jump
 
 
 def begun(n: Next, carried: Any, world: World) -> Begun:
@@ -245,11 +245,12 @@ class Track:
         phase = self.phase
         self.b = phase.parameters(run.body)
         kinds = self.b.__class__, self.b.friction.__class__
-        given = problem.variables, run.impacts and run.impacts.kind, *kinds
+        given = problem.variables, problem.contact, run.impacts and run.impacts.kind, *kinds
         phases = tuple(run.phases.items())
         self.exits = {
             exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
         }
+        self.pure = {exit.event: exit.is_pure for exit in phase.exits}
         self.formulas = formulas_of_phase(problem.system, phase, *kinds)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
@@ -606,23 +607,16 @@ class HybridDriver:
         self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, state = self.number(when), self.track, self.last
+        signs, piece = tuple(self.signs.tolist()), self.impacts and self.impacts.piece
+        given = tuple(state.tolist()), self.whole, self.end - now, signs, piece, self.body
         try:
-            begun = self._called(
-                track.exits[ending],
-                tuple(state.tolist()),
-                self.whole,
-                self.end - now,
-                tuple(self.signs.tolist()),
-                self.problem.contact,
-                self.impacts and self.impacts.piece,
-                self.body,
-            )
+            begun = self._called(track.exits[ending], *given)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
         stops = ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop"
-        if self.copies and not stops and (copy := getattr(track.exits[ending], "used", None)):
-            self.copies.teach(copy, ending)
+        if self.copies and track.pure[ending] and not stops:
+            self.copies.teach(ending, given)
         n, *_, (_, logged_after, _), rows = begun
         for name in n.logged:
             self._note(name, now + logged_after, track, state, 1)

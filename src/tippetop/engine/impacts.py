@@ -19,7 +19,7 @@ from ..mechanics.contact.response import Mobility
 from ..mechanics.contact.state import Moving
 from ..mechanics.contact.struck import Impact, struck
 from ..mechanics.friction import PARTS, Frictionless, has_parts
-from ..mechanics.inlining import unit_of, whole
+from ..mechanics.lines import unit_of
 from ..mechanics.operand import Vector, leaves, refill, times
 from ..problem import PRECISIONS, Problem
 from .driver import NO_ROWS, Driver
@@ -316,7 +316,7 @@ class Kind(NamedTuple):
         v, L = (a.along, a.sideways, a.v.z), to_frame(a.e, x.L)
         if (self.law.set_valued or self.law is Frictionless) and not self.has_torques:
             mu = getattr(b.friction, "mu", 0 * b.m)
-            impact = whole(struck)(*v, a.K, mu, e_n, self.restitution)
+            impact = struck(*v, a.K, mu, e_n, self.restitution)
         else:
             impact = ImpactMotions(*self, piece).struck(v, a.K, a.s, x.u.z, L, b, e_n)
         p = Vector(*impact[:3])
