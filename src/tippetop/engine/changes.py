@@ -1,54 +1,21 @@
 """Changes of phase that the compiled loop makes by itself, by programs of jumps."""
 
-import ctypes
 import math
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
 from ..mechanics.lines import Number, Program
 from ..mechanics.operand import leaves, refill
 from .driver import NO_ROWS
-from .loop import filled, library, structure
+from .loop import Change, PhaseLoop
 
 
 PATIENCE = 16
 """Changes before a jump is written down as a program."""
-MOST_MOTIONS, NUMBERS = 8, 24
-"""Regions of a law; numbers of a change for tables."""
-
-
-class Change(NamedTuple):
-    """A change of phase: see the loop."""
-
-    lines: np.ndarray
-    registers: np.ndarray
-    signs: np.ndarray
-    zeros: np.ndarray
-    count: int
-    begin: int
-    out: int
-    next: int
-    logged: int
-    first: int
-    last: int
-
-
-class _Phases(NamedTuple):
-    loops: np.ndarray
-    changes: np.ndarray
-    whole: np.ndarray
-    made: np.ndarray
-    began: float
-    end: float
-    clock: float
-    chatter: float
-    present: int
-    count: int
-    most: int
-    integrals: int
-    width: int
+NUMBERS = 24
+"""Of a change for tables."""
 
 
 class Changes:
@@ -70,18 +37,9 @@ class Changes:
     """
 
     def __init__(self, run: Any, chatter: float, most: int):
-        self.run, self.known, self.kept = run, dict[int, Any](), list[Change]()
-        phases, self.events, integrals = len(run.phases), len(run.numbers), len(run.carried._fields)
-        self.loops = np.zeros(phases + MOST_MOTIONS, np.uint64)
-        self.table = (structure(Change) * (phases * self.events))()
-        self.whole, self.made = np.zeros(integrals), np.zeros((most, 6 + integrals + NUMBERS))
-        arrays = self.loops, np.frombuffer(self.table, np.uint8), self.whole, self.made
-        sizes = 0, 0, most, integrals, self.made.shape[1]
-        self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), 0.0, chatter, *sizes))
-
-    def follow(self, place: int, loop: Any) -> None:
-        """Follow a phase or a motion by a loop."""
-        self.loops[place] = ctypes.addressof(loop.structure)
+        self.run, self.known, self.events = run, dict[int, Any](), len(run.numbers)
+        sizes = len(run.phases), self.events, len(run.carried._fields), NUMBERS, most
+        self.loop = PhaseLoop(*sizes, float(run.end), chatter)
 
     def teach(self, exit: str, given: tuple) -> None:
         """Let the loop make a change of the present phase by itself, if its jump only begins a
@@ -116,9 +74,7 @@ class Changes:
         place = run.numbers[logged]
         kept = run.rows.events[place][["first", "last"]].item()
         sizes = len(code), len(inputs), len(registers) - count, to.place, place, *kept
-        change = Change(code, registers, signs, zeros, *sizes)
-        self.kept.append(change)
-        self.table[number] = filled(change)
+        self.loop.teach(number, Change(code, registers, signs, zeros, *sizes))
         self.known[number] = begun, exit, to
 
     def _traced(self, jump: Any, numbers: tuple, piece: Any) -> tuple | None:
@@ -133,8 +89,7 @@ class Changes:
             end, most, signs, zeros, pars, q = given
             inputs = end, most, *signs, *zeros, *pars[:parameters], *q
             first = program.joined([*inputs, *[0.0] * (variables - len(q))])
-            values = leaves(given)
-            values = (one.value if isinstance(one, Number) else one for one in values)
+            values = (getattr(one, "value", one) for one in leaves(given))
             found = leaves(piece(region, *refill(given, values)))
             made = [program.line("motion", first, loop, found[0])]
             made += [program.line("result", 0.0, value=value) for value in found[1:]]
@@ -164,22 +119,15 @@ class Changes:
         piece = self.run.impacts.piece
         driver, place = piece.driver(region), len(self.run.phases) + [*piece.stages].index(region)
         driver.loop.fill(NO_ROWS)
-        self.follow(place, driver.loop)
+        self.loop.follow(place, driver.loop)
         return place, len(driver.motion.pars), driver.width
-
-    def make(self, most: int, changes: int) -> int:
-        """Make at most `most` steps and `changes` changes of phase; return the number of steps."""
-        run, record, self.whole[:] = self.run, self.record, self.run.whole
-        record.present, record.began = run.track.place, run.began
-        record.count, record.most = 0, changes
-        return library().loop_run(ctypes.byref(record), most)
 
     def taken(self) -> Iterator[tuple]:
         """Yield the changes that were made: time, the `Next`, its exit, the track that follows,
         counts of rows, passages and samples, integrals and rows.
         """
-        at = 5 + len(self.whole)
-        for row in self.made[: self.record.count].tolist():
+        at = 5 + len(self.run.whole)
+        for row in self.loop.taken():
             begun, exit, to = self.known[int(row[1])]
             rows = _with(begun.rows, iter(row[at + 1 :]))
             yield row[0], begun.n, exit, to, row[2:5], tuple(row[5:at]), rows

@@ -74,10 +74,9 @@ def as_table(
     name: str, kinds: Mapping[str, Any], rows: Sequence[Sequence[Any]], scales: Any = None
 ) -> Table:
     """Return rows, in internal units but for times, as columns in SI; words as their places."""
-    columns = columns_of(name, kinds)
     table = {}
-    for column, values in zip(columns, zip(*rows) if rows else [()] * len(columns), strict=True):
-        kind = kinds.get(column)
+    for k, column in enumerate(columns_of(name, kinds)):
+        values, kind = [row[k] for row in rows], kinds.get(column)
         if isinstance(kind, tuple):
             table[column] = np.array([_number(value, kind) for value in values], np.int8)
         else:

@@ -4,7 +4,7 @@ A program repeats the run for other numbers, as long as every comparison turns o
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from functools import reduce
 from typing import Any
 
@@ -41,7 +41,9 @@ class Number(NDArrayOperatorsMixin):
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any) -> Any:
         """Apply a function of NumPy."""
         values = (one.value if isinstance(one, Number) else one for one in inputs)
-        return self.program.line(function.__name__, *inputs, value=function(*values))
+        a, *others = inputs
+        b = others[0] if others else a
+        return self.program.line(function.__name__, a, b, function(*values))
 
     def __bool__(self) -> bool:
         is_true = bool(self.value)
@@ -73,15 +75,15 @@ class Program:
         self.constants.append(float(value))
         return -len(self.constants)
 
-    def line(self, what: str, a: Any, b: Any = None, value: Any = None) -> Number:
+    def line(self, what: str, a: Any, b: Any = 0.0, value: Any = None) -> Number:
         """Add a line, and return its result."""
-        places = self.place(a), self.place(a if b is None else b)
-        self.lines.append((OPERATIONS.index(what), *places))
+        self.lines.append((OPERATIONS.index(what), self.place(a), self.place(b)))
         return Number(self, self.count + len(self.lines) - 1, value)
 
     def joined(self, values: Sequence) -> Number:
         """Give lines one after another to values, and return the first one."""
-        return [self.line("multiply", value, 1.0) for value in values][0]
+        first, *_ = [self.line("multiply", value, 1.0) for value in values]
+        return first
 
     def code(self) -> np.ndarray:
         """Return the lines (k, 3) with numbers of registers: of inputs, constants and lines."""
@@ -96,5 +98,5 @@ def unit_of(*values: Any) -> Any:
     """Return a power of two near the largest of some numbers."""
     if isinstance(values[0], Number):
         largest = reduce(np.maximum, map(abs, values))
-        return values[0].program.line("unit", largest, value=unit_of(largest.value))
+        return values[0].program.line("unit", largest, 0.0, unit_of(largest.value))
     return math.ldexp(1.0, math.frexp(max(map(abs, map(float, values))))[1])
