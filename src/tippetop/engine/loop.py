@@ -156,7 +156,7 @@ class Change(NamedTuple):
 
 class _Phases(NamedTuple):
     loops: np.ndarray
-    changes: np.ndarray
+    changes: int
     whole: np.ndarray
     made: np.ndarray
     began: float
@@ -363,9 +363,8 @@ class PhaseLoop:
         self.loops = np.zeros(phases + MOST_MOTIONS, np.uint64)
         self.table: Any = (structure(Change) * (phases * events))()
         self.whole, self.made = np.zeros(integrals), np.zeros((most, 6 + integrals + numbers))
-        table = np.ctypeslib.as_array(self.table).view(np.uint8)
         sizes = 0, 0, most, integrals, self.made.shape[1]
-        arrays = self.loops, table, self.whole, self.made
+        arrays = self.loops, ctypes.addressof(self.table), self.whole, self.made
         self.record: Any = filled(_Phases(*arrays, 0.0, end, 0.0, chatter, *sizes))
 
     def follow(self, place: int, loop: Loop) -> None:
