@@ -123,7 +123,13 @@ def unmet_requirements(system: System) -> list[str]:
     ]
 
 
-WORDS = {"Callable": "a function", "str": "a text", "NoneType": "None", "Mapping": "a mapping", "mappingproxy": "a dict of laws by name"}
+WORDS = {
+    "Callable": "a function",
+    "str": "a text",
+    "NoneType": "None",
+    "Mapping": "a mapping",
+    "mappingproxy": "a dict of laws by name",
+}
 """Types in words."""
 
 HINTS: dict[str, Any] = {

@@ -76,12 +76,9 @@ def has_parts(law: Any) -> bool:
     return any(np.any(getattr(law, name, 0.0)) for name in PARTS)
 
 
-def load(omega: Vector, law: Any) -> Vector | None:
-    """Return the torque of a law without regions per normal force, (3,) [m].
-
-    Return None for a law without parts.
-    """
-    return torque_of_parts(None, omega, law) if "mu_d" in law._fields else None
+def load(omega: Vector, law: Any) -> Vector:
+    """Return the torque of a law without regions per normal force, (3,) [m]."""
+    return torque_of_parts(None, omega, law) if "mu_d" in law._fields else Vector(0.0, 0.0, 0.0)
 
 
 class FrictionLaw(Record, abstract=True):
