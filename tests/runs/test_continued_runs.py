@@ -5,6 +5,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 from nightly import at_night
@@ -84,7 +85,7 @@ def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
         recording.record(
             build.load("inverting", [*TURNING, "run.output_step=0.1"], 100.0),
             store,
-            progress=lambda _: (_ for _ in ()).throw(KeyboardInterrupt),
+            progress=Mock(side_effect=KeyboardInterrupt),
         )
     with pytest.raises(InputError, match="must be later than that of"):
         tt.resume(store, until=75.0)
@@ -98,7 +99,7 @@ def test_while_it_is_continued_it_is_an_interrupted_run_whose_chunks_are_marked(
     store = made(tmp_path / "run.zarr", 20.0, *OUTPUT["keyframes"])
     assert state_of(store).seal
     with pytest.raises(KeyboardInterrupt):
-        resuming.resume(store, lambda _: (_ for _ in ()).throw(KeyboardInterrupt), until=60.0)
+        resuming.resume(store, Mock(side_effect=KeyboardInterrupt), until=60.0)
     assert said(store)["status"] == "running"
     assert not state_of(store).closing
     tt.resume(store)

@@ -3,6 +3,7 @@ would have stored.
 """
 
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -179,7 +180,7 @@ def test_a_run_that_is_not_finished_is_not_replayed(tmp_path: Path) -> None:
         recording.record(
             problem(400.0, *KEYFRAMES),
             store,
-            progress=lambda _: (_ for _ in ()).throw(KeyboardInterrupt),
+            progress=Mock(side_effect=KeyboardInterrupt),
         )
     with pytest.raises(StoreError, match="must be finished to be replayed"):
         tt.open(store).replay(1.0, 2.0, 0.1)

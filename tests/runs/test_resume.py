@@ -207,15 +207,8 @@ def test_wider_precisions_resume_bit_by_bit(
     short = problem(0.15, f"run.precision={precision}")
     whole, broken = tmp_path / "whole.zarr", tmp_path / "broken.zarr"
     recording.record(short, whole)
-    calls = []
-
-    def stop(integration: object) -> None:
-        calls.append(integration)
-        if len(calls) == 2:
-            raise errors.Interrupted
-
     with pytest.raises(errors.Interrupted):
-        recording.record(short, broken, progress=stop)
+        recording.record(short, broken, progress=Mock(side_effect=[None, errors.Interrupted]))
     resuming.resume(broken)
     assert_same(broken, whole)
 

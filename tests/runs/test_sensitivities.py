@@ -5,6 +5,7 @@ and in its store.
 import csv
 import json
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -61,9 +62,7 @@ def test_killed_while_they_are_made_and_continued_to_a_later_end_nothing_shows(
 ) -> None:
     longer = tmp_path / "run.zarr"
     with monkeypatch.context() as patch:
-        patch.setattr(
-            along_run, "differentiate", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt)
-        )
+        patch.setattr(along_run, "differentiate", Mock(side_effect=KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
             made(longer, 0.7)
     assert tt.open(longer).attributes["status"] == "running"
