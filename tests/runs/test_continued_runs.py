@@ -9,7 +9,7 @@ from unittest.mock import Mock
 
 import pytest
 from nightly import at_night
-from stores import TURNING, assert_same, files, state_of
+from stores import TURNING, assert_same, state_of
 from typed import typed
 
 import tippetop as tt
@@ -126,23 +126,6 @@ def test_whatever_fails_before_it_begins_leaves_the_finished_run(
     assert tt.open(store).summary.status == "finished"
     tt.resume(store, until=20.0)
     assert_same(store, at_once(20.0, ROWS))
-
-
-@pytest.mark.parametrize(
-    ("until", "sentence"), [("3", "later"), ("nan", "a number"), ("inf", "a number")]
-)
-def test_an_end_that_is_not_later_is_refused(
-    until: str,
-    sentence: str,
-    at_once: Callable[..., Path],
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    store = copied(at_once(3.0), tmp_path)
-    before = files(store)
-    assert outcome(["resume", str(store), f"--until={until}"]) == 2
-    assert sentence in capsys.readouterr().err
-    assert files(store) == before
 
 
 def test_a_run_that_an_event_has_ended_is_not_continued(tmp_path: Path) -> None:
