@@ -14,7 +14,7 @@ LONG = "n" * 300
 FIT = "fit film.csv inverting --free friction.mu"
 COMMANDS: list[tuple[str, int, str]] = [
     # any command
-    ("rum inverting", 2, "unknown command `rum`. Did you mean `run`?"),
+    ("rum inverting", 2, 'Unknown command "rum". Did you mean "run"?'),
     ("run", 2, "SCENARIO must be given, with a value. See tippetop run --help."),
     ("run inverting --until 1 --until 2", 2, "--until specified multiple times."),
     ("run inverting --figur x.png", 2, "Unknown option: --figur. Did you mean --figure?"),
@@ -59,8 +59,8 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("export inverting --to mjcf --group events --out a", 2, "must be left out with --to mjcf"),
     # replay
     ("replay KEPT.zarr --from=-1 --until 1 --step 0.1 --out a", 2, "must be within 0 and 2"),
-    ("replay KEPT.zarr --from 2 --until 1 --step 0.1 --out a", 2, "must end after they begin"),
-    ("replay KEPT.zarr --from 1 --until 2 --step 0 --out a", 2, "must be greater than 0"),
+    ("replay KEPT.zarr --from 2 --until 1 --step 0.1 --out a", 2, "must be within 0 and 2"),
+    ("replay KEPT.zarr --from 1 --until 2 --step 0 --out a", 2, "must be at least"),
     ("replay KEPT.zarr --from 1 --until 2 --step 1e-13 --out a", 2, "at most 1e"),
     ("replay KEPT.zarr --from nan --until 2 --step 1 --out a", 2, "`--from` must be a number"),
     (

@@ -113,13 +113,14 @@ def test_searches_with_the_same_end_are_counted_together() -> None:
 def test_of_a_film_that_begins_late_the_best_minimum_is_found(seed: int, tmp_path: Path) -> None:
     """Nine free numbers: no better minimum is found from the truth."""
     t = np.arange(1, 270) / 30
-    start = [
-        "friction.mu=0.27",
-        "parameters.I1=3.05e-6",
-        "initial.theta=0.13",
-        "initial.omega3=148",
-    ]
-    rows = tt.run("inverting", start, until=9.0, output_times=t).trajectory.sel(time=t)
+    rows = tt.run(
+        "inverting",
+        {"mu": 0.27},
+        parameters={"I1": 3.05e-6},
+        start={"theta": 0.13, "omega3": 148},
+        until=9.0,
+        output_times=t,
+    ).trajectory.sel(time=t)
     seen = rows.axis.values + np.deg2rad(1) * np.random.default_rng(seed).standard_normal(
         (len(t), 3)
     )
@@ -221,8 +222,8 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
         tt.load("inverting"), list(free), Motion(t, *none), arm, np.zeros((3, 3))
     )
     off, _ = predicted(observation, free)["marker"]
-    changes = [f"{name}={value}" for name, value in free.items()]
-    run = tt.run("inverting", changes, until=0.12, output_times=t).trajectory.sel(time=t)
+    body = {name.removeprefix("parameters."): value for name, value in free.items()}
+    run = tt.run("inverting", parameters=body, until=0.12, output_times=t).trajectory.sel(time=t)
     height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)
     place = np.stack([run.x.values, run.y.values, height], axis=1)
     np.testing.assert_allclose(-off, place + turned(run.orientation.values, arm), rtol=0, atol=1e-9)

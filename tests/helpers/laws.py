@@ -9,6 +9,7 @@ reaction are built again from the axis and the angular momentum, and derivatives
 complex steps, exact to rounding.
 """
 
+import math
 from collections import namedtuple
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -522,7 +523,7 @@ class Scale(NamedTuple):
 
     def of(self, unit: Any) -> float:
         """The factor of a unit."""
-        return self.mass**unit.mass * self.length**unit.length * self.time**unit.time
+        return math.prod(k**power for k, power in zip(self, unit.powers, strict=True))
 
 
 def units(case: Case) -> Pairs:

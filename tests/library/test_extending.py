@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.mechanics import systems
 
 
 PACKAGE = Path(__file__).parents[1] / "plugin_package"
@@ -175,7 +174,6 @@ def test_workers_of_a_sweep_know_packages_only(
     anything is tried.
     """
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(systems, "REGISTERED_HERE", set())
     tt.extending.register(own.Quadratic)
     tt.extending.register(own.SCALED_TIPPE_TOP)
     (tmp_path / "scenario.toml").write_text(SCENARIO)
@@ -197,8 +195,6 @@ def test_workers_of_a_sweep_know_packages_only(
         tt.sweep("law.toml", "law.zarr", workers=2)
     with pytest.raises(tt.InputError, match="`workers` must be a whole number"):
         tt.sweep("plan.toml", "sweep.zarr", workers=1.5)
-    systems.add_law(own.Quadratic)  # as an entry point does
-    assert systems.known_to_others(own.Quadratic)
 
 
 SCENARIO = f"""

@@ -16,7 +16,7 @@ from tippetop.extending import Event, Kept, Quantity, Unit, number, register
 from tippetop.landscapes import minimal_surface, potential
 from tippetop.mechanics.operand import Vector, atan2, formula, sqrt
 from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
-from tippetop.theory import least_energy, linear_modes, nutation, reconstruct, regime, thresholds
+from tippetop.theory import least_energy, linear_modes, reconstruct, regime, thresholds
 
 
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}
@@ -171,9 +171,6 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: linear_modes(TOP, VISCOUS, omega3="x"), "must be a (finite )?number"),
     (lambda: linear_modes(TOP, omega3="3 kg"), "`omega3` must be in rad s-1 .*but is"),
     (lambda: linear_modes("inverting", omega3=1e300), r"`omega3` must give rates .*, but 1e\+300"),
-    (lambda: nutation(TOP, energy="x", theta=0.5, **MOMENTA), "must be a (finite )?number"),
-    (lambda: nutation(TOP, energy=0.01, theta="x", **MOMENTA), "must be a (finite )?number"),
-    (lambda: nutation(TOP, energy=0.01, theta=0.5, D=1e-4), "`lam` must be given"),
     (lambda: reconstruct(made(), period=math.nan), "must be a (finite )?number"),
     (lambda: reconstruct(made(), period=1e-300), "`period` must be longer than the 0.01 s"),
     (lambda: made().certify("x"), "must be a (finite )?number"),

@@ -4,10 +4,8 @@ faults that name.
 
 import copy
 import pickle
-import warnings
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import tippetop as tt
@@ -26,16 +24,6 @@ def test_a_run_a_problem_and_a_preset_stand_for_their_body(run: tt.Run) -> None:
         assert tt.theory.thresholds(source) == tt.theory.thresholds(TOP), source
         assert tt.theory.regime(source, 4e-6) == tt.theory.regime(TOP, 4e-6)
     assert tt.theory.thresholds("heavy-top").keys() == {"spin_sleeping"}
-    nutation = {"energy": 0.043, "theta": 1.0, "D": 3.3e-4, "lam": 2.2e-6}
-    assert tt.theory.nutation(run, **nutation) == tt.theory.nutation(TOP, **nutation)
-
-
-def test_nutation_says_why_there_is_no_period() -> None:
-    with pytest.warns(UserWarning, match="not above the effective potential at any angle"):
-        assert np.isnan(tt.theory.nutation(TOP, energy=-1.0, theta=1.0, D=3e-4, lam=4e-6).period)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert tt.theory.nutation(TOP, energy=0.043, theta=1.0, D=3.3e-4, lam=2.2e-6).period > 0
 
 
 def test_stores_are_overwritten_in_the_words_of_the_call(run: tt.Run, tmp_path: Path) -> None:

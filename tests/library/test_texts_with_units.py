@@ -26,10 +26,6 @@ def test_a_text_stands_for_its_number() -> None:
     assert half == pytest.approx(
         tt.theory.accelerations("inverting", theta=math.radians(30), omega3=100.0), rel=1e-14
     )
-    given = {"theta": 0.1, "D": 4e-4, "lam": 7e-6}
-    assert tt.theory.nutation("inverting", energy="100 mJ", **given) == tt.theory.nutation(
-        "inverting", energy=0.1, **given
-    )
 
 
 def test_landscapes_rows_and_replays_take_texts_too(tmp_path: Path) -> None:

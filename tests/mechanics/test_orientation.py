@@ -49,7 +49,7 @@ WAYS = [
     ("inverting", ("initial.theta=3.141592653589793", "initial.theta_dot=2.0", "initial.psi=0.3")),
     ("rolling", ()),
     ("rolling", ("form=euler", "initial.psi=-2.0")),
-    ("gliding-heavy-top", ("form=contact", "initial.psi=1.0")),
+    ("gliding-heavy-top", ("initial.psi=1.0",)),
     ("heavy-top", ("form=euler",)),
 ]
 

@@ -100,9 +100,7 @@ def test_a_replay_has_the_columns_of_its_run(tmp_path: Path) -> None:
 
 
 def test_columns_of_ones_own_are_kept_beside_those_that_are_named() -> None:
-    own = tt.extending.Quantity(
-        "height", "h", tt.extending.Unit(0, 1, 0, "m"), "height", lambda s, b: s.z
-    )
+    own = tt.extending.Quantity("height", "h", tt.extending.Unit("m"), "height", lambda s, b: s.z)
 
     def kept(columns: Any, tables: Any = "inverting") -> set[str]:
         return set(tt.run(tables, until=0.01, columns=columns).trajectory.data_vars)

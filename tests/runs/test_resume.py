@@ -216,7 +216,7 @@ def test_what_a_record_acknowledges_is_on_the_disk_before_it(
         state, store = state_of(tmp_path / "run.zarr"), tmp_path / "run.zarr"
         state.add(json.loads(data.partition(b" ")[2]))
         files = [store / file for key in state.chunks for file in state.files(key)] + [
-            store / state.tail[0]
+            store / state.tail
         ]
         late.append({*disk.late(store)} & {*files})
         append(folder, name, data)

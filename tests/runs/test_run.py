@@ -123,12 +123,9 @@ def test_a_state_that_turns_non_finite_keeps_the_last_good_one(
     assert np.all(np.isfinite(run.rows))
 
 
-@pytest.mark.parametrize(
-    ("preset", "form"), [("gliding-heavy-top", "vector"), ("gliding-heavy-top", "contact")]
-)
-def test_the_length_of_an_integrated_axis_is_watched(preset: str, form: str) -> None:
+def test_the_length_of_an_integrated_axis_is_watched() -> None:
     """Every form that integrates the components of 3hat promises |3hat| = 1."""
-    made = solve(build.load(preset, [f"form={form}"], 1.0))
+    made = solve(build.load("gliding-heavy-top", [], 1.0))
     assert 0 <= made.report["drift"]["axis_norm"] < 1e-13
     axis = made.rows[
         :, [made.problem.form.units._fields.index(name) for name in ("ux", "uy", "uz")]

@@ -87,7 +87,7 @@ def test_check_says_the_regime(
     assert (
         found.get("regime") or load(name).contact is not None
     )  # the outlook is that of a contact that stays
-    assert ("inversion_by_eps" in found) == (
+    assert ("regularisation" in found) == (
         "eps" in found.get("friction", {}) and found["system"] == "tippe-top"
     )
     monkeypatch.setattr(

@@ -1,6 +1,5 @@
 """The door: bad input gets sentences, never a traceback; good input is understood as written."""
 
-import contextlib
 import math
 import tomllib
 
@@ -84,15 +83,6 @@ def test_the_grid_ends_with_until() -> None:
     np.testing.assert_allclose(grid, [*np.arange(11) / 10, 1.05], rtol=1e-12)
 
 
-def test_another_end_cuts_output_times() -> None:
-    """As a file with `--until` does; the tables that were given stay as they are."""
-    run = {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
-    tables = {**reading.read("inverting"), "run": run}
-    for until, times in ((3.0, [0.1, 0.7, 2.0]), (0.7, [0.1, 0.7]), (0.5, [0.1])):
-        assert build.ending(tables, until)["run"] == {"until": until, "output_times": times}
-    assert run == {"until": 2.0, "output_times": [0.1, 0.7, 2.0]}
-
-
 def test_centre_at_rest_means_no_velocity_of_the_centre() -> None:
     problem = build.load("inverting", ["initial.centre_at_rest=true"])
     names = problem.variables.names
@@ -110,25 +100,12 @@ def test_psi_dot_stands_for_omega3() -> None:
     np.testing.assert_allclose(by_psi, build.problem(tables).start(), rtol=4e-16, atol=1e-16)
 
 
-@pytest.mark.parametrize(
-    ("preset", "assignments", "stale"),
-    [
-        ("inverting", ["friction.law=coulomb"], True),
-        ("inverting", ["friction.mu=0.3", "friction.law=coulomb"], False),
-        ("inverting", ["friction.law=latitude", "friction.mu_stem=0.2"], False),  # mu stays in s/m
-        ("inverting", ['friction={law="none"}'], False),
-    ],
-)
-def test_a_number_of_another_unit_does_not_pass_to_another_law(
-    preset: str, assignments: list[str], stale: bool
-) -> None:
-    expected = (
-        pytest.raises(InputError, match=r"`friction\.mu` must be given anew: `")
-        if stale
-        else contextlib.nullcontext()
-    )
-    with expected:
-        reading.override(reading.read(preset), assignments)
+def test_another_law_takes_no_number_of_the_old_one() -> None:
+    """Their units differ: mu of viscous friction is in s/m."""
+    assert "`friction.mu` must be given, but is missing" in sentences("friction.law=coulomb")
+    law = {"law": "coulomb", "mu": 0.2}
+    changes = ["friction.mu=0.2", "friction.law=coulomb"]
+    assert reading.override(reading.read("inverting"), changes)["friction"] == law
 
 
 def attempt(tables: dict) -> tuple[Problem | None, list[str]]:

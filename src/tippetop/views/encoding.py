@@ -19,7 +19,7 @@ def problem_data(problem: Problem) -> dict[str, Any]:
     initial = {name: float(getattr(angles, name, data.get(name, 0.0))) for name in names}
     return {
         "parameters": dict(problem.parameters),
-        "law": problem.law_name,
+        "law": problem.law.key,
         "friction": problem.friction._asdict(),
         "atRest": at_rest,
         "initial": {name: value for name, value in initial.items() if value},

@@ -169,7 +169,7 @@ def _force(
 def _power(unit: Unit, mass: Any, length: Any, time: Any) -> Any:
     """Return one internal unit in SI units."""
     value = 1 + 0 * mass
-    for base, power in ((mass, unit.mass), (length, unit.length), (time, unit.time)):
+    for base, power in zip((mass, length, time), unit.powers, strict=True):
         value = value * base**power if power > 0 else value / base**-power if power < 0 else value
     return value
 

@@ -97,7 +97,7 @@ def _formulas(base: Problem) -> str:
     """Return the module of the system of a sweep, in vector form if there is one."""
     forms = base.system.forms
     return formulas.motions(
-        base.system, forms.get("vector", next(iter(forms.values()))), {base.law_name: base.law}
+        base.system, forms.get("vector", next(iter(forms.values()))), {base.law.key: base.law}
     )
 
 
@@ -131,7 +131,7 @@ def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, A
     log = axis.log and bool(np.nanmin(numbers) > 0)
     return {
         "key": axis.key,
-        "label": maps.labelled(axis.key, attrs),
+        "label": maps.labelled(attrs),
         "log": log,
         "sampled": axis.sampled,
         "numbers": encode(numbers, "<f8"),
