@@ -92,6 +92,7 @@ class _Sizes(NamedTuple):
     axis: int
     log: int
     samples: int
+    width: int
 
 
 class _Thresholds(NamedTuple):
@@ -198,6 +199,7 @@ def library() -> ctypes.CDLL:
         )
     whole, array = ctypes.c_int64, ctypes.c_void_p
     loaded.loop_drive.restype, loaded.loop_drive.argtypes = whole, [array, whole]
+    loaded.loop_run.restype, loaded.loop_run.argtypes = whole, [array, whole]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
     return loaded
 
@@ -240,7 +242,7 @@ class Loop:
             raise ValueError(f"a step must have {most}, but has {size} and {lanes}")
         self.library = library()
         self.out = np.zeros((variables, lanes))  # a state in every lane
-        lengths = (rows.events, rows.numbers, rows.axis, log.time, samples.top)
+        lengths = (rows.events, rows.numbers, rows.axis, log.time, samples.top, log.states[:1].T)
         self.records = {
             "sizes": _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths)),
             "motion": motion,
@@ -279,7 +281,9 @@ class Loop:
             return
         self.records["output"] = rows
         self.structure.output = filled(
-            rows._replace(length=len(rows.times), variables=len(rows.states))
+            rows._replace(
+                length=len(rows.times), variables=min(len(rows.states), len(self.out))
+            )
         )
 
     def take(self, tops: Tops, queue: Queue, fresh: Tallies) -> None:

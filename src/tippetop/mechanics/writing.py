@@ -4,6 +4,7 @@ Fed symbols, a formula gives symbols, and `Program` has a line for each sub-expr
 the C++ of the benchmarks and the JavaScript of the pages are the formulas of this package.
 """
 
+import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -21,32 +22,21 @@ class Language(NamedTuple):
     powers: bool = False  # `**` is an operation, not a product
 
 
-NAMES = ("sqrt", "sin", "cos", "exp")
+def _functions(prefix: str, **others: str) -> dict[str, str]:
+    """Return the names of functions of NumPy in a library."""
+    names = {name: name for name in ("sqrt", "sin", "cos", "exp")} | {"arctan2": "atan2", **others}
+    return {name: prefix + word for name, word in names.items()}
+
+
 CPP = Language(
     "const double ",
-    lambda x: x.hex(),
-    {
-        **{name: f"std::{name}" for name in NAMES},
-        "arctan2": "std::atan2",
-        "rint": "std::rint",
-        "absolute": "std::fabs",
-        "maximum": "std::fmax",
-        "minimum": "std::fmin",
-    },
+    float.hex,
+    _functions("std::", rint="rint", absolute="fabs", maximum="fmax", minimum="fmin"),
 )
 JAVASCRIPT = Language(
     "const ",
-    lambda x: (
-        repr(x) if math.isfinite(x) else "Infinity" if x > 0 else "-Infinity" if x < 0 else "NaN"
-    ),
-    {
-        **{name: f"Math.{name}" for name in NAMES},
-        "arctan2": "Math.atan2",
-        "rint": "Math.round",
-        "absolute": "Math.abs",
-        "maximum": "Math.max",
-        "minimum": "Math.min",
-    },
+    json.dumps,  # with Infinity and NaN
+    _functions("Math.", rint="round", absolute="abs", maximum="max", minimum="min"),
 )
 SIGNS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "true_divide": "/"}
 
@@ -73,8 +63,16 @@ class Program:
             return value
         return Symbol(self, self.language.number(float(value)), float(value))
 
-    def lines(self, results: Sequence[Any]) -> list[str]:
-        """Return the lines that the results need, in order; each ends with a semicolon."""
+    def branch(self, symbol: "Symbol") -> bool:
+        """Return whether a comparison is true."""
+        raise TypeError("a formula must not branch")
+
+    def call(self, name: str, arguments: tuple) -> Any:
+        """Return what a function of this name returns."""
+        raise TypeError("a formula must not call other functions")
+
+    def needed(self, results: Sequence[Any]) -> list[tuple[str, str]]:
+        """Return the expressions that the results need, and their names, in order."""
         wanted = [self.of(result).name for result in results]
         alive: set[str] = set()
         while wanted:
@@ -82,10 +80,12 @@ class Program:
             if name in self.needs and name not in alive:
                 alive.add(name)
                 wanted += self.needs[name]
+        return [(text, name) for text, name in self.names.items() if name in alive]
+
+    def lines(self, results: Sequence[Any]) -> list[str]:
+        """Return the lines that the results need, in order; each ends with a semicolon."""
         return [
-            f"{self.language.begin}{name} = {text};"
-            for text, name in self.names.items()
-            if name in alive
+            f"{self.language.begin}{name} = {text};" for text, name in self.needed(results)
         ]
 
 
@@ -130,8 +130,24 @@ class Symbol:
             return self.program.of(-self.number)
         return self.program.new(f"-{self.name}", (self.name,))
 
+    def _compared(self, sign: str, other: Any) -> "Symbol":
+        other = self.program.of(other)
+        return self.program.new(f"{self.name} {sign} {other.name}", (self.name, other.name))
+
+    __lt__, __le__ = partialmethod(_compared, "<"), partialmethod(_compared, "<=")
+    __gt__, __ge__ = partialmethod(_compared, ">"), partialmethod(_compared, ">=")
+    __eq__, __ne__ = partialmethod(_compared, "=="), partialmethod(_compared, "!=")
+    __hash__ = object.__hash__
+
     def __bool__(self) -> bool:
-        raise TypeError("a formula must not branch")
+        return self.program.branch(self)
+
+    def __abs__(self) -> "Symbol":
+        return self._called("absolute")
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call a function that is an argument of a program."""
+        return self.program.call(self.name, arguments)
 
     def __pow__(self, power: float) -> "Symbol":
         if self.program.language.powers:
