@@ -130,7 +130,6 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(system="mars-rover"), "^`system` must be one of"),
     (lambda: run(stop=True), "`stop` must be a threading.Event, but is True"),
     (lambda: run(progress="x"), "`progress` must be True or False"),
-    (lambda: run(overwrite="no"), "`overwrite` must be True or False, but is"),
     (
         lambda: tt.run(tt.load("inverting"), until=1.0, output_step=0.1),
         "a Problem must be the only argument, but `until`, `output_step` is given too",
@@ -329,8 +328,6 @@ CALLS: list[tuple[Call, str]] = [
     (system(outlook=3), "`outlook` of `mine` must be a function or None, but is 3"),
     (system(motion=()), r"`motion` of `mine` must be a function or None, but is \(\)"),
     (system(phases={}), "`phases` of `mine` must have a Phase, but has none"),
-    (system(contact=()), r"`contact` of `mine` must be None, but is \(\)"),
-    (system(laws=tt.extending.LAWS), "must be a dict of laws by name, but is viscous"),
     (system(long_names={}), "`long_names` of `mine` must describe each .* but lacks axis, L"),
     (system(vectors=None), "`vectors` .* must be a mapping, but is None"),
     (system(vectors={"axis": ("kx", "ky")}), "`vectors` .* it lacks kx, ky"),
