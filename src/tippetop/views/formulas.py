@@ -32,7 +32,7 @@ def potential(system: System, b: Touch) -> str:
     if system.potential is None:
         return NO_POTENTIAL
     numbers = refill(b, map(float, leaves(b)))
-    well = arrow(WELL, lambda *z: _potential(system, z, numbers))
+    well = arrow(WELL, lambda *z: potential_at(system, z, numbers))
     return f"export const potential = {well};\n"
 
 
@@ -87,28 +87,31 @@ def _of_law(system: System, variables: Variables, law: type[FrictionLaw]) -> str
         q, carried = variables.start(data, system.start(data, s, z, b), s, z, b)
         return [*q, *carried]
 
-    def weights(b: Any) -> list:
-        mass, length = system.scales(b)
-        return [_power(unit, mass, length, sqrt(length / b.g)) for unit in variables.units.values()]
-
     parts = {
         "body": arrow({"p": tuple(names)}, body),
         "rates": arrow({"y": y, "b": b}, rates, fills=True),
         "start": arrow({"sine": None, "z": None, "d": tuple(initial), "b": b}, start),
-        "weights": arrow({"b": b}, weights),
+        "weights": arrow({"b": b}, lambda b: weights_of(system, variables, b)),
         "seen": arrow(
             {"y": y, "b": b}, lambda y, b: channels(system, form, y[0], y[1], b), fills=True
         ),
         "sizes": arrow({"b": b}, lambda b: sizes(b, heavy=heavy)),
-        "thresholds": _thresholds(system, b),
-        "potential": arrow(WELL | {"b": b}, lambda *z: _potential(system, z[:3], z[3]))
+        "thresholds": thresholds_of(system, b),
+        "potential": arrow(WELL | {"b": b}, lambda *z: potential_at(system, z[:3], z[3]))
         if system.potential
         else "null",
     }
     return "{\n" + ",\n".join(f"{name}: {text}" for name, text in parts.items()) + "\n}"
 
 
-def _potential(system: System, z: Sequence[Any], b: Touch) -> list:
+def weights_of(system: System, variables: Variables, b: Touch) -> list:
+    """Return one internal unit of each variable, in SI units."""
+    mass, length = system.scales(b)
+    return [_power(unit, mass, length, sqrt(length / b.g)) for unit in variables.units.values()]
+
+
+def potential_at(system: System, z: Sequence[Any], b: Touch) -> list:
+    """Return V of a system, of z and its momenta."""
     assert system.potential is not None
     return [system.potential(*z[: 1 + len(system.momenta)], b)]
 
@@ -174,7 +177,7 @@ def _power(unit: Unit, mass: Any, length: Any, time: Any) -> Any:
     return value
 
 
-def _thresholds(system: System, b: Touch) -> str:
+def thresholds_of(system: System, b: Touch) -> str:
     """Return the thresholds of a tippe top, as a list of records; an empty one for others."""
     if not system.inverts:
         return "() => []"

@@ -72,7 +72,9 @@ export function simulated(given, tolerance = TOLERANCE) {
     samples.set(seen.subarray(6), n * STRIDE + 4);
   }
   const motion = new Motion(times.slice(0, n), samples.slice(0, n * STRIDE), facts.planar);
-  const log = new Log(turnings(motion, end), [], motion, facts.planar);
+  const events = turnings(motion);
+  if (end === "lifts off") events.push({ time: motion.end, kind: "liftoff", theta: motion.pose(motion.end).theta });
+  const log = new Log(events, [], motion, facts.planar);
   const potential = known.potential;
   return {
     motion,
@@ -114,11 +116,14 @@ function liftoff(solver, start, state, force) {
 /**
  * The sizes of a body as the picture takes them.
  * @param {number[]} sizes
+ * @param {{r: number, h: number}} [stem]
  */
-function drawn([offset, radius, weight, across, along]) {
+export function drawn([offset, radius, weight, across, along], stem) {
   /** @type {[number, number]} */
   const ellipsoid = [across, along];
-  return { unit: radius || -offset, balls: [{ offset, radius }], ellipsoid, weight };
+  const balls = [{ offset, radius }];
+  if (stem) balls.push({ offset: offset + stem.h, radius: stem.r });
+  return { unit: radius || -offset, balls, ellipsoid, weight };
 }
 
 /**
@@ -133,9 +138,8 @@ export function sampling(spin, until) {
 /**
  * The turning angles of a motion between its samples, by parabolas, and passages of pi/2.
  * @param {Motion} motion
- * @param {string} end
  */
-function turnings(motion, end) {
+export function turnings(motion) {
   const { times, samples } = motion;
   const theta = (/** @type {number} */ i) => samples[i * STRIDE + THETA];
   /** @type {{time: number, kind: string, theta: number, least?: boolean}[]} */
@@ -153,23 +157,5 @@ function turnings(motion, end) {
       events.push({ time: times[i] - h + s * h, kind: "equator", theta: Math.PI / 2 });
     }
   }
-  const last = times.length - 1;
-  if (end === "lifts off") events.push({ time: times[last], kind: "liftoff", theta: theta(last) });
   return events;
-}
-
-/**
- * theta at some times, from the variables themselves: for comparing with the engine.
- * @param {Given} given
- * @param {number[]} times
- * @param {number} tolerance
- */
-export function thetas(given, times, tolerance = TOLERANCE) {
-  const { known, b, solver } = begun(given, tolerance);
-  const seen = new Float64Array(STRIDE + 2);
-  return times.map((t) => {
-    if (!solver.to(t)) return NaN;
-    known.seen(solver.y, b, seen);
-    return seen[2 + THETA];
-  });
 }
