@@ -11,7 +11,8 @@ import pytest
 import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.mechanics.contact.state import BALLS, PHASES
-from tippetop.views.playground import given, playground
+from tippetop.views.phase_formulas import given
+from tippetop.views.playground import BY_NAME, playground
 
 
 pytest.importorskip("playwright.sync_api", reason="no playwright: pip install playwright")
@@ -37,10 +38,9 @@ def tab(open_page: Any) -> Any:
 
 def in_page(tab: Any, problem: tt.Problem, times: np.ndarray) -> dict[str, Any]:
     """theta at some times, phases and events, integrated in the page."""
-    about = given(problem)
-    top = about | {"parameters": about["parameters"] | about.pop("friction")}
+    (law,) = (name for name, law in BY_NAME.items() if law is type(problem.friction))
     call = "([top, times]) => tippetop.followed(top, times)"
-    found = tab.evaluate(call, [top, times.tolist()])
+    found = tab.evaluate(call, [given(problem) | {"law": law}, times.tolist()])
     return found | {"thetas": np.array(found["thetas"], dtype=float)}
 
 

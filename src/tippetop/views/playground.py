@@ -5,9 +5,8 @@ from typing import Any
 from ..mechanics.friction import LAWS
 from ..scenario import build
 from ..scenario.reading import presets
-from . import formulas, pages
-from .encoding import problem_data
-from .playground_formulas import TOP, contacts
+from . import pages
+from .phase_formulas import TOP, contacts, given
 
 
 TITLE = "Tippe top playground"
@@ -27,9 +26,10 @@ def playground() -> str:
     """Return the text of its HTML file."""
     tops = filter(None, map(_preset, presets()))
     data = {"presets": sorted(tops, key=lambda p: (p["name"] != FIRST, p["name"]))}
-    scripts = {"formulas.js": formulas.NOTHING, "phases.js": contacts(BY_NAME)}
     aside = pages.source("playground.html")
-    return pages.page(TITLE, "page_playground.js", data, scripts, aside=aside, about=ABOUT)
+    return pages.page(
+        TITLE, "page_playground.js", data, contacts(BY_NAME), aside=aside, about=ABOUT
+    )
 
 
 def _preset(name: str) -> dict[str, Any] | None:
@@ -37,13 +37,7 @@ def _preset(name: str) -> dict[str, Any] | None:
     problem = build.load(name)
     if problem.system.name != TOP.name:
         return None
-    about = {"name": name, "words": problem.system.title, "until": min(problem.until, 30.0)}
-    return about | given(problem)
-
-
-def given(problem: Any) -> dict[str, Any]:
-    """Return the numbers of a tippe top as the page takes them."""
-    contact, about = problem.contact, problem_data(problem)
-    about["law"] = next(name for name, law in BY_NAME.items() if law is type(problem.friction))
-    stem = {"r": contact.r, "h": contact.h} if contact and contact.stem else None
-    return about | {"e_n": contact.e_n if contact else 0.0, "stem": stem}
+    law = next(law for law, record in BY_NAME.items() if record is type(problem.friction))
+    about = given(problem)
+    about |= {"name": name, "words": problem.system.title, "law": law}
+    return about | {"until": min(about["until"], 30.0)}

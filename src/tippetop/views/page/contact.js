@@ -4,12 +4,8 @@
  */
 import { Extrapolation } from "./extrapolation.js";
 import { facts, formulas } from "./phases.js";
-import { Log } from "./log.js";
-import { Motion, STRIDE } from "./motion.js";
-import { TOLERANCE, drawn, turnings } from "./simulation.js";
-import { ofAxes } from "./vector.js";
 
-/** @typedef {import("./simulation.js").Given & {e_n: number, stem?: {r: number, h: number}}} Given */
+/** @typedef {import("./simulation.js").Given} Given */
 /** @typedef {number[] | Float64Array} Numbers */
 /** @typedef {{label: string, ball: number}} Phase */
 /** @typedef {[number, string, number][]} Ends functions that fall to zero where a phase ends, name and ball */
@@ -27,6 +23,7 @@ const FELT = { flight: 1e-14, other: 1e-13 }; // gap below zero at which a landi
 const STILL = 1e-6; // speed of a disc and its edge, by its radius: slower, it rests
 const OUTSIDE = 6.25; // w^2/U^2 from which the series of drilling friction is used
 const TURN = 0.15; // rad, the longest step: a shorter flight may be missed
+const TOLERANCE = 1e-13;
 const [MOST_STEPS, MOST_PHASES, MOST_STRIKES] = [400_000, 10_000, 16];
 
 export class Contact {
@@ -52,13 +49,15 @@ export class Contact {
     this.size = body[RADIUS];
     this.speed = Math.sqrt(body[GRAVITY] * body[RADIUS]);
     this.tolerance = tolerance;
+    this.stops = given.stops;
     this.turn = TURN / Math.max(Math.abs(given.initial.omega3 ?? 0), 10);
     this.hop = 0; // [s] a part of the flight that has begun
     const d = facts.initial.map((name) => given.initial[name] ?? 0);
     const theta = given.initial.theta ?? 0;
     const y = known.start(Math.sin(theta), Math.cos(theta), d, body);
     if (given.atRest) y[V] = y[V + 1] = 0;
-    this.weights = known.weights(body);
+    const sizes = [1, body[MASS] * this.size * this.speed, this.speed, this.size, 1];
+    this.weights = Array.from(y, (_, k) => sizes[Math.min(Math.floor(k / 3), 4)]);
     const rates = (/** @type {Float64Array} */ at, /** @type {Float64Array} */ out) => this.rates(at, out);
     this.solver = new Extrapolation(rates, y, this.weights, facts.moving, tolerance);
     /** @type {Phase} */
@@ -383,7 +382,8 @@ export class Contact {
     else if (name === "rests") this.end = "its contact comes to rest, which this page does not follow";
     else if (name === "lifts") {
       log("liftoff");
-      this.begin("flight", ball);
+      if (this.stops) this.end = "it lifts off, where its model ends";
+      else this.begin("flight", ball);
     } else if (name === "gives") {
       log("slip");
       this.onPlane(ball);
@@ -434,53 +434,4 @@ function reach(solver, end, ends) {
     return found;
   }
   return undefined;
-}
-
-/**
- * Integrates, and returns what the page shows.
- * @param {Given} given
- */
-export function simulated(given) {
-  const top = new Contact(given);
-  const { known, balls, solver } = top;
-  const count = Math.max(1, Math.round(given.until / given.step));
-  const times = new Float64Array(count + 1);
-  const samples = new Float32Array((count + 1) * STRIDE);
-  let n = 0;
-  for (; n <= count && !top.end; n++) {
-    top.to((n / count) * given.until);
-    times[n] = solver.time;
-    const acts = top.acts(solver.y);
-    const force = [0, 1, 2].map((k) => acts.reduce((sum, [, by]) => sum + by[k], 0));
-    const seen = new Float64Array(STRIDE + 2);
-    known.seen(solver.y, force, balls[top.phase.ball], seen);
-    samples.set(ofAxes([seen[0], seen[1], seen[2]], [seen[3], seen[4], seen[5]]), n * STRIDE);
-    samples.set(seen.subarray(6), n * STRIDE + 4);
-  }
-  top.close();
-  const motion = new Motion(times.slice(0, n), samples.slice(0, n * STRIDE), false);
-  const theta = (/** @type {number} */ time) => motion.pose(time).theta;
-  const changes = top.events.map((event) => ({ ...event, theta: theta(event.time) }));
-  const events = [...turnings(motion), ...changes].sort((a, b) => a.time - b.time);
-  const [body] = balls;
-  return {
-    motion,
-    log: new Log(events, top.phases, motion, false),
-    end: top.end,
-    steps: solver.steps,
-    sizes: drawn(known.sizes(body), given.stem),
-    thresholds: known.thresholds(body),
-    potential: (/** @type {[number, number, number]} */ ...z) => known.potential(...z, body),
-  };
-}
-
-/**
- * theta at some times and the phases, from the variables themselves: for comparing with the engine.
- * @param {Given} given
- * @param {number[]} times
- */
-export function followed(given, times) {
-  const top = new Contact(given);
-  const thetas = times.map((t) => (top.to(t) ? Math.atan2(Math.hypot(top.y[0], top.y[1]), top.y[2]) : NaN));
-  return { thetas, phases: top.phases, events: top.events, end: top.end };
 }

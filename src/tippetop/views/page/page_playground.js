@@ -2,7 +2,7 @@
 import { handle } from "./handle.js";
 import { begin } from "./part.js";
 import { Playground } from "./playground.js";
-import { followed } from "./contact.js";
+import { followed } from "./simulation.js";
 import { Stage } from "./stage.js";
 
 begin((data) => {

@@ -28,8 +28,6 @@ export const formulas: Record<
     start: (sine: number, z: number, d: Numbers, b: Numbers) => number[];
     /** time derivatives in flight, into out */
     rates: (y: Numbers, b: Numbers, out: Float64Array) => void;
-    /** a usual size of each variable */
-    weights: (b: Numbers) => number[];
     /** velocity of the lowest point, and the square of the speed of the edge of the disc */
     point: (y: Numbers, b: Numbers) => number[];
     /** force and torque of a contact that slides, per normal force, in each region of the law */

@@ -1,13 +1,12 @@
 /** The playground: a tippe top that is integrated in the page while its numbers are changed. */
 import { turns } from "./chart.js";
-import { simulated } from "./contact.js";
 import { facts } from "./phases.js";
-import { sampling } from "./simulation.js";
+import { sampling, simulated } from "./simulation.js";
 import { Sliders, subscript } from "./sliders.js";
 import { part } from "./part.js";
 
 /** @typedef {import("./stage.js").Stage} Stage */
-/** @typedef {import("./contact.js").Given} Given */
+/** @typedef {import("./simulation.js").Given} Given */
 /** @typedef {import("./sliders.js").Slider} Slider */
 
 /**
@@ -182,7 +181,7 @@ export class Playground {
       until,
       step: sampling(omega3, until),
       e_n,
-      stem: part("stem").checked ? { r, h } : undefined,
+      stem: part("stem").checked ? { r, h } : null,
     };
   }
 

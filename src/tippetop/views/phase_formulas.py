@@ -1,14 +1,14 @@
-"""The formulas of the playground, as JavaScript: a tippe top that slips, rolls, flies and lands.
+"""The formulas of pages, as JavaScript: potentials, and a tippe top that slips, rolls and flies.
 
 The page has one state in all phases, that of flight; what the plane does is added to its rates.
 """
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..mechanics.contact.body import angular_velocity, contact_velocity
+from ..mechanics.contact.body import Touch, angular_velocity, contact_velocity
 from ..mechanics.contact.coulomb import loaded_normal_force, sticking
 from ..mechanics.contact.gliding.catalogue import COS_INVERTED
 from ..mechanics.contact.gliding.vector import axis, momentum
@@ -20,12 +20,13 @@ from ..mechanics.contact.single_contact import (
     smooth_friction,
 )
 from ..mechanics.contact.state import moving, row_of_angles
-from ..mechanics.friction import FrictionLaw
-from ..mechanics.operand import Vector, atan2, plus, sqrt
+from ..mechanics.operand import Vector, atan2, leaves, plus, refill, sqrt
+from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS
+from ..mechanics.theory.thresholds import poles, thresholds
 from ..mechanics.variables import Variables
+from ..problem import Problem
 from ..runs.shape import sizes
-from .formulas import WELL, initial_names, potential_at, thresholds_of, weights_of
 from .javascript import arrow
 from .samples import well_quantities
 
@@ -33,11 +34,43 @@ from .samples import well_quantities
 TOP = SYSTEMS["tippe-top"]
 FORM = FLIGHT.forms["vector"]
 VARIABLES = Variables(FORM)
-INITIAL = [*initial_names(TOP), "gap", "nu_z"]
+OTHERS = {alternative.name for alternative in TOP.alternatives}
+INITIAL = [*(name for name in TOP.initial if name not in OTHERS), "gap", "nu_z"]
 WELL_QUANTITIES = [q for name in well_quantities(TOP) for q in TOP.quantities if q.name == name]
 
+WELL = dict.fromkeys(("z", "first", "second"))
+NO_POTENTIAL = {"formulas.js": "export const potential = null;\n"}
+NO_PHASES = {"phases.js": "export const facts = {};\nexport const formulas = {};\n"}
 
-def contacts(laws: dict[str, type[FrictionLaw]]) -> str:
+
+def potential(system: System, b: Touch) -> dict[str, str]:
+    """Return the module `formulas.js` of the page of a run: V of the system for this body."""
+    potential = system.potential
+    if potential is None:
+        return NO_POTENTIAL
+    numbers = refill(b, map(float, leaves(b)))
+    well = arrow(WELL, lambda *z: [potential(*z[: 1 + len(system.momenta)], numbers)])
+    return {"formulas.js": f"export const potential = {well};\n"}
+
+
+def given(problem: Problem) -> dict[str, Any]:
+    """Return the numbers of a tippe top: its parameters with those of the law, and its start."""
+    data, contact = dict(problem.initial), problem.contact
+    theta = data.get("theta", 0.0)
+    angles = problem.system.start(data, math.sin(theta), math.cos(theta), problem.body())
+    initial = {name: float(getattr(angles, name, data.get(name, 0.0))) for name in INITIAL}
+    return {
+        "parameters": {**problem.parameters, **problem.friction._asdict()},
+        "law": problem.law_name,
+        "initial": {name: value for name, value in initial.items() if value},
+        "atRest": bool(data.get("centre_at_rest")),
+        "until": problem.until,
+        "e_n": contact.e_n if contact else 0.0,
+        "stem": {"r": contact.r, "h": contact.h} if contact and contact.stem else None,
+    }
+
+
+def contacts(laws: Mapping[str, Any]) -> dict[str, str]:
     """Return the module `phases.js`, with the functions of each law by name; see `phases.d.ts`."""
     facts = {
         "variables": list(VARIABLES.names),
@@ -50,17 +83,18 @@ def contacts(laws: dict[str, type[FrictionLaw]]) -> str:
         "near": math.acos(COS_INVERTED),
     }
     by_law = ",\n".join(f"{json.dumps(name)}: {_of_law(law)}" for name, law in laws.items())
-    return f"export const facts = {json.dumps(facts)};\nexport const formulas = {{{by_law}}};\n"
+    text = f"export const facts = {json.dumps(facts)};\nexport const formulas = {{{by_law}}};\n"
+    return {"phases.js": text}
 
 
-def _of_law(law: type[FrictionLaw]) -> str:
+def _of_law(law: Any) -> str:
     """Return the functions of one friction law, as an object."""
     names = [*TOP.parameters, *law.parameters]
     b = TOP.body_of(dict.fromkeys(TOP.parameters, 1.0), law._make(1.0 for _ in law.parameters))
     y = (FORM.units, VARIABLES.carried(*VARIABLES.names[VARIABLES.moving :]))
+    potential_of: Any = TOP.potential
     force, per = Vector(*"xyz"), (Vector(*"xyz"), Vector(*"xyz"))
-    torque: Any = law.torque
-    frictions = [disc_friction(region.drag, torque) for region in law.regions.values()]
+    frictions = [disc_friction(region.drag, law.torque) for region in law.regions.values()]
 
     def body(p: Sequence[Any]) -> Any:
         by_name = dict(zip(names, p, strict=True))
@@ -105,7 +139,6 @@ def _of_law(law: type[FrictionLaw]) -> str:
         "body": arrow({"p": tuple(names)}, body),
         "start": arrow({"sine": None, "z": None, "d": tuple(INITIAL), "b": b}, start),
         "rates": arrow({"y": y, "b": b}, rates, fills=True),
-        "weights": arrow({"b": b}, lambda b: weights_of(TOP, VARIABLES, b)),
         "point": arrow({"y": y, "b": b}, point),
         "frictions": f"[{', '.join(map(friction, frictions or [smooth_friction]))}]",
         "normal": arrow({"y": y, "per": per, "b": b}, normal),
@@ -117,8 +150,8 @@ def _of_law(law: type[FrictionLaw]) -> str:
         ),
         "seen": arrow({"y": y, "force": force, "b": b}, channels, fills=True),
         "sizes": arrow({"b": b}, lambda b: sizes(b, heavy=False)),
-        "thresholds": thresholds_of(TOP, b),
-        "potential": arrow(WELL | {"b": b}, lambda *z: potential_at(TOP, z[:3], z[3])),
+        "thresholds": _thresholds(b),
+        "potential": arrow(WELL | {"b": b}, lambda *z: [potential_of(*z)]),
     }
     return "{\n" + ",\n".join(f"{name}: {text}" for name, text in parts.items()) + "\n}"
 
@@ -135,3 +168,19 @@ def channels(y: Any, force: Vector, b: Any) -> list:
     theta = atan2(sqrt(s.s2), s.z)
     place = carried.x, carried.y, height
     return [*first, *third, *omega, *place, *force, slip.x, slip.y, 0, *L, theta, *well]
+
+
+def _thresholds(b: Touch) -> str:
+    """Return the thresholds of a tippe top, as a list of records."""
+    known: dict[str, Any] = {}
+
+    def values(symbols: Touch) -> list:
+        known.update(thresholds(symbols, poles(b)))
+        return [t.value for t in known.values()]
+
+    of_body = arrow({"b": b}, values)
+    records = []
+    for i, (name, t) in enumerate(known.items()):
+        about = {"name": name, "unit": t.unit.symbol, "words": t.long_name}
+        records.append(f"{{...{json.dumps(about)}, value: v[{i}]}}")
+    return f"(b) => {{ const v = ({of_body})(b); return [{', '.join(records)}]; }}"
