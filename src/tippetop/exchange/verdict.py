@@ -24,10 +24,8 @@ class Verdict:
 
     def __init__(self, problem: Problem, files: Sequence[Path], convention: Convention):
         self.motions = tuple(compare(problem, file, convention) for file in files)
-        self.orders, self.title = (
-            orders(self.motions),
-            f"{problem.system.title}, {problem.form.name} form",
-        )
+        self.orders = orders(self.motions)
+        self.title = f"{problem.system.title}, {problem.form.name} form"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data, as `tippetop compare --json` prints it."""
@@ -55,10 +53,7 @@ class Verdict:
         return "\n".join(lines)
 
     def __repr__(self) -> str:
-        return (
-            f"<{type(self).__name__} of {', '.join(str(m.path) for m in self.motions)} with "
-            f"{self.title}>"
-        )
+        return f"<Verdict of {', '.join(str(m.path) for m in self.motions)} with {self.title}>"
 
 
 HEAD = ("file", "largest error", "0.1 exceeded at", "until", "energy", "Jellett", "in the floor")
@@ -66,10 +61,11 @@ HEAD = ("file", "largest error", "0.1 exceeded at", "until", "energy", "Jellett"
 
 def _table(motions: Sequence[Compared]) -> list[str]:
     """Return a table of several motions, the best first, as lines."""
+    from pandas import DataFrame
+
     ordered = sorted(motions, key=lambda m: m.numbers[main_quantity(m.numbers)[0]]["max"])
-    rows = [HEAD, *map(_row, ordered)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    rows = DataFrame(map(_row, ordered), columns=HEAD)
+    return rows.to_string(index=False).splitlines()
 
 
 def _row(motion: Compared) -> tuple[str, ...]:

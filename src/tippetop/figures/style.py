@@ -191,8 +191,7 @@ def legend(ax: Axes, place: str, **options: Any) -> None:
     handles = options.pop("handles", None) or [
         handle for axes in shown for handle in axes.get_legend_handles_labels()[0]
     ]
-    entries = {str(handle.get_label()): handle for handle in reversed(handles)}
-    entries = dict(reversed(entries.items()))
+    entries = {str(handle.get_label()): handle for handle in handles}
     if not entries:
         return
     if not is_ours():
