@@ -61,7 +61,7 @@ DARK = Ink(
     },
     "#c4a5ff",
 )  # fmt: skip
-RUN, UPPER, LOWER, QUIET, ALARM = LIGHT[:5]
+RUN, UPPER, LOWER, QUIET = LIGHT[:4]
 
 
 class Setting(NamedTuple):
