@@ -64,7 +64,7 @@ export class Extrapolation {
     }
   }
 
-  /** Makes one step, if its error allows it, and says whether; sets the length of the next. */
+  /** Makes one step if its error allows it; returns whether, and sets the length of the next. */
   advances() {
     const { y, row, error } = this;
     const n = y.length;

@@ -165,7 +165,7 @@ export class Playground {
     this.contact.set(this.contact.values);
   }
 
-  /** What is given now. @returns {Given} */
+  /** Returns the numbers of all controls. @returns {Given} */
   given() {
     const { m, R, alpha, gamma, inertia, g } = this.body.values;
     const { until, omega3, theta } = this.start.values;

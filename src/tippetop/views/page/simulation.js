@@ -12,7 +12,7 @@ const MOST = 20_000; // samples
  * @typedef {object} Given
  * @property {string} law
  * @property {Record<string, number>} parameters and numbers of the law, by name
- * @property {Record<string, number>} initial by name; what is not given is 0
+ * @property {Record<string, number>} initial by name; missing ones are 0
  * @property {boolean} atRest whether the centre of mass starts at rest
  * @property {number} until [s]
  * @property {number} step of the samples [s]

@@ -142,7 +142,7 @@ export class SweepPage {
   }
 
   /**
-   * What is given of a top. @param {number} top
+   * Returns the numbers of a top. @param {number} top
    * @returns {import("./simulation.js").Given}
    */
   of(top) {
