@@ -1,5 +1,4 @@
-"""Write the stubs of `tippetop` and `tippetop.derivatives`: what type checkers and editors read
-about the public names.
+"""Write the stubs of `tippetop` and of modules of it, which type checkers and editors read.
 
 Usage: ``python .ci/stub.py``. Functions that take the options of a run get their full signature,
 the rest is imported.
@@ -16,7 +15,11 @@ from typing import Any
 import tippetop
 
 
-MODULES = {"__init__": tippetop, "derivatives": tippetop.derivatives}
+MODULES = {
+    "__init__": tippetop,
+    "derivatives": tippetop.derivatives,
+    "friction": tippetop.friction,
+}
 HEAD = """from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal
 
@@ -79,7 +82,8 @@ def stub(home: Any) -> str:
                 f"from {public.__module__.removeprefix('tippetop')} import {name} as {name}"
             )
     version = ["__version__: str"] if "__version__" in home.__all__ else []
-    text = "\n\n".join([HEAD + "\n".join(sorted(imports)), *version, *functions]) + "\n"
+    head = HEAD if functions else ""
+    text = "\n\n".join([head + "\n".join(sorted(imports)), *version, *functions]) + "\n"
     command = [sys.executable, "-m", "ruff", "format", "--stdin-filename", "stub.pyi", "-"]
     ordered = [
         sys.executable,

@@ -1,7 +1,6 @@
 """How the cost grows with the span, the tolerance, the number of tops and the points of a grid.
 
-A measurement that would exceed the limit is not made, and said to be extrapolated from the one
-before.
+A measurement that would exceed the limit is extrapolated from the one before, and marked as such.
 """
 
 import math
@@ -34,7 +33,7 @@ LIMIT, QUICK_LIMIT = 60.0, 4.0  # [s] of one measurement
 
 
 def compare(quick: bool) -> dict[str, Any]:
-    """Tables of cost, with the exponent of a power law fitted to their last decades."""
+    """Return tables of cost, with the exponent of a power law fitted to their last decades."""
     limit = QUICK_LIMIT if quick else LIMIT
     return {
         "title": "How the cost grows",
@@ -49,9 +48,7 @@ def compare(quick: bool) -> dict[str, Any]:
 def grown(
     what: str, sizes: Iterable[float], cost: Callable[[float], float], limit: float
 ) -> dict[str, Any]:
-    """Processor seconds by size; the exponent of a power law over the last three that were
-    measured.
-    """
+    """Return processor seconds by size, and the exponent of a power law over the last three."""
     rows: list[dict[str, Any]] = []
     cost(next(iter(sizes)))  # compile
     for size in sizes:
@@ -70,7 +67,7 @@ def grown(
 
 
 def span(until: float) -> float:
-    """A heavy top for so long, with its events and memory that does not grow."""
+    """Return the cost of a span of a heavy top, with its events, in memory that does not grow."""
     driver = driver_of(build.load("heavy-top", None, until))
 
     def work() -> None:
@@ -81,13 +78,13 @@ def span(until: float) -> float:
 
 
 def tops(n: float) -> float:
-    """So many canonical tops for 10 s, on one thread."""
+    """Return the cost of n canonical tops for 10 s, on one thread."""
     many = tops_at(np.linspace(150, 164, int(n)), 10.0)
     return timed(lambda: ensemble.measure(many, threads=1))
 
 
 def grid(points: float) -> float:
-    """F over so many points, on one thread."""
+    """Return the cost of F over a number of points, on one thread."""
     t, n = bodies.top(FIGURE), round(math.sqrt(points))
     D = 6 * math.sqrt(FIGURE["m"] * FIGURE["g"] * FIGURE["R"] * FIGURE["I3"])
     x, y = np.linspace(-D, D, n), np.linspace(-D * FIGURE["R"], D * FIGURE["R"], round(points / n))
@@ -95,8 +92,9 @@ def grid(points: float) -> float:
 
 
 def tolerance(every: int) -> dict[str, Any]:
-    """The canonical inversion, 8 s, from 1e-6 to 1e-18: in doubles down to 1e-15, in 80-bit numbers
-    to the end.
+    """Return the cost of the canonical inversion, 8 s, from 1e-6 to 1e-18.
+
+    Doubles are used down to 1e-15, 80-bit numbers to the end.
     """
     rows, times = [], np.array([2.0, 4.0, 6.0, 8.0])
     exact = None
@@ -119,19 +117,17 @@ def tolerance(every: int) -> dict[str, Any]:
 
 
 def _exponent(rows: list[dict], precision: str) -> float:
-    """Of the seconds, by the digits."""
+    """Return the exponent of the seconds over the digits."""
     chosen = [row for row in rows if row["precision"] == precision]
     x = [math.log(-math.log10(row["tolerance"])) for row in chosen]
     return statistics.linear_regression(x, [math.log(row["seconds"]) for row in chosen]).slope
 
 
 def streamed(n: int) -> dict[str, Any]:
-    """n x n points of F into a store."""
+    """Return the cost of n x n points of F in a store."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "F.zarr"
         x, y = np.linspace(-8e-4, 9e-4, n), np.linspace(0, 8e-6, n)
-        seconds = timed(
-            lambda: recording.write(path, recording.Surface.over(FIGURE, x, y), threads=1)
-        )
+        seconds = timed(lambda: recording.write(path, recording.Surface(FIGURE, x, y), threads=1))
         size = sum(p.stat().st_size for p in path.rglob("*") if p.is_file())
     return {"points": n**2, "seconds": seconds, "stored_MB": size / 1e6}

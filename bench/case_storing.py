@@ -1,9 +1,8 @@
-"""What storing costs: a run at 1 kHz with events, drift, store and checkpoints against the
-equations alone.
+"""The cost of storing a run at 1 kHz, with events and drift, against its equations alone.
 
-Processor seconds, both threads: the store is written by a second one. By the wall too. What bounds
-it: the same columns given to zarr alone, from memory; and a run so long that the making of a store
-no longer counts.
+Processor seconds of both threads (a second one writes the store), and wall time. Two bounds: the
+same columns written by zarr alone, from memory, and a run so long that the making of a store no
+longer counts.
 """
 
 import statistics
@@ -38,31 +37,32 @@ THREE = ("theta", "phi_dot", "omega3")
 
 
 def bare(problem: Problem) -> Seconds:
-    """Seconds of one propagate_until of the same equations, without events."""
+    """Return seconds of one propagate_until of the same equations, without events."""
     plain = alone(problem)
     return spent(lambda: plain.propagate_until(end_of(problem)))
 
 
 def followed(problem: Problem) -> Seconds:
-    """Seconds of the run without rows."""
+    """Return seconds of the run without rows."""
     integration = Integration(problem)
     return spent(lambda: integration.run(Sink()))
 
 
 def stored(problem: Problem) -> Seconds:
-    """Seconds of the run into a store."""
+    """Return seconds of the run into a store."""
     with tempfile.TemporaryDirectory() as folder:
         return spent(lambda: recording.record(problem, Path(folder) / "run.zarr"))
 
 
 def keyframes(problem: Problem) -> Seconds:
-    """Seconds of the run into a store that keeps keyframes and events, and no rows."""
+    """Return seconds of the run into a store of keyframes and events, without rows."""
     return stored(replace(problem, output="keyframes"))
 
 
 def three(problem: Problem) -> Seconds:
-    """Seconds of the run into a store that keeps three columns: what they do not need is not
-    integrated.
+    """Return seconds of the run into a store of three columns.
+
+    What they do not need is not integrated.
     """
     return stored(replace(problem, columns=THREE, orientation=False))
 
@@ -74,9 +74,9 @@ CODECS: list[Any] = [
 
 
 def zarr_alone(problem: Problem) -> dict[str, float]:
-    """Processor seconds that zarr takes to write the columns of all rows, and three, that are in
-    memory, in our chunks and codecs: measured on a chunk of each column, which is given once for
-    nothing.
+    """Return processor seconds of zarr for all columns, and for three, from memory.
+
+    In our chunks and codecs, inferred from one chunk of each column, written twice.
     """
     rows = recording.ROWS_PER_CHUNK
     columns = solve(
@@ -106,7 +106,7 @@ def zarr_alone(problem: Problem) -> dict[str, float]:
 
 
 def compare(quick: bool) -> dict[str, Any]:
-    """Seconds of each run, bare, followed, and stored with keyframes, three columns or all."""
+    """Return seconds of each run: bare, followed, stored with keyframes, three columns or all."""
     prepare()  # as `tippetop run` does
     found: dict[str, Any] = {"title": "Storing a run at 1 kHz", "runs": {}}
     for name, (preset, until) in RUNS.items():
@@ -136,7 +136,7 @@ def compare(quick: bool) -> dict[str, Any]:
 
 
 def long(preset: str, until: float, quick: bool) -> dict[str, float]:
-    """Keyframes over a span in which the store's own seconds are lost among those of the motion."""
+    """Return ratios of keyframes over a span in which making the store takes no share."""
     sets = ["run.output=keyframes"] + (["friction.mu=0.0"] if preset == "inverting" else [])
     problem = build.load(preset, sets, until / 10 if quick else until)
     works = {f.__name__: lambda f=f: f(problem) for f in (bare, followed, keyframes)}

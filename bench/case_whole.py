@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
 from tippetop.problem import Problem
 from tippetop.runs.integration import Integration
@@ -19,7 +18,7 @@ from tippetop.scenario import build
 
 from .measure import interleaved, ratio, timed
 from .minimal import Minimal
-from .ours import ENDLESS, alone, by_hand, end_of, motion
+from .ours import alone, by_hand, end_of, motion, to_the_end
 
 
 RUNS = {
@@ -34,9 +33,7 @@ HOPS, SMOOTH = "flying", "inverting"  # presets: the same top, which hops, or sl
 
 
 def compare(quick: bool) -> dict[str, Any]:
-    """Processor seconds of motion, whole run and rows in memory; and processor time
-    over wall time.
-    """
+    """Return processor seconds of motion, whole run and rows, and processor over wall time."""
     found: dict[str, Any] = {"title": "A whole run beside its motion", "runs": {}}
     for name, (preset, until) in RUNS.items():
         problem = build.load(preset, None, until / 4 if quick else until)
@@ -73,10 +70,20 @@ def hops(rounds: int) -> dict[str, Any]:
 
 
 def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:
-    """The motion alone; with the integrals of a run; the compiled loop of a run, with all that it
-    finds, and the making of its driver; the whole run without rows, for which the orientation is
-    not integrated; the run with the rows of its preset in memory, and the orientation; heyoka by
-    hand.
+    """Return what is measured of a run, by name.
+
+    motion
+        The motion alone.
+    equations
+        With the integrals of a run.
+    loop
+        The compiled loop, with all that it finds, and the making of its driver.
+    whole
+        The whole run without rows, for which the orientation is not integrated.
+    rows
+        With the rows of its preset in memory, and the orientation.
+    by hand
+        The motion typed into heyoka.
     """
     minimal = Minimal(problem, np.array([problem.until]))
     moving, bare = motion((), minimal)(0.0), replace(problem, orientation=False)
@@ -100,23 +107,21 @@ def of(problem: Problem, *, hand: bool) -> dict[str, Callable[[], Any]]:
 
 
 def looped(problem: Problem) -> None:
-    """The compiled loop, to the end of a run; what it finds is left lying."""
-    driver: Any = driver_of(problem)
-    while driver.tally["status"] == Status.RUNNING.code:
-        driver.log.filled[0] = driver.samples.filled[0] = 0
-        driver.place.drive_on(ENDLESS)
+    """Drive the compiled loop to the end of a run, and keep nothing of what it finds."""
+    to_the_end(driver_of(problem))
 
 
 def _often(problem: Problem) -> None:
-    """Half a second of runs: the clock of the processor ticks each 10 ms."""
+    """Run for half a second: the clock of the processor ticks each 10 ms."""
     end = time.perf_counter() + 0.5
     while time.perf_counter() < end:
         Integration(problem).run(Sink())
 
 
 def processors(work: Callable[[], Any]) -> dict[str, float]:
-    """Processor time over wall time; and, where others keep the processors busy, over that of the
-    thread that works.
+    """Return processor time over wall time, and over that of the thread that works.
+
+    The latter counts where others keep the processors busy.
     """
     before, mine, clock = time.process_time(), time.thread_time(), time.perf_counter()
     work()

@@ -64,9 +64,9 @@ def best_near(observation: Observation, values: dict[str, float]) -> tuple[Misfi
 def cut_films(sets: int) -> None:
     """Print a line for each fit of a film that begins after the start of the motion."""
     t = np.arange(1, FRAMES) / 30
-    run = tt.run(
-        "inverting", [f"{k}={v}" for k, v in CUT_TRUE.items()], until=9.0, output_times=t
-    ).trajectory
+    rows = f"run.output_times={t.tolist()}"
+    changes = [*(f"{k}={v}" for k, v in CUT_TRUE.items()), rows]
+    run = tt.run(tt.load("inverting", changes, until=9.0)).trajectory
     axis = run.axis.sel(time=t).values
     true = {name: CUT_TRUE[name] for name in ("friction.mu", "parameters.I1")}
     true |= {f"initial.{name}": float(run[name].sel(time=t[CUT])) for name in CUT_FREE}

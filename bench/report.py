@@ -266,6 +266,8 @@ def sweep(result: dict[str, Any]) -> str:
     ]
     one, two = result["seconds_by_1_and_2_workers"]
     efficiency = f"efficiency {result['efficiency_of_2_workers']:.2f}"
+    if "efficiency_by_processor" in result:
+        efficiency += f", by processor time {result['efficiency_by_processor']:.2f}"
     said = (
         f"In chunks that two can share: {number(one)} s by one worker, {number(two)} s by "
         f"two, {efficiency}."

@@ -55,7 +55,7 @@ def test_a_pushed_body_creeps_as_derived(cone: str, timeconst: float, impratio: 
 @pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
 def test_the_derived_creep_turns_the_tutorial_s_top_over_when_mujoco_does(cone: str) -> None:
     derived = equator(effective(SoftContact(cone=cone)))
-    assert derived == pytest.approx(passage(*simulated(cone)), rel=0.1)
+    assert derived == pytest.approx(passage(*simulated(cone)[:2]), rel=0.1)
 
 
 def test_slip_that_turns_is_braked_by_the_inertance() -> None:

@@ -12,7 +12,7 @@ from tippetop.engine.observables import Observables, values_of
 from tippetop.errors import InputError
 from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.mechanics.units import KILOGRAM, METRE, SECOND
+from tippetop.mechanics.units import KILOGRAM, METRE, SECOND, Scales
 from tippetop.problem import Problem, Problems
 from tippetop.scenario import build
 from tippetop.scenario.schema import scenario_model
@@ -35,7 +35,7 @@ def columns(base: Problem, rng: np.random.Generator) -> dict[str, np.ndarray]:
     found = {"run.until": rng.uniform(0.5, 5, N)}
     for name, value in base.parameters.items():
         unit = base.system.parameters[name].unit
-        found[f"parameters.{name}"] = value * rng.uniform(0.95, 1.05, N) * size**unit.length
+        found[f"parameters.{name}"] = value * rng.uniform(0.95, 1.05, N) * size ** unit.powers[1]
     for name in base.system.initial:
         if name not in ("psi_dot", "x", "y"):
             found[f"initial.{name}"] = rng.uniform(0.1, 1.5, N)
@@ -116,10 +116,7 @@ def test_internal_numbers_do_not_depend_on_the_units(system: str) -> None:
 
     def scaled(values: dict, rules: dict) -> dict:
         units = {name: rules[name].unit for name in values}
-        return {
-            k: v * mass ** units[k].mass * length ** units[k].length * time ** units[k].time
-            for k, v in values.items()
-        }
+        return {k: v * Scales(mass, length, time).of(units[k]) for k, v in values.items()}
 
     friction = base.friction._asdict()
     other = dataclasses.replace(
@@ -131,7 +128,6 @@ def test_internal_numbers_do_not_depend_on_the_units(system: str) -> None:
     )
     assert np.array_equal(other.start(), base.start())
     assert leaves(other.internal_body) == leaves(base.internal_body)
-    assert other.internal_time(other.until) == base.internal_time(base.until)
     for unit, factor in ((KILOGRAM, mass), (METRE, length), (SECOND, time)):
         assert other.scales.of(unit) == factor * base.scales.of(unit)
 
@@ -202,10 +198,10 @@ def test_every_way_in_refuses_the_same_numbers(system: str) -> None:
             assert (i in by_array) >= wrong
             tables = {**base.tables, "run": {"until": base.until}, "system": system}
             if base.system.frictional:
-                tables["friction"] = {"law": base.law_name, **tables["friction"]}
+                tables["friction"] = {"law": base.law.key, **tables["friction"]}
             tables[table] = {**tables[table], name: float(value)}
             try:
-                scenario_model(base.system).model_validate(tables)
+                scenario_model(base.system, base.law).model_validate(tables)
                 refused = False
             except ValidationError as error:
                 refused = any(e["loc"][-1] == name for e in error.errors())

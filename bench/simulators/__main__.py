@@ -18,9 +18,9 @@ import numpy as np
 from .case import Case, read
 
 
-ENGINES = ("mujoco", "pybullet", "drake", "dart", "newton", "genesis", "mjx")
+ENGINES = ("mujoco", "pybullet", "drake", "dart", "newton", "genesis")
 STEPS = (1e-3, 5e-4, 2.5e-4)
-SCANNED = ("mujoco-tutorial", "coulomb-sticking")
+SCANNED = ("mujoco-tutorial", "coulomb-sticking", "stem-landing", "rocking-cylinder")
 ROWS = 2000
 HEADER = "t [s],x [m],y [m],z [m],q_w,q_x,q_y,q_z,vx [m/s],vy [m/s],vz [m/s]"
 HEADER += "".join(f",omega_{axis} [rad/s]" for axis in "xyz")
@@ -71,7 +71,7 @@ def main() -> None:
     parser.add_argument(
         "--step", action="append", type=float, help="[s]; by default 1e-3 to 2.5e-4"
     )
-    parser.add_argument("--limit", type=float, default=120.0, help="wall time of one result [s]")
+    parser.add_argument("--limit", type=float, default=1800.0, help="wall time of one result [s]")
     parser.add_argument("--scan", action="store_true", help="vary the contact model instead")
     given = parser.parse_args()
     cases = [

@@ -20,7 +20,7 @@ SETTINGS = {
     "default": {},
     "best": {"timeconst": 0.004},
 }
-SCAN = ("timeconst", (0.02, 0.01, 0.004, 0.002, 0.001))
+SCAN = ("timeconst", (0.02, 0.004, 0.002, 0.001, 0.0005))
 
 
 def cannot(case: Case, setting: dict) -> str | None:

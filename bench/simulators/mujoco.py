@@ -17,7 +17,7 @@ SETTINGS = {
     "default": {"cone": "pyramidal", "integrator": "Euler", "impratio": 1.0, "timeconst": 0.02},
     "best": {"cone": "elliptic", "integrator": "RK4", "impratio": 10.0, "timeconst": 0.004},
 }
-SCAN = ("timeconst", (0.02, 0.01, 0.004, 0.002, 0.001))
+SCAN = ("timeconst", (0.02, 0.004, 0.002, 0.001, 0.0005))
 
 
 def cannot(case: Case, setting: dict) -> str | None:

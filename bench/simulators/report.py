@@ -7,10 +7,11 @@ error-against-step.png there.
 import argparse
 import itertools
 import json
+import math
 from pathlib import Path
 
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import NullFormatter, NullLocator
 
 from tippetop import benchmark
 from tippetop.figures import style
@@ -81,9 +82,11 @@ def draw(results: dict[tuple[str, str, str], list[dict]], path: Path) -> None:
         axes.set_xlabel("step [ms]")
         axes.set_ylabel("position [m]" if case == "bounce" else "attitude [rad]", fontsize=8)
         axes.xaxis.set_minor_locator(NullLocator())
-        axes.set_xticks([2.5e-4, 5e-4, 1e-3], ["0.25", "0.5", "1"])
+        axes.set_xticks([1e-4, 2.5e-4, 5e-4, 1e-3], ["0.1", "0.25", "0.5", "1"])
+        axes.set_xlim(8e-5, 1.25e-3)
         low, high = axes.get_ylim()
-        axes.set_ylim(low / 2, high * 2)
+        axes.set_ylim(10 ** math.floor(math.log10(low)), 10 ** math.ceil(math.log10(high)))
+        axes.yaxis.set_minor_formatter(NullFormatter())
     figure.legend(handles.values(), handles, loc="outside lower center", ncols=6, fontsize=7)
     figure.savefig(path, dpi=110)
 

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.polynomial import Polynomial
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import tippetop as tt
@@ -134,28 +135,133 @@ def tutorial() -> Case:
     )
 
 
-def simulated(cone: str, frame: str = "centre of the ball", step: float = 1e-3) -> np.ndarray:
-    """Return time and theta of MuJoCo with the contact settings of the tutorial."""
-    from .mujoco import SETTINGS, motion
+def simulated(
+    cone: str = "elliptic",
+    frame: str = "centre of the ball",
+    step: float = 1e-3,
+    impratio: float = 1.0,
+    timeconst: float = 0.02,
+) -> np.ndarray:
+    """Return time, theta and the gap of MuJoCo, by default with the settings of the tutorial."""
+    from .mujoco import motion
 
-    setting = {**SETTINGS["default"], "integrator": "RK4", "cone": cone, "frame": frame}
-    rows = itertools.islice(motion(tutorial(), setting, step), round(8.0 / step))
-    q = np.array([row[3:7] for row in rows])
-    theta = np.arccos(np.clip(1 - 2 * (q[:, 1] ** 2 + q[:, 2] ** 2), -1, 1))
-    return np.array([step * np.arange(len(theta)), theta])
+    case = tutorial()
+    setting = {"integrator": "RK4", "cone": cone, "frame": frame}
+    setting |= {"impratio": impratio, "timeconst": timeconst}
+    rows = itertools.islice(motion(case, setting, step), round(8.0 / step))
+    height, x, y = np.array([row[[2, 4, 5]] for row in rows]).T
+    up = 1 - 2 * (x**2 + y**2)
+    gap = height + case.balls[0].offset * up - case.balls[0].radius
+    return np.array([step * np.arange(len(up)), np.arccos(np.clip(up, -1, 1)), gap])
 
 
-def passage(time: np.ndarray, theta: np.ndarray) -> float:
-    """Return when theta passes pi/2 [s]."""
-    return float(time[np.argmax(theta > math.pi / 2)])
+def passage(time: np.ndarray, theta: np.ndarray, angle: float = math.pi / 2) -> float:
+    """Return when theta passes an angle [s]; NaN if it does not."""
+    return float(time[np.argmax(theta > angle)]) if theta.max() > angle else math.nan
+
+
+def grown(time: np.ndarray, theta: np.ndarray, span: tuple[float, float]) -> Polynomial:
+    """Return the line through ln theta while its mean over the fast mode lies in a span."""
+    mean = np.convolve(theta, np.full(27, 1 / 27), "same")  # 27 ms, a turn of the fast mode
+    inside = (mean > span[0]) & (mean < span[1]) & (time < passage(time, theta))
+    return Polynomial.fit(time[inside], np.log(mean[inside]), 1).convert()
+
+
+def independent() -> tuple[float, float]:
+    """Return when the exact top sticks [s] and its largest theta, by SciPy from Newton and Euler.
+
+    The state is the axis u, the angular momentum L and the velocity V of the centre of mass.
+    """
+    case, up = tutorial(), np.array([0.0, 0.0, 1.0])
+    m, g, ball = case.mass, case.gravity, case.balls[0]
+    across, along = case.inertia[0], case.inertia[2]
+
+    def turning(u: np.ndarray, L: np.ndarray) -> np.ndarray:
+        return (L - (L @ u) * u) / across + (L @ u) / along * u
+
+    def slip(t: float, y: np.ndarray, sticks: bool = False) -> np.ndarray:
+        u, L, V = y.reshape(3, 3)
+        return V + np.cross(turning(u, L), ball.offset * u - ball.radius * up)
+
+    def rates(t: float, y: np.ndarray, sticks: bool) -> np.ndarray:
+        u, L = y[:3], y[3:6]
+        arm, rate = ball.offset * u - ball.radius * up, np.cross(turning(u, L), u)
+        mobility = np.array(
+            [e / m + np.cross(turning(u, np.cross(arm, e)), arm) for e in np.eye(3)]
+        ).T
+        bias = np.cross(turning(u, np.cross(L, turning(u, L))), arm) - g * up
+        bias += np.cross(turning(u, L), ball.offset * rate)
+        slips = slip(t, y) * [1, 1, 0]
+        push = up - slips / max(np.linalg.norm(slips), 1e-300)
+        force = -bias[2] / (mobility[2] @ push) * push
+        if sticks:
+            force = -np.linalg.solve(mobility, bias)
+        return np.concatenate([rate, np.cross(arm, force), force / m - g * up])
+
+    def stopped(t: float, y: np.ndarray, sticks: bool) -> float:
+        return math.hypot(*slip(t, y)[:2]) - 1e-9
+
+    stopped.terminal = True  # type: ignore[attr-defined]
+    start = np.concatenate([up, case.inertia * case.omega, case.velocity])
+    tight = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-15}
+    slides = solve_ivp(
+        rates, (0, 0.01), start, events=stopped, max_step=1e-5, args=(False,), **tight
+    )
+    after = np.linspace(slides.t[-1], 0.1, 100_001)
+    rolls = solve_ivp(rates, (after[0], 0.1), slides.y[:, -1], t_eval=after, args=(True,), **tight)
+    return float(after[0]), float(np.arcsin(np.hypot(*rolls.y[:2])).max())
+
+
+def show_checks() -> None:
+    """Print the other numbers of the page."""
+    print("SciPy: sticks at {:.9g} s, theta to {:.8g}".format(*independent()))
+    for cone in ("pyramidal", "elliptic"):
+        ends = [passage(*simulated(cone, step=step)[:2]) for step in (2e-3, 1e-3, 5e-4, 2.5e-4)]
+        time, theta, gap = simulated(cone)
+        first = time[np.argmax((gap > 0) & (time > 0.1))]
+        law = tt.friction.Coulomb(mu=1.0, eps=1.0 / effective(SoftContact(cone=cone)))
+        run = tt.run("mujoco-tutorial", law, until=8.0).trajectory
+        creep = np.arange(0, 8, 1e-3)
+        lines = [
+            grown(t, angles, (0.012, 0.05))
+            for t, angles in (
+                (time, theta),
+                (creep, np.interp(creep, run.time.values, run.theta.values)),
+            )
+        ]
+        starts = [math.exp(line(0.0)) for line in lines]
+        passes = [passage(time, theta, 0.08), passage(run.time.values, run.theta.values, 0.08)]
+        print(
+            f"{cone}: pi/2 at {ends} s, theta to {theta.max():.2g}; opens at {first:.2g} s; grows "
+            f"with {lines[0].coef[1]:.4g} 1/s from {starts[0] / starts[1]:.2g} times the start of "
+            f"the creep; 0.08 at {passes[0]:.3g} s, with creep at {passes[1]:.3g} s"
+        )
+    for key, changes in {
+        "impratio 10": {"impratio": 10.0},
+        "exported": {"impratio": 10.0, "timeconst": 2e-4, "step": 1e-4},
+        "centre of mass": {"frame": "centre of mass"},
+        "centre of mass, stiff": {
+            "frame": "centre of mass",
+            "impratio": 10.0,
+            "timeconst": 5e-4,
+            "step": 2.5e-4,
+        },
+    }.items():
+        time, theta, _ = simulated(**changes)
+        print(f"{key}: pi/2 at {passage(time, theta):.3g} s, theta to {theta.max():.2g}")
+    line = grown(*simulated("elliptic", "centre of mass")[:2], (0.02, 0.15))
+    print(f"centre of mass: grows with {line.coef[1]:.4g} 1/s")
+    for mu in (401.0, 744.0, 185.0, 305.0):
+        run = tt.run("mujoco-tutorial", tt.friction.Viscous(mu=mu), until=20.0).trajectory
+        print(f"viscous, {mu:g} s/m: {passage(run.time.values, run.theta.values):.3g} s")
 
 
 def draw(path: Path) -> None:
     """Draw theta(t) of MuJoCo, of the exact top, and of the top that creeps as derived."""
-    figure = Figure(figsize=(7, 4), layout="constrained")
+    figure = Figure(figsize=(7, 4.6), layout="constrained")
     axes = figure.subplots()
     for cone, colour in (("pyramidal", style.RUN), ("elliptic", style.UPPER)):
-        axes.semilogy(*simulated(cone), color=colour, label=f"MuJoCo, {cone} cone")
+        axes.semilogy(*simulated(cone)[:2], color=colour, label=f"MuJoCo, {cone} cone")
         law = tt.friction.Coulomb(mu=1.0, eps=1.0 / effective(SoftContact(cone=cone)))
         run = tt.run("mujoco-tutorial", law)
         label = f"Coulomb with derived creep, {cone}"
@@ -167,14 +273,14 @@ def draw(path: Path) -> None:
         run.trajectory.time, run.trajectory.theta, color=style.LOWER, label="exact Coulomb"
     )
     axes.semilogy(
-        *simulated("elliptic", "centre of mass"),
+        *simulated("elliptic", "centre of mass")[:2],
         ":",
         color=style.QUIET,
         label="MuJoCo, body frame at the centre of mass",
     )
     axes.axhline(math.pi / 2, color=style.QUIET, lw=0.5)
     axes.set(xlabel="t [s]", ylabel="theta [rad]", xlim=(0, 8), ylim=(1e-3, 4))
-    axes.legend(loc="lower right", fontsize=8)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=8)
     figure.savefig(path, dpi=150)
 
 
@@ -182,7 +288,11 @@ def main() -> None:
     """Print the tables of the page and draw its figure."""
     parser = argparse.ArgumentParser(prog="python -m bench.simulators.soft_contact")
     parser.add_argument("--figure", type=Path)
+    parser.add_argument("--checks", action="store_true", help="print the other numbers instead")
     given = parser.parse_args()
+    if given.checks:
+        show_checks()
+        return
     print(
         "| solref time constant [s] | impratio | cone | sinks in [mm] | creep at half the weight "
         "[mm/s] | friction [s/m], slip keeps its direction | and where it turns with 200 rad/s |"
@@ -200,16 +310,16 @@ def main() -> None:
     for cone in ("pyramidal", "elliptic"):
         contact = SoftContact(cone=cone)
         rate = growth(contact.damping * contact.inertance, contact.inertance)
-        mu = effective(contact)
+        mu, turned = effective(contact), passage(*simulated(cone)[:2])
         print(
             f"{cone}: growth {rate.real:.4g} 1/s, Omega {rate.imag:.4g} rad/s; mu = "
             f"{contact.viscous():.4g} at rest, {contact.viscous(rate.imag):.4g} leading order, "
-            f"{mu:.4g} s/m; pi/2 at {equator(mu):.4g} s, MuJoCo {passage(*simulated(cone)):.4g} s"
+            f"{mu:.4g} s/m; pi/2 at {equator(mu):.4g} s, MuJoCo {turned:.4g} s"
         )
     rate = growth(contact.damping * contact.inertance, contact.inertance, 1.0)
     print(
         f"body frame at the centre of mass: growth {rate.real:.4g} 1/s; pi/2 of MuJoCo at "
-        f"{passage(*simulated('elliptic', 'centre of mass')):.4g} s"
+        f"{passage(*simulated('elliptic', 'centre of mass')[:2]):.4g} s"
     )
     if given.figure:
         draw(given.figure)

@@ -17,7 +17,7 @@ _NAMES = {
     "mechanics.systems.heavy_top": "HeavyTop",
     "mechanics.systems.tippe_top": "TippeTop",
     "library.exchanging": "compare fit",
-    "library.many": "ensemble",
+    "library.variations": "ensemble",
     "library.run": "Run",
     "library.stored_run": "StoredRun",
     "library.running": "open resume run",

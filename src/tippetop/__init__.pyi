@@ -61,11 +61,10 @@ def ensemble(
     precision: Literal["double", "longdouble", "quad"] | None = ...,
     tolerance: float | None = ...,
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
-    sensitivities: Sequence[str] | None = ...,
 ) -> xr.Dataset: ...
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
-    friction: FrictionLaw | tuple | Mapping[str, Any] | Sequence[str] | None = ...,
+    friction: FrictionLaw | tuple | Mapping[str, Any] | None = ...,
     *,
     out: str | Path | None = ...,
     overwrite: bool = ...,
@@ -88,6 +87,5 @@ def run(
     precision: Literal["double", "longdouble", "quad"] | None = ...,
     tolerance: float | None = ...,
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
-    sensitivities: Sequence[str] | None = ...,
     orientation: bool | None = ...,
 ) -> Run: ...

@@ -101,12 +101,12 @@ def measured_values(name: str, values: Any, unit: "Unit") -> Any:
     """Return a number, a text or an array of them as numbers in SI units. Raises InputError."""
     import numpy as np
 
-    given = (
-        values.tolist() if isinstance(values, np.ndarray) and values.dtype.kind in "UO" else values
-    )
-    if isinstance(given, list | tuple) and any(isinstance(value, str) for value in given):
-        return [measured(name, value, unit) for value in given]
-    return measured(name, given, unit) if isinstance(given, str) or np.ndim(given) == 0 else given
+    array = np.asarray(values)
+    if array.ndim == 0:
+        return measured(name, values, unit)
+    if array.dtype.kind in "UO" and any(isinstance(value, str) for value in values):
+        return [measured(name, value, unit) for value in values]
+    return values
 
 
 def within(name: str, values: Any, low: float, high: float, words: str) -> None:
@@ -122,9 +122,7 @@ def plain(value: Any) -> Any:
     """Return a value as TOML contains it: numbers of Python and lists."""
     import numpy as np
 
-    if isinstance(value, np.ndarray | np.generic):
-        return value.tolist()
-    if hasattr(value, "__array__") and not isinstance(value, str | Mapping):  # of pandas, of xarray
+    if hasattr(value, "__array__") and not isinstance(value, str | Mapping):
         return np.asarray(value).tolist()
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
@@ -188,15 +186,24 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
     return decorated
 
 
+OF_COMMANDS = (
+    (r" \(--set [^)]*\)|--set ", ""),
+    (r"run\.until =", "until ="),
+    (r"`run\.(\w+)", r"`\1"),
+    (r"--accept-other-version", "accept_other_version=True"),
+    (r"--overwrite", "overwrite=True"),
+)
+"""Words for the command line, and those for callers."""
+
+
 @contextlib.contextmanager
 def in_python() -> Iterator[None]:
-    """Rephrase StoreErrors for callers: --overwrite is overwrite=True."""
+    """Rephrase errors for callers: options are arguments, --overwrite is overwrite=True."""
     try:
         yield
-    except StoreError as error:
-        words = re.sub(
-            r"--([a-z]+(?:-[a-z]+)*)", lambda m: f"{m[1].replace('-', '_')}=True", str(error)
-        )
-        if words == str(error):
-            raise
-        raise StoreError(words) from error
+    except (InputError, StoreError) as error:
+        words = str(error)
+        for pattern, word in OF_COMMANDS:
+            words = re.sub(pattern, word, words)
+        error.args = (words,)
+        raise

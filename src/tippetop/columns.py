@@ -119,10 +119,6 @@ LETTERS = ("xyz", "wxyz")
 def with_coordinates(table: "xr.Dataset") -> "xr.Dataset":
     """Add the coordinates of a table: letters of vectors, time, and kinds of events."""
     labels = {name: (name, list(name)) for name in LETTERS if name in table.dims}
-    by = next(
-        (c.attrs["parameters"].split() for c in table.values() if "parameters" in c.attrs), None
-    )
-    labels |= {"parameter": ("parameter", by)} if by else {}
     named = [name for name in ("time", "kind") if name in table and table[name].ndim == 1]
     return table.assign_coords(labels).set_coords(named)
 

@@ -31,7 +31,6 @@ def lyapunov(
     precision: Literal["double", "longdouble", "quad"] | None = ...,
     tolerance: float | None = ...,
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
-    sensitivities: Sequence[str] | None = ...,
     orientation: bool | None = ...,
 ) -> xr.Dataset: ...
 def sensitivities(
@@ -57,6 +56,5 @@ def sensitivities(
     precision: Literal["double", "longdouble", "quad"] | None = ...,
     tolerance: float | None = ...,
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
-    sensitivities: Sequence[str] | None = ...,
     orientation: bool | None = ...,
 ) -> Sensitivities: ...

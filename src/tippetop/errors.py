@@ -104,9 +104,8 @@ def refuse_without(name: str) -> None:
 
 def missing_extra(error: ImportError) -> str | None:
     """Return the sentence on an import of an extra that is not installed, or None."""
-    name = (
-        (error.name or "").partition(".")[0].replace("llvmlite", "numba")
-    )  # numba is what brings it
+    # numba brings llvmlite
+    name = (error.name or "").partition(".")[0].replace("llvmlite", "numba")
     extra = EXTRAS.get(name)
     return (
         f"this must find {name}, but it is not installed: pip install 'tippetop[{extra}]'."
@@ -130,8 +129,12 @@ class StoreError(OSError):
 
 class _Sentences(Exception):
     def __init__(self, sentences: str | list[str]):
-        self.sentences = [sentences] if isinstance(sentences, str) else sentences
-        super().__init__("\n".join(self.sentences))
+        super().__init__(sentences if isinstance(sentences, str) else "\n".join(sentences))
+
+    @property
+    def sentences(self) -> list[str]:
+        """Return the faults, a sentence each."""
+        return str(self).split("\n")
 
 
 class InputError(_Sentences, ValueError):
@@ -156,16 +159,12 @@ def _is_one_number(value: Any, arguments: tuple) -> bool:
 
     It has at most their dimensions, and is complex only if they are.
     """
-    if not (
-        hasattr(value, "__sub__") and hasattr(value, "__mul__")
-    ):  # texts, lists, None, functions
-        return False
-    dimensions, is_complex = getattr(value, "ndim", 0), _is_complex(value)
-    if not dimensions and not is_complex:
-        return True
+    if not (hasattr(value, "__sub__") and hasattr(value, "__mul__")):
+        return False  # a text, list, None or function
     leaves = list(_leaves(arguments))
-    right = dimensions <= max((getattr(leaf, "ndim", 0) for leaf in leaves), default=0)
-    return right and (not is_complex or any(map(_is_complex, leaves)))
+    most = max(getattr(leaf, "ndim", 0) for leaf in leaves)
+    is_allowed = not _is_complex(value) or any(map(_is_complex, leaves))
+    return getattr(value, "ndim", 0) <= most and is_allowed
 
 
 def _is_complex(value: Any) -> bool:
@@ -214,3 +213,8 @@ def names_its_faults(formula: Callable, words: str) -> Callable:
     if module.startswith("tippetop.") or isinstance(formula, NamedFormula):
         return formula
     return NamedFormula(formula, words)
+
+
+def owner(formula: Any) -> str:
+    """Return the owner of a formula of the user, "the column `mine`"; empty for others."""
+    return getattr(formula, "of", "")

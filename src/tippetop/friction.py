@@ -1,16 +1,8 @@
 """Friction laws, F_h = -k g_n v_A, as records such as `Viscous(mu=0.3)`."""
 
-from .mechanics.friction import Contensou, Coulomb, Frictionless, Latitude, Mixed, Stribeck, Viscous
+from .mechanics import friction
+from .mechanics.friction import *  # noqa: F403
 from .mechanics.systems.cylinder import Modified
 
 
-__all__ = [
-    "Contensou",
-    "Coulomb",
-    "Frictionless",
-    "Latitude",
-    "Mixed",
-    "Modified",
-    "Stribeck",
-    "Viscous",
-]
+__all__ = sorted([*friction.__all__, Modified.__name__])

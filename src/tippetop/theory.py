@@ -1,7 +1,7 @@
-"""The theory of tops: thresholds, regimes, modes, asymptotic states, nutation, main equation."""
+"""The theory of tops: thresholds, regimes, modes, asymptotic states, main equation."""
 
 from .library.asymptotics import accelerations, asymptotic_states, least_energy
-from .library.theory import linear_modes, nutation, reconstruct, regime, thresholds
+from .library.theory import linear_modes, reconstruct, regime, thresholds
 
 
 __all__ = [
@@ -9,7 +9,6 @@ __all__ = [
     "asymptotic_states",
     "least_energy",
     "linear_modes",
-    "nutation",
     "reconstruct",
     "regime",
     "thresholds",

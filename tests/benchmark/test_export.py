@@ -9,9 +9,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.spatial.transform import Rotation
 
 import tippetop as tt
 from tippetop import benchmark, cli
+from tippetop.exchange.simulators import text_of
 
 
 CASES = ("stem-landing", "joint", "drill-to-rest", "rocking-cylinder", "bounce")
@@ -79,8 +81,10 @@ def test_models_have_the_body_and_the_start(exported, name):
     assert float(sdf.findtext("link/inertial/mass")) == pytest.approx(body.m, rel=1e-12)
     assert float(sdf.findtext("link/inertial/inertia/izz")) == pytest.approx(body.I3, rel=1e-11)
     pose = [float(word) for word in sdf.findtext("pose").split()]
-    start = rows.loc[0, ["x [m]", "y [m]", "z [m]", "q_x", "q_y", "q_z", "q_w"]]
-    np.testing.assert_allclose(pose, start.astype(float), atol=1e-12)
+    start = rows.loc[0, ["x [m]", "y [m]", "z [m]"]].astype(float)
+    np.testing.assert_allclose(pose[:3], start, atol=1e-12)
+    there = Rotation.from_quat(rows.loc[0, ["q_x", "q_y", "q_z", "q_w"]].astype(float))
+    assert (there.inv() * Rotation.from_euler("xyz", pose[3:])).magnitude() < 1e-11
     mujoco = pytest.importorskip("mujoco")
     mujoco.MjModel.from_xml_path(str(folder / "model.urdf"))
     model = mujoco.MjModel.from_xml_path(str(folder / "model.mjcf.xml"))
@@ -94,17 +98,68 @@ def test_models_have_the_body_and_the_start(exported, name):
     np.testing.assert_allclose(velocity[:3], omega, atol=1e-9)
 
 
+def test_sdf_has_the_attitude_of_a_start_with_three_angles():
+    angles = {"phi": -1.0, "theta": 2.0, "psi": 2.5}
+    problem = tt.load("flying", [f"initial.{name}={value}" for name, value in angles.items()])
+    root = ElementTree.fromstring(text_of(problem, "sdf"))
+    pose = root.findtext(".//model[@name='top']/pose").split()
+    turned = Rotation.from_euler("xyz", [float(angle) for angle in pose[3:]])
+    expected = Rotation.from_euler("ZYZ", list(angles.values()))
+    assert (turned.inv() * expected).magnitude() < 1e-11
+
+
 def test_models_of_the_joint_have_no_contact(exported):
     texts = [(exported / "joint" / f"model.{to}").read_text() for to in ("urdf", "sdf", "mjcf.xml")]
     assert not any("bounce" in text or "<collision" in text for text in texts)
     assert "must hold the point 0 0 -1 of the" in texts[0]
 
 
+def test_the_sign_of_the_quaternion_is_continuous(exported):
+    q = pd.read_csv(exported / "joint" / "reference.csv")[["q_w", "q_x", "q_y", "q_z"]].values
+    assert ((q[1:] * q[:-1]).sum(axis=1) > 0.9).all()
+
+
+@pytest.mark.parametrize("file", ["model.sdf", "model.urdf", "model.mjcf.xml"])
 @pytest.mark.parametrize("name", ["stem-landing", "joint"])
-def test_sdf_loads_in_drake(exported, name):
+def test_models_load_in_drake(exported, name, file):
     parsing = pytest.importorskip("pydrake.multibody.parsing")
     plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(1e-3)
-    parsing.Parser(plant).AddModels(str(exported / name / "model.sdf"))
+    parsing.Parser(plant).AddModels(str(exported / name / file))
+    mass = benchmark.case(name).problem.body().m
+    assert plant.GetBodyByName("top").default_mass() == pytest.approx(mass, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["stem-landing", "joint"])
+def test_models_load_in_dart(exported, name):
+    dart, body = pytest.importorskip("dartpy"), benchmark.case(name).problem.body()
+    sdf, urdf = (
+        dart.common.Uri(f"file://{exported / name / file}") for file in ("model.sdf", "model.urdf")
+    )
+    world = dart.utils.SdfParser.readWorld(sdf)
+    for top in (world.getSkeleton("top"), dart.utils.DartLoader().parseSkeleton(urdf)):
+        inertia = top.getBodyNode("top").getInertia()
+        assert inertia.getMass() == pytest.approx(body.m, rel=1e-12)
+        assert inertia.getMoment()[2][2] == pytest.approx(body.I3, rel=1e-11)
+
+
+def test_urdf_loads_in_pybullet(exported):
+    engine = pytest.importorskip("pybullet")
+    client = engine.connect(engine.DIRECT)
+    path = str(exported / "stem-landing" / "model.urdf")
+    top = engine.loadURDF(path, flags=engine.URDF_USE_INERTIA_FROM_FILE)
+    body = benchmark.case("stem-landing").problem.body()
+    mass, _, moments, *_ = engine.getDynamicsInfo(top, -1)
+    engine.disconnect(client)
+    assert (mass, *moments) == pytest.approx((body.m, body.I1, body.I1, body.I3), rel=1e-6)
+
+
+@pytest.mark.parametrize("file", ["urdf", "mjcf.xml"])
+def test_models_load_in_newton(exported, file):
+    builder = pytest.importorskip("newton").ModelBuilder()
+    add = builder.add_urdf if file == "urdf" else builder.add_mjcf
+    add(str(exported / "stem-landing" / f"model.{file}"))
+    body = benchmark.case("stem-landing").problem.body()
+    assert builder.body_mass == pytest.approx([body.m], rel=1e-6)
 
 
 def test_impacts_and_phases_are_exported(exported):

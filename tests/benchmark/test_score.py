@@ -194,6 +194,13 @@ def test_bad_results_get_one_message(tmp_path, capsys, spoil, message):
     assert message in " ".join(capsys.readouterr().err.split())
 
 
+def test_a_conjugated_quaternion_of_an_upright_top_is_noticed(tmp_path):
+    table = result("drill-to-rest")
+    table[["q_x", "q_y", "q_z"]] *= -1
+    with pytest.raises(InputError, match=r"space axes into body axes.*change the sign"):
+        benchmark.score(write(tmp_path, table, "drill-to-rest"))
+
+
 def test_unknown_case_and_nothing_to_score(tmp_path, capsys):
     path = write(tmp_path, result("bounce"), "no-case")
     assert cli.outcome(["benchmark", "score", str(path)]) == 2

@@ -88,7 +88,7 @@ def code_of(tmp_path: Path, monkeypatch: Patch, file: Path) -> Iterator[Callable
     [
         (0, "presets --json", nothing, ""),
         (0, RUN, nothing, ""),
-        (2, "fly", nothing, "unknown command `fly`"),
+        (2, "fly", nothing, 'Unknown command "fly"'),
         (2, f"{RUN} --set friction.mu=-1", nothing, "`friction.mu` must be at least 0.0"),
         (3, f"{RUN} {STIFF}", nothing, "too stiff"),
         (4, RUN, no_promise_can_be_kept, "the accuracy contract is broken: the drift of jellett"),

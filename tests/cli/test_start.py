@@ -1,6 +1,7 @@
 """What a start imports: only what the words on the command line need."""
 
 import functools
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -8,8 +9,7 @@ from pathlib import Path
 import pytest
 from typed import typed
 
-from tippetop.cli.application import command
-from tippetop.cli.overview import COMMANDS, summary
+from tippetop.cli.application import COMMANDS
 
 
 SHOW = """
@@ -33,12 +33,8 @@ def imported(words: str) -> set[str]:
 
 
 @pytest.mark.parametrize("words", ["", "--help", "--version"])
-def test_the_overview_needs_the_standard_library_alone(words: str) -> None:
-    modules = "tippetop awaiting cli cli.overview cli.streams errors"
-    assert {m.removeprefix("tippetop.") for m in imported(words) if "tippetop" in m} == {
-        *modules.split()
-    }
-    heavy = "attr cyclopts heyoka json logging numpy pydantic rich zarr"
+def test_the_overview_needs_no_heavy_library(words: str) -> None:
+    heavy = "heyoka matplotlib numba numpy pandas pydantic xarray zarr"
     assert not imported(words) & {*heavy.split()}
 
 
@@ -55,20 +51,9 @@ def test_a_stored_run_imports_what_it_needs(tmp_path: Path) -> None:
     assert "zarr" not in imported("run inverting --until 0.1")
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_the_overview_has_the_summary_of_each_command(
-    name: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert summary(name) == command(name).__doc__.split("\n\n")[0]
-    assert typed(f"{name} --help") == 0
-    assert summary(name) in " ".join(capsys.readouterr().out.split())
-
-
-def test_every_command_has_a_line_of_the_overview(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_overview_has_a_line_for_each_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert typed("--help") == 0
     text = capsys.readouterr().out
-    lines = text.splitlines()
-    assert all(any(line.startswith(f"  {name} ") for line in lines) for name in COMMANDS)
-    assert max(map(len, lines)) <= 120
+    assert all(re.search(rf"│ {name} +[A-Z]", text) for name in COMMANDS)
     assert typed("") == 0
     assert capsys.readouterr().out == text

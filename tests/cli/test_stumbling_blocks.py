@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.cli.application import app_of
-from tippetop.cli.overview import COMMANDS
+from tippetop.cli.application import COMMANDS, application
 from tippetop.figures import catalogue
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.store import root
@@ -58,7 +57,7 @@ from tippetop.store import root
         ),
         ("run inverting --window 1", "`--window` requires `--certify`."),
         ("run inverting --until --json", "`--until` must be a number"),
-        ("rum inverting", "unknown command `rum`. Did you mean `run`?"),
+        ("rum inverting", 'Unknown command "rum". Did you mean "run"?'),
         (
             "run invertin",
             "`invertin` is neither a TOML file nor a preset. Did you mean `inverting`?",
@@ -126,23 +125,18 @@ def test_help_of_plot_lists_every_kind(said: Callable) -> None:
 
 
 def test_every_argument_and_option_has_help() -> None:
-    app = app_of(COMMANDS)
+    app = application()
     for command in COMMANDS:
         for argument in app[command].assemble_argument_collection(parse_docstring=True):
             assert argument.parameter.help, (command, argument.name)
 
 
-def test_systems_lists_what_its_help_promises(said: Callable) -> None:
+def test_systems_lists_every_system(said: Callable) -> None:
     text = " ".join(said("systems")[0].split())
     found = json.loads(said("systems --json")[0])
     for name, system in SYSTEMS.items():
         assert f"{name}: {system.title}" in text
-        assert found[name]["events"] == [e.name for e in system.events]
-        points = {law for law, rules in system.laws.items() if not rules.regions}
-        assert set(found[name]["friction"]) - {"contensou"} == points
-        assert ("contensou" in found[name]["friction"]) == (name == "tippe-top")
-    for part in ("omega3 [rad s-1]", "centre_at_rest [true or false]", "coulomb (mu, eps [m s-1])"):
-        assert part in text
+        assert found[name]["integrals"] == ", ".join(system.integrals) or "none"
 
 
 def test_json_keys_are_names_and_units_are_values(said: Callable) -> None:
@@ -150,9 +144,6 @@ def test_json_keys_are_names_and_units_are_values(said: Callable) -> None:
     assert found["at_start"]["jellett"]["unit"] == "kg m3 s-1"
     assert found["at_start"]["jellett"]["value"] == pytest.approx(6.8944413e-06)
     assert found["thresholds"]["lambda_s"]["unit"] == "kg m3 s-1"
-    by_eps = json.loads(said("check leine-glocker --json")[0])["inversion_by_eps"]
-    assert by_eps["eps"] == {"value": [0.005, 0.01], "unit": "m s-1"}
-    assert by_eps["first_equator"]["unit"] == "s"
 
 
 def test_an_empty_value_removes_a_key_or_a_table(said: Callable) -> None:

@@ -12,7 +12,6 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-import tippetop
 from tippetop.engine import compiled as compiling
 from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import formulas_of
@@ -245,21 +244,6 @@ def test_where_nothing_can_be_loaded_heyoka_makes_the_steps(
     assert solve(made).status is Status.FINISHED
 
 
-@pytest.mark.slow
-def test_without_machine_code_the_rows_of_an_ensemble_are_the_same(
-    request: pytest.FixtureRequest,
-) -> None:
-    """Inverting, lifting off in the midst of a step, invalid."""
-    varied = {"initial.omega3": np.array([155.0, 170.0, np.nan, 158.0, 172.0])}
-    usual = tippetop.ensemble("inverting", varied, until=8.0, threads=1)
-    request.getfixturevalue("unlike")
-    again = tippetop.ensemble("inverting", varied, until=8.0, threads=1)
-    assert (usual["status"].values == Status.LIFTOFF.code).sum() == 2
-    assert all(same_bits(usual[name].values, again[name].values) for name in usual)
-    assert "steps_by" not in usual.attrs
-    assert again.attrs["steps_by"] == "heyoka"
-
-
 def test_steps_that_differ_are_noticed() -> None:
     """The comparison is one of bits: code that makes another step is not used."""
     tolerances = ("1e-16", "1e-9")
@@ -300,25 +284,3 @@ def test_rows_at_steps_are_each_there_once(
     assert np.all(np.diff(times) > 0)
     assert (times[0], times[-1]) == (0.0, integration.t_end)
     assert len(times) == integration.monitor.steps + 1
-
-
-def test_slices_of_any_length_are_one_run() -> None:
-    """The driver may be asked for one step at a time, with rows of any number."""
-    made = build.load("inverting", None, 0.5)
-    whole = driver_of(made)
-    once = whole.advance(Rows(), ENDLESS)
-    for most in (1, 5):
-        driver, rows, found = driver_of(made), Rows(np.linspace(0, whole.end, 333), 10), []
-        while True:
-            piece = driver.advance(rows, most)
-            found.append(piece.passages)
-            assert piece.steps <= most
-            if piece.status is not None:
-                break
-        assert same_bits(driver.state, whole.state)
-        for name in ("times", "events", "signs", "at_pole", "states"):
-            parts = np.concatenate([getattr(passages, name) for passages in found])
-            assert same_bits(parts, getattr(once.passages, name)), name
-        assert driver.extremes() == whole.extremes()
-        assert driver.tally["steps"] == whole.tally["steps"]
-        assert len(rows.rows[0]) == 333

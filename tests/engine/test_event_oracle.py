@@ -42,7 +42,6 @@ FORMS = (
     ("inverting", "euler", 0.4),
     ("rolling", "contact", 1.0),
     ("gliding-heavy-top", "vector", 1.0),
-    ("gliding-heavy-top", "contact", 1.0),
     ("heavy-top", "vector", 1.0),
     ("gliding-cylinder", "angle", 6.0),
     ("rolling-cylinder", "angle", 6.0),

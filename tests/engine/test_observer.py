@@ -155,17 +155,6 @@ def test_what_is_kept_is_that_of_the_roots(shift: int, rng: np.random.Generator)
                 assert np.isnan([first, last]).all()
 
 
-@pytest.mark.parametrize("offset", [3.0, -3.0])
-def test_an_offset_counts_where_the_variable_alone_has_no_zero(
-    offset: float, rng: np.random.Generator
-) -> None:
-    """The variable keeps its sign all along, and its level is passed nevertheless."""
-    functions = [Polynomial([-1.25 - offset, 1.0])] * LANES
-    rows = rows_of((event("level"), 0, offset))
-    kept = followed(rows, *slice_of([[f] for f in functions], rng), -np.ones((1, LANES))).kept
-    np.testing.assert_allclose(kept[0], 1.25, rtol=0, atol=1e-14)
-
-
 def test_the_first_ending_ends_the_top_and_what_comes_later_is_not_seen(
     rng: np.random.Generator,
 ) -> None:
@@ -277,18 +266,6 @@ def test_every_zero_is_logged_once_with_its_sign(shift: int, rng: np.random.Gene
         assert log.sign[:n].tolist() == [(-1) ** k for k in range(len(roots) - 1, -1, -1)]
 
 
-def test_a_direction_leaves_the_other_passages_out_of_the_log() -> None:
-    _, log = passages_of(
-        [(event("falling", direction=-1), 0, 0.0)], [with_roots(np.array([0.3, 0.7, 1.15]))]
-    )
-    np.testing.assert_allclose(log.time[: log.filled[0]], [0.7], rtol=0, atol=1e-14)
-
-
-def test_a_zero_that_is_touched_is_no_passage() -> None:
-    _, log = passages_of([(event("passage"), 0, 0.0)], [Polynomial([-0.3, 1.0]) ** 2])
-    assert log.filled[0] == 0
-
-
 @pytest.mark.parametrize("leaves_to", [1, -1])
 @pytest.mark.parametrize("noise", [0.0, 1e-10, -1e-10])
 def test_a_start_on_the_zero_is_no_passage(leaves_to: int, noise: float) -> None:
@@ -326,25 +303,6 @@ def test_a_force_that_is_zero_at_the_start_and_falls_ends_the_run_there() -> Non
     )
     assert tallies.lane[0]["status"] == Status.LIFTOFF.code
     assert tallies.lane[0]["t"] == pytest.approx(0.0, abs=1e-11)
-
-
-def test_extremes_of_a_rate_lie_at_the_roots_of_its_slope(rng: np.random.Generator) -> None:
-    """Whichever step they are in."""
-    for _ in range(50):
-        roots = rng.uniform(-0.5, 2.5, rng.integers(1, 6))
-        rate = Polynomial.fromroots(roots).integ(k=rng.normal()) * rng.choice([-1, 1])
-        inside = roots[(roots > 0) & (roots < UNTIL)]
-        values = rate(np.concatenate([[0.0, UNTIL], inside]))
-        found = passages_of([(event("force", extremes="force"), 1, 0.0)], [rate.integ(k=7.0)])[
-            0
-        ].functions[:, 0, 0]
-        size = np.abs(values).max()
-        assert found[[LEAST, MOST]].tolist() == pytest.approx(
-            [values.min(), values.max()], abs=1e-13 * size
-        )
-        assert rate(found[[T_LEAST, T_MOST]]) == pytest.approx(
-            [values.min(), values.max()], abs=1e-12 * size
-        )
 
 
 @pytest.mark.parametrize("k", [1, 2, 3])

@@ -85,28 +85,6 @@ def test_the_highest_orders_are_followed() -> None:
     assert difference.max() < 1e-28
 
 
-def test_extremes_of_the_force_are_those_of_doubles(runs: dict[str, Any]) -> None:
-    expected = runs["double"][0].extremes()
-    for precision in ("longdouble", "quad"):
-        found = runs[precision][0].extremes()
-        assert (found.least, found.most) == pytest.approx(
-            (expected.least, expected.most), rel=1e-13
-        )
-        assert (found.t_least, found.t_most) == pytest.approx(
-            (expected.t_least, expected.t_most), abs=1e-7
-        )
-
-
-def test_a_liftoff_ends_a_wide_run_at_the_same_moment() -> None:
-    """In the midst of a step: the last state is that of the zero."""
-    sets = ("initial.theta=2.0", "initial.theta_dot=20.0", "initial.omega3=100.0")
-    ends = [solve(load(precision, *sets, until=1.0)) for precision in ("double", "longdouble")]
-    assert [run.status for run in ends] == [Status.LIFTOFF] * 2
-    times = [run.report["t_end"] for run in ends]
-    assert 0 < times[0] == pytest.approx(times[1], abs=1e-13)
-    assert abs(ends[1].report["normal_force"]["min"]) < 1e-14
-
-
 def test_a_wide_run_ends_where_its_steps_move_no_double() -> None:
     """Beyond its liftoff friction jams the contact: steps of 80 bits become shorter than doubles
     can count.

@@ -222,7 +222,6 @@ QUICK = Event(  # neither a variable nor the rate of one: its integral is integr
     -1,
     kept=(Kept("quicks", "count", "how often"),),
 )
-TIPPED = Event("tipped", "theta = 0.6", lambda s, b: s.z - np.cos(0.6), -1, ends="tipped over")
 
 
 def toy(*events: Event) -> Problem:
@@ -268,21 +267,6 @@ def test_a_sixth_and_a_seventh_kind_are_found_alike_in_lanes_and_alone() -> None
         assert rows["turnings"].values[i] == counts["turning_significant"]
     assert rows["highs"].values.max() > 10
     assert rows["quicks"].values.max() > 10
-
-
-def test_an_event_of_ones_own_ends_tops_alike_in_lanes_and_alone() -> None:
-    base = toy(TIPPED)
-    spins = np.array([110.0, 155.0])
-    tops = Problems.vary(base, {"initial.omega3": spins})
-    assert tops.valid.all()
-    rows = outcomes.table(measure(tops, threads=1, lanes=4))
-    words = rows["status"].attrs["flag_meanings"].split()
-    for i, spin in enumerate(spins.tolist()):
-        run = solve(dataclasses.replace(base, initial={**base.initial, "omega3": spin}))
-        assert words[rows["status"].values[i]] == run.status.value
-        assert rows["t_end"].values[i] == pytest.approx(run.report["t_end"], abs=1e-11)
-        assert rows["theta_end"].values[i] == pytest.approx(run.report["theta_end"], abs=1e-11)
-    assert "ended" in {words[code] for code in rows["status"].values}
 
 
 def test_gliding_heavy_tops_fall_alike_in_lanes_and_alone() -> None:

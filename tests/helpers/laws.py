@@ -9,6 +9,7 @@ reaction are built again from the axis and the angular momentum, and derivatives
 complex steps, exact to rounding.
 """
 
+import math
 from collections import namedtuple
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -522,7 +523,7 @@ class Scale(NamedTuple):
 
     def of(self, unit: Any) -> float:
         """The factor of a unit."""
-        return self.mass**unit.mass * self.length**unit.length * self.time**unit.time
+        return math.prod(k**power for k, power in zip(self, unit.powers, strict=True))
 
 
 def units(case: Case) -> Pairs:
@@ -683,20 +684,11 @@ def broken(pairs: Pairs, law: str, made: Case) -> str | None:
     return f"{law}: nothing was compared" if what is None else None
 
 
-def first_broken_of(
-    systems: dict[str, Any], names: tuple[str, str, str], rng: np.random.Generator
-) -> str | None:
-    """The first law that a system breaks in a form with a friction law."""
-    name, form, friction = names
-    made = case(systems[name], form, friction, rng)
-    for law in (law for law in LAWS if applies(law, systems[name], form)):
-        if (message := broken(law(made), law.__name__, made)) is not None:
-            return f"{name}, {form}, {friction}: {message}"
-    return None
-
-
 def first_broken(systems: dict[str, Any], rng: Callable[[], np.random.Generator]) -> str | None:
-    """The first law that any system breaks."""
-    return next(
-        filter(None, (first_broken_of(systems, names, rng()) for names in cases(systems))), None
-    )
+    """Return the first law that a system breaks in a form with a friction law."""
+    for name, form, friction in cases(systems):
+        made = case(systems[name], form, friction, rng())
+        for law in (law for law in LAWS if applies(law, systems[name], form)):
+            if (message := broken(law(made), law.__name__, made)) is not None:
+                return f"{name}, {form}, {friction}: {message}"
+    return None

@@ -90,8 +90,8 @@ class Disk:
 
 
 def acknowledged(store: Path) -> int:
-    """How many rows the ledger of a run acknowledges; -1 if there is none."""
-    return state_of(store).rows.get("trajectory", 0) if (store / ledger.LEDGER).exists() else -1
+    """Return how many rows the ledger of a run acknowledges; -1 without a ledger."""
+    return sum(state_of(store).rows.values()) if (store / ledger.LEDGER).exists() else -1
 
 
 def state_of(store: Path) -> ledger.Acknowledged:

@@ -1,6 +1,9 @@
 """Commands as they are typed."""
 
+import contextlib
+import io
 import shlex
+from collections.abc import Container
 
 from tippetop.cli import outcome
 
@@ -8,3 +11,19 @@ from tippetop.cli import outcome
 def typed(words: str) -> int:
     """Run a command in this process and return its exit code."""
     return outcome(shlex.split(words))
+
+
+def answered(*words: object, codes: Container[int] = (0,)) -> tuple[int, str, str]:
+    """Run a command in this process; return its exit code, output and messages.
+
+    Check that the code is one of `codes`, and that each message is a sentence of the package.
+    """
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = outcome([str(word) for word in words])
+    lines = [line for line in err.getvalue().splitlines() if line.strip()]
+    messages = [line for line in lines if not line.startswith("tippetop: warning:")]
+    assert code in codes, (code, messages)
+    assert all(line.startswith("tippetop: ") for line in messages), messages
+    assert messages or not code
+    return code, out.getvalue(), "\n".join(messages)

@@ -26,7 +26,7 @@ def test_store_is_the_surface(tmp_path):
     seen = []
     path = recording.write(
         tmp_path / "F.zarr",
-        Surface.over(PARAMETERS, D, LAM, chunk=16),
+        Surface(PARAMETERS, D, LAM, chunk=16),
         progress=lambda *a: seen.append(a),
     )
     stored, exact = root.open_group(path, "surface"), surface.minimal_surface(PARAMETERS, D, LAM)
@@ -46,7 +46,7 @@ class Stop(Exception):
 def whole(tmp_path_factory):
     """The store of the surface, which nothing has disturbed."""
     return recording.write(
-        tmp_path_factory.mktemp("whole") / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16)
+        tmp_path_factory.mktemp("whole") / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16)
     )
 
 
@@ -58,7 +58,7 @@ def stopped(path, after, chunk=16):
             raise Stop
 
     with pytest.raises(Stop):
-        recording.write(path, Surface.over(PARAMETERS, D, LAM, chunk=chunk), progress=stop)
+        recording.write(path, Surface(PARAMETERS, D, LAM, chunk=chunk), progress=stop)
     assert root.attributes(path)["status"] == "running"
     return path / "surface"
 
@@ -70,7 +70,7 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
     monkeypatch.setattr(
         recording.surface, "minima", lambda *a: (a[1].size > 2 and worked.append(1)) or minima(*a)
     )
-    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
+    recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16))
     assert len(worked) == 7
     assert_same(tmp_path / "F.zarr", whole)
 
@@ -78,7 +78,7 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
 def test_another_surface_does_not_go_on(tmp_path):
     stopped(tmp_path / "F.zarr", after=1)
     with pytest.raises(errors.StoreError, match="must have the same axes to be continued"):
-        recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM * 2, chunk=16))
+        recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM * 2, chunk=16))
 
 
 def test_surface_command(tmp_path, capsys):
@@ -182,7 +182,7 @@ def test_a_damaged_unfinished_surface_ends_in_the_same_bits(damage, whole, tmp_p
     """Before, it was finished as it was, with exit code 0, or with a traceback."""
     stopped(tmp_path / "F.zarr", after=5)
     DAMAGES[damage](tmp_path / "F.zarr")
-    recording.write(tmp_path / "F.zarr", Surface.over(PARAMETERS, D, LAM, chunk=16))
+    recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16))
     assert_same(tmp_path / "F.zarr", whole)
 
 

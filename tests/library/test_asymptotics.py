@@ -103,18 +103,15 @@ def test_thresholds_of_the_surface_stand_beside_the_others() -> None:
 
 @pytest.mark.slow
 def test_theta_is_made_again_by_a_command(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    store, table = tmp_path / "r.zarr", tmp_path / "theta.csv"
+    store = tmp_path / "r.zarr"
     tt.run("inverting", start={"theta": 0.8}, until=0.3, output_step=1e-4, out=store)
-    assert typed(f"reconstruct {store} --json --out {table}") == 0
+    assert typed(f"reconstruct {store} --json") == 0
     report = json.loads(capsys.readouterr().out)
     assert report["difference"] < 1e-9 > report["mismatch"]
     assert report["turnings"] > 10
-    rows = np.loadtxt(table, delimiter=",", skiprows=1)
-    assert rows.shape == (report["rows_of_run"], 3)
-    assert np.nanmax(abs(rows[:, 1] - rows[:, 2])) == report["difference"]
+    assert report["rows"] <= report["rows_of_run"]
     assert typed(f"reconstruct {store}") == 0
     assert "difference" in capsys.readouterr().out
-    assert typed(f"reconstruct {store} --out {table}") == 5  # it exists
     assert typed(f"reconstruct {store} --period -1") == 2
     assert typed(f"reconstruct {tmp_path}/no.zarr") == 5
     tt.run("gliding-cylinder", until=0.01, out=tmp_path / "c.zarr")

@@ -1,11 +1,12 @@
-"""Editors and type checkers know every option of a run: at run time, from the stub, and through
-mypy and jedi.
-"""
+"""Editors and type checkers have every option of a run, through mypy, pyright and jedi."""
 
 import ast
 import inspect
+import json
 import re
 import runpy
+import subprocess
+import sys
 from pathlib import Path
 
 import jedi
@@ -18,7 +19,7 @@ from tippetop.cli import outcome
 from tippetop.problem.options import OPTIONS
 
 
-STUBS = {name: Path(tt.__file__).with_name(f"{name}.pyi") for name in ("__init__", "derivatives")}
+STUBS = {path.stem: path for path in Path(tt.__file__).parent.glob("*.pyi")}
 CALLS = """import tippetop as tt
 
 run: tt.Run = tt.run("inverting", until="8 s", output="steps", columns=["theta"], events=[])
@@ -26,12 +27,15 @@ tt.derivatives.sensitivities("inverting", ["friction.mu"], output_step="1 ms", p
 tt.run("inverting", outputs="steps")
 tt.run("inverting", output="row")
 tt.derivatives.lyapunov("inverting", until=[1])
+tt.friction.Viscous(mu="0.3 s/m")
+tt.friction.Viscous(mu=[0.3])
 """
-"""Two right calls and three wrong ones."""
+WRONG = [5, 6, 7, 9]  # lines of it
 
 
 def test_the_stub_is_what_its_generator_writes() -> None:
     generator = runpy.run_path(str(Path(__file__).parents[2] / ".ci" / "stub.py"))
+    assert STUBS.keys() == generator["MODULES"].keys()
     for name, module in generator["MODULES"].items():
         assert STUBS[name].read_text() == generator["stub"](module), (
             "write it again: python .ci/stub.py"
@@ -59,14 +63,32 @@ def test_mypy_knows_options_and_their_values(tmp_path: Path) -> None:
     found, *_ = api.run(
         [str(tmp_path / "calls.py"), "--ignore-missing-imports", "--follow-imports=silent"]
     )
-    assert re.findall(r":(\d+): error:", found) == ["5", "6", "7"]
+    assert [int(line) for line in re.findall(r":(\d+): error:", found)] == WRONG
     assert 'did you mean "output"' in found
     assert "Literal['times', 'events', 'steps', 'keyframes']" in found
 
 
+@pytest.mark.slow
+def test_so_does_pyright(tmp_path: Path) -> None:
+    """As Pylance does."""
+    pytest.importorskip("basedpyright")
+    (tmp_path / "calls.py").write_text(CALLS)
+    command = ["-m", "basedpyright", "--outputjson", "--level", "error", "calls.py"]
+    command += ["--pythonpath", sys.executable]
+    done = subprocess.run(
+        [sys.executable, *command], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    found = json.loads(done.stdout)["generalDiagnostics"]
+    assert [each["range"]["start"]["line"] + 1 for each in found] == WRONG
+
+
 @pytest.mark.parametrize(
     ("typed", "known"),
-    [("tt.run('x', output_", "output_step="), ("tt.run('x').traj", "trajectory")],
+    [
+        ("tt.run('x', output_", "output_step="),
+        ("tt.run('x').traj", "trajectory"),
+        ("tt.friction.Vis", "Viscous"),
+    ],
 )
 def test_jedi_completes(typed: str, known: str) -> None:
     """As Jupyter does while nothing has been run yet."""

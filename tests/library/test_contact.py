@@ -44,7 +44,7 @@ def test_contact_and_stem_are_keywords() -> None:
 
 
 def test_a_run_in_memory_has_all_its_tables(run: tt.Run) -> None:
-    assert set(run.to_datatree().children) == {"trajectory", "events", "phases", "impacts"}
+    assert set(run.datasets()) == {"trajectory", "events", "phases", "impacts"}
     assert float(run.phases.end[-1]) == BOUNCE["run"]["until"]
     assert (run.impacts.work <= 0).all()
     assert run.impacts.sizes["impact"] == int((run.events.kind == _number(run, "impact")).sum())

@@ -7,6 +7,9 @@ from examples import CANONICAL
 import tippetop as tt
 
 
+TOP = tt.TippeTop(**CANONICAL)
+
+
 def test_coordinates_are_those_of_memory_when_reopened(tmp_path) -> None:
     run = tt.run("inverting", until=0.5)
     run.save(tmp_path / "a.zarr")
@@ -24,13 +27,11 @@ def test_coordinates_are_those_of_memory_when_reopened(tmp_path) -> None:
 
 def test_a_number_gives_no_dimension() -> None:
     for number in (3e-4, np.float64(3e-4)):
-        assert tt.landscapes.minimal_surface(CANONICAL, D=number, lam=4e-6)["F"].dims == ()
-        assert tt.landscapes.potential(CANONICAL, 0.3, D=number, lam=4e-6)["V"].dims == ()
+        assert tt.landscapes.minimal_surface(TOP, D=number, lam=4e-6)["F"].dims == ()
+        assert tt.landscapes.potential(TOP, 0.3, D=number, lam=4e-6)["V"].dims == ()
         assert (
-            tt.landscapes.turning_angles(CANONICAL, D=number, lam=4e-6, energy=0.05)[
-                "theta_min"
-            ].dims
+            tt.landscapes.turning_angles(TOP, D=number, lam=4e-6, energy=0.05)["theta_min"].dims
             == ()
         )
-    assert tt.landscapes.minimal_surface(CANONICAL, D=[3e-4], lam=4e-6)["F"].dims == ("D",)
-    assert tt.landscapes.potential(CANONICAL, [0.3], D=[3e-4], lam=4e-6)["V"].dims == ("z", "D")
+    assert tt.landscapes.minimal_surface(TOP, D=[3e-4], lam=4e-6)["F"].dims == ("D",)
+    assert tt.landscapes.potential(TOP, [0.3], D=[3e-4], lam=4e-6)["V"].dims == ("z", "D")

@@ -2,7 +2,6 @@
 points in TOML.
 """
 
-import dataclasses
 import json
 import os
 import subprocess
@@ -10,15 +9,12 @@ import sys
 import tomllib
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import laws
 import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.mechanics import systems
-from tippetop.mechanics.operand import formula
 
 
 PACKAGE = Path(__file__).parents[1] / "plugin_package"
@@ -52,42 +48,6 @@ def test_a_law_of_ones_own(own) -> None:
     assert max(more.drift.values()) < 1e-13
     with pytest.raises(tt.InputError, match=r"`friction.drag` must be at least 0.0, but is -1"):
         tt.run(TOP, own.Quadratic(0.3, -1.0), start=START, until=0.5)
-
-
-def law(name: str, fields: tuple[str, ...] = ("mu",), **given: Any) -> Any:
-    """A law whose numbers are speeds."""
-    rule = tt.extending.number(tt.extending.Unit(0, -1, 1, "s m-1"), "a number", least=0)
-    body = {
-        "coefficient": formula(lambda v2, z, law: law.mu),
-        **dict.fromkeys(fields, rule),
-        **given,
-    }
-    return type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body)
-
-
-def test_registering_refuses_what_would_be_mistaken(own) -> None:
-    """A name that is another's already, and what cannot be a law; each in one sentence."""
-    mine = law("Mine")
-    assert tt.extending.register(mine) is tt.extending.register(mine), (
-        "the same again changes nothing"
-    )
-    for record, sentence in (
-        (law("Other", key="mine"), "the name of a law must be new, but `mine` is that of Mine"),
-        (
-            law("Other", key="modified"),
-            "the name of a law must be new, but `modified` is one of gliding-cylinder",
-        ),
-        (law("Other", key=""), "must be letters"),
-        (law("Other", ("law",)), "must not be named `law`"),
-        (law("Other", ("mu", "mu_r")), "must not be named `mu_r`"),
-        (law("Other", coefficient=3), "the coefficient of the law .* a function, but is 3"),
-        (law("Other", coefficient=None), "must have a coefficient"),
-        (own.SCALED_TIPPE_TOP.replace(name=""), "the name of a system must be letters"),
-        (own.SCALED_TIPPE_TOP.replace(name="heavy-top"), "the name of a system must be new"),
-        (3, "`record` must be a System or a class of FrictionLaw"),
-    ):
-        with pytest.raises(tt.InputError, match=sentence):
-            tt.extending.register(record)
 
 
 def test_laws_know_it(own, rng: np.random.Generator) -> None:
@@ -162,79 +122,6 @@ def test_a_stored_run_with_records_of_ones_own_goes_on(own, tmp_path: Path) -> N
     )
 
 
-@pytest.mark.parametrize(
-    ("name", "sentence"),
-    [
-        *((name, "must be a new name") for name in ("psi", "xyz", "turning", "kind", "work")),
-        *((name, "must be letters, digits and _") for name in ("", "a/b", "1x", "\u00e9")),
-        *((name, "must not be one of") for name in ("work_lo", "state_ux", "drift_energy")),
-    ],
-)
-def test_names_of_events_and_columns_are_new_words(own, name: Any, sentence: str) -> None:
-    """A name that a table has already would replace its column; one with a blank or a slash breaks
-    a store.
-    """
-    for kind, record in (("columns", own.SPIN_ENERGY), ("events", own.EIGHTH)):
-        with pytest.raises(tt.InputError, match=sentence) as caught:
-            tt.run("inverting", until=0.05, **{kind: [dataclasses.replace(record, name=name)]})
-        assert len(caught.value.sentences) == 1
-
-
-def test_a_name_is_given_once(own) -> None:
-    for given in (
-        {"columns": [own.SPIN_ENERGY, dataclasses.replace(own.SPIN_ENERGY, formula=own.eighth)]},
-        {"events": [own.EIGHTH], "columns": [dataclasses.replace(own.SPIN_ENERGY, name="eighth")]},
-    ):
-        with pytest.raises(tt.InputError, match="given twice"):
-            tt.run("inverting", until=0.05, **given)
-
-
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        (
-            {"kept": (tt.extending.Kept("a", "middle", "x"),)},
-            "must be 'first', 'last' or 'count', but is 'middle'",
-        ),
-        ({"kept": (tt.extending.Kept("a", "first", "x", 2),)}, "must be -1, 0 or 1"),
-        (
-            {"kept": (tt.extending.Kept("a", "first", "x"), tt.extending.Kept("a", "count", "x"))},
-            "`a` is given twice",
-        ),
-        ({"kept": ("a",)}, "an instance of Kept, but is 'a'"),
-        ({"kept": 3}, "must be a valid tuple, but is 3"),
-        *(
-            ({"kept": (tt.extending.Kept(name, "first", "x"),)}, "new name")
-            for name in ("first_equator", "mu")
-        ),
-        *(({"ends": word}, "must be a word other than") for word in ("finished", "")),
-        ({"direction": 2}, "must be -1, 0 or 1"),
-        ({"direction": "up"}, "must be a valid integer"),
-        ({"formula": None}, "must be a function"),
-    ],
-)
-def test_an_event_of_ones_own_is_checked(own, changes: dict, sentence: str) -> None:
-    with pytest.raises(tt.InputError, match=sentence):
-        tt.run("inverting", until=0.05, events=[dataclasses.replace(own.EIGHTH, **changes)])
-
-
-@pytest.mark.parametrize(
-    ("fields", "sentence"),
-    [
-        ({"sense": 1}, "`sense` .* is given in `turning` and `again`"),
-        ({"lasting": True, "direction": 1}, "`lasting` .* is given in `settled` and `again`"),
-        ({"extremes": "speed"}, "`extremes` .* is given in `liftoff` and `again`"),
-    ],
-)
-def test_a_second_event_of_a_kind_is_refused(own, fields: dict, sentence: str) -> None:
-    """A run follows one turning, one lasting event: of a second the log had rows that meant
-    nothing.
-    """
-    event = dataclasses.replace(own.EIGHTH, name="again", **fields)
-    with pytest.raises(tt.InputError, match=sentence):
-        tt.run("inverting", until=0.1, events=[event])
-
-
 def test_which_events_are_logged(own) -> None:
     """All by default, none of an empty list; user-defined ones next to those that are named."""
 
@@ -245,14 +132,6 @@ def test_which_events_are_logged(own) -> None:
     assert logged([]) == ()
     assert logged("turning") == ("turning",)
     assert logged(["turning", own.EIGHTH]) == ("turning", "eighth")
-
-
-@pytest.mark.parametrize("value", [5, np.array([1.0, 2.0]), [3], {"x": 1}, b"x"])
-def test_events_and_columns_are_lists_of_records(value) -> None:
-    with pytest.raises(tt.InputError, match=r"`events` must be|`run.events`|`events`"):
-        tt.run("inverting", until=0.05, events=value)
-    with pytest.raises(tt.InputError, match="`columns` must be"):
-        tt.run("inverting", until=0.05, columns=value)
 
 
 def test_a_system_of_ones_own(own) -> None:
@@ -295,7 +174,6 @@ def test_workers_of_a_sweep_know_packages_only(
     anything is tried.
     """
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(systems, "REGISTERED_HERE", set())
     tt.extending.register(own.Quadratic)
     tt.extending.register(own.SCALED_TIPPE_TOP)
     (tmp_path / "scenario.toml").write_text(SCENARIO)
@@ -317,8 +195,6 @@ def test_workers_of_a_sweep_know_packages_only(
         tt.sweep("law.toml", "law.zarr", workers=2)
     with pytest.raises(tt.InputError, match="`workers` must be a whole number"):
         tt.sweep("plan.toml", "sweep.zarr", workers=1.5)
-    systems.add_law(own.Quadratic)  # as an entry point does
-    assert systems.known_to_others(own.Quadratic)
 
 
 SCENARIO = f"""

@@ -6,7 +6,6 @@ import copy
 import dataclasses
 import pickle
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
@@ -47,46 +46,6 @@ def test_a_problem_is_copied_with_what_it_holds() -> None:
             same.initial["theta"] = 9.0
         with pytest.raises(ValueError, match="read-only"):
             same.times.times[0] = 9.0  # type: ignore[union-attr]
-
-
-PROBLEM = tt.load("inverting")
-
-
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        (
-            {"parameters": {**PROBLEM.parameters, "alpha": 5.0}},
-            "`parameters.alpha` must be less than 1.0, but is 5",
-        ),
-        (
-            {"parameters": {**PROBLEM.parameters, "m": "x"}},
-            "`parameters.m` must be a number, but is 'x'",
-        ),
-        (
-            {"parameters": 3},
-            "`parameters` of a Problem must be a Mapping, but is 3",
-        ),
-        ({"initial": {"theta": 9.0}}, "`initial.theta` must be at most 3.14159"),
-        ({"events": ("nosuch",)}, "`events` must be of turning, .*, but has 'nosuch'"),
-        ({"events": "turning"}, "`events` of a Problem must be a tuple"),
-        ({"times": np.array([0.3, 0.1])}, "`output_times` must ascend strictly"),
-        ({"until": "x"}, "`until` must be a number, but is 'x'"),
-        ({"form": "nosuch"}, "`form` of a Problem must be a Form, but is 'nosuch'"),
-        (
-            {"friction": 0.3},
-            "`friction` of a Problem must be a FrictionLaw, but is 0.3",
-        ),
-        ({"tolerance": -1.0}, "`tolerance` must be "),
-        ({"precision": "half"}, "`precision` must be .double., .longdouble. or .quad."),
-    ],
-)
-def test_a_problem_that_was_replaced_is_checked(changes: dict[str, Any], sentence: str) -> None:
-    """dataclasses.replace made tops that cannot be; some gave rows, others were called
-    too stiff.
-    """
-    with pytest.raises(tt.InputError, match=sentence):
-        tt.run(dataclasses.replace(PROBLEM, **changes))
 
 
 @pytest.mark.parametrize(

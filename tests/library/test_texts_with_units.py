@@ -26,10 +26,6 @@ def test_a_text_stands_for_its_number() -> None:
     assert half == pytest.approx(
         tt.theory.accelerations("inverting", theta=math.radians(30), omega3=100.0), rel=1e-14
     )
-    given = {"theta": 0.1, "D": 4e-4, "lam": 7e-6}
-    assert tt.theory.nutation("inverting", energy="100 mJ", **given) == tt.theory.nutation(
-        "inverting", energy=0.1, **given
-    )
 
 
 def test_landscapes_rows_and_replays_take_texts_too(tmp_path: Path) -> None:
@@ -57,53 +53,3 @@ def test_an_ensemble_varies_texts() -> None:
     np.testing.assert_array_equal(
         tt.ensemble("inverting", {"until": ["20 ms", 0.01]}).t_end, [0.02, 0.01]
     )
-
-
-@pytest.mark.parametrize(
-    ("call", "sentence"),
-    [
-        (
-            lambda: tt.theory.linear_modes("inverting", omega3="3 kg"),
-            "`omega3` must be in rad s-1 .*but is",
-        ),
-        (
-            lambda: tt.ensemble("inverting", {"omega3": ["3 kg"]}),
-            "`omega3` must be in rad s-1 .*but is",
-        ),
-        (
-            lambda: tt.ensemble("inverting", {"omega3": [None]}),
-            "`omega3` must be an array of numbers",
-        ),
-        (
-            lambda: tt.theory.least_energy("inverting", "x", 1.0),
-            "`theta` must be a number, but is 'x'",
-        ),
-        (
-            lambda: tt.theory.least_energy("inverting", [0.1, 4], 1.0),
-            r"`theta` must lie in \[0, pi\], but is 4",
-        ),
-        (
-            lambda: tt.landscapes.potential("inverting", [0.1, 1.5], D=3e-4, lam=4e-6),
-            r"`z` must lie in \[-1, 1\], but is 1.5",
-        ),
-        (
-            lambda: tt.landscapes.potential("inverting", 0.5, D=math.nan, lam=4e-6),
-            "`D` must be a finite number, but is nan",
-        ),
-        (
-            lambda: tt.theory.thresholds(3),
-            "the body must be a TippeTop or a HeavyTop, a Run, a Problem",
-        ),
-        (
-            lambda: tt.landscapes.minimal_surface(tt.load("gliding-cylinder"), D=1.0, lam=1.0),
-            "the system must be one of tippe-top",
-        ),
-        (
-            lambda: tt.theory.least_energy("inverting", [1, 2], [1, 2, 3]),
-            r"must have shapes that broadcast.*\(2,\) and \(3,\)",
-        ),
-    ],
-)
-def test_what_is_no_number_is_refused(call, sentence: str) -> None:
-    with pytest.raises(tt.InputError, match=sentence):
-        call()

@@ -13,7 +13,6 @@ from tippetop.engine.status import Status
 from tippetop.mechanics.systems import heavy_top
 from tippetop.mechanics.theory import heavy_top_motion
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 def closed(made) -> heavy_top_motion.ClosedForm:
@@ -134,19 +133,3 @@ def test_the_fallen_top_stops_at_the_plane() -> None:
     assert made.status is Status.FALLEN
     assert made.report["theta_end"] == pytest.approx(math.pi / 2, abs=1e-12)
     assert list(made.events.kind) == [2]
-
-
-def test_the_angular_momentum_of_a_gliding_top_is_about_its_centre_of_mass() -> None:
-    """L.3hat = L_3, for the column L; the quantity L_z is about the tip, and more by m l^2 phi'
-    sin(theta)^2.
-    """
-    run = solve(build.load("gliding-heavy-top", until=0.2))
-    c = {name: column.values for name, column in run.columns().items()}
-    m, l = run.problem.parameters["m"], run.problem.parameters["l"]
-    np.testing.assert_allclose(np.sum(c["L"] * c["axis"], axis=1), c["L3"], rtol=1e-13)
-    np.testing.assert_allclose(
-        c["L"][:, 2],
-        c["Lz"] - m * l**2 * c["phi_dot"] * np.sin(c["theta"]) ** 2,
-        rtol=1e-12,
-        atol=1e-15,
-    )

@@ -132,10 +132,9 @@ DECOMPOSITION = {
     ("rolling-tippe-top", "reduced"): 89,
     ("rolling-tippe-top", "euler"): 89,
     ("gliding-heavy-top", "vector"): 86,
-    ("gliding-heavy-top", "contact"): 129,
     ("gliding-heavy-top", "euler"): 124,
     ("heavy-top", "vector"): 50,
-    ("heavy-top", "euler"): 40,
+    ("heavy-top", "euler"): 46,
     ("gliding-cylinder", "angle"): 60,
     ("rolling-cylinder", "angle"): 46,
 }

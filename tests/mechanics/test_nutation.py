@@ -1,13 +1,8 @@
 """Periods of the motions whose theta is periodic: by quadrature in 30 digits, theory and runs."""
 
-import math
-from typing import Any
-
 import examples
-import laws
 import pytest
 
-from tippetop.mechanics.theory import nutation
 from tippetop.runs.run import solve
 
 
@@ -30,26 +25,6 @@ def test_the_period_is_that_of_quadrature(
 ) -> None:
     """`other` is the angle of the first turning; the motion begins at the second."""
     made = examples.problem(system, parameters, initial, 3.2 * period)
-    b, start, used = examples.si(made), examples.at_start(made), made.system
-    inertia: Any = lambda z: used.theta_inertia(z, b)  # noqa: E731
-    V: Any = lambda z: used.potential(z, *(start[name] for name in used.momenta), b)  # noqa: E731
-    if used.frictional:
-        Lz, L3 = spin(initial, b)
-        inertia, V = (
-            lambda z: laws.vertical_inertia(z, b),
-            lambda z: laws.vertical_potential(z, Lz, L3, b),
-        )
-    limits = (-math.pi, math.pi) if "cylinder" in system else (0.0, math.pi)
-    energy = V(math.cos(initial["theta"]))  # theta' = 0
-    found = nutation.nutation(inertia, V, energy, initial["theta"], limits)
-    assert found.period == pytest.approx(period, rel=1e-12)
-    assert min(abs(found.theta_min - other), abs(found.theta_max - other)) < 1e-13
     turning = solve(made).events.of("turning", significant=True)
     assert turning.time[2] - turning.time[0] == pytest.approx(period, rel=1e-12)
     assert turning.theta[0] == pytest.approx(other, rel=1e-12)
-
-
-def spin(initial: dict[str, float], b: Any) -> tuple[float, float]:
-    """Return L_z and L_3 of a start about the centre of mass."""
-    s, z, L3 = math.sin(initial["theta"]), math.cos(initial["theta"]), b.I3 * initial["omega3"]
-    return b.I1 * initial["phi_dot"] * s**2 + L3 * z, L3

@@ -23,10 +23,8 @@ from tippetop.mechanics.operand import (
     dot,
     exp,
     formula,
-    leaves,
     plus,
     product_error,
-    refill,
     select,
     sin,
     sqrt,
@@ -94,14 +92,6 @@ def test_elementary_functions_agree_with_40_digits(
             assert abs(number / exact - 1) < (2.0**-61 if wide else 2.0**-50)
 
 
-def test_complex_steps_go_through_every_analytic_function(rng: np.random.Generator) -> None:
-    """f(x + ih) = f(x) + ih f'(x): what the laws differentiate by."""
-    x = rng.uniform(0.2, 2.0, 30)
-    slopes = {sqrt: 0.5 / np.sqrt(x), sin: np.cos(x), cos: -np.sin(x), exp: np.exp(x)}
-    for function, slope in slopes.items():
-        np.testing.assert_allclose(np.imag(function(x + 1e-30j)) / 1e-30, slope, rtol=4e-16)
-
-
 # --- vectors ------------------------------------------------------------------------------------
 
 
@@ -110,18 +100,6 @@ def test_products_of_vectors_are_those_of_numpy(rng: np.random.Generator) -> Non
     np.testing.assert_allclose(cross(a, b), np.cross(a, b, axis=0), rtol=1e-14, atol=1e-15)
     np.testing.assert_allclose(dot(a, b), np.sum(np.multiply(a, b), axis=0), rtol=1e-14, atol=1e-15)
     np.testing.assert_array_equal(plus(a, times(3.0, b)), np.add(a, np.multiply(3.0, b)))
-
-
-@numba.njit
-def _sum_inside(a, b):
-    return plus(cross(a, b), times(dot(a, b), a))
-
-
-def test_vectors_are_vectors_inside_numba_too(rng: np.random.Generator) -> None:
-    a, b = (Vector(*part) for part in rng.uniform(-2, 2, (2, 3)).tolist())
-    found = _sum_inside(a, b)
-    assert isinstance(found, Vector)
-    assert found == _sum_inside.py_func(a, b)
 
 
 # --- products with their rounding ---------------------------------------------------------------
@@ -179,26 +157,6 @@ def test_a_decimal_number_keeps_its_digits_in_two_doubles() -> None:
 
 
 # --- records ------------------------------------------------------------------------------------
-
-
-class Inner(NamedTuple):
-    a: Any
-    b: Any
-
-
-class Outer(NamedTuple):
-    x: Any
-    inner: Inner
-    y: Any
-
-
-def test_leaves_and_refill_are_inverse() -> None:
-    record = Outer(1.0, Inner(2.0, 3.0), 4.0)
-    assert leaves(record) == [1.0, 2.0, 3.0, 4.0]
-    assert refill(record, iter(leaves(record))) == record
-    other = refill(record, iter("pqrs"))
-    assert other == Outer("p", Inner("q", "r"), "s")
-    assert type(other.inner) is Inner
 
 
 class Red(NamedTuple):

@@ -49,7 +49,7 @@ WAYS = [
     ("inverting", ("initial.theta=3.141592653589793", "initial.theta_dot=2.0", "initial.psi=0.3")),
     ("rolling", ()),
     ("rolling", ("form=euler", "initial.psi=-2.0")),
-    ("gliding-heavy-top", ("form=contact", "initial.psi=1.0")),
+    ("gliding-heavy-top", ("initial.psi=1.0",)),
     ("heavy-top", ("form=euler",)),
 ]
 
@@ -73,32 +73,6 @@ def test_the_body_turns_with_its_angular_velocity(preset: str, settings: tuple) 
     np.testing.assert_allclose(R[:, :, 2], columns["axis"], rtol=0, atol=1e-14)
     np.testing.assert_allclose(np.sum(columns["orientation"] ** 2, axis=1), 1.0, rtol=0, atol=1e-15)
     assert (columns["orientation"][:, 0] >= 0).all()
-
-
-@pytest.mark.parametrize(
-    ("preset", "forms"),
-    [
-        ("inverting", ("vector", "euler")),
-        ("rolling", ("vector", "reduced", "euler")),
-        ("gliding-heavy-top", ("vector", "contact", "euler")),
-        ("heavy-top", ("vector", "euler")),
-    ],
-)
-def test_forms_agree(preset: str, forms: tuple[str, ...]) -> None:
-    """And psi is the last of the angles about z, y, z."""
-    first, *others = (
-        examples.columns(solve(load(preset, f"form={form}", "initial.psi=0.4", until=0.3)))
-        for form in forms
-    )
-    assert first["psi"][0] == pytest.approx(0.4, abs=1e-14)
-    by_angles = Rotation.from_euler(
-        "ZYZ", np.stack([first[n] for n in ("phi", "theta", "psi")], axis=1)
-    ).as_matrix()
-    np.testing.assert_allclose(by_angles, matrices(first), rtol=0, atol=1e-13)
-    for other in others:
-        np.testing.assert_allclose(matrices(other), matrices(first), rtol=0, atol=1e-9)
-        apart = (other["psi"] - first["psi"] + math.pi) % (2 * math.pi) - math.pi
-        np.testing.assert_allclose(apart, 0.0, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("preset", ["gliding-cylinder", "rolling-cylinder"])

@@ -7,7 +7,9 @@ import pytest
 
 from tippetop.errors import InputError
 from tippetop.mechanics.consistency import inconsistencies, unmet_requirements
+from tippetop.mechanics.contact.opening import opened
 from tippetop.mechanics.form import Next
+from tippetop.mechanics.friction import Contensou, SetValued, Viscous, named
 from tippetop.mechanics.system import Event, Exit, Form, Phase, System
 from tippetop.mechanics.systems import SYSTEMS, tippe_top
 from tippetop.mechanics.systems.function_checks import check_answers
@@ -63,7 +65,15 @@ BALL = dataclasses.replace(
 )
 
 
-@pytest.mark.parametrize("system", [*SYSTEMS.values(), BALL], ids=lambda system: system.name)
+OPENED = [
+    opened(SYSTEMS[name], named(law), balls).replace(contact=None)
+    for name, balls in (("tippe-top", 2), ("gliding-heavy-top", 1), ("gliding-cylinder", 1))
+    for law in (Viscous, SetValued, Contensou)
+    if law is not Contensou or balls == 2
+]
+
+
+@pytest.mark.parametrize("system", [*SYSTEMS.values(), BALL, *OPENED], ids=lambda one: one.name)
 def test_systems_are_consistent(system: System) -> None:
     assert inconsistencies(system) == []
 

@@ -135,16 +135,6 @@ def test_sleeping_top_with_a_fixed_tip() -> None:
     assert abs(modes.rolling_modes(1.01 * limit, TIP)[0].real) < 1e-6
 
 
-@pytest.mark.parametrize("factor", [0.5, 2.44, 50.0])
-@pytest.mark.parametrize("mu", [1e-3, 0.1, 10.0])
-def test_upright_gliding_heavy_top_is_unstable_at_every_speed(factor: float, mu: float) -> None:
-    """Against [T 5.54]."""
-    b = TIP._replace(friction=Viscous(mu))
-    spin = factor * thresholds.sleeping_spin(TIP)
-    assert modes.linear_modes(spin, b)[0].real > 0
-    assert modes.linear_modes(spin, b, inverted=True)[0].real < 1e-9
-
-
 def start_of(
     name: str, theta: float = 0.1, law: tuple = ("viscous", {"mu": 0.3}), **more: float
 ) -> Problem:
@@ -209,19 +199,6 @@ def test_a_cylinder_rocks_at_the_frequency_that_is_named(name: str) -> None:
     made = dataclasses.replace(made, until=20 * math.pi / named)
     np.testing.assert_allclose(
         np.diff(solve(made).events.of("turning").time), math.pi / named, rtol=1e-5
-    )
-
-
-@pytest.mark.parametrize(
-    "name", ["heavy-top", "gliding-heavy-top", "tippe-top", "rolling-tippe-top"]
-)
-@pytest.mark.parametrize("law", [("none", {}), ("viscous", {"mu": 0.3})], ids=["none", "viscous"])
-def test_a_start_exactly_at_a_pole_stays_there(name: str, law: tuple) -> None:
-    for theta in (0.0, math.pi):
-        found = forecast.assessment(start_of(name, theta, law, omega3=122.8))
-        assert "stays at the pole until it is disturbed" in found.get("fate", "")
-    assert "stays" not in forecast.assessment(start_of(name, 0.1, law, omega3=122.8)).get(
-        "fate", ""
     )
 
 

@@ -28,23 +28,6 @@ def count(
     return found, tallies
 
 
-@pytest.mark.parametrize("pieces", [1, 4])
-@pytest.mark.parametrize(
-    ("theta", "end", "rows"),
-    [
-        ([np.pi - x for x in (0.0, 1e-16, 0.0, 4e-16)], np.pi, []),
-        ([0.1, 0.5, 0.5 - 1e-16, 0.5 + 2e-16, 0.1], 0.4, [0, 3, 4]),
-        ([0.1, 0.5], 0.5 - NOISE_FLOOR / 10, [0]),  # counts only if theta comes back from it
-        ([0.1, 0.5], 0.5 - NOISE_FLOOR * 10, [0, 1]),
-    ],
-)
-def test_a_turning_counts_where_theta_comes_back(
-    theta: list[float], end: float, rows: list[int], pieces: int
-) -> None:
-    sign = [1, -1, 1, -1, 1][: len(theta)]
-    assert count(theta, sign, end, pieces)[0] == rows
-
-
 @pytest.mark.parametrize("pieces", [1, 2, 4])
 def test_turnings_that_count_are_those_that_a_zigzag_filter_keeps(
     pieces: int, rng: np.random.Generator
@@ -87,9 +70,9 @@ def test_amplitude_is_the_swing_since_the_turning_before() -> None:
     assert np.all(np.isnan(run.events.amplitude[run.events.kind != 0]))
 
 
-@pytest.mark.parametrize("assignments", [[], ["initial.phi=1.0"]])
-def test_a_run_released_at_rest_does_not_log_its_start(assignments: list[str]) -> None:
-    events = tippetop.run("inverting", assignments, until=0.5).solution.events
+@pytest.mark.parametrize("start", [{}, {"phi": 1.0}])
+def test_a_run_released_at_rest_does_not_log_its_start(start: dict[str, float]) -> None:
+    events = tippetop.run("inverting", start=start, until=0.5).solution.events
     assert events.time[0] > 1e-3
     assert np.all(np.diff(events.theta_dot_sign) != 0), "minima and maxima alternate"
 
@@ -132,7 +115,7 @@ def test_starts_at_rest_log_every_turning_of_a_dense_scan(rng: np.random.Generat
 
 
 def test_settling_noise_is_marked_and_the_moment_is_logged_once() -> None:
-    events = tippetop.run("inverting", ["run.output_step=1.0"], until=300).solution.events
+    events = tippetop.run("inverting", output_step=1.0, until=300).solution.events
     turning = events.of("turning")
     assert len(events.of("settled", significant=True).time) == 1
     assert turning.significant.sum() == 395

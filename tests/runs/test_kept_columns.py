@@ -118,9 +118,7 @@ def test_a_column_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str
 
 
 def test_columns_of_ones_own_are_kept_beside_those_that_are_named() -> None:
-    own = tt.extending.Quantity(
-        "height", "h", tt.extending.Unit(0, 1, 0, "m"), "height", lambda s, b: s.z
-    )
+    own = tt.extending.Quantity("height", "h", tt.extending.Unit("m"), "height", lambda s, b: s.z)
 
     def kept(columns: Any, tables: Any = "inverting") -> set[str]:
         return set(tt.run(tables, until=0.01, columns=columns).trajectory.data_vars)
@@ -161,6 +159,7 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
     assert run.certify(0.1).theta < 1e-12  # it keeps theta for itself
 
 
+@pytest.mark.slow
 def test_a_figure_needs_no_more_than_it_names() -> None:
     """Of a run that keeps what the catalogue says alone, each figure shows what it shows of the
     whole run.

@@ -57,7 +57,7 @@ def test_a_settled_that_does_not_last_is_no_time_in_a_lane() -> None:
     significant.
     """
     problem = build.load("inverting", ["initial.omega3=0.0"], until=1.0)
-    run = tippetop.run("inverting", ["initial.omega3=0.0"], until=1.0).solution
+    run = solve(problem)
     assert len(run.events.of("settled").time) > 3
     lane = measure(Problems.vary(problem, {"initial.omega3": np.array([0.0])}), threads=1, lanes=4)
     assert len(run.events.of("settled", significant=True).time) == 0
@@ -77,7 +77,7 @@ def test_a_fate_knows_liftoff() -> None:
 
 
 def test_a_summary_says_that_a_top_is_under_way() -> None:
-    run = tippetop.run("inverting", ["initial.theta=1e-6"], until=0.5)
+    run = tippetop.run("inverting", start={"theta": 1e-6}, until=0.5)
     assert run.summary.outcome == "under-way"
     assert "under way" in dict(lines(run.summary))["outcome"]
 

@@ -45,6 +45,7 @@ from tippetop.store.ledger import Ledger
 
 
 UNTIL = 70.0  # [s]: eleven short slices
+KEYFRAMES = ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=100"]
 
 
 def problem(until: float = UNTIL, *sets: str) -> Problem:
@@ -55,9 +56,9 @@ def start(*arguments: str, prelude: str = PRELUDE) -> Forked:
     return Forked(list(arguments), prelude)
 
 
-def running(store: Path, until: float = UNTIL, step: float = 0.01) -> list[str]:
-    sets = [word for s in (*TURNING, f"run.output_step={step}") for word in ("--set", s)]
-    return ["run", "inverting", *sets, "--until", str(until), "--out", str(store)]
+def running(store: Path, until: float = UNTIL, *sets: str) -> list[str]:
+    words = [word for s in (*TURNING, "run.output_step=0.01", *sets) for word in ("--set", s)]
+    return ["run", "inverting", *words, "--until", str(until), "--out", str(store)]
 
 
 def here(*arguments: str) -> int:
@@ -77,37 +78,38 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("kills", "until", "step"),
-    [(3, UNTIL, 0.01), pytest.param(50, 3000.0, 0.05, marks=pytest.mark.slow)],
+    ("until", "sets", "kills"),
+    [
+        (0.0, [], 2),
+        (20.0, [], 2),
+        (0.0, KEYFRAMES, 2),
+        at_night(5.0, KEYFRAMES, 5),
+        at_night(0.0, ["run.output_step=0.001"], 50),
+    ],
 )
 def test_killed_at_random_moments_and_resumed_it_is_bit_identical(
-    kills: int,
-    until: float,
-    step: float,
-    undisturbed: Path,
-    tmp_path: Path,
-    rng: np.random.Generator,
+    until: float, sets: list[str], kills: int, tmp_path: Path, rng: np.random.Generator
 ) -> None:
-    """Each kill falls at a random moment after at least one new commit; none may cost an
-    acknowledged row.
+    """A finished run until `until` is extended where there is one.
 
-    A commit follows a slice: each life takes a few of them.
+    Each kill falls at a random moment after at least one new commit, and costs no acknowledged row.
     """
-    store, whole = tmp_path / "run.zarr", tmp_path / "whole.zarr" if until > UNTIL else undisturbed
-    assert whole.exists() or here(*running(whole, until, step)) == 0
-    arguments, before, killed = running(store, until, step), -1, 0
-    while killed < kills:
+    store, whole = tmp_path / "run.zarr", tmp_path / "whole.zarr"
+    assert here(*running(whole, UNTIL * (kills - 1), *sets)) == 0
+    if until:
+        assert here(*running(store, until, *sets)) == 0
+        arguments = ["resume", str(store), "--until", str(UNTIL * (kills - 1))]
+    else:
+        arguments = running(store, UNTIL * (kills - 1), *sets)
+    for _ in range(kills):
+        before = acknowledged(store)
         process = start(*arguments)
         wait_until(lambda before=before: acknowledged(store) > before, process)
         time.sleep(rng.uniform(0.0, 0.05))
-        if process.poll() is not None:
-            break
-        process.send_signal(signal.SIGKILL)
-        ended(process)
-        killed += 1
+        process.kill()
+        assert ended(process)[0] == -signal.SIGKILL
         assert acknowledged(store) >= before
-        before, arguments = acknowledged(store), ["resume", str(store)]
-    assert killed == kills
+        arguments = ["resume", str(store)]
     assert here(*arguments) == 0
     assert_same(store, whole)
 
@@ -228,7 +230,7 @@ def test_what_a_record_acknowledges_is_on_the_disk_before_it(
         state, store = state_of(tmp_path / "run.zarr"), tmp_path / "run.zarr"
         state.add(json.loads(data.partition(b" ")[2]))
         files = [store / file for key in state.chunks for file in state.files(key)] + [
-            store / state.tail[0]
+            store / state.tail
         ]
         late.append({*disk.late(store)} & {*files})
         append(folder, name, data)

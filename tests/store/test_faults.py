@@ -33,11 +33,10 @@ keep = ["theta_max"]
 of = "initial.omega3"
 values = [100.0, 120.0, 140.0, 160.0]
 """
-CHANGES = ["run.output_step=0.001", "run.columns=['theta']"]
 
 
 def run(place: Path, **how: Any) -> None:
-    tt.run("inverting", CHANGES, until=0.1, out=place, **how)
+    tt.run("inverting", output_step=0.001, columns="theta", until=0.1, out=place, **how)
 
 
 def resume(place: Path) -> None:
@@ -62,7 +61,7 @@ def extend(place: Path) -> None:
 
 
 def surface(place: Path) -> None:
-    wanted = surfaces.Surface.over(
+    wanted = surfaces.Surface(
         build.load("inverting").parameters, np.linspace(-1e-4, 1e-4, 6), [0.0, 1e-5], chunk=4
     )
     surfaces.write(place, wanted)
@@ -215,7 +214,7 @@ def test_a_sync_that_is_left_out_is_found(
             sync_one(folder, name)
 
     if left_out == "place":
-        monkeypatch.setattr("tippetop.store.files.synced", lambda _: None)
+        monkeypatch.setattr("tippetop.store.files.synced", lambda *_: None)
     else:
         monkeypatch.setattr(Folder, "sync_one", less)
     with pytest.raises((AssertionError, StoreError, FileNotFoundError)):

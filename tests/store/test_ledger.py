@@ -122,7 +122,7 @@ def steps_in(folder: ModelFolder) -> int:
         return 0
     if state.closing:
         return STEPS
-    return json.loads(folder.read(state.tail[0]).partition(b"\n")[0])["i"] if state.tail else 0
+    return json.loads(folder.read(state.tail).partition(b"\n")[0])["i"] if state.tail else 0
 
 
 def undisturbed() -> ModelFolder:

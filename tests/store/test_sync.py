@@ -35,7 +35,7 @@ def test_a_folder_that_cannot_be_synced_is_let_be_and_a_file_is_not(
     monkeypatch.setattr(os, "fsync", refuse)
     files.synced(tmp_path)
     with pytest.raises(OSError, match="Invalid argument"):
-        files.synced(tmp_path / "file")
+        files.synced(tmp_path, "file")
 
 
 RUN = "run inverting --until 0.1 --columns theta --out"
@@ -72,7 +72,7 @@ def test_so_is_what_is_made_from_a_store(
 ) -> None:
     """A replay, a copy, and a run that was continued into larger chunks."""
     short_slices(monkeypatch)
-    run = tippetop.run("inverting", ["run.output_step=0.001"], until=0.5)
+    run = tippetop.run("inverting", output_step=0.001, until=0.5)
     run.save(tmp_path / "saved")
     times = "--from 0.1 --until 0.2 --step 0.01"
     assert outcome(f"replay {tmp_path}/saved {times} --out {tmp_path}/rows".split()) == 0

@@ -28,7 +28,7 @@ def test_a_grid_is_the_product_of_its_axes() -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_the_sample_is_repeated_at_every_point_of_the_grid(method: str) -> None:
-    design = Design((EVEN, SLOW, LOG, FAST), Sample(method, 8, seed=3))
+    design = Design((EVEN, SLOW, LOG, FAST), Sample(method=method, n=8, seed=3))
     assert list(design.sizes.items()) == [("slow", 2), ("fast", 3), ("sample", 8)]
     assert design.n == 48
     numbers = {
@@ -45,10 +45,12 @@ def test_the_sample_is_repeated_at_every_point_of_the_grid(method: str) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_some_tops_are_those_of_all(method: str, rng: np.random.Generator) -> None:
     """Whatever tops a chunk holds, in whatever order: the same bits."""
-    design = Design((SLOW, EVEN, FAST), Sample(method, 16, seed=1))
+    design = Design((SLOW, EVEN, FAST), Sample(method=method, n=16, seed=1))
     whole = design.numbers(np.arange(design.n))
     some = rng.permutation(design.n)[:17]
-    for key, values in Design((SLOW, EVEN, FAST), Sample(method, 16, seed=1)).numbers(some).items():
+    for key, values in (
+        Design((SLOW, EVEN, FAST), Sample(method=method, n=16, seed=1)).numbers(some).items()
+    ):
         assert values.tobytes() == whole[key][some].tobytes()
 
 
@@ -58,7 +60,7 @@ def test_points_lie_in_the_range_and_spread_over_it(method: str) -> None:
     deviations.
     """
     n = 1024
-    numbers = Design((EVEN, LOG), Sample(method, n, seed=2)).numbers(np.arange(n))
+    numbers = Design((EVEN, LOG), Sample(method=method, n=n, seed=2)).numbers(np.arange(n))
     for axis, unit in (
         (EVEN, (numbers["even"] + 1) / 4),
         (LOG, (np.log10(numbers["log"]) + 3) / 5),
@@ -73,14 +75,14 @@ def test_points_lie_in_the_range_and_spread_over_it(method: str) -> None:
 
 @pytest.mark.parametrize("method", ["sobol", "latin-hypercube"])
 def test_even_samples_have_one_point_in_every_layer_of_every_axis(method: str) -> None:
-    points = Sample(method, 64, seed=5).unit(3)
+    points = Sample(method=method, n=64, seed=5).unit(3)
     for column in points.T:
         assert sorted(np.floor(column * 64).astype(int)) == list(range(64))
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_the_seed_decides(method: str) -> None:
-    one, same, other = (Sample(method, 16, seed).unit(2) for seed in (1, 1, 2))
+    one, same, other = (Sample(method=method, n=16, seed=seed).unit(2) for seed in (1, 1, 2))
     assert one.tobytes() == same.tobytes()
     assert np.any(one != other)
 

@@ -2,7 +2,6 @@
 the rest.
 """
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ from touching import BOUNCE
 
 from tippetop.ensembles import ensemble
 from tippetop.ensembles.outcomes import statuses_of
-from tippetop.runs import cost
 from tippetop.sweeps import chunk, measuring
 from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.summary import lines
@@ -72,18 +70,6 @@ def test_tops_that_cannot_be_take_no_time(monkeypatch: pytest.MonkeyPatch) -> No
     )
     found = measuring.measured(plan, Steps(monkeypatch))
     assert (found["tops_measured"], found["core_seconds"]) == (0, measuring.WRITING)
-
-
-def test_of_tops_whose_contact_opens_some_are_run_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No further one is begun after 2 s; those that cannot be count for nothing."""
-    plan, clock = bouncing(*range(50, 90)), itertools.count(step=0.25)
-    took = {"seconds": 0.5, "compiling": 0.0}
-    monkeypatch.setattr(cost, "measured", lambda problem, clock: took)
-    found = measuring.measured(plan, lambda: float(next(clock)))
-    assert found["core_seconds"] == pytest.approx(40 * 0.5 + measuring.WRITING * plan.chunks)
-    assert found["tops_measured"] == measuring.BUDGET / 0.25
-    half = measuring.measured(bouncing(60.0, float("nan")), lambda: 0.0)
-    assert half["core_seconds"] == pytest.approx(0.5 + measuring.WRITING)
 
 
 def test_a_bouncing_top_is_measured() -> None:

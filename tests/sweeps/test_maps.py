@@ -14,7 +14,7 @@ from tippetop.ensembles.outcomes import CLASSES
 from tippetop.errors import InputError
 from tippetop.mechanics.theory import thresholds
 from tippetop.scenario import build
-from tippetop.sweeps import maps, sweep
+from tippetop.sweeps import maps
 from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.summary import open_sweep
 
@@ -104,7 +104,7 @@ def test_a_map_puts_every_top_in_its_cell(tmp_path: Path, monkeypatch: pytest.Mo
     np.testing.assert_allclose(x, np.linspace(100, 175, 16), rtol=1e-14)
     expected = x[:, None] + 1000 * y + 1e6 * 0.2
     np.testing.assert_allclose(found.fields["inverted_at"], expected, rtol=1e-13)
-    assert found.notes == ["θ(0) = 0.2 (one of 3)"]
+    assert found.notes == ["initial.θ = 0.2 (one of 3)"]
 
 
 def test_a_map_of_times_has_the_class_where_there_is_no_time(
@@ -178,14 +178,6 @@ def test_what_cannot_be_drawn_is_said(
     of = Plan.from_tables({"scenario": "inverting", "axis": [{**AXIS, "n": 4}]})
     with pytest.raises(InputError, match="must have theta_end, but the plan did not keep it"):
         synthetic(tmp_path, monkeypatch, of, **{"class": np.zeros(4, np.int8)})
-
-
-def test_without_dask_there_is_no_scheduler(
-    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sweep, "find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"install tippetop\[cluster\]"):
-        tippetop.sweep(file, tmp_path / "S.zarr", scheduler="tcp://127.0.0.1:1")
 
 
 def test_ends_change_at_the_analytic_thresholds(tmp_path: Path) -> None:

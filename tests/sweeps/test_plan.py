@@ -137,12 +137,10 @@ def test_set_takes_the_place_of_what_the_scenario_says_of_its_rows(changes: dict
     assert {name: run[name] for name in changes} == changes
 
 
-def test_a_law_of_another_unit_takes_no_number_from_the_scenario() -> None:
-    """Unless an axis gives it."""
+def test_another_law_takes_no_number_from_the_scenario() -> None:
     change = {"friction": {"law": "coulomb", "eps": 1e-3}}
-    with pytest.raises(InputError, match=r"`friction\.mu` must be given anew"):
+    with pytest.raises(InputError, match=r"`friction\.mu` must be given, but is missing"):
         made(OMEGA, set=change)
-    assert made({"of": "friction.mu", "values": [0.1, 0.2]}, set=change).n == 2
 
 
 OMEGA = {"of": "initial.omega3", "values": [100.0]}
@@ -170,7 +168,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
             {"axis": [{"of": "friction.mu", "linspace": [1, 2], "n": 0}]},
             "`axis.1.n` must be at least 1",
         ),
-        ({"axis": [{**OMEGA, "n": 3}]}, "`axis.1.n` requires linspace or geomspace"),
+        ({"axis": [{**OMEGA, "n": 3}]}, "`axis.1.n` must be given"),
         ({"axis": [{**OMEGA, "log": True}]}, "`axis.1.log` requires between"),
         ({"axis": [{"of": "friction.mu", "geomspace": [0, 2], "n": 3}]}, "two ends of one sign"),
         ({"axis": [{**DRAWN, "between": [2, 1]}]}, "`axis.1.between` must ascend"),
@@ -218,9 +216,8 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
         ),
         (
             {"axis": [{**GRID[0], "n": 10**9}]},
-            "`axis` 1 must have at most 1e+07 numbers, but has 1e+09",
+            "`axis.1.n` must be less than or equal to 10000000, but is 1000000000",
         ),
-        ({"axis": [{**GRID[0], "n": 10**400}]}, "`axis` 1 must have at most 1e+07 numbers"),
     ],
 )
 def test_what_is_wrong_is_said(document: dict[str, Any], words: str) -> None:
@@ -231,10 +228,8 @@ def test_what_is_wrong_is_said(document: dict[str, Any], words: str) -> None:
 def test_all_that_is_wrong_is_said_at_once() -> None:
     axes = [{"of": "friction.mu", "geomspace": [0, 1], "n": 2}, {"of": "gamma"}, {**OMEGA, "n": 2}]
     with pytest.raises(InputError) as error:
-        Plan.from_tables(
-            {"scenario": "inverting", "set": {"parameters": {"m": -1}}, "axis": axes, "runs": [3]}
-        )
-    assert len(error.value.sentences) == 4
+        Plan.from_tables({"scenario": "inverting", "axis": axes, "runs": [3]})
+    assert len(error.value.sentences) == 3
 
 
 def test_a_top_of_a_plan_stands_as_it_would_alone() -> None:

@@ -20,9 +20,9 @@ import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import InputError, StoreError
 from tippetop.store import provenance, root
-from tippetop.sweeps import chunk, sweep, workers
+from tippetop.sweeps import chunk, workers
 from tippetop.sweeps.plan import Plan
-from tippetop.sweeps.summary import gridded, lines, open_sweep, report
+from tippetop.sweeps.summary import gridded, open_sweep, report
 
 
 LINES = chunk.compute_chunk
@@ -56,26 +56,6 @@ def test_the_columns_are_those_of_the_ensemble(whole: Path, file: Path) -> None:
         assert found[name].values.tobytes() == expected[name].values.tobytes(), name
         assert found[name].attrs == expected[name].attrs
     assert set(found.coords) == {"initial.omega3", "friction.mu"}
-
-
-@pytest.mark.slow
-def test_a_sweep_says_where_the_loop_of_heyoka_made_its_steps(
-    whole: Path, file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As a single run does; for the rest the store is the same."""
-    monkeypatch.setattr("tippetop.engine.compiled.is_same_step", lambda *_: False)
-    sweep.sweep(file, tmp_path / "S.zarr", workers=1)
-    attrs, usual = root.attributes(tmp_path / "S.zarr"), root.attributes(whole)
-    assert attrs.pop("steps_by") == "heyoka"
-    assert attrs == usual
-    found, expected = (
-        open_sweep(store).drop_attrs(deep=False) for store in (tmp_path / "S.zarr", whole)
-    )
-    assert found.identical(expected)
-    assert report(tmp_path / "S.zarr")["steps_by"] == "heyoka"
-    assert "heyoka, where the machine code" in dict(lines(report(tmp_path / "S.zarr")))["steps by"]
-    assert "steps_by" not in report(whole)
-    assert "steps by" not in dict(lines(report(whole)))
 
 
 def test_a_run_of_its_own_is_the_top(whole: Path) -> None:

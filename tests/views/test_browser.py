@@ -137,6 +137,7 @@ def test_a_run_in_a_notebook_turns_once_it_is_opened(open_page: Any) -> None:
     assert tab.faults == []
 
 
+@pytest.mark.slow
 def test_a_page_without_webgl2_shows_its_plots(browser_without_webgl: Any, open_page: Any) -> None:
     tab = open_page(tt.run("inverting", until=0.2).view().text, used=browser_without_webgl)
     assert "WebGL2" in tab.get_by_role("alert").inner_text()
@@ -146,6 +147,7 @@ def test_a_page_without_webgl2_shows_its_plots(browser_without_webgl: Any, open_
     assert tab.faults == []
 
 
+@pytest.mark.slow
 def test_a_page_that_loses_webgl2_names_it(open_page: Any) -> None:
     """A browser takes it from the oldest of many pages."""
     tab = open_page(tt.run("inverting", until=0.2).view().text)
@@ -191,6 +193,7 @@ def swiped(tab: Any, part: str, dx: int, dy: int) -> set[str]:
     return {name for name in after if after[name] != pytest.approx(before[name])}
 
 
+@pytest.mark.slow
 def test_paper_is_white_and_balls_are_round(tab: Any) -> None:
     """Also of a dark page; no canvas is stretched."""
     tab.set_viewport_size({"width": 1280, "height": 800})

@@ -80,9 +80,12 @@ Numbers have 12 significant digits of the largest number of their vector.
 | `reason` | `opens-at-once` | the contact opened directly after an impact |
 | `reason` | `rests`, `gives` | friction on a disc holds the body; it no longer does |
 
-`impacts.csv` lists the impacts: the velocity along the vertical `v_n` and the sliding `speed`
-before and after, `impulse` (vertical), `friction_impulse` (size of the horizontal impulse) and
-`work` (negative: lost).
+`impacts.csv` lists the impacts: the velocity of the contact point along the vertical `v_n`
+(upwards positive) and its sliding `speed` before and after, and the impulse of the plane on the
+body: `impulse` is its vertical part (upwards, never negative), `friction_impulse` the size of its
+horizontal part, without a sign.
+Its direction is that of the jump of `vx`, `vy` in `reference.csv`.
+`work` is that of the impulse on the body (negative: energy lost).
 `mode` is `slip` if the contact point slides throughout, `stick` if sliding ends within the impact,
 and `reverse` if it ends and starts again in another direction.
 

@@ -24,6 +24,9 @@ QUANTITIES = ("attitude", "theta", "position", "spin", "energy", "force")
 WRONG_START = 0.1
 """Difference of the first attitude [rad] above which a file is not a result of its case."""
 
+TURNED = 0.5
+"""Angle [rad] after which the sense of rotation of a file is compared."""
+
 GAP = 0.01
 """Longest time between rows of a result whose outcome is judged, by the length of the case."""
 
@@ -288,21 +291,25 @@ def _motion(table: Table) -> Truth:
 
 
 def _check_start(path: Path, there: Truth, exact: Truth) -> None:
-    """Raise InputError if the first row is not near the reference."""
-    first, expected = there.quaternion[:1], exact.quaternion[:1]
-    off = angle_between(first, expected)[0]
-    if off < WRONG_START:
-        return
-    rolled = angle_between(np.roll(first, 1, axis=1), expected)[0]
-    hint = (
-        "its order is x, y, z, w: name the columns accordingly."
-        if rolled < WRONG_START
-        else "check the order of the quaternion, the frames and the start."
-    )
-    raise InputError(
-        f"`{path}`: the first quaternion must be near that of the reference, but differs by "
-        f"{off:.3g} rad; {hint}"
-    )
+    """Raise InputError if the first row is not near the reference, or turns the other way."""
+    turned = angle_between(exact.quaternion, exact.quaternion[:1]) > TURNED
+    for row in {0, int(turned.argmax())}:
+        given, expected = there.quaternion[[row]], exact.quaternion[[row]]
+        off = angle_between(given, expected)[0]
+        if off < WRONG_START:
+            continue
+        ways = {
+            "its order is x, y, z, w: name the columns accordingly.": np.roll(given, 1, axis=1),
+            "it turns space axes into body axes: change the sign of q_x, q_y, q_z.": given
+            * [1.0, -1.0, -1.0, -1.0],
+        }
+        hints = [h for h, q in ways.items() if angle_between(q, expected)[0] < WRONG_START]
+        if hints or row == 0:
+            hints.append("check the order of the quaternion, the frames and the start.")
+            raise InputError(
+                f"`{path}`: the quaternion at {there.t[row]:g} s must be near that of the "
+                f"reference, but differs by {off:.3g} rad; {hints[0]}"
+            )
 
 
 def _errors(there: Truth, exact: Truth, each: Case) -> dict[str, np.ndarray]:

@@ -33,9 +33,16 @@ class Truth(NamedTuple):
 
 
 def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tuple[Truth, Solution]:
-    """Return the motion of a problem at ascending times [s], and its run."""
+    """Return the motion of a problem at ascending times [s], and its run.
+
+    The sign of the quaternion is continuous.
+    """
     run = reference(dataclasses.replace(problem, precision=precision), times)
-    return Truth(run.times, *motion_of(run.problem, run.rows)), run
+    motion = Truth(run.times, *motion_of(run.problem, run.rows))
+    flips = (motion.quaternion[1:] * motion.quaternion[:-1]).sum(axis=1) < 0
+    signs = np.cumprod(np.where(flips, -1.0, 1.0))
+    motion.quaternion[1:] *= signs[:, None]
+    return motion, run
 
 
 def axis_of(q: np.ndarray) -> np.ndarray:

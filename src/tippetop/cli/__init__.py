@@ -1,6 +1,6 @@
 """The command line: arguments become calls, errors become sentences and an exit code.
 
-Modules are imported when they are needed, so that `tippetop --help` starts as fast as Python.
+Modules are imported when they are needed, so that a command starts fast.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ..awaiting import abandoned
-from . import overview, streams
+from . import streams
 from .streams import complain
 
 
@@ -79,9 +79,6 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
     """Return the exit code of `main`."""
     words = sys.argv[1:] if arguments is None else [*arguments]
     try:
-        if (answer := overview.answer(words)) is not None:
-            print(answer)
-            return DONE
         from .application import called
 
         return called(words)

@@ -1,56 +1,70 @@
-"""A call of a command from the words of the command line, by cyclopts."""
+"""The commands by module, called from the words of the command line by cyclopts."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from importlib import import_module
 
 from cyclopts import App, CycloptsError, Parameter
 
-from ..errors import InputError, suggestion
-from . import host, overview, usage
+from ..errors import InputError
+from . import host, usage
 
 
-def called(words: Sequence[str]) -> int:
-    """Call the command named by the first word and return its exit code."""
-    name = words[0]
-    if name not in overview.COMMANDS:
-        raise InputError(
-            f"unknown command `{name}`.{suggestion(name, overview.COMMANDS)} The commands are "
-            f"{', '.join(overview.COMMANDS)}."
-        )
-    app = app_of([name])
-    if {"--help", "-h"} & {*words}:
-        from .console import Console
+PURPOSE = (
+    "Tippe tops, heavy tops and eccentric cylinders that roll and glide on a plane: integrated "
+    "to rounding, with their events, stored, checked and drawn.\n\n"
+    "A first run: `tippetop run inverting --figure inverting.png`. `tippetop presets` lists the "
+    "scenarios to start from, `tippetop new` writes one with every key, `tippetop help` explains "
+    "them. The manual is README.md and docs/ of the source."
+)
+_NAMES = {
+    "run": "run resume replay",
+    "landscape": "surface potential",
+    "sweep": "sweep",
+    "plot": "plot",
+    "show": "info check export systems presets",
+    "view": "view",
+    "benchmark": "benchmark",
+    "exchange": "compare fit",
+    "reconstruct": "reconstruct",
+    "reference": "new help completion",
+}
+COMMANDS = {name: module for module, names in _NAMES.items() for name in names.split()}
+"""The module of each command."""
+WITHOUT_ENGINE = {"export", "systems", "presets", "new", "help", "completion"}
 
-        app.console = Console()
-    elif name not in overview.WITHOUT_ENGINE:
-        host.prepare()
-    try:
-        return app(words, exit_on_error=False, print_error=False) or 0
-    except CycloptsError as error:
-        raise InputError(usage.sentences(error)) from None
 
-
-def app_of(names: Iterable[str]) -> App:
-    """Return the application with these commands."""
+def application(names: Iterable[str] = COMMANDS) -> App:
+    """Return the application with these commands, whose modules are imported."""
     app = App(
         name="tippetop",
-        help="\n\n".join(overview.PURPOSE),
-        version=overview.version,
+        help=PURPOSE,
         help_format="plaintext",
         result_action="return_value",
         default_parameter=Parameter(negative=(), name_transform=_option),
         suppress_keyboard_interrupt=False,  # `cli.outcome` reports how the run ended
     )
     for name in names:
-        app.command(command(name), name=name)
+        module = import_module(f".{COMMANDS[name]}", __package__)
+        app.command(getattr(module, name), name=name)
     return app
 
 
-def command(name: str) -> Callable[..., int]:
-    """Return the function of a command."""
-    return getattr(import_module(f".{overview.COMMANDS[name]}", __package__), name)
+def called(words: Sequence[str]) -> int:
+    """Call the command named by the first word and return its exit code."""
+    known = COMMANDS.keys() & words[:1]
+    app = application(known or COMMANDS)
+    if not words or {"--help", "-h"} & {*words}:
+        from .text import console
+
+        app.console = console()
+    elif known - WITHOUT_ENGINE:
+        host.prepare()
+    try:
+        return app(words, exit_on_error=False, print_error=False) or 0
+    except CycloptsError as error:
+        raise InputError(usage.sentences(error)) from None
 
 
 def _option(name: str) -> str:

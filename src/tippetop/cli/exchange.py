@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..errors import InputError, StoreError
+from ..errors import InputError
 from .streams import print_json, visible
 from .values import Place, Whole
 
@@ -48,8 +47,7 @@ def compare(
     as_json
         Print the result as one JSON object.
     """
-    from ..exchange.motion import Convention
-    from ..exchange.verdict import Verdict
+    from ..library.exchanging import compare as compared
     from ..runs.starting import load_any
     from .plot import check_picture
 
@@ -58,17 +56,8 @@ def compare(
             "a file and a reference must be given: tippetop compare OTHER.csv SCENARIO."
         )
     check_picture(figure, "--figure", overwrite)
-    problem = load_any(files[-1], set_)
-    result = Verdict(problem, [Path(file) for file in files[:-1]], Convention(quaternion, up))
-    if figure is not None:
-        from ..figures import drawing
-        from ..figures.motions import comparison
-
-        drawing.write(comparison(result.motions, result.title), figure, overwrite=overwrite)
-    if as_json:
-        return print_json(result.to_dict())
-    print(visible(str(result)))
-    return 0
+    result = compared([*files[:-1]], load_any(files[-1], set_), quaternion=quaternion, up=up)
+    return _print(result, figure, overwrite, as_json)
 
 
 def fit(
@@ -133,9 +122,7 @@ def fit(
     as_json
         Print the result as one JSON object.
     """
-    from ..exchange import fit_text, measured
-    from ..exchange.fitting import names_of
-    from ..exchange.motion import Convention
+    from ..library.exchanging import fit as fitted
     from ..runs.starting import load_any
     from ..store import files
     from .plot import check_picture
@@ -143,25 +130,30 @@ def fit(
     check_picture(figure, "--figure", overwrite)
     if out and out.suffix != ".toml":
         raise InputError(f"--out must end with .toml, but is `{out}`.")
-    if out and not overwrite and os.path.lexists(out):  # now rather than after the fit
-        raise StoreError(f"`{out}` must not exist yet, but does: use --overwrite to replace it.")
-    problem = load_any(scenario, set_)
-    place = fit_text.marker_of(marker)
-    observation = measured.observation_of(
-        problem, data, names_of(free), Convention(quaternion, up), place, noise
+    if out:  # now rather than after the fit
+        files.refuse_existing(out, overwrite)
+    result = fitted(
+        data,
+        load_any(scenario, set_),
+        free,
+        loss=loss,
+        starts=starts,
+        marker=marker,
+        quaternion=quaternion,
+        up=up,
+        noise=noise,
+        progress=True,
     )
-    result = measured.fitted(observation, loss, starts, progress=True)
-    text = fit_text.lines(result, observation)
     if out is not None:
-        files.write_text(out, fit_text.toml(problem, result), overwrite=overwrite)
-    if figure is not None:
-        from ..figures import drawing
-        from ..figures.fit import fit as draw_fit
+        files.write_text(out, result.to_toml(), overwrite=overwrite)
+    return _print(result, figure, overwrite, as_json)
 
-        curves = measured.curves(observation, result)
-        picture = draw_fit(result.t, observation.dots(), curves, result.residuals, text)
-        drawing.write(picture, figure, overwrite=overwrite)
+
+def _print(result: Any, figure: Path | None, overwrite: bool, as_json: bool) -> int:
+    """Draw and print a comparison or a fit."""
+    if figure is not None:
+        result.plot(figure, overwrite=overwrite)
     if as_json:
-        return print_json(fit_text.plain(result))
-    print(visible("\n".join(text)))
+        return print_json(result.to_dict())
+    print(visible(str(result)))
     return 0

@@ -88,7 +88,7 @@ def surface(
                     "not."
                 )
             with Bar("chunks") as bar:
-                wanted = recording.Surface.over(parameters, Ds, lambdas, system)
+                wanted = recording.Surface(parameters, Ds, lambdas, system)
                 recording.write(out, wanted, threads=threads, progress=bar.update)
         except KeyboardInterrupt:
             return complain(["interrupted; the same command continues from here."], 130)

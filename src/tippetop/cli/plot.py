@@ -75,10 +75,8 @@ def _drawn(
 ) -> Any:
     """Return the figure of some stores, or of a scenario."""
     from ..figures import drawing
-    from ..figures.window import in_window
-    from ..runs import keyframes
-    from ..scenario import build
-    from ..store import chunks, root
+    from ..library.stored_run import StoredRun
+    from ..store import root
 
     first, *others = stores
     if not others and kind == "states" and not first.is_dir():
@@ -90,29 +88,19 @@ def _drawn(
             raise InputError(
                 f"several stores are drawn together if all are runs, but `{store}` is not."
             )
-    if content != "run" and window != (None, None):
+    if content == "run":
+        run, *more = map(StoredRun, stores)
+        start, until = window
+        return run.plot(kind or "theta", others=more, start=start, until=until, **vars(look))
+    if window != (None, None):
         raise InputError(f"`--from` and `--until` require a run, but `{first}` is a {content}.")
     if content == "sweep":
         catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
         return drawing.figure_of_sweep(kind or "class", first, look)
-    if content != "run":
-        from .landscape import picture
+    from .landscape import picture
 
-        catalogue.check_kind(kind or content, [content])
-        return picture(first, attributes[0], look)
-    kind = kind or "theta"
-    catalogue.check_kind(kind)
-    parts = []
-    for store, attrs in zip(stores, attributes, strict=True):
-        groups = chunks.for_figures(store, window)
-        if kind == "growth" and root.has_keyframes(attrs):
-            groups["trajectory"] = keyframes.rows(store, build.stored(attrs))
-        parts.append(in_window(groups, attrs, *window))
-    if not others:
-        return drawing.figure_of(kind, *parts[0], look)
-    names = [store.name.removesuffix(".zarr") for store in stores]
-    runs = [(groups["trajectory"], attrs) for groups, attrs in parts]
-    return drawing.several(kind, runs, names, look).get_figure(root=True)
+    catalogue.check_kind(kind or content, [content])
+    return picture(first, attributes[0], look)
 
 
 def _states(scenario: str, look: Look) -> Any:
@@ -144,6 +132,8 @@ def _size(text: str | None) -> tuple[float, float] | None:
 
 def check_picture(path: Path | None, option: str, overwrite: bool = False) -> None:
     """Refuse a picture before the run rather than after it; `option` gives its file."""
+    from ..store.files import refuse_existing
+
     if path is None:
         return
     refuse_without("matplotlib")
@@ -151,7 +141,4 @@ def check_picture(path: Path | None, option: str, overwrite: bool = False) -> No
         raise InputError(f"{option} must end with .png, .svg or .pdf, but is `{path}`.")
     if not path.parent.is_dir():
         raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
-    if not os.access(path.parent, os.W_OK):
-        raise StoreError(f"`{path}` cannot be written: its folder is read-only.")
-    if not overwrite and os.path.lexists(path):
-        raise StoreError(f"`{path}` must not exist yet, but does: use --overwrite to replace it.")
+    refuse_existing(path, overwrite)

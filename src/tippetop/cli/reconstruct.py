@@ -10,8 +10,6 @@ def reconstruct(
     store: Place,
     *,
     period: Seconds | None = None,
-    out: Place | None = None,
-    overwrite: bool = False,
     as_json: bool = False,
 ) -> int:
     """Solve the main equation for theta(t) by D(t) or L_z(t) and E~(t) of a run; compare with it.
@@ -24,10 +22,6 @@ def reconstruct(
     period
         A guess of the period of nutation [s, or with a unit: 80ms]; by default twice the first
         turning time of the run.
-    out
-        Write time, theta of the main equation and theta of the run to this CSV file.
-    overwrite
-        Replace an existing file.
     as_json
         Print the result as one JSON object.
     """
@@ -35,44 +29,34 @@ def reconstruct(
 
     from ..awaiting import awaited
     from ..errors import InputError
-    from ..landscape.reconstruction import reconstruction
-    from ..scenario import build
-    from ..store import files, root
+    from ..library import running, theory
+    from ..library.stored_run import StoredRun
     from . import text
 
-    attrs = root.attributes(store)
-    if "content" in attrs:
-        raise InputError(f"a run is reconstructed, but `{store}` is a {attrs['content']}.")
-    if period is not None and period <= 0:
-        raise InputError(f"--period must be positive and finite, but is {period}.")
-    rows, events = (
-        root.loaded(root.open_group(store, name), store) for name in ("trajectory", "events")
-    )
+    run = running.open(store)
+    if not isinstance(run, StoredRun):
+        raise InputError(f"`{store}` must be the store of a run, but is not.")
     result = awaited(
-        lambda: reconstruction(build.stored(attrs), lambda: rows, lambda: events, period),
+        lambda: theory.reconstruct(run, period=period),
         "solving the main equation, from one turning to the next",
     )
-    difference = np.abs(result["theta"].values - rows["theta"].values)
+    difference = np.abs(result["theta"].values - run.trajectory["theta"].values)
     found = difference[np.isfinite(difference)]
     report = {
-        "turnings": int(result.sizes["turning"]),
+        "turnings": result.sizes["turning"],
         "rows": found.size,
-        "rows_of_run": int(rows.sizes["time"]),
+        "rows_of_run": difference.size,
         "difference": float(found.max()) if found.size else None,
         "mismatch": float(result.attrs["mismatch"]),
     }
-    if out is not None:
-        table = np.column_stack([rows["time"].values, result["theta"].values, rows["theta"].values])
-        with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
-            header = "time [s],theta by the main equation [rad],theta of the run [rad]"
-            np.savetxt(scratch, table, "%.17g", ",", header=header, comments="")
     if as_json:
         return print_json(report)
-    lines = [
-        ("turnings", f"{report['turnings']}"),
-        ("rows", f"{found.size} of {report['rows_of_run']}"),
-        ("difference", f"{report['difference'] or 0:.2g} rad at most from theta of the run"),
-        ("mismatch", f"{report['mismatch']:.2g} of cos(theta) where pieces meet"),
-    ]
-    text.table(lines if out is None else [*lines, ("file", str(out))])
+    text.table(
+        [
+            ("turnings", f"{report['turnings']}"),
+            ("rows", f"{found.size} of {difference.size}"),
+            ("difference", f"{report['difference'] or 0:.2g} rad at most from theta of the run"),
+            ("mismatch", f"{report['mismatch']:.2g} of cos(theta) where pieces meet"),
+        ]
+    )
     return 0

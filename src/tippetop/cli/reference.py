@@ -60,9 +60,9 @@ def help(topic: str | None = None, *, markdown: bool = False) -> int:
         return 0
     from rich.table import Table
 
-    from .console import Console
+    from .text import console
 
-    out = Console()
+    out = console()
     for section in sections:
         out.print(section.title, style="bold")
         if section.text:
@@ -128,8 +128,7 @@ def completion(shell: Literal["bash", "zsh", "fish"]) -> int:
     shell
         bash, zsh or fish.
     """
-    from .application import app_of
-    from .overview import COMMANDS
+    from .application import application
 
-    sys.stdout.write(app_of(COMMANDS).generate_completion(shell=shell))
+    sys.stdout.write(application().generate_completion(shell=shell))
     return 0

@@ -58,12 +58,13 @@ def run(
     from ..columns import require
     from ..runs import attributes, starting
     from ..runs.certificate import certificate, check_window
+    from ..runs.cost import bar_of_run
     from ..runs.recording import record
     from ..runs.run import solve
     from ..scenario.doubts import doubts
     from ..store.chunks import for_figures
     from ..store.root import annotate, finite
-    from .text import following, warn
+    from .text import warn
 
     check_window(window, "--window")
     if window is not None and not certify:
@@ -83,7 +84,7 @@ def run(
         if problem.output == "keyframes":
             raise InputError('`--figure` requires rows, but `run.output` is "keyframes".')
         require(("theta",), problem.kept_columns, "what --figure draws")
-    with following() as progress:
+    with bar_of_run() as progress:
         if out is None:
             done = solve(problem, progress, keep=figure is not None)
             attrs, seconds = finite(attributes.attributes(done.progress)), done.seconds
@@ -95,7 +96,7 @@ def run(
                 out,
             )
     if certify:
-        attrs["certificate"] = finite(certificate(problem, window, following))
+        attrs["certificate"] = finite(certificate(problem, window, bar_of_run))
         if out is not None:
             annotate(out, {"certificate": attrs["certificate"]})
     if figure is not None:
@@ -127,10 +128,10 @@ def resume(
     as_json
         Print the result as one JSON object.
     """
+    from ..runs.cost import bar_of_run
     from ..runs.resuming import resume as resumed
-    from .text import following
 
-    with following() as progress:
+    with bar_of_run() as progress:
         attrs, seconds = _interruptible(
             lambda stop: resumed(
                 store, progress, until=until, stop=stop, accept_other_version=accept_other_version
@@ -218,7 +219,7 @@ def _print(
 ) -> int:
     """Print the result of a run; return its exit code."""
     from ..runs.attributes import headline_of
-    from ..runs.certificate import certificate_violations, contract_violations, suggest_form
+    from ..runs.certificate import certificate_violations, contract_violations
     from ..runs.results import summary_of
     from ..runs.summary import lines
     from .text import table
@@ -235,8 +236,6 @@ def _print(
     broken = contract_violations(attrs["report"], attrs["tolerance"])
     if "certificate" in attrs:
         broken += certificate_violations(attrs["certificate"])
-    if broken and (better := suggest_form(attrs)):
-        broken[-1] += f" {better[0].upper()}{better[1:]}"
     for sentence in broken:
         report(f"the accuracy contract is broken: {sentence}")
     return 4 if broken else 0

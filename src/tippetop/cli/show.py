@@ -74,22 +74,12 @@ def _growth(attrs: dict[str, Any]) -> dict[str, Any]:
 
     Raises InputError if the run has no derivatives.
     """
-    import numpy as np
-
-    from ..engine.derivatives.growth import growth
-    from ..problem import refuse
+    from ..library.derivatives import lyapunov
     from ..scenario import build
-    from ..store.root import finite
 
-    problem = build.stored(attrs)
-    refuse(problem, ())
-    result = growth(problem, np.linspace(0.0, attrs["report"]["t_end"], 201))
-    numbers = {
-        "factor": float(result.factor[-1]),
-        "exponent": float(result.exponents[-1]),
-        "horizon": result.horizon,
-    }
-    return finite(numbers) | {"sentence": result.sentence()}
+    growth = lyapunov(build.stored(attrs))
+    numbers = {name: float(growth[name].values[-1]) for name in ("factor", "exponent")}
+    return numbers | growth.attrs
 
 
 def check(
@@ -130,9 +120,7 @@ def check(
             raise InputError("`--until` cannot be used with a plan: give `set.run.until` in it.")
         facts, units = sweep.examine(tables, Path(scenario).parent)
         return _print_facts(facts, units, as_json)
-    if until is not None:
-        tables = build.ending(tables, until)
-    problem = starting.problem(tables, scenario)
+    problem = starting.problem(build.ending(tables, until), scenario)
     resolved = build.resolved(problem)
     facts = {**resolved, **forecast.assessment(problem), "warnings": warn(doubts(problem))}
     if problem.precision == "double":  # wider numbers compile for a minute
@@ -142,22 +130,18 @@ def check(
 
 def _print_facts(facts: dict[str, Any], units: dict[str, str], as_json: bool) -> int:
     """Print a checked scenario or plan."""
-    from ..runs.summary import form_sentence, regularisation
+    from ..runs.summary import form_sentence
     from .text import table
 
     if as_json:
         return print_json(facts)
     facts |= facts.pop("plan", {}).get("scenario", {})
-    sentences = {"regularisation": regularisation, "form": form_sentence}
-    if "auto_form" not in facts:  # a plan
-        sentences = {}
+    if "auto_form" in facts:  # not a plan
+        facts["form"] = form_sentence(facts)
     table(
-        (
-            name.replace("_", " "),
-            sentences[name](facts) if name in sentences else plain(value, units),
-        )
+        (name.replace("_", " "), plain(value, units))
         for name, value in facts.items()
-        if name not in ("auto_form", "inversion_by_eps", "warnings")  # printed with others
+        if name not in ("auto_form", "warnings")  # printed with others
     )
     return 0
 
@@ -206,57 +190,25 @@ def export(
 
 
 def systems(*, as_json: bool = False) -> int:
-    """List the systems: forms, parameters and initial keys with units, laws, integrals, events.
+    """List the systems: forms, integrals and sources; `tippetop help scenario` lists their keys.
 
     Parameters
     ----------
     as_json
         Print the list as one JSON object.
     """
-    from ..mechanics.systems import SYSTEMS, laws_of, load_entry_points
+    from ..scenario.reference import systems
     from .text import table
 
-    load_entry_points()
-
-    def symbols(rules: Any) -> dict[str, str]:
-        return {name: rule.unit.symbol for name, rule in rules.items()}
-
-    listing: dict[str, dict[str, Any]] = {
-        name: {
-            "title": s.title,
-            "forms": list(s.forms),
-            "parameters": symbols(s.parameters),
-            "friction": {law: symbols(its.parameters) for law, its in laws_of(s).items()},
-            "initial": symbols(s.initial)
-            | {a.name: "true or false" for a in s.alternatives if a.flag},
-            "quantities": symbols({q.name: q for q in s.quantities}),
-            "integrals": list(s.integrals),
-            "events": [e.name for e in s.events],
-            "source": s.source,
-        }
-        for name, s in SYSTEMS.items()
-    }
+    (section,) = systems()
+    listing = {name: dict(zip(section.head[1:], row, strict=True)) for name, *row in section.rows}
     if as_json:
         return print_json(listing)
-    for name, listed in listing.items():
-        print(f"{name}: {listed.pop('title')}")
-        del listed["source"]
-        table((f"  {key}", _listed(value)) for key, value in listed.items() if value)
+    for name, facts in listing.items():
+        print(f"{name}: {facts.pop('title')}")
+        table((f"  {key}", text) for key, text in facts.items())
         print()
     return 0
-
-
-def _listed(names: Any) -> str:
-    """Return names with units in brackets; a friction law with its numbers."""
-    if isinstance(names, list):
-        return ", ".join(names)
-    words = []
-    for name, unit in names.items():
-        if isinstance(unit, dict):
-            words.append(f"{name} ({_listed(unit)})" if unit else name)
-        else:
-            words.append(name if unit == "1" else f"{name} [{unit}]")
-    return ", ".join(words)
 
 
 def presets(*, as_json: bool = False) -> int:

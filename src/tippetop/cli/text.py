@@ -5,10 +5,9 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-from collections.abc import Callable, Iterable
-from contextlib import AbstractContextManager
+from collections.abc import Iterable
 from textwrap import wrap
-from typing import Any
+from typing import Any, NoReturn
 
 from .streams import report, visible
 
@@ -22,18 +21,22 @@ def width() -> int:
     return shutil.get_terminal_size().columns if narrow else WIDE
 
 
+def console() -> Any:
+    """Return rich's console, for help and for tables of several columns."""
+    from rich.console import Console
+
+    class Quiet(Console):
+        def on_broken_pipe(self) -> NoReturn:
+            raise  # the BrokenPipeError, for `cli.outcome`
+
+    return Quiet(highlight=False, markup=False, width=width())
+
+
 def warn(sentences: list[str]) -> list[str]:
     """Print warnings on standard error and return them."""
     for sentence in sentences:
         report(f"warning: {sentence}")
     return sentences
-
-
-def following() -> AbstractContextManager[Callable[[Any], None]]:
-    """Provide a run's progress callback: it draws a bar and warns of a long run."""
-    from ..runs import cost
-
-    return cost.following(lambda sentence: warn([sentence]))
 
 
 def table(rows: Iterable[tuple[str, str]]) -> None:

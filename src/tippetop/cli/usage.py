@@ -17,7 +17,7 @@ def sentences(error: CycloptsError) -> list[str]:
     """Return the sentences on an error that cyclopts found."""
     if isinstance(error, CoercionError) and isinstance(error.__cause__, InputError):
         return error.__cause__.sentences
-    command, found = " ".join(error.command_chain or ()), str(error)
+    command, found = " ".join(["tippetop", *(error.command_chain or ())]), str(error)
     if isinstance(error, MissingArgumentError) and error.argument is not None:
         name = error.argument.name
         if error.argument.index is not None:
@@ -25,6 +25,8 @@ def sentences(error: CycloptsError) -> list[str]:
         found = f"{name} must be given, with a value."
     elif isinstance(error, UnusedCliTokensError):
         found = f"unexpected argument `{' '.join(error.unused_tokens or [])}`."
-    if command in ("run", "check") and isinstance(error, UnknownOptionError | UnusedCliTokensError):
+    if command in ("tippetop run", "tippetop check") and isinstance(
+        error, UnknownOptionError | UnusedCliTokensError
+    ):
         found += " Numbers of a scenario are changed by --set, such as --set initial.theta=0.2."
-    return [f"{found} See tippetop {command} --help."]
+    return [f"{found} See {command} --help."]

@@ -21,7 +21,7 @@ from ..engine.tallies import EventRows, signs_of
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults, variation_faults
 from ..progress import reporting
-from .hybrid_tops import Alone, problem_of, run_each
+from .hybrid_tops import problem_of, run_each
 from .lanes import LANES, SWINGS, Lanes, new_tops
 from .outcomes import Outcomes, _conclude, dataset
 
@@ -42,7 +42,6 @@ def measure(
     progress: Callable[[int, int], None] | None = None,
     lanes: int = LANES,
     wanted: Collection[str] | None = None,
-    alone: Alone | None = None,
     lyapunov: bool = False,
 ) -> Outcomes:
     """Integrate every valid top to its end; `progress(done, n)` is called now and then.
@@ -60,8 +59,6 @@ def measure(
     wanted
         Names of the columns that are read, None: all. The others may be empty; these have the
         same bits.
-    alone
-        What runs one top whose contact may change its phase: lanes cannot.
     lyapunov
         Whether the finite-time Lyapunov exponents are wanted: one top after the other, several
         runs' cost each.
@@ -86,9 +83,7 @@ def measure(
     numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
     clock = time.perf_counter()
     if len(numbers) and tops.base.system.is_hybrid:
-        if alone is None:
-            raise ValueError("`alone` is required for a contact that may change its phase")
-        run_each(measured, numbers, alone, progress)
+        run_each(measured, numbers, progress)
     elif len(numbers):
         _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
     _conclude(measured)
@@ -280,8 +275,6 @@ def base_faults(base: Problem) -> list[str]:
             "`form` must be one in an ensemble that integrates the axis, as ux, uy, uz: "
             f'{others}, but is "{base.form.name}".'
         )
-    if base.sensitivities:
-        sentences.append("`run.sensitivities` must not be given in an ensemble: it keeps no rows.")
     if base.precision != "double":
         sentences.append(
             f'`run.precision` must be "double" in an ensemble, but is "{base.precision}".'
@@ -296,7 +289,6 @@ def of_problem(
     threads: int | None = None,
     progress: Callable[[int, int], None] | bool = False,
     orientation: bool = False,
-    alone: Alone | None = None,
     lyapunov: bool = False,
 ) -> "xr.Dataset":
     """Return a Dataset with one row per top.
@@ -315,8 +307,6 @@ def of_problem(
         Called as progress(done, of); True draws a bar.
     orientation
         Whether the orientation at the end is wanted.
-    alone
-        What runs one top whose contact may change its phase.
     lyapunov
         Whether the finite-time Lyapunov exponents are wanted.
 
@@ -339,5 +329,5 @@ def of_problem(
         raise InputError(sentences)
     tops = vary(base, variations, orientation=orientation)
     with reporting(progress, "tops") as tell:
-        measured = measure(tops, threads=threads, progress=tell, alone=alone, lyapunov=lyapunov)
+        measured = measure(tops, threads=threads, progress=tell, lyapunov=lyapunov)
         return dataset(measured, [*tops.check()[1], *measured.faults])

@@ -2,29 +2,18 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..engine.status import Status
 from ..problem import Problem, Problems
+from ..runs.integration import Integration
+from ..runs.reporting import report
+from ..runs.sinks import Sink
 from ..sampling import ListedTimes
 from ..scenario.contact import contact_faults, on_stem, touches
 from .outcomes import Outcomes
-
-
-class Ended(NamedTuple):
-    """A run that has come to its end."""
-
-    status: Status
-    final: np.ndarray  # internal
-    report: dict[str, Any]
-    kept: dict[str, float | int | None]  # what events keep of their passages
-    settled: bool
-
-
-Alone = Callable[[Problem], Ended]
-"""Runs one problem to its end, without keeping rows."""
 
 
 def problem_of(tops: Problems, top: int) -> Problem:
@@ -61,14 +50,11 @@ def problem_of(tops: Problems, top: int) -> Problem:
 
 def faults_of(problem: Problem) -> list[str]:
     """Return why a problem cannot be followed alone, in sentences."""
-    return [*problem.faults(), *contact_faults(problem)]
+    return [*problem.clashes(), *contact_faults(problem)]
 
 
 def run_each(
-    outcomes: Outcomes,
-    numbers: np.ndarray,
-    alone: Alone,
-    progress: Callable[[int, int], None] | None,
+    outcomes: Outcomes, numbers: np.ndarray, progress: Callable[[int, int], None] | None
 ) -> None:
     """Run tops one after the other, and write their rows.
 
@@ -78,8 +64,6 @@ def run_each(
         A row per top; those of tops whose contact cannot be followed are marked as invalid.
     numbers
         Of the tops.
-    alone
-        Runs one.
     progress
         Called as progress(done, of).
     """
@@ -90,19 +74,23 @@ def run_each(
             outcomes.status[top] = Status.INVALID.code
             outcomes.faults.append((top, faults[0]))
         else:
-            _write(outcomes, top, alone(problem))
+            _run(outcomes, top, problem)
         if progress is not None:
             progress(done, len(numbers))
 
 
-def _write(outcomes: Outcomes, top: int, ended: Ended) -> None:
-    """Write the row of a top."""
-    report, force = ended.report, ended.report.get("normal_force", {})
+def _run(outcomes: Outcomes, top: int, problem: Problem) -> None:
+    """Run a top and write its row."""
+    integration = Integration(problem)
+    integration.run(Sink())
+    end = integration.progress()
+    facts = report(end)
+    force = facts.get("normal_force", {})
     values = {
-        **ended.kept,
-        **{name: report.get(name) for name in ("t_end", "steps")},
-        **report["nutational_band"],
-        "turnings": report["event_counts"].get("turning_significant", 0),
+        **end.events.kept(),
+        **{name: facts.get(name) for name in ("t_end", "steps")},
+        **facts["nutational_band"],
+        "turnings": facts["event_counts"].get("turning_significant", 0),
         "normal_force_min": force.get("min"),
         "normal_force_max": force.get("max"),
     }
@@ -112,10 +100,11 @@ def _write(outcomes: Outcomes, top: int, ended: Ended) -> None:
             outcomes.columns[name][top] = (
                 values[name] if whole else values[name] / outcomes.tops.unit(unit)[top]
             )
-    outcomes.status[top] = ended.status.code
-    outcomes.final[:, top] = ended.final
-    outcomes.settled[top] = ended.settled
-    outcomes.steps_made += report["steps"]
-    outcomes.steps_possible += report["steps"]
-    for name, worst in report["drift"].items():
+    assert end.status is not None
+    outcomes.status[top] = end.status.code
+    outcomes.final[:, top] = end.last[0]
+    outcomes.settled[top] = end.settled_since is not None
+    outcomes.steps_made += facts["steps"]
+    outcomes.steps_possible += facts["steps"]
+    for name, worst in facts["drift"].items():
         outcomes.drift[name][top] = np.nan if worst is None else worst

@@ -173,7 +173,7 @@ def _cannot(problem: Problem) -> tuple[Friction, list[str]]:
         mu = 0.0
     elif problem.law.set_valued:
         pass
-    elif "eps" in law._fields and problem.law_name == "coulomb":
+    elif "eps" in law._fields and problem.law.key == "coulomb":
         sentences.append(
             f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own"
         )
@@ -324,12 +324,20 @@ def _settings(problem: Problem) -> tuple[str, ...]:
     )
 
 
+def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
+    """Return the angles of SDF: rotations about the fixed axes x, y and z [rad]."""
+    w, x, y, z = rounded_to_digits(quaternion)
+    total, difference = math.atan2(z + x, w - y), math.atan2(z - x, w + y)
+    pitch = 2 * math.atan2(math.hypot(w + y, z - x), math.hypot(w - y, z + x)) - math.pi / 2
+    return [total - difference, pitch, total + difference]
+
+
 def _sdf(problem: Problem) -> str:
     body, start = problem.body(), start_of(problem)
     friction, sentences = _cannot(problem)
     sentences.append(
         "SDF has no initial velocity: set it in the simulator, as follows; the body frame is at "
-        "the centre of mass, and the pose ends with the quaternion x y z w"
+        "the centre of mass, and the pose ends with roll, pitch and yaw"
     )
     bounce = problem.contact.e_n if problem.contact is not None else 0.0
     surface = f"""<surface>
@@ -353,7 +361,7 @@ def _sdf(problem: Problem) -> str:
         for name, offset, radius in ([] if fixed else _balls(problem))
     )
     inertia = "".join(f"<{name}>{value}</{name}>" for name, value in _moments(problem).items())
-    pose = f"{_numbers(start.place)} {_numbers(np.roll(start.quaternion, -1))}"
+    pose = _numbers(start.place, _roll_pitch_yaw(start.quaternion))
     floor = f"""
     <model name="floor">
       <static>true</static>
@@ -371,11 +379,11 @@ def _sdf(problem: Problem) -> str:
         <pose>0 0 {_numbers(body.c)} 0 0 0</pose>
       </joint>"""
     return f"""<?xml version="1.0"?>
-{_comment(problem, [*sentences, *_settings(problem)])}<sdf version="1.9">
+{_comment(problem, [*sentences, *_settings(problem)])}<sdf version="1.6">
   <world name="default">
     <gravity>0 0 {_numbers(-body.g)}</gravity>{"" if fixed else floor}
     <model name="top">
-      <pose rotation_format="quat_xyzw">{pose}</pose>
+      <pose>{pose}</pose>
       <link name="top">
         <inertial>
           <mass>{_numbers(body.m)}</mass>

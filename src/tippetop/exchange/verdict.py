@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..problem import Problem
-from .comparison import Compared, compare, main_quantity, orders, verdict
+from .comparison import Compared, compare, main_quantity, orders
 from .motion import Convention
 
 
@@ -34,13 +34,12 @@ class Verdict:
         return plain | {"orders": self.orders} if self.orders else plain
 
     def __str__(self) -> str:
-        if len(self.motions) > 1:
-            lines = _table(self.motions)
-        else:
-            lines = [f"{m.path}: {sentence}" for m in self.motions for sentence in verdict(m)]
-        lines += [
-            f"{m.path}: {m.numbers['suspicion']}" for m in self.motions if "suspicion" in m.numbers
-        ]
+        lines = _table(self.motions)
+        for m in self.motions:
+            if "reference_ended" in m.numbers:
+                lines.append(f"{m.path}: the reference ended: {m.numbers['reference_ended']}.")
+            if "suspicion" in m.numbers:
+                lines.append(f"{m.path}: {m.numbers['suspicion']}")
         for pair in self.orders:
             values = ", ".join(
                 f"{name} {value:.2f}" for name, value in pair.items() if name != "steps"
@@ -56,16 +55,21 @@ class Verdict:
         return f"<Verdict of {', '.join(str(m.path) for m in self.motions)} with {self.title}>"
 
 
-HEAD = ("file", "largest error", "0.1 exceeded at", "until", "energy", "Jellett", "in the floor")
+HEAD = (
+    *("file", "largest error", "0.1 exceeded at", "until"),
+    *("error of energy", "error of Jellett", "in the floor"),
+)
 
 
 def _table(motions: Sequence[Compared]) -> list[str]:
-    """Return a table of several motions, the best first, as lines."""
+    """Return a table of motions, the best first, as lines; one motion is a column."""
     from pandas import DataFrame
 
     ordered = sorted(motions, key=lambda m: m.numbers[main_quantity(m.numbers)[0]]["max"])
     rows = DataFrame(map(_row, ordered), columns=HEAD)
-    return rows.to_string(index=False).splitlines()
+    one = len(rows) == 1
+    text = rows.T.to_string(header=False) if one else rows.to_string(index=False)
+    return text.splitlines()
 
 
 def _row(motion: Compared) -> tuple[str, ...]:
@@ -80,4 +84,4 @@ def _row(motion: Compared) -> tuple[str, ...]:
     contact = f"{numbers['contact']['penetration']:.2g} m" if "contact" in numbers else "-"
     error = f"{name} {numbers[name]['max']:.2g} {unit}"
     beyond = "never" if left is None else f"{left:.4g} s"
-    return (str(motion.path), error, beyond, f"{numbers['until']:.4g} s", *changes, contact)
+    return (motion.path.name, error, beyond, f"{numbers['until']:.4g} s", *changes, contact)

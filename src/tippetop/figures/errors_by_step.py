@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from . import style
 
@@ -39,6 +41,12 @@ def errors_by_step(title: str, results: Sequence[Any]) -> Figure:
     left.set(
         xscale="log", yscale="log", xlabel="step [s]", ylabel="largest error of attitude [rad]"
     )
+    low, high = left.get_ylim()
+    left.set_ylim(10.0 ** np.floor(np.log10(low)), 10.0 ** np.ceil(np.log10(high)))
+    steps = sorted({c.step for group in by_setting.values() for c in group if c.step})
+    left.set_xticks(steps, [f"{step:g}" for step in steps], rotation=45)
+    for axis in (left.xaxis, left.yaxis):
+        axis.set_minor_formatter(NullFormatter())
     right.set(xlabel="t [s]", ylabel="theta [rad]")
     figure.suptitle(title)
     figure.legend(*right.get_legend_handles_labels(), loc="outside right upper", fontsize="small")

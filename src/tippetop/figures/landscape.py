@@ -56,7 +56,7 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
         run = run.isel(time=every(run.sizes["time"]))
         x, y, z = run["routh"] / sizes[0], run["jellett"] / sizes[1], 1e3 * run["modified_energy"]
         axes.plot(x, y, z, color=ink().mark, lw=1.1, label="run", zorder=4)
-        mark_ends(axes, x.values, y.values, z.values, last=end_of(z.values), sizes=(6, 6))
+        mark_ends(axes, x.values, y.values, z.values, last=end_of(z.values))
         high = max(high, float(np.nanmax(z)))
     small = compact()
     for name, momentum, size in zip("xy", momenta, sizes, strict=True):

@@ -9,9 +9,8 @@ import xarray as xr
 from ..columns import flagged, on_sphere
 from ..errors import InputError, a_system
 from ..mechanics.friction import PARTS, Frictionless
-from ..mechanics.system import Landscape
-from ..mechanics.systems import SYSTEMS, find
 from ..mechanics.theory import thresholds, tumbling
+from .body import landscape_of
 from .marked_lines import marked_lines
 from .potential import potential as potential_over
 from .surface import minimal_surface
@@ -22,13 +21,6 @@ from .turning import turning_angles
 TIMES = 6  # panels of the potential
 KEPT = 1e-9  # relative change of a quantity that is constant
 SPINNING = ("D", "lambda")  # the momenta over which spinning states are lines
-
-
-def table(columns: Any) -> xr.Dataset:
-    """Return the columns of a run as a labelled Dataset; a Dataset as it is."""
-    if isinstance(columns, xr.Dataset):
-        return columns
-    return xr.Dataset(columns).set_coords("time")
 
 
 def band(
@@ -42,7 +34,7 @@ def band(
     """
     from scipy.interpolate import CubicSpline
 
-    parameters, system, landscape = _body(attrs)
+    parameters, (system, landscape) = attrs["parameters"], landscape_of(attrs["system"])
     angles = band_along(parameters, trajectory, system)
     turning = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
     times = trajectory["time"].values
@@ -75,7 +67,7 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     The times are evenly spread in theta, hence all through an inversion.
     Where D, lambda and E~ are constant, there is one time.
     """
-    parameters, system, landscape = _body(attrs)
+    parameters, (system, landscape) = attrs["parameters"], landscape_of(attrs["system"])
     trajectory = trajectory.isel(time=on_sphere(trajectory))
     theta = trajectory["theta"].values
     if not theta.size:
@@ -93,7 +85,7 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     z = np.cos(np.linspace(np.pi, 0, 4003)[1:-1])
     curves = []
     for i in picks[:1] if constant else picks:
-        x, y, E = (float(values[i]) for values in states)
+        x, y, E = (values[i] for values in states)
         at = turning_angles(parameters, x, y, E, system, theta=float(theta[i])).assign(energy=E)
         words = "at all times" if constant else f"t = {float(trajectory['time'][i]):.4g} s"
         curves.append((words, potential_over(parameters, z, x, y, system), at))
@@ -108,7 +100,6 @@ def states(
     Further a title, and the run as cos(theta) with its lambda [kg m^3/s] while it is on its sphere.
     """
     refuse_parts(attrs.get("friction", {}))
-    _body(attrs, SPINNING)
     seen = _on_sphere(trajectory)
     lam = seen["jellett"].values
     branches, marks = diagram(attrs["system"], attrs["parameters"], float(np.nanmax(np.abs(lam))))
@@ -122,8 +113,10 @@ def diagram(
 
     The branches reach beyond `lam` [kg m^3/s] and the thresholds.
     """
-    _body({"system": system, "parameters": parameters}, SPINNING)
-    body = SYSTEMS[system].body_of(parameters, Frictionless())
+    record, landscape = landscape_of(system)
+    if landscape.symbols != SPINNING:
+        raise InputError(f"`states` is drawn for tippe tops only; this is {a_system(system)}.")
+    body = record.body_of(parameters, Frictionless())
     limits = {r"$\lambda_u$": thresholds.lambda_u(body), r"$\lambda_s$": thresholds.lambda_s(body)}
     marks = {name: float(value) for name, value in limits.items() if np.isfinite(value)}
     return tumbling.branches(body, 1.25 * max(abs(lam), *marks.values())), marks
@@ -135,12 +128,9 @@ def heading(attrs: dict[str, Any]) -> str:
 
 
 def _on_sphere(trajectory: xr.Dataset) -> xr.Dataset:
-    """Return the columns of the sphere, NaN while the top is on its stem."""
-    if "ball" not in trajectory:
-        return trajectory
+    """Return the columns of a landscape, NaN while the top is on its stem or in the air."""
     names = {"theta", "routh", "jellett", "modified_energy"} & {*trajectory}
-    on_stem = flagged(trajectory["ball"], "stem")
-    return trajectory[sorted(names)].where(trajectory["ball"].copy(data=~on_stem))
+    return trajectory[sorted(names)].where(xr.DataArray(on_sphere(trajectory), dims="time"))
 
 
 def refuse_parts(friction: Mapping[str, Any]) -> None:
@@ -155,29 +145,7 @@ def _spinning(
 ) -> tuple[dict[str, float], float]:
     """Return the parameters and lambda of a run whose spinning states last. Raises InputError."""
     refuse_parts(attrs.get("friction", {}))
-    parameters, *_ = _body(attrs, SPINNING)
     lam = float(trajectory["jellett"][0])
     if lam == 0:
         raise InputError(f"{subject} with lambda other than 0, but it is 0.")
-    return parameters, lam
-
-
-def _body(
-    attrs: dict[str, Any], momenta: tuple[str, str] | None = None
-) -> tuple[dict[str, float], str, Landscape]:
-    """Return parameters, system and landscape of a run.
-
-    Raises InputError where there is no landscape, or none over these momenta.
-    """
-    find(attrs["system"])
-    allowed = {
-        name: system.landscape
-        for name, system in SYSTEMS.items()
-        if system.landscape is not None and momenta in (None, system.landscape.symbols)
-    }
-    name = attrs["system"]
-    if name not in allowed:
-        raise InputError(
-            f"this figure is drawn for {', '.join(allowed)} only; this is {a_system(name)}."
-        )
-    return dict(attrs["parameters"]), name, allowed[name]
+    return attrs["parameters"], lam

@@ -1,5 +1,6 @@
-"""The potential of a top in a variable that keeps its digits at both poles, and its minimal
-surface. [section 5, 8]
+"""The potential of a top, in a variable that is exact at both poles, and its minimal surface.
+
+[section 5, 8]
 
 Instead of z = cos(theta) the formulas take q = tan(theta/2)^2, 0 < q < oo: 1 - z = 2q/(1 + q), 1 +
 z = 2/(1 + q), and dz/dln(q) = -(1 - z^2)/2. X = lambda sqrt(d) + R(alpha - z) D is carried by its

@@ -34,10 +34,10 @@ def labelled(dims: Any, values: Any, units: str, long_name: str) -> tuple:
 
 
 def momenta(t: Top, *values: Any, dims: Any = None) -> dict[str, tuple]:
-    """Return the two momenta as variables: axes, or values over other dimensions."""
+    """Return the two momenta as variables: axes, or the first over other dimensions."""
     return {
-        m.symbol: labelled(dims or m.symbol, v, m.unit.symbol, m.long_name)
-        for m, v in zip(t.landscape.momenta, values, strict=True)
+        m.symbol: labelled(over or m.symbol, v, m.unit.symbol, m.long_name)
+        for m, v, over in zip(t.landscape.momenta, values, (dims, None), strict=True)
     }
 
 

@@ -42,14 +42,13 @@ def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:
     Z, Lam = np.array([[1.0], [-1.0]]), lam[None, :]
     D, energy = spinning.momentum(Z, Lam, t.body), spinning.energy(Z, Lam, t.body)
     on_surface = (t.upright == Z) | (np.abs(Lam) >= lam_pi)
-    first, second = t.momenta
     return xr.Dataset(
         {
-            first: momenta(t, D, None, dims=dims)[first],
+            **momenta(t, D, lam, dims=dims),
             "E": labelled(dims, energy, "J", "modified energy E~ of the spinning state"),
             "omega3": labelled(dims, spin(Z, Lam, t.body), "rad s-1", "spin omega_3"),
             "on_surface": (dims, on_surface, {"long_name": "E~ = F there"}),
         },
-        {"end": ["theta = 0", "theta = pi"], second: momenta(t, None, lam)[second]},
+        {"end": ["theta = 0", "theta = pi"]},
         attributes(t) | {"lambda_pi": lam_pi},
     )

@@ -2,45 +2,34 @@
 
 import math
 import warnings
-from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
-from ..columns import require
-from ..engine.observables import Observables
+from ..columns import flagged, require
 from ..errors import InputError
 from ..mechanics.theory import main_equation
-from ..mechanics.units import SECOND
 from ..problem import Problem
 
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 # of a swing, from one turning to the next: with fewer the curves through D and E~ mean nothing
 LEAST_ROWS = 4
 
 
 def reconstruction(
-    problem: Problem,
-    trajectory: "Callable[[], xr.Dataset]",
-    events: "Callable[[], xr.Dataset]",
-    period: float | None,
-) -> "xr.Dataset":
+    problem: Problem, rows: xr.Dataset, events: xr.Dataset, period: float | None
+) -> xr.Dataset:
     """Return theta along the rows of a run, and the times of its turnings. Raises InputError.
 
     Parameters
     ----------
     problem
         The problem that was integrated.
-    trajectory, events
-        Functions that return the tables of the run.
+    rows, events
+        The tables of the run.
     period
         A guess of the period of nutation [s]; by default twice the first turning time.
     """
-    import xarray as xr
-
     system = problem.system
     if problem.contact is not None:
         raise InputError(
@@ -50,47 +39,33 @@ def reconstruction(
         raise InputError(
             f"the run must be one of a tippe top or a heavy top, but is one of {system.name}."
         )
-    rows, log = trajectory(), events()
-    require(("theta", "modified_energy", *system.momenta), rows, "what theta is reconstructed from")
+    names = "modified_energy", *system.momenta
+    require(("theta", *names), rows, "what theta is reconstructed from")
     times = rows["time"].values
-    if len(times) < LEAST_ROWS:
-        raise InputError(
-            f"the run must have rows enough, some hundred in each nutation, but has {len(times)}."
-        )
-    turned = log["time"].values[(log["kind"].values == 0) & log["significant"].values.astype(bool)]
+    turning = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
+    turned = events["time"].values[turning]
+    turned = turned[turned <= times.max(initial=0.0)]
     if period is None:
         if not turned.size:
             raise InputError(
                 "`period` must be given where the run has no turnings, but is missing."
             )
         period = 2 * float(turned[0])
-    if period <= (apart := float(np.diff(times).min())):
+    if period <= (apart := float(np.diff(times).min(initial=np.inf))):
         raise InputError(
             f"`period` must be longer than the {apart:.3g} s between two rows, but is "
             f"{period:.3g} s."
         )
     swings = np.append(0.0, turned if turned.size else period / 2)
-    between = np.diff(np.searchsorted(times, swings[swings <= times[-1]]))
-    if between.size and between.min() < LEAST_ROWS:
+    least = np.diff(np.searchsorted(times, swings)).min()
+    if least < LEAST_ROWS:
         raise InputError(
-            "the run must have rows enough, some hundred in each nutation, but has "
-            f"{between.min()} between two turnings: a smaller `output_step`."
+            f"the run must have rows enough, some hundred in each nutation, but has {least} "
+            "between two turnings: a smaller `output_step`."
         )
-    units = {quantity.name: quantity.unit for quantity in system.quantities}
-    second = float(problem.scales.of(SECOND))
-    energy, *momenta = (
-        rows[name].values / float(problem.scales.of(units[name]))
-        for name in ("modified_energy", *system.momenta)
-    )
-    solution = main_equation.reconstruct(
-        system,
-        Observables(problem).body,
-        times / second,
-        momenta,
-        energy,
-        math.cos(float(rows["theta"][0])),
-        period / second,
-    )
+    energy, *momenta = (rows[name].values for name in names)
+    z = math.cos(float(rows["theta"][0]))
+    solution = main_equation.reconstruct(system, problem.body(), times, momenta, energy, z, period)
     if solution.early:
         end = float(times[np.isfinite(solution.z)].max())
         gap = f"its pieces disagree by {solution.mismatch:.1e} in cos(theta)"
@@ -104,6 +79,6 @@ def reconstruction(
     about = {"units": "s", "long_name": "times of the turnings"}
     return xr.Dataset(
         {"theta": ("time", np.arccos(solution.z), theta)},
-        {"time": rows["time"], "turning": ("turning", solution.turnings * second, about)},
+        {"time": rows["time"], "turning": ("turning", solution.turnings, about)},
         {"mismatch": solution.mismatch},
     )

@@ -1,9 +1,7 @@
 """Landscapes on disk. Surfaces beyond memory are written chunk by chunk, and can be continued."""
 
-import hashlib
 import itertools
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,28 +24,23 @@ SAME = ("system", "parameters", "axes", "chunk", "versions", "cpu")
 RUNNING, FINISHED = {"status": "running"}, {"status": "finished"}
 
 
-@dataclass(frozen=True)
 class Surface:
-    """A minimal surface F [J] over two momenta of a body, in square chunks of `chunk` points."""
+    """A minimal surface F [J] over two momenta of a body, in square chunks of `chunk` points.
 
-    top: bodies.Top
-    x: np.ndarray
-    y: np.ndarray
-    chunk: int = CHUNK
+    Raises InputError for axes that do not ascend.
+    """
 
-    @classmethod
-    def over(
-        cls,
+    def __init__(
+        self,
         parameters: Mapping[str, float],
         x: Any,
         y: Any,
         system: str = "tippe-top",
         *,
         chunk: int = CHUNK,
-    ) -> "Surface":
-        """Return the surface of a body. Raises InputError for axes that do not ascend."""
-        top = bodies.top(parameters, system)
-        return cls(top, labels.axis(top.momenta[0], x), labels.axis(top.momenta[1], y), chunk)
+    ):
+        self.top, self.chunk = bodies.top(parameters, system), chunk
+        self.x, self.y = map(labels.axis, self.top.momenta, (x, y))
 
     def axes(self) -> dict[str, Column]:
         """Return the axes as columns."""
@@ -60,7 +53,12 @@ class Surface:
         """Return the header of the ledger: the axes, and F, z and status over them."""
         axes = self.axes()
         about = {
-            name: [axis.values[0], axis.values[-1], axis.values.size, _digest(axis.values)]
+            name: [
+                axis.values[0],
+                axis.values[-1],
+                axis.values.size,
+                ledger.digest(axis.values.tobytes()),
+            ]
             for name, axis in axes.items()
         }
         attributes = {
@@ -85,10 +83,6 @@ class Surface:
             },
         }
         return ledger.header(attributes, tables)
-
-
-def _digest(values: np.ndarray) -> str:
-    return hashlib.sha256(values.tobytes()).hexdigest()[:16]
 
 
 def write(
@@ -142,13 +136,11 @@ def write(
             if key not in store.state.chunks:
                 x, y = wanted.x[i : i + wanted.chunk], wanted.y[j : j + wanted.chunk]
                 values = surface.variables(wanted.top, *surface.minima(wanted.top, x, y, threads))
-                store.check()
                 store.put(key, {name: variable[1] for name, variable in values.items()})
                 store.commit()
             if progress is not None:
                 progress(done, len(blocks))
         if not store.state.seal:
-            store.check()
             store.finish(FINISHED)
     return path
 

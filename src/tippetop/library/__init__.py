@@ -1,1 +1,1 @@
-"""What `import tippetop` offers: bodies, laws and runs as objects, and the calls that take them."""
+"""Public objects and calls of `import tippetop`: bodies, laws, runs."""

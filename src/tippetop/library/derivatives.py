@@ -1,13 +1,15 @@
 """Derivatives of a motion by its numbers, and the growth of small errors."""
 
 from collections.abc import Sequence
-from pathlib import Path
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, takes, whole
+from ..arguments import dotted_keys, instance, takes, whole
+from ..columns import column
 from ..errors import InputError
+from ..mechanics.units import ONE, PER_SECOND, SECOND
 from ..runs import attributes
 from .run import Run
 from .scenarios import problem_of
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+@dataclass(frozen=True, repr=False, eq=False)
 class Sensitivities:
     """Derivatives of a run by some of its numbers. `tippetop.derivatives.sensitivities` makes it.
 
@@ -34,10 +37,10 @@ class Sensitivities:
         `order=2`.
     """
 
-    def __init__(
-        self, run: Run, trajectory: "xr.Dataset", events: "xr.Dataset", second: "xr.Dataset"
-    ):
-        self.run, self.trajectory, self.events, self.second = run, trajectory, events, second
+    run: Run
+    trajectory: "xr.Dataset"
+    events: "xr.Dataset"
+    second: "xr.Dataset"
 
     def __repr__(self) -> str:
         names = ", ".join(map(str, self.trajectory.parameter.values))
@@ -62,7 +65,7 @@ def sensitivities(
     wrt : list of str
         Names of numbers: "alpha", "mu", "omega3", ...; one that stands in several tables is written
         with its table, "friction.mu", as the results name all of them.
-    friction : law, mapping or list of str, optional
+    friction : law or mapping, optional
         As for `run`.
     order : int
         1, or 2 for second derivatives too.
@@ -125,7 +128,7 @@ def lyapunov(
     ----------
     source : TippeTop, HeavyTop, Cylinder, str, path, System, mapping or Problem
         As for `run`.
-    friction : law, mapping or list of str, optional
+    friction : law or mapping, optional
         As for `run`.
     rows : int
         Times from 0 to the end of the run.
@@ -150,8 +153,6 @@ def lyapunov(
     >>> import tippetop as tt
     >>> print(tt.derivatives.lyapunov("inverting").sentence)
     """
-    import xarray as xr
-
     from ..engine.derivatives.growth import growth
     from ..problem import refuse
     from ..runs.run import solve
@@ -161,25 +162,21 @@ def lyapunov(
     problem = problem_of(source, friction, **arguments)
     refuse(problem, ())
     result = growth(problem, np.linspace(0.0, float(solve(problem).times[-1]), rows))
-    about = {
-        "factor": (result.factor, "1", "largest growth of a small error of the start"),
-        "exponent": (result.exponents, "s-1", "finite-time Lyapunov exponent"),
+    columns = {
+        "time": column(result.times, SECOND, "time"),
+        "factor": column(result.factor, ONE, "largest growth of a small error of the start"),
+        "exponent": column(result.exponents, PER_SECOND, "finite-time Lyapunov exponent"),
     }
-    return xr.Dataset(
-        {
-            name: ("time", values, {"units": units, "long_name": words})
-            for name, (values, units, words) in about.items()
-        },
-        {"time": ("time", result.times, {"units": "s", "long_name": "time"})},
-        {"horizon": result.horizon, "sentence": result.sentence()},
-    )
+    about = {"horizon": result.horizon, "sentence": result.sentence()}
+    return attributes.dataset(columns, about)
 
 
 def _names(wrt: Any) -> tuple[str, ...]:
     """Return the names as a tuple of texts. Raises InputError."""
     if isinstance(wrt, str):
         return (wrt,)
-    listed = hasattr(wrt, "__iter__") and not isinstance(wrt, Path) and getattr(wrt, "ndim", 1) == 1
-    if not listed or not all(isinstance(name, str) for name in wrt):
-        raise InputError(f"`wrt` must be names such as friction.mu, but is {wrt!r:.60}.")
+    words = "names such as friction.mu"
+    instance("wrt", wrt, list | tuple, words)
+    for name in wrt:
+        instance("wrt", name, str, words)
     return tuple(wrt)

@@ -3,7 +3,6 @@
 import dataclasses
 import re
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
 from typing import Any
 
 from ..engine.status import Status
@@ -18,10 +17,19 @@ from ..scenario.sentences import type_faults
 
 NAME = r"[A-Za-z_][A-Za-z0-9_]*"
 ALWAYS = (
-    *("time", "event", "top", "xyz", "wxyz", "psi", "orientation"),
-    *("kind", "theta_dot_sign", "amplitude", "significant"),
+    "time",
+    "event",
+    "top",
+    "xyz",
+    "wxyz",
+    "psi",
+    "orientation",
+    "kind",
+    "theta_dot_sign",
+    "amplitude",
+    "significant",
 )
-"""Names in tables that no system lists: dimensions, the orientation, columns of the event log."""
+"""Names that no system lists: dimensions, the orientation, columns of events."""
 BUILT_IN = ("status", "class", "top", "turning", "equators", "inversions")
 """Columns of ensembles that `columns_of` does not list."""
 RESERVED = tuple(s.value for s in Status if s not in (Status.LIFTOFF, Status.FALLEN, Status.ENDED))
@@ -30,6 +38,8 @@ RESERVED = tuple(s.value for s in Status if s not in (Status.LIFTOFF, Status.FAL
 
 def given_records(argument: str, given: Any, kind: type[Event] | type[Quantity]) -> list[Any]:
     """Return the argument `events` or `columns` as a list of names and records."""
+    if given is None:
+        return []
     if isinstance(given, str | kind):
         return [given]
     is_list = isinstance(given, Iterable) and not isinstance(given, bytes | Mapping)
@@ -42,30 +52,26 @@ def given_records(argument: str, given: Any, kind: type[Event] | type[Quantity])
     return listed
 
 
-def of_stored(
-    attrs: dict[str, Any],
-    events: Iterable[Event] | Event | None = None,
-    columns: Iterable[Quantity] | Quantity | None = None,
-) -> System | None:
+def of_stored(attrs: dict[str, Any], events: Any = None, columns: Any = None) -> System | None:
     """Return the system of a stored run with the user's events and columns, if any are given.
 
     Raises InputError.
     """
-    own_events = [] if events is None else given_records("events", events, Event)
-    own_columns = [] if columns is None else given_records("columns", columns, Quantity)
-    for each in (*own_events, *own_columns):
+    given_events = given_records("events", events, Event)
+    given = [*given_events, *given_records("columns", columns, Quantity)]
+    for each in given:
         if isinstance(each, str):
             raise InputError(
                 f"the records that a stored run was made with must be given, but `{each}` is a "
                 "name."
             )
-    if not own_events and not own_columns:
+    if not given:
         return None
     if "content" in attrs:
         raise InputError(
             f"`events` and `columns` must be those of a run, but the store is a {attrs['content']}."
         )
-    return extended(build.system_of(attrs), tuple(own_events), tuple(own_columns))
+    return extended(build.system_of(attrs), tuple(given_events), tuple(given[len(given_events) :]))
 
 
 def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
@@ -78,14 +84,7 @@ def extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity,
     if faults := _faults(system, events, columns):
         raise InputError(faults)
     own = tuple(dataclasses.replace(event, kept=tuple(event.kept)) for event in events)
-    return _extended(system, own, columns)
-
-
-@lru_cache(maxsize=64)
-def _extended(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> System:
-    return system.replace(
-        events=(*system.events, *events), quantities=(*system.quantities, *columns)
-    )
+    return system.with_records(own, columns)
 
 
 def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, ...]) -> list[str]:
@@ -102,8 +101,7 @@ def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, 
     faults += _names("the name of a column", [c.name for c in columns], system, known, names)
     faults += [] if faults else rivals([*system.events, *events])
     numbers = {*columns_of(system), *BUILT_IN, *system.parameters, *system.initial, "mu", "until"}
-    for law in system.laws.values():
-        numbers |= set(law.parameters)
+    numbers.update(*(law.parameters for law in system.laws.values()))
     kept = [k.name for event in events for k in event.kept]
     return faults + _names("the name of a Kept", kept, system, numbers)
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import measured_values, within
+from ..arguments import instance, measured_values, within
 from ..columns import require
 from ..errors import InputError
 from ..landscape import marked_lines as lines_of
@@ -28,7 +28,6 @@ Body = Top | Run | Problem | str | Mapping[str, Any]
 
 def minimal_surface(
     top: Body,
-    system: str | System | None = None,
     *,
     gradient: bool = True,
     threads: int | None = None,
@@ -39,8 +38,7 @@ def minimal_surface(
     Parameters
     ----------
     top : TippeTop, HeavyTop, Run, Problem, str or mapping
-        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is
-        that of `system`.
+        The body, or the name of a preset, a TOML file or the tables of a scenario.
     D, lam : float or array, ascending
         Of a tippe top: Routh's function D [kg m^2/s] and Jellett's integral lambda [kg m^3/s].
     L3, Lz : float or array, ascending
@@ -67,15 +65,13 @@ def minimal_surface(
     F is good to 4 units of rounding. Rutstam (2010), eq. 4.13. `status`: attained; at_lower_end,
     at_upper_end (an infimum that is approached at a pole); lower_of_two; unsettled; undefined.
     """
-    parameters, name = _body(top, system)
-    x, y = momenta_of(name, momenta).values()
-    return surface.minimal_surface(parameters, x, y, name, gradient=gradient, threads=threads)
+    parameters, system, x, y = _body_and_momenta(top, momenta)
+    return surface.minimal_surface(parameters, x, y, system, gradient=gradient, threads=threads)
 
 
 def potential(
     top: Body,
     z: Any,
-    system: str | System | None = None,
     **momenta: Any,
 ) -> "xr.Dataset":
     """Compute the effective potential V(z) [J] and its derivatives by z, over a grid.
@@ -83,8 +79,7 @@ def potential(
     Parameters
     ----------
     top : TippeTop, HeavyTop, Run, Problem, str or mapping
-        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is
-        that of `system`.
+        The body, or the name of a preset, a TOML file or the tables of a scenario.
     z : float or array, ascending
         cos(theta), in (-1, 1).
     **momenta
@@ -105,17 +100,15 @@ def potential(
     -----
     Rutstam (2010), eqs. 4.12, 2.38, 5.26. No digits are lost near the poles.
     """
-    parameters, name = _body(top, system)
-    x, y = momenta_of(name, momenta).values()
+    parameters, system, x, y = _body_and_momenta(top, momenta)
     z = measured_values("z", z, ONE)
     within("z", z, -1, 1, "[-1, 1]")
-    return potential_of.potential(parameters, z, x, y, name)
+    return potential_of.potential(parameters, z, x, y, system)
 
 
 def turning_angles(
     top: Body,
     energy: Any = None,
-    system: str | System | None = None,
     *,
     theta: Any = None,
     **momenta: Any,
@@ -125,8 +118,7 @@ def turning_angles(
     Parameters
     ----------
     top : TippeTop, HeavyTop, Run, Problem, str or mapping
-        The body, or the name of a preset or a TOML file; a mapping of parameters in SI units is
-        that of `system`.
+        The body, or the name of a preset, a TOML file or the tables of a scenario.
     **momenta
         D and lam, or L3 and Lz, as for `minimal_surface`, but of any shape: they are broadcast
         against one another and against the energy.
@@ -152,29 +144,23 @@ def turning_angles(
     -----
     Rutstam (2010), eqs. 4.12 and 4.21.
     """
-    parameters, name = _body(top, system)
-    x, y = momenta_of(name, momenta).values()
+    parameters, system, x, y = _body_and_momenta(top, momenta)
     if energy is None:
         raise InputError("`energy` must be given, but is missing.")
     energy = measured_values("energy", energy, JOULE)
     if theta is not None:
         theta = measured_values("theta", theta, RADIAN)
         within("theta", theta, 0, math.pi, "[0, pi]")
-    return turning.turning_angles(parameters, x, y, energy, name, theta=theta)
+    return turning.turning_angles(parameters, x, y, energy, system, theta=theta)
 
 
-def band(
-    run: Run | Mapping[str, float],
-    trajectory: "xr.Dataset | None" = None,
-    system: str | System | None = None,
-) -> "xr.Dataset":
+def band(run: Run) -> "xr.Dataset":
     """Compute the nutational band along a run from D(t), lambda and E~(t).
 
     Parameters
     ----------
     run : Run
-        Of a tippe top or heavy top. (Or parameters, then its trajectory, and the name of the
-        system.)
+        Of a tippe top or heavy top.
 
     Returns
     -------
@@ -191,19 +177,12 @@ def band(
     -----
     Rutstam (2010), eqs. 4.21 and 5.26.
     """
-    parameters, name = _body(run, system)
-    if trajectory is None:
-        if not isinstance(run, Run):
-            raise InputError(
-                "`trajectory` must be given where the first argument is no Run, but is missing."
-            )
-        trajectory = run.trajectory
-        require(
-            ("theta", *(("phase",) if "contact" in run.attributes else ())),
-            trajectory,
-            "the band along a run",
-        )
-    return turning.band(parameters, trajectory, name)
+    instance("run", run, Run, "a Run")
+    parameters, system = _body(run)
+    trajectory = run.trajectory
+    phase = ("phase",) if "contact" in run.attributes else ()
+    require(("theta", *phase), trajectory, "the band along a run")
+    return turning.band(parameters, trajectory, system)
 
 
 def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
@@ -231,21 +210,27 @@ def marked_lines(top: Body, lam: Any) -> "xr.Dataset":
     -----
     Rutstam (2010), eqs. 4.23-4.28.
     """
-    return lines_of.marked_lines(_body(top, None)[0], measured_values("lam", lam, JELLETT))
+    return lines_of.marked_lines(_body(top)[0], measured_values("lam", lam, JELLETT))
 
 
-def _body(top: Body, system: str | System | None) -> tuple[Mapping[str, float], str | System]:
+def _body(top: Body) -> tuple[Mapping[str, float], System]:
     """Return parameters and system."""
     if isinstance(top, Top):
-        return top._asdict(), system or SYSTEMS[top.gliding]
-    if isinstance(top, Mapping) and "parameters" not in top:
-        return top, system or "tippe-top"
+        return top._asdict(), SYSTEMS[top.gliding]
     problem = problem_behind(top)
     assert problem is not None  # a body was looked for above
-    return problem.parameters, system or problem.system
+    return problem.parameters, problem.system
 
 
-def momenta_of(system: str | System, given: Mapping[str, Any]) -> dict[str, Any]:
+def _body_and_momenta(
+    top: Body, momenta: Mapping[str, Any]
+) -> tuple[Mapping[str, float], System, Any, Any]:
+    """Return parameters, system and the two momenta. Raises InputError."""
+    parameters, system = _body(top)
+    return parameters, system, *momenta_of(system, momenta).values()
+
+
+def momenta_of(system: System, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the two momenta of a landscape by their letters, in SI units. Raises InputError."""
     record, landscape = landscape_of(system)
     names = ["lam" if symbol == "lambda" else symbol for symbol in landscape.symbols]

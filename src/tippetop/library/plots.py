@@ -132,7 +132,10 @@ class Plots:
         ]
         if not runs:
             return drawing.axes_of(kind, *parts[0], look, ax)
-        names = [f"run {number}" for number in range(1, len(parts) + 1)]
+        names = [
+            Path(getattr(run, "path", f"run {number}")).stem
+            for number, run in enumerate((self._run, *runs), 1)
+        ]
         tables = [(groups["trajectory"], attrs) for groups, attrs in parts]
         return drawing.several(kind, tables, names, look, ax)
 

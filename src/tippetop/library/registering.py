@@ -51,9 +51,8 @@ def register(record: System | type[FrictionLaw]) -> Any:
     Raises
     ------
     InputError
-        If the name is taken, or the record cannot be a law or a system. What this process
-        registered itself may be registered anew, as where a notebook's cell runs once more: a
-        system of the same name, and a law whose class is defined again.
+        If the name is that of a system or a law of this package or of an entry point, or the
+        record cannot be a law or a system. A record of yours replaces one of the same name.
 
     Notes
     -----
@@ -63,9 +62,9 @@ def register(record: System | type[FrictionLaw]) -> Any:
     laws.
     """
     if isinstance(record, System):
-        systems.add(record, here=True)
+        systems.add(record)
     elif isinstance(record, type) and issubclass(record, FrictionLaw) and record is not FrictionLaw:
-        systems.add_law(record, here=True)
+        systems.add_law(record)
     else:
         raise InputError(
             f"`record` must be a System or a class of FrictionLaw, but is {record!r:.60}."

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 from ..arguments import in_python, path_of, seconds
 from ..errors import InputError, StoreError
 from ..mechanics.caching import cached_property
-from ..mechanics.variables import Variables
 from ..problem import Problem
-from ..runs import attributes, results, sensitivities
+from ..runs import attributes, results
 from ..runs.certificate import certificate
 from ..runs.phases import tables_of
 from ..runs.results import Record, Summary
@@ -21,7 +20,6 @@ from ..store import root
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..mechanics.system import System
     from ..views.pages import Page
     from .plots import Plots
 
@@ -46,16 +44,10 @@ class Run:
         Of a run whose contact may change its phase: each phase's start and end [s], the ball, why
         it began; each impact's time [s], velocities before and after [m/s], impulses [N s], work
         [J].
-    sensitivities, event_sensitivities : xarray.Dataset
-        Of a run whose scenario has `run.sensitivities`: the derivative of every column along `time`
-        and `parameter`, of the time of every event, and of theta there, along `event` and
-        `parameter`; SI units per SI unit.
     summary : Summary
         The summary of the run, as `tippetop info --json` prints it.
     drift : Record
         Of each invariant, the largest relative deviation from its start.
-    final : xarray.Dataset
-        The integrated variables at the end, SI units.
     problem : Problem
         The problem.
     attributes : dict
@@ -111,39 +103,17 @@ class Run:
         """Return the impacts along `impact`, in SI units."""
         return self._table("impacts")
 
-    @property
-    def sensitivities(self) -> "xr.Dataset":
-        """Return the derivatives of the columns along `time` and `parameter`, SI per SI."""
-        return self._table("sensitivities")
-
-    @property
-    def event_sensitivities(self) -> "xr.Dataset":
-        """Return the derivatives of the times of events, and of theta there, SI per SI."""
-        return self._table("event_sensitivities")
-
     def _table(self, name: str) -> "xr.Dataset":
         """Return a table. Raises AttributeError if the run has none of this name."""
         if name not in self._names:
             why = "the contact of this run does not change its phase"
-            if name in sensitivities.NAMES:
-                why = "the scenario has no `run.sensitivities`"
             raise AttributeError(f"there is no table `{name}`: {why}")
-        return {**self._datasets, **(self._derived if name in sensitivities.NAMES else {})}[name]
+        return self._datasets[name]
 
     @property
     def _names(self) -> tuple[str, ...]:
         """Return the names of the tables."""
-        attrs = self.attributes
-        derived = attrs["run"].get("sensitivities") and "replay" not in attrs
-        names = sensitivities.NAMES if derived else ()
-        return ("trajectory", "events", *tables_of(attrs), *names)
-
-    @cached_property
-    def _derived(self) -> "dict[str, xr.Dataset]":
-        return {
-            name: attributes.dataset(columns, self.attributes)
-            for name, columns in self.solution.sensitivities.items()
-        }
+        return ("trajectory", "events", *tables_of(self.attributes))
 
     def datasets(self) -> "dict[str, xr.Dataset]":
         """Return the tables of the run by name.
@@ -152,59 +122,19 @@ class Run:
         -------
         dict of xarray.Dataset
             `trajectory` and `events`; `phases` and `impacts` where the contact may change its
-            phase; `sensitivities` and `event_sensitivities` if the scenario lists them.
+            phase.
         """
         return {name: getattr(self, name) for name in self._names}
 
     @cached_property
     def summary(self) -> Summary:
         """Return the summary, as `tippetop info --json` prints it."""
-        return results.summary_of(self.attributes, self._problem())
-
-    def _problem(self) -> Problem | None:
-        """Return the problem if it need not be built again."""
-        return self.solution.problem
+        return results.summary_of(self.attributes, lambda: self.problem)
 
     @property
     def drift(self) -> Record:
         """Return the largest relative deviation of each invariant from its start."""
-        return Record(self.attributes["report"]["drift"], "drift")
-
-    @cached_property
-    def final(self) -> "xr.Dataset":
-        """Return the integrated variables at the end, in SI units, without dimensions."""
-        import xarray as xr
-
-        system, attrs = self._system(), self.attributes
-        units = Variables(system.forms[attrs["form"]]).units if system else {}
-        values = {
-            name: ((), value, {"units": units[name].symbol} if name in units else {})
-            for name, value in attrs["final_state"].items()
-        }
-        time = ((), attrs["report"]["t_end"], {"units": "s", "long_name": "time"})
-        return xr.Dataset(values, {"time": time})
-
-    def _system(self) -> "System | None":
-        return self.problem.system
-
-    def to_datatree(self) -> "xr.DataTree":
-        """Return the tables as the groups of one tree.
-
-        Returns
-        -------
-        xarray.DataTree
-            With the children `trajectory` and `events`, `phases` and `impacts` where there are any,
-            and the root attributes of the store.
-        """
-        import xarray as xr
-
-        tables = self.datasets()
-        return xr.DataTree.from_dict(
-            {
-                "/": xr.Dataset(attrs=self.attributes),
-                **{name: t.drop_attrs(deep=False) for name, t in tables.items()},
-            }
-        )
+        return self.summary.drift
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
         """Write the run as a store: the files that `tippetop run --out` would have written.
@@ -290,8 +220,7 @@ class Run:
         Parameters
         ----------
         window : float, optional
-            Compare these first seconds only, [s] or "1 ms"; of an unfinished stored run at most
-            its stored part.
+            Compare these first seconds only, [s] or "1 ms".
 
         Returns
         -------
@@ -301,20 +230,10 @@ class Run:
             every column (`columns`), and of shared `phases` and `impacts`, in SI units. It joins
             the summary.
         """
-        span = seconds("window", window)
-        if span is not None and span <= 0:
-            raise InputError(f"`window` must be greater than 0, but is {window!r:.60}.")
-        stored = self._so_far()
-        if stored is not None:
-            span = stored if span is None else min(span, stored)
-        result = root.finite(certificate(self.problem, span))
-        self.attributes["certificate"] = result
+        result = certificate(self.problem, seconds("window", window))
+        self.attributes["certificate"] = root.finite(result)
         self.__dict__.pop("summary", None)
-        return Record(result, "certificate")
-
-    def _so_far(self) -> float | None:
-        """Return the end of an unfinished run [s], None for others. Raises InputError at t = 0."""
-        return None
+        return self.summary.certificate
 
     def __repr__(self) -> str:
         attrs = self.attributes
@@ -347,9 +266,7 @@ class Run:
             if (rows := self.trajectory.sizes.get("time", 0)) > SHOWN:
                 return f"<p>In motion: .view() makes the page of its {rows} rows.</p>"
             page = self.view()
-        except (
-            InputError,
-            StoreError,
-        ) as error:  # it keeps no rows or no orientation, or is not finished
+        # it keeps no rows or no orientation, or is not finished
+        except (InputError, StoreError) as error:
             return f"<p>Not shown in motion: {html.escape(str(error))}</p>"
         return f"<details><summary>See it turn</summary>{page._repr_html_()}</details>"

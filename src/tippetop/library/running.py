@@ -2,7 +2,7 @@
 
 import contextlib
 import threading
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from ..mechanics.friction import FrictionLaw
 from ..mechanics.system import Quantity, System
 from ..problem import Problem
 from ..problem.options import documentation
-from ..runs.cost import Patience, following, warn
+from ..runs.cost import bar_of_run
 from ..runs.run import solve
 from ..store import root
 from .extensions import of_stored
@@ -26,7 +26,7 @@ from .stored_run import StoredRun
 @takes(problem_of, documentation)
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
-    friction: FrictionLaw | tuple | Mapping[str, Any] | Sequence[str] | None = None,
+    friction: FrictionLaw | tuple | Mapping[str, Any] | None = None,
     *,
     out: str | Path | None = None,
     overwrite: bool = False,
@@ -42,10 +42,9 @@ def run(
         A body; or the name of a preset, or a TOML file; or a System with `parameters`; or the
         tables of a scenario. A body with a friction law glides. Without one, a HeavyTop has its tip
         fixed and a Cylinder rolls; a TippeTop must have one, unless `system="rolling-tippe-top"`.
-    friction : law, mapping or list of str, optional
+    friction : law or mapping, optional
         A law such as `Viscous(mu=0.3)`, or the record of a registered one; or numbers that replace
-        those of the source, `dict(mu=0.2)`. Or assignments `"table.key=value"`, as the command
-        line's `--set` takes them.
+        those of the source, `dict(mu=0.2)`.
     start : mapping or path, optional
         The start, over that of the source: theta, phi, psi [rad], theta_dot, phi_dot, omega3
         [rad/s], nu_x, nu_y [m/s], x, y [m]; numbers that are not named are zero. psi_dot [rad/s]
@@ -99,22 +98,21 @@ def run(
     >>> tt.run(top, tt.friction.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
     >>> tt.run("inverting", friction=dict(mu=0.2), until=8.0)
     """
-    flag("overwrite", overwrite)
     flag("progress", progress)
     problem = problem_of(source, friction, **scenario)
-    if stop is not None:
-        instance("stop", stop, threading.Event, "a threading.Event")
+    instance("stop", stop, threading.Event | None, "a threading.Event")
+    bar: Any = bar_of_run() if progress else contextlib.nullcontext()
     if out is None:
         if problem.output == "keyframes":
             raise InputError(
                 '`out` must be given where `output` is "keyframes": a store keeps them.'
             )
-        with following(bar=progress) as follow:
+        with bar as follow:
             return Run(solve(problem, follow))
     place = path_of("out", out)
     from ..runs.recording import record
 
-    with following(bar=progress) as follow, in_python(), _resumable(place):
+    with bar as follow, in_python(), _resumable(place):
         record(problem, place, overwrite=overwrite, progress=follow, stop=stop)
     return StoredRun(place, problem.system)
 
@@ -225,12 +223,10 @@ def resume(
     end = seconds("until", until)
     place = path_of("path", path)
     own = of_stored(root.root_of(place), events, columns)
-    if stop is not None:
-        instance("stop", stop, threading.Event, "a threading.Event")
+    instance("stop", stop, threading.Event | None, "a threading.Event")
     with in_python(), _resumable(place):
         resumed(
             place,
-            Patience(warn),
             until=end,
             stop=stop,
             accept_other_version=accept_other_version,

@@ -1,14 +1,12 @@
 """Python arguments become the tables of a scenario, and a checked Problem."""
 
-import contextlib
 import os
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from ..arguments import instance, measured_values, plain, takes
+from ..arguments import in_python, instance, measured_values, plain, takes
 from ..errors import InputError
 from ..mechanics.contact.body import Top
 from ..mechanics.event import Event
@@ -39,7 +37,7 @@ def problem_of(
     """Return the checked Problem of the arguments of `run`. Raises InputError."""
     about: dict[str, Any] = {"parameters": parameters, "contact": contact, "stem": stem}
     given = {"friction": friction, "start": start, "system": system, "form": form}
-    given = {k: v for k, v in {**given, **about, **options}.items() if v is not None}
+    given = {k: v for k, v in (given | about | options).items() if v is not None}
     if isinstance(source, Problem):
         if given:
             surplus = ", ".join(f"`{name}`" for name in given)
@@ -54,14 +52,9 @@ def problem_of(
     kept, columns = _named("columns", options.pop("columns", None), Quantity)
     if kept and len(columns) == len(kept):  # they are added to all columns
         kept = None
-    with _in_python():
-        tables, record = _tables(source, system, friction)
-        chosen = record or build.system_of(tables)
-        if isinstance(friction, list | tuple) and not hasattr(friction, "_fields"):
-            for each in friction:
-                instance("friction", each, str, "assignments `table.key=value`")
-            tables = reading.override(tables, list(friction))
-        elif isinstance(friction, Mapping):
+    with in_python():
+        tables, chosen = _tables(source, system, friction)
+        if isinstance(friction, Mapping):
             _merge_friction(tables, plain(friction))
         elif friction is not None:
             tables["friction"] = plain(table_of(friction))
@@ -94,14 +87,14 @@ def _preset(name: str) -> Problem:
 
 def checked(problem: Problem) -> Problem:
     """Return a problem after checking it, if it was not checked before. Raises InputError."""
-    with _in_python():
+    with in_python():
         return build.checked(problem)
 
 
 def _tables(
     source: Any, system: str | System | None, friction: Any
-) -> tuple[dict[str, Any], System | None]:
-    """Return the tables of the source, and the record of its system if that was given."""
+) -> tuple[dict[str, Any], System]:
+    """Return the tables of the source, and its system."""
     record = next((each for each in (system, source) if isinstance(each, System)), None)
     if record is not None:
         check(record)
@@ -123,14 +116,15 @@ def _tables(
             "preset, a TOML file, the tables of a scenario or a System, but is "
             f"{source!r:.60}."
         )
-    if system is not None and not isinstance(source, System):
+    if system is not None:
         tables["system"] = record.name if record else system
-        chosen = record or build.system_of(tables)
+    chosen = record or build.system_of(tables)
+    if system is not None:
         if not chosen.frictional:
             tables.pop("friction", None)  # of the source; another one is added later
         if tables.get("form") not in chosen.forms:
             tables.pop("form", None)
-    return tables, record
+    return tables, chosen
 
 
 def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tuple[Any, ...]]:
@@ -150,18 +144,10 @@ def _merge(tables: dict[str, Any], name: str, given: dict[str, Any]) -> None:
 
 
 def _merge_friction(tables: dict[str, Any], given: dict[str, Any]) -> None:
-    """Add numbers to the friction law; keys with a dot name other tables."""
-    own = {key: value for key, value in given.items() if "." not in key}
-    for key in given.keys() - own.keys():
-        table, _, name = key.partition(".")
-        if not isinstance(tables.get(table, {}), dict):
-            raise InputError(f"`{key}` must name a key of a table, but `{table}` is not a table.")
-        _merge(tables, table, {name: given[key]})
+    """Add numbers to the friction law, or replace it by another."""
     base = tables.get("friction", {})
-    if not isinstance(base, dict) or own.get("law", base.get("law")) != base.get("law"):
-        tables["friction"] = own
-    elif own:
-        tables["friction"] = {**base, **own}
+    base = base if isinstance(base, dict) else {}
+    tables["friction"] = reading.merged("friction", base, given)
 
 
 def _start(tables: dict[str, Any], given: Any, system: System) -> None:
@@ -183,15 +169,10 @@ def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
     given = {key: plain(value) for key, value in run.items() if value is not None}
     if "output_times" in given:
         given["output_times"] = measured_values("output_times", given["output_times"], SECOND)
-    if isinstance(given.get("sensitivities"), str):
-        given["sensitivities"] = [given["sensitivities"]]
     base = tables.get("run", {})
     if not isinstance(base, dict):  # the check of the scenario reports it
         return
-    tables["run"] = {**reading.without_output(base, given), **given}
-    until, times = given.get("until"), tables["run"].get("output_times")
-    if "output_times" not in given and isinstance(times, list) and isinstance(until, int | float):
-        tables["run"]["output_times"] = reading.times_until(times, until)
+    tables["run"] = reading.merged("run", base, given)
 
 
 def table_of(law: Any) -> dict[str, Any]:
@@ -221,21 +202,3 @@ def record_of(law: Any, system: System) -> Any:
     if (name := table_of(law)["law"]) not in known:
         raise InputError(f"`{system.name}` must have a law of {', '.join(known)}, but has {name}.")
     return law._make(law.checked(law._asdict()).values())
-
-
-@contextlib.contextmanager
-def _in_python() -> Iterator[None]:
-    """Rephrase InputErrors for a call: options are arguments, hints for the command line go."""
-    try:
-        yield
-    except InputError as error:
-        words = "\0".join(error.sentences)
-        for pattern, word in (
-            (r" \(--set [^)]*\)", ""),
-            (r"--set must", "an assignment must"),
-            (r"--set ", ""),
-            (r"run\.until =", "until ="),
-            (r"`run\.(\w+)", r"`\1"),
-        ):
-            words = re.sub(pattern, word, words)
-        raise InputError(words.split("\0")) from error.__cause__

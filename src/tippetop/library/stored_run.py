@@ -4,14 +4,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import measured, path_of
-from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.caching import cached_property
-from ..mechanics.systems import find
 from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..runs import attributes, keyframes
-from ..runs.run import Solution
 from ..runs.summary import lines
 from ..sampling import EvenTimes
 from ..scenario import build
@@ -35,18 +32,13 @@ class StoredRun(Run):
     path : Path
         The store.
     trajectory, events, phases, impacts, summary, problem
-        As of a `Run`; `solution` is not kept.
+        As of a `Run`, which has a `solution` too.
     """
 
     def __init__(self, path: str | Path, own: "System | None" = None):
         self._own = own  # its system, where that has user-defined events or columns
         self.path = path_of("path", path).absolute()  # the process may go elsewhere
         self.attributes  # noqa: B018 - raises StoreError if there is none
-
-    @property
-    def solution(self) -> Solution:  # type: ignore[override]
-        """Raise AttributeError: a store has no solution."""
-        raise AttributeError("a stored run has labelled tables only: see trajectory and events")
 
     @cached_property
     def problem(self) -> Problem:
@@ -61,10 +53,6 @@ class StoredRun(Run):
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
         return {name: root.open_group(self.path, name) for name in self._names}
-
-    @property
-    def _derived(self) -> "dict[str, xr.Dataset]":
-        return {}
 
     def replay(
         self,
@@ -114,22 +102,6 @@ class StoredRun(Run):
             self.path, EvenTimes(*times), accept_other_version=accept_other_version, known=self._own
         )
         return attributes.dataset(columns, self.attributes)
-
-    def _so_far(self) -> float | None:
-        attrs = self.attributes
-        if attrs["status"] != Status.RUNNING.value:
-            return None
-        if not attrs["report"]["t_end"] > 0:
-            raise InputError(
-                f"`{self.path}` must hold some of its run to be certified, but stands at t = 0 s."
-            )
-        return attrs["report"]["t_end"]
-
-    def _problem(self) -> Problem | None:
-        return None
-
-    def _system(self) -> "System | None":
-        return self._own or find(self.attributes["system"])
 
     def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
         groups = chunks.for_figures(self.path, window)

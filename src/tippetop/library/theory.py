@@ -1,12 +1,10 @@
 """Thresholds, regimes, modes and nutation of a top, and the main equation along a run."""
 
-import math
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import finite, instance, measured, seconds, within
+from ..arguments import instance, measured, seconds
 from ..errors import InputError
 from ..landscape.reconstruction import reconstruction
 from ..mechanics.contact.body import Top
@@ -16,14 +14,11 @@ from ..mechanics.systems.heavy_top import HeavyTop
 from ..mechanics.systems.spinning import thresholds_of_surface
 from ..mechanics.systems.tippe_top import TippeTop
 from ..mechanics.theory import modes, regimes
-from ..mechanics.theory import nutation as one_dimensional
 from ..mechanics.theory import thresholds as limits
-from ..mechanics.theory.nutation import Nutation
 from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
-from ..mechanics.units import JELLETT, JOULE, RADIAN, RADIAN_PER_SECOND
+from ..mechanics.units import JELLETT, RADIAN_PER_SECOND
 from ..problem import Problem
-from .landscapes import momenta_of
 from .run import Run
 from .scenarios import record_of
 from .sources import problem_behind, top_of
@@ -164,71 +159,6 @@ def linear_modes(
     )
 
 
-def nutation(
-    top: TippeTop | HeavyTop | Run | Problem | str,
-    *,
-    energy: float | str,
-    theta: float | str,
-    **momenta: float | str,
-) -> Nutation:
-    """Compute the nutation between two turning angles, by quadrature in 80 bits.
-
-    Parameters
-    ----------
-    top : TippeTop, HeavyTop, Run, Problem or str
-        The body, or what has one, as for `thresholds`.
-    energy : float or str
-        The modified energy E~ [J]; each number may be a text with a unit, such as "2.5 mJ" or "6
-        deg".
-    theta : float or str
-        An angle that the motion passes, or starts at [rad].
-    D, lam : float or str
-        Of a tippe top: Routh's function [kg m^2/s] and Jellett's integral [kg m^3/s].
-    L3, Lz : float or str
-        Of a heavy top: angular momenta [kg m^2/s].
-
-    Returns
-    -------
-    Nutation
-        theta_min, theta_max [rad] and period [s]; about 14 digits.
-
-    Raises
-    ------
-    InputError
-        If a momentum is missing.
-
-    Warns
-    -----
-    UserWarning
-        If the energy is not above the potential anywhere: the period is then NaN.
-
-    Notes
-    -----
-    One point; `turning_angles` takes whole arrays. Rutstam (2010), eqs. 4.21, 2.38.
-    """
-    body = top_of(top, TippeTop, HeavyTop)
-    system, b = SYSTEMS[body.gliding], body.body()
-    letters = {name: finite(name, value) for name, value in momenta_of(system, momenta).items()}
-    energy, theta = measured("energy", energy, JOULE), measured("theta", theta, RADIAN)
-    within("theta", theta, 0, math.pi, "[0, pi]")
-    assert system.potential is not None
-    assert system.theta_inertia is not None
-    inertia, potential = system.theta_inertia, system.potential
-    result = one_dimensional.nutation(
-        lambda z: inertia(z, b), lambda z: potential(z, b=b, **letters), energy, theta
-    )
-    if math.isnan(result.period):
-        warnings.warn(
-            f"the energy {energy:.17g} J is not above the effective potential at any angle, so "
-            "that nothing swings: it "
-            "is that of steady motion, to rounding, or belongs to other momenta; both angles "
-            "are theta, the period is "
-            "NaN.",
-            stacklevel=2,
-        )
-    return result
-
-
 def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     """Compute theta(t) of a run from D(t) and E~(t) alone, by the main equation.
 
@@ -267,4 +197,4 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
     guess = seconds("period", period)
     if guess is not None and guess <= 0:
         raise InputError(f"`period` must be greater than 0, but is {period!r:.60}.")
-    return reconstruction(run.problem, lambda: run.trajectory, lambda: run.events, guess)
+    return reconstruction(run.problem, run.trajectory, run.events, guess)

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import isfinite
-from types import MappingProxyType
-from typing import Any
+from types import UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from .event import Event
 from .form import CLOCK, unchanged
 from .number import rules_faults
-from .system import Exit, Form, Landscape, Phase, Quantity, System
+from .system import Exit, Form, Phase, Quantity, System
 from .units import Unit
 
 
@@ -125,28 +125,10 @@ def unmet_requirements(system: System) -> list[str]:
     ]
 
 
-KINDS: tuple[tuple[str, Any, str], ...] = (
-    *((name, Callable, "a function") for name in ("body", "body_units", "scales", "start")),
-    ("checks", Callable, "a function"),
-    ("title", str, "a text"),
-    ("source", str, "a text"),
-    ("phases", Mapping, "Phase records by name"),
-    ("laws", MappingProxyType, "a dict of laws by name"),
-    ("normalised_to", Mapping, "numbers by name"),
-    ("long_names", Mapping, "texts by name"),
-    ("integrals", (tuple, list), "a tuple of names"),
-    ("alternatives", (tuple, list), "a tuple of Alternative records"),
-    ("landscape", (Landscape, type(None)), "a Landscape or None"),
-    ("vectors", Mapping, "names of variables by name"),
-    ("on_request", (tuple, list), "a tuple of Quantity records"),
-    ("contact", type(None), "None"),
-    *(
-        (name, (Callable, type(None)), "a function or None")
-        for name in ("potential", "theta_inertia", "outlook", "motion", "borders")
-    ),
-)
-"""Fields of a system, their types, and those types in words."""
+WORDS = {"Callable": "a function", "str": "a text", "NoneType": "None", "Mapping": "a mapping"}
+"""Types in words."""
 
+HINTS = get_type_hints(System) | dict.fromkeys(("body", "body_units", "start"), Callable)
 RECORDS = {"forms": Form, "events": Event, "quantities": Quantity, "exits": Exit}
 """Fields of a phase that contain records."""
 
@@ -154,11 +136,13 @@ RECORDS = {"forms": Form, "events": Event, "quantities": Quantity, "exits": Exit
 def _wrong_types(system: System) -> list[str]:
     """Return one message for each field that has the wrong type."""
     of = f"of `{system.name}`"
-    faults = [
-        f"`{name}` {of} must be {words}, but is {value!r:.60}."
-        for name, kind, words in KINDS
-        if not isinstance(value := getattr(system, name), kind)
-    ]
+    faults = []
+    for name, hint in HINTS.items():
+        given = get_args(hint) if get_origin(hint) in (UnionType, Union) else (hint,)
+        kinds = tuple(get_origin(kind) or kind for kind in given)
+        if Any not in kinds and not isinstance(value := getattr(system, name), kinds):
+            words = " or ".join(WORDS.get(k.__name__, f"a {k.__name__}") for k in kinds)
+            faults.append(f"`{name}` {of} must be {words}, but is {value!r:.60}.")
     if not hasattr(system.angles, "_fields"):
         faults.append(
             f"`angles` {of} must be a NamedTuple filled with units, but is {system.angles!r:.60}."

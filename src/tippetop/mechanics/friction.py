@@ -21,6 +21,9 @@ from .operand import Vector, exp, formula, select, sqrt
 from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 
 
+__all__ = ["Contensou", "Coulomb", "Frictionless", "Latitude", "Mixed", "Stribeck", "Viscous"]
+
+
 PARTS = {
     "mu_r": number(
         METRE,
@@ -407,11 +410,7 @@ def is_linear(law: Any) -> bool:
 
 
 def add(law: type[FrictionLaw]) -> None:
-    """Register a law under its key: from here on every gliding system has it.
-
-    The same law again changes nothing. Raises InputError."""
-    if LAWS.get(law.key) is law:
-        return
+    """Register a law under its key: every gliding system has it then. Raises InputError."""
     if faults := _faults(law):
         raise InputError(faults)
     LAWS[law.key] = law
@@ -440,11 +439,7 @@ def checked_name(name: Any, kind: str) -> str:
 
 def _faults(law: type[FrictionLaw]) -> list[str]:
     """Return messages on a law that cannot be registered."""
-    name, faults = checked_name(law.key, "law"), []
-    if name in LAWS:
-        faults.append(
-            f"the name of a law must be new, but `{name}` is that of {LAWS[name].__name__}."
-        )
+    name, faults = law.key, []
     if law.coefficient is None:
         faults.append(f"the law `{name}` must have a coefficient k(v2, z, law), but has none.")
     elif not callable(law.coefficient):

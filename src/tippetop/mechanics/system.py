@@ -178,7 +178,7 @@ class System:
     # initial data that determine the same numbers in another way
     alternatives: tuple[Alternative, ...] = ()
     # the friction laws that it takes, by name; empty if nothing glides
-    laws: Any = field(default_factory=dict)
+    laws: Mapping[Any, Any] = field(default_factory=dict)
     # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
     potential: Callable | None = None
     theta_inertia: Callable | None = None
@@ -428,9 +428,19 @@ class System:
         System
             This one, where none is named, or where the contact may change its phase.
         """
-        asked = self.contact is None and [q for q in self.on_request if q.name in columns]
-        wanted = tuple(q for q in asked or () if q not in self.quantities)
-        return _with_quantities(self, wanted) if wanted else self
+        asked = self.on_request if self.contact is None else ()
+        return self.with_records(
+            (), tuple(q for q in asked if q.name in columns and q not in self.quantities)
+        )
+
+    @lru_cache(maxsize=64)  # noqa: B019 - a system is compiled only once
+    def with_records(self, events: tuple[Event, ...], quantities: tuple[Quantity, ...]) -> "System":
+        """Return the system with more events and columns; the same one for the same records."""
+        if not (events or quantities):
+            return self
+        return self.replace(
+            events=(*self.events, *events), quantities=(*self.quantities, *quantities)
+        )
 
     def folds(self, form: Form) -> dict[str, float]:
         """Return the numbers of the body that are 0 or 1 in the units of a form."""
@@ -449,11 +459,6 @@ class System:
     def frictional(self) -> bool:
         """Return whether a friction law must be given."""
         return bool(self.laws)
-
-
-@lru_cache(maxsize=64)
-def _with_quantities(system: System, more: tuple[Quantity, ...]) -> System:
-    return system.replace(quantities=(*system.quantities, *more))
 
 
 def of_one_phase(

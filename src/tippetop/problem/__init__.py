@@ -5,7 +5,7 @@ numbers of a single run are computed there, as the case n = 1.
 """
 
 from .batch import Problems
-from .derivability import MOST_DERIVATIVES, derivative_faults, refuse, sensitivity_faults
+from .derivability import derivative_faults, refuse
 from .faults import key_faults, variation_faults
 from .options import KEYFRAME_STEPS, ROUNDING, UNTIL
 from .problem import AUTO, PRECISIONS, Problem
@@ -15,7 +15,6 @@ from .row_columns import ORIENTATION, PSI, TURN, column_faults, column_names
 __all__ = [
     "AUTO",
     "KEYFRAME_STEPS",
-    "MOST_DERIVATIVES",
     "ORIENTATION",
     "PRECISIONS",
     "PSI",
@@ -29,6 +28,5 @@ __all__ = [
     "derivative_faults",
     "key_faults",
     "refuse",
-    "sensitivity_faults",
     "variation_faults",
 ]

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 
 
 EXCLUDED = ("run.", "contact.", "stem.")  # tables: a motion has no derivatives by their numbers
-MOST_DERIVATIVES = 1_000_000  # rows times numbers: 400 MB of states and columns
 
 
 def derivative_faults(problem: "Problem") -> list[str]:
@@ -54,22 +53,3 @@ def refuse(problem: "Problem", wrt: Sequence[str]) -> None:
     """Raise InputError for a run that has no derivatives, and for wrong names."""
     if faults := derivative_faults(problem) or name_faults(problem, wrt):
         raise InputError(faults)
-
-
-def sensitivity_faults(problem: "Problem") -> list[str]:
-    """Return sentences on the derivatives that a run is to keep (`run.sensitivities`)."""
-    wrt = problem.sensitivities
-    if not wrt:
-        return []
-    if problem.output != "times":
-        return [
-            '`run.output` must be "times" where `run.sensitivities` is given, but is '
-            f'"{problem.output}".'
-        ]
-    rows, most = len(problem.times), MOST_DERIVATIVES // len(wrt)
-    if rows > most:
-        return [
-            f"`run.output_step` must give at most {most:,} rows where `run.sensitivities` names "
-            f"{len(wrt)}, but gives {rows:,}."
-        ]
-    return derivative_faults(problem) or name_faults(problem, wrt)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError, suggestion
+from ..errors import InputError, owner, suggestion
 from ..mechanics.friction import PARTS, SLIP
 from ..mechanics.inlining import inlined
 from ..mechanics.moment import moment
@@ -96,15 +96,11 @@ def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
 
 def contradictions(problems: "Problems", valid: np.ndarray) -> list[tuple[int, str]]:
     """Return the first sentence on parameters that contradict each other, by number of the run."""
-    given = problems.given("parameters")
-    rows = np.stack(np.broadcast_arrays(np.zeros(problems.n), *given.values())[1:], axis=1)
-    known: dict[tuple[float, ...], list[str]] = {}
-    faults = []
+    given, faults = problems.given("parameters"), []
+    rows = np.broadcast_arrays(np.zeros(problems.n), *given.values())[1:]
     for i in np.flatnonzero(valid).tolist():
-        row = tuple(rows[i].tolist())
-        if row not in known:
-            known[row] = problems.base.system.checks(dict(zip(given, row, strict=True)))
-        faults += [(i, sentence) for sentence in known[row][:1]]
+        row = {name: float(column[i]) for name, column in zip(given, rows, strict=True)}
+        faults += [(i, sentence) for sentence in problems.base.system.checks(row)[:1]]
     return faults
 
 
@@ -115,7 +111,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
     plain = np.float64 if base.precision == "double" else np.longdouble
     start, pars = (a.astype(float).astype(plain) for a in (problems.start, problems.pars))
     values: Any = None
-    if problems.n == 1 and not any(map(_owner, formulas)):
+    if problems.n == 1 and not any(map(owner, formulas)):
         try:  # numbers are faster than arrays of one
             body = problems.body_of_pars(pars[:, 0].tolist())
             values = evaluated(*variables.split(start[:, 0].tolist()), body)
@@ -131,10 +127,10 @@ def start_faults(problems: "Problems") -> list[Fault]:
     finite = np.logical_and.reduce([np.isfinite(a).all(axis=0) for a in (pars, start, weights)])
     faults = [] if base.contact is not None else _law_faults(problems)
     for formula, row in zip(formulas, table, strict=True):
-        if _owner(formula) and (bad := finite & ~np.isfinite(row)).any():
+        if owner(formula) and (bad := finite & ~np.isfinite(row)).any():
             found = f"is {row[bad][0]}"
             faults.append(
-                (f"the formula of {_owner(formula)} must be finite at the start, but {found}.", bad)
+                (f"the formula of {owner(formula)} must be finite at the start, but {found}.", bad)
             )
     together = (
         "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
@@ -158,18 +154,13 @@ def _values_at(system: System, form: Form) -> tuple[Callable, list[Callable]]:
     """Return the function of the values of quantities, domains and user events; their formulas."""
     records: list[Any] = [*system.quantities, *form.domains]
     formulas = [record.formula for record in records]
-    formulas += [event.formula for event in system.events if _owner(event.formula)]
+    formulas += [event.formula for event in system.events if owner(event.formula)]
 
     def values(q: Any, carried: Any, b: Any) -> list:
         state = moment(system, form, q, carried, b)
         return [formula(state, b) for formula in formulas]
 
-    return values if any(map(_owner, formulas)) else inlined(values), formulas
-
-
-def _owner(formula: Any) -> str:
-    """Return the owner of a formula of the user, "the column `mine`"; empty for others."""
-    return getattr(formula, "of", "")
+    return values if any(map(owner, formulas)) else inlined(values), formulas
 
 
 def _law_faults(problems: "Problems") -> list[Fault]:
@@ -178,7 +169,7 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     Its coefficient must be finite, not negative, smooth at rest, and the same in all units.
     """
     kind, n, scales = type(problems.base.friction), problems.n, problems.scales
-    if not (owner := _owner(SLIP.get(kind))):
+    if not (of := owner(SLIP.get(kind))):
         return []
     law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
 
@@ -186,7 +177,7 @@ def _law_faults(problems: "Problems") -> list[Fault]:
         return SLIP[kind](np.zeros(n) + v2, np.full(n, z), law) + np.zeros(n)
 
     def fault(must: str, found: str, bad: np.ndarray) -> list[Fault]:
-        return [(f"the coefficient k of {owner} must {must}, but {found}.", bad)]
+        return [(f"the coefficient k of {of} must {must}, but {found}.", bad)]
 
     for v2, z in PLACES:
         k = coefficient(v2, z, law)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import suggestion
 from ..mechanics.number import Number
-from ..mechanics.units import SECOND, Unit
+from ..mechanics.units import ONE, SECOND, Unit
 from ..sampling import EvenTimes, ListedTimes
 
 
@@ -29,8 +29,6 @@ MOST_ROWS = 10**12
 # where 1e-18 takes 32 s.
 LEAST_TOLERANCE = 1e-5
 
-UNTIL = Number(SECOND, "end of the run", above=0, most=1e16)
-
 
 def option(
     words: str,
@@ -40,7 +38,6 @@ def option(
     note: str = "",
     given: str = "",
     example: Any = None,
-    rule: Number | None = None,
     **interval: float,
 ) -> Any:
     """Declare an option of a run.
@@ -59,12 +56,11 @@ def option(
         The type that callers may pass, where it is wider than the type of the field.
     example
         A value for templates, if there is no default.
-    rule
-        The record of a number that may vary.
     interval
-        `above`, `least`, `below` of a number, or of each in a list.
+        `above`, `least`, `below`, `most` of a number, or of each in a list.
     """
-    metadata = {"words": words, "unit": unit, "note": note, "given": given, "interval": interval}
+    rule = Number(unit or ONE, words, **interval)  # type: ignore[arg-type]
+    metadata = {"words": words, "unit": unit, "note": note, "given": given}
     return field(default=default, metadata=metadata | {"example": example, "rule": rule})
 
 
@@ -72,7 +68,7 @@ def option(
 class RunOptions:
     """The end of a run, its accuracy, and the rows and columns that are kept."""
 
-    until: float = option("end of the run", SECOND, rule=UNTIL, note="a preset has an end")
+    until: float = option("end of the run", SECOND, above=0, most=1e16, note="a preset has an end")
     output_step: float | None = option(
         "time between two rows, or output_times instead",
         SECOND,
@@ -134,14 +130,6 @@ class RunOptions:
         given="Iterable[str | Quantity] | str | Quantity",
         example=("theta",),
     )
-    sensitivities: tuple[str, ...] | None = option(
-        "numbers, such as friction.mu, by which columns and events are differentiated too; none",
-        default=None,
-        note="the tables `sensitivities` and `event_sensitivities` of the run contain the "
-        "derivatives",
-        given="Sequence[str]",
-        example=(),
-    )
     orientation: bool | None = option(
         "whether the turn of the body about its axis is integrated; where a column needs it",
         default=None,
@@ -200,6 +188,7 @@ class RunOptions:
 
 
 OPTIONS: dict[str, Field[Any]] = {f.name: f for f in fields(RunOptions)}
+UNTIL: Number = OPTIONS["until"].metadata["rule"]
 HINTS = get_type_hints(RunOptions)
 UNITS: dict[str, Unit] = {
     name: f.metadata["unit"] for name, f in OPTIONS.items() if f.metadata["unit"]

@@ -13,7 +13,7 @@ from ..mechanics.friction import FrictionLaw
 from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
 from ..mechanics.system import Form, Number, System
-from ..mechanics.units import SECOND, Scales
+from ..mechanics.units import Scales
 from ..mechanics.variables import Variables
 from ..sampling import EvenTimes, ListedTimes
 from .batch import Problems
@@ -57,7 +57,6 @@ class Problem(RunOptions):
     on_liftoff: Literal["stop", "continue", "fly"] = "stop"
     keyframe_steps: int = KEYFRAME_STEPS
     orientation: bool = True
-    sensitivities: tuple[str, ...] = ()
     contact: ContactLaw | None = None
     origin: dict[str, Any] | None = None
     checked: ClassVar[bool] = False  # a copy by dataclasses.replace is not checked
@@ -96,11 +95,6 @@ class Problem(RunOptions):
         return np.longdouble if self.precision == "double" else self.number
 
     @property
-    def law_name(self) -> str:
-        """The name of the friction law, as in `[friction] law`."""
-        return self.law.key
-
-    @property
     def law(self) -> type[FrictionLaw]:
         """The friction law: its numbers and their units."""
         return type(self.friction)
@@ -137,16 +131,6 @@ class Problem(RunOptions):
             if t in self.tables
             for name, rule in tables[t].items()
         }
-
-    def faults(self) -> list[str]:
-        """Return sentences on the numbers that are given; empty if nothing is wrong."""
-        faults = []
-        for key, rule in self.rules.items():
-            table, _, name = key.partition(".")
-            value = self.tables[table].get(name)
-            if value is not None and rule.broken(value):
-                faults.append(rule.fault(key, value))
-        return [*(faults or self.system.checks(self.parameters)), *self.clashes()]
 
     def clashes(self) -> list[str]:
         """Return sentences on initial data, and on a stem, that contradict each other."""
@@ -195,7 +179,7 @@ class Problem(RunOptions):
         return {
             name: [*value] if isinstance(value, tuple) else value
             for name, value in given.items()
-            if value is not None and (name, value) != ("sensitivities", ())
+            if value is not None
         }
 
     def body(self, number: Any = float) -> Any:
@@ -231,10 +215,6 @@ class Problem(RunOptions):
     def start(self) -> np.ndarray:
         """Return the internal state at t = 0, (variables,), in the working precision."""
         return self.alone.start[:, 0].copy()
-
-    def internal_time(self, t: Any) -> Any:
-        """Return times in internal units, exactly."""
-        return t / float(self.scales.of(SECOND))
 
 
 def _again(form: str, given: dict[str, Any]) -> Problem:

@@ -54,8 +54,16 @@ def attributes(progress: RunProgress) -> dict[str, Any]:
 
 
 OF_SUMMARY = (
-    *("auto_form", "certificate", "begun_with", "replay", "start"),
-    *("tolerance", "precision", "final_state", "versions", "cpu"),
+    "auto_form",
+    "certificate",
+    "begun_with",
+    "replay",
+    "start",
+    "tolerance",
+    "precision",
+    "final_state",
+    "versions",
+    "cpu",
 )
 """Root attributes that a summary repeats, where they are there."""
 

@@ -3,8 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager
-from functools import partial
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import numpy as np
@@ -15,8 +14,7 @@ from ..problem import Problem
 from ..sampling import ListedTimes
 from . import phases
 from .attributes import groups
-from .cost import following
-from .run import solve
+from .run import Solution, solve
 
 
 # Largest relative drift that a run may show, by invariant.
@@ -27,15 +25,11 @@ MAX_DRIFT_DEFAULT = 1e-12
 DRIFT_GROWS_AFTER = 1e4
 # The contract holds for runs at machine precision, not for looser tolerances.
 MAX_TOLERANCE = 2.3e-16
-# Distance from a pole [rad] below which a form that is singular there loses visible digits.
-POLE_DISTANCE = 0.5
 # Largest difference in theta [rad] between a run and its repetition in the next wider precision.
 MAX_THETA_ERROR = 1e-10
 NEXT_PRECISION: dict[str, Any] = {"double": "longdouble", "longdouble": "quad"}
 CERTIFICATE_ROWS = 2001
-Progress = Callable[[Any], None]
-# Provides the progress callback of callers from Python.
-WITHOUT_BAR = partial(following, bar=False)
+Progress = Callable[[Any], None] | None
 
 
 def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
@@ -56,25 +50,6 @@ def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
     return messages
 
 
-def suggest_form(attrs: dict[str, Any]) -> str:
-    """Suggest a form that is regular at the poles to a run that lost digits near one.
-
-    Return an empty text if the form is not the cause; `attrs` are the root attributes of the run.
-    """
-    report, form, regular = attrs["report"], attrs["form"], attrs["auto_form"]["form"]
-    if form == regular or "axis_norm" in report["drift"]:  # it integrates the axis
-        return ""
-    band = report["nutational_band"].values()
-    angles = [attrs["initial"].get("theta"), report["theta_end"], *band]
-    nearest = min((min(a, math.pi - a) for a in angles if a is not None), default=math.pi)
-    if not nearest < POLE_DISTANCE:
-        return ""
-    return (
-        f'theta comes to {nearest:.2g} rad of a pole, where form = "{form}" is singular: '
-        f'take form = "{regular}".'
-    )
-
-
 def check_window(window: float | None, name: str = "`window`") -> None:
     """Raise InputError unless the window [s] is None or positive and finite."""
     if window is not None and not 0 < window < math.inf:
@@ -84,7 +59,7 @@ def check_window(window: float | None, name: str = "`window`") -> None:
 def certificate(
     problem: Problem,
     window: float | None = None,
-    following: Callable[[], AbstractContextManager[Progress]] = WITHOUT_BAR,
+    following: Callable[[], AbstractContextManager[Progress]] = nullcontext,
 ) -> dict[str, Any]:
     """Repeat a run in the next wider precision and compare.
 
@@ -135,15 +110,7 @@ def certificate(
         "columns": largest,
         **({"axis": largest["axis"]} if "axis" in largest else {}),
     }
-    turnings = [
-        {
-            "time": Column(
-                ("event",), solution.events.of("turning", significant=True).time, {"units": "s"}
-            )
-        }
-        for solution in (run, reference)
-    ]
-    compared = _compare(*turnings)
+    compared = _compare(_turnings(run), _turnings(reference))
     result |= {"turnings": compared} if compared["compared"] else {}
     return result | {
         name: _compare(tables[name], expected[name]) for name in phases.DIMENSIONS if name in tables
@@ -184,6 +151,12 @@ def _differences(
 def _largest(differences: np.ndarray) -> float:
     """Return the largest difference; rows in which a column is undefined (NaN) do not count."""
     return float(np.nanmax(differences, initial=0.0))
+
+
+def _turnings(solution: Solution) -> dict[str, Column]:
+    """Return the times of the significant turnings."""
+    table = solution.events.of("turning", significant=True)
+    return {"time": Column(("event",), table.time, {"units": "s"})}
 
 
 def _compare(table: Mapping[str, Column], reference: Mapping[str, Column]) -> dict[str, Any]:

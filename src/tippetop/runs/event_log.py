@@ -13,11 +13,11 @@ from ..engine.loop import count_turnings
 from ..engine.observables import Observables
 from ..engine.settling import slides
 from ..engine.tallies import Tallies
+from ..errors import owner
 from ..mechanics.event import Event
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..scenario.identity import is_user_defined
 from .events import EventTable
 
 
@@ -56,22 +56,21 @@ def _known(system: System, logged: tuple[str, ...]) -> Known:
 class LogReport(NamedTuple):
     """The events of a run so far: the rows of its log, and the tallies of its driver."""
 
-    problem: Problem
+    known: Known
+    second: float  # the internal unit of time [s]
     counts: dict[str, int]  # rows of the log, by kind
     tally: Any  # a record of the tallies
     numbers: np.ndarray  # what events keep, (kept,); internal
 
-    @property
-    def known(self) -> Known:
-        """Return the events of the system."""
-        return _known(self.problem.system, self.problem.events)
-
     def kept(self) -> dict[str, Any]:
         """Return the numbers that events keep: counts, and times [s] or None, by name."""
         values = zip(self.known.kept, self.numbers.tolist(), strict=True)
-        second = float(self.problem.scales.of(SECOND))
         return {
-            name: int(value) if what == "count" else None if math.isnan(value) else value * second
+            name: int(value)
+            if what == "count"
+            else None
+            if math.isnan(value)
+            else value * self.second
             for (name, what), value in values
         }
 
@@ -84,7 +83,7 @@ class LogReport(NamedTuple):
         value = float(event.formula(view.moment(last[0]), view.body))
         if not value * event.direction > 0 or slides(view.problem.alone, last.T, [0]).any():
             return None
-        return since * float(self.problem.scales.of(SECOND))
+        return since * self.second
 
     def report(self) -> dict[str, Any]:
         """Return counts, inversion, band and the numbers that users' events keep."""
@@ -126,7 +125,7 @@ class EventLog:
         self.known = _known(problem.system, problem.events)
         self.tallies, self.kinds = tallies, problem.system.kinds
         logged = (event for event in self.known.events if event.name in problem.events)
-        self.keeps_states = any(is_user_defined(event.formula) for event in logged)
+        self.keeps_states = any(owner(event.formula) for event in logged)
         self.empty = EventTable.empty(self.kinds)
         if self.keeps_states:
             self.empty = replace(self.empty, state=self._states(np.zeros(0), first[:0]))
@@ -213,7 +212,7 @@ class EventLog:
     def summary(self) -> LogReport:
         """Return the events so far."""
         tally, numbers = self.tallies.lane[0].copy(), self.tallies.kept[:, 0].copy()
-        return LogReport(self.view.problem, dict(self.counts), tally, numbers)
+        return LogReport(self.known, self.second, dict(self.counts), tally, numbers)
 
     def snapshot(self) -> dict[str, Any]:
         """Return the data of a checkpoint, apart from the tallies."""

@@ -8,8 +8,7 @@ from ..engine.observables import Observables
 from ..engine.taylor import driver_of
 from ..mechanics.friction import is_frictionless
 from ..problem import Problem
-from . import cost
-from .regularisation import regularisation
+from .cost import estimate
 
 
 # Time [s] after which the vector form of a rolling top has changed E by 1e-12.
@@ -18,7 +17,7 @@ LONG = 1e5
 
 def assessment(problem: Problem) -> dict[str, Any]:
     """Return the quantities at the start (SI, with units), predictions, and the expected cost."""
-    start, expected = at_start(problem), cost.estimate(problem)
+    start = at_start(problem)
     quantities = {
         q.name: {
             "value": q.meanings[int(start[q.name])] if q.meanings else start[q.name],
@@ -31,9 +30,9 @@ def assessment(problem: Problem) -> dict[str, Any]:
         "auto_form": problem.auto_form,
         "at_start": quantities,
         **_outlook(problem, start),
-        **regularisation(problem, expected),
+        **_regularisation(problem),
         **_advice(problem),
-        "expected": expected,
+        "expected": estimate(problem),
     }
 
 
@@ -56,10 +55,18 @@ def at_start(problem: Problem) -> dict[str, float]:
 
 def comments(problem: Problem) -> dict[str, Any]:
     """Return what theory adds to the report of a run: the name of its motion, what eps decides."""
-    result = regularisation(problem, cost.estimate(problem))
+    result = _regularisation(problem)
     if problem.system.motion is not None:
         result["motion"] = problem.system.motion(problem.body(), at_start(problem))
     return result
+
+
+def _regularisation(problem: Problem) -> dict[str, Any]:
+    """Return that the speed eps of a Coulomb law decides, where it does."""
+    friction = problem.friction
+    if not problem.system.inverts or "eps" not in friction._fields or is_frictionless(friction):
+        return {}
+    return {"regularisation": "eps decides when a top with Coulomb friction inverts"}
 
 
 def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from ..awaiting import awaited
 from ..columns import Column
 from ..engine.observables import Observables
 from ..errors import Interrupted
@@ -20,7 +19,7 @@ from ..store.ledger import Ledger
 from ..store.root import finite, new_store
 from ..store.table import LATE, Table
 from ..store.writer import Writer, begin
-from . import attributes, keyframes, phases, reporting, sensitivities
+from . import attributes, keyframes, phases, reporting
 from .events import EventTable, event_columns
 from .integration import Integration
 from .reporting import RunProgress
@@ -86,25 +85,6 @@ class Recorder(Writer, Sink):
             self.commit(progress, snapshot())
         if asked:
             raise Interrupted
-
-    def derived(self, tables: Mapping[str, dict[str, Column]]) -> None:
-        """Take the tables of derivatives."""
-        for name, columns in tables.items():
-            self.later(partial(self._append, name, columns))
-
-    def differentiate(self) -> None:
-        """Make the tables of derivatives of a finished run, from its rows and its log."""
-        problem = self.problem
-        if not problem.sensitivities:
-            return
-        self.now(lambda: None)
-        log = EventTable.empty(problem.system.kinds)
-        parts = [self.growing["events"], self.growing["events" + LATE]]
-        stored = {name: part.values(name) for part in parts for name in part.documents}
-        table = EventTable(log.kinds, *(stored[name] for name in log.columns()))
-        times = problem.times[: self.growing["trajectory"].rows]
-        make = partial(sensitivities.tables, problem, times, table)
-        self.derived(awaited(make, "the derivatives of the run are being computed", self.stop))
 
     def _append(self, name: str, columns: Mapping[str, Column]) -> None:
         values = {key: column.values for key, column in columns.items()}
@@ -239,7 +219,6 @@ def run_into(
         if stop is not None and stop.is_set():
             raise Interrupted
         integration.run(recorder, progress)
-        recorder.differentiate()
         attrs = attributes.attributes(integration.progress())
         return integration, recorder.finish(attrs, integration.ending())
 
@@ -266,7 +245,6 @@ def save(
         for name, parts in solution.others.items():
             for part in parts:
                 recorder.tables({name: part})
-        recorder.derived(solution.sensitivities)
         recorder.finish(attrs, integration.ending())
 
 
@@ -293,8 +271,6 @@ def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column
     yield "events", event_columns(log), EVENTS_PER_CHUNK
     for name, columns in phases.joined(problem.system, {}).items():
         yield name, columns, phases.PER_CHUNK
-    for name, columns in sensitivities.no_rows(problem, log.kinds).items():
-        yield name, columns, sensitivities.PER_CHUNK
     if problem.output == "keyframes":
         yield "keyframes", keyframes.empty(problem, integration.driver), keyframes.PER_CHUNK
 

@@ -10,12 +10,12 @@ from ..engine.driver import Extremes
 from ..engine.observables import Observables
 from ..engine.settling import CLASSES, classes_of, with_phases
 from ..engine.status import Status
+from ..errors import owner
 from ..mechanics.caching import cached_property
 from ..mechanics.event import Event
 from ..mechanics.friction import has_parts
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
-from ..scenario.identity import is_user_defined
 from .event_log import LogReport
 
 
@@ -192,7 +192,7 @@ def _lost(progress: RunProgress) -> str:
         if not system.frictional:
             law = "the equations of the system are singular or too stiff"
         cause = f"the coordinates are regular there, so {law}"
-        if any(is_user_defined(event.formula) for event in system.events):
+        if any(owner(event.formula) for event in system.events):
             cause += ", or the formula of an event of yours is singular"
         if t == 0 and is_infinite:
             cause += ", or a number of the start, the body or the law is too large"

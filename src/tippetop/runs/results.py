@@ -1,6 +1,6 @@
 """The summary of a run as a record: what `tippetop info --json` prints."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..errors import InputError
@@ -86,7 +86,7 @@ class Summary(Record):
         The integrated variables at the end, in SI units.
     versions, cpu
         What computed it.
-    motion, regularisation, inversion_by_eps
+    motion, regularisation
         The name of a heavy top's motion; what eps decides. Only where they apply.
     """
 
@@ -96,10 +96,10 @@ class Summary(Record):
         return f"<Summary: {self.reason}; {numbers}; {names}>"
 
 
-def summary_of(attrs: Mapping[str, Any], problem: Problem | None = None) -> Summary:
-    """Return the summary of a run, from root attributes and, where it is known, its problem."""
+def summary_of(attrs: dict[str, Any], problem: Callable[[], Problem] | None = None) -> Summary:
+    """Return the summary of a run, from root attributes and the function of its problem."""
     try:
-        comments = forecast.comments(problem or build.stored(dict(attrs)))
+        comments = forecast.comments(problem() if problem else build.stored(attrs))
     except InputError:  # of a system, law or event that this process does not know
         comments = {}
-    return Summary(attributes.info(dict(attrs)) | finite(comments))
+    return Summary(attributes.info(attrs) | finite(comments))

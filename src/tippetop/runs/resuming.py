@@ -11,7 +11,7 @@ from ..mechanics.system import System
 from ..scenario import build
 from ..store import files, ledger, root
 from ..store.ledger import Ledger
-from . import recording, sensitivities
+from . import recording
 from .integration import Integration
 from .recording import Progress, Recorder, here, run_into
 
@@ -25,7 +25,7 @@ def resume(
     accept_other_version: bool = False,
     known: System | None = None,
 ) -> tuple[Integration, dict[str, Any]]:
-    """Continue an interrupted run to its end, or any run to a later one, in any thread.
+    """Continue an interrupted run to its end, or a finished one to a later end, in any thread.
 
     The last slice of a finished run is integrated again from its beginning, because the end
     shortened its last step. In one step, its store becomes that of an interrupted run, which can be
@@ -63,15 +63,10 @@ def resume(
     target = files.own_folder(target)
     if until is not None:
         files.refuse_inside(target)  # in a sweep, whose plan contains the end
-        attrs = root.root_of(target)
-        if attrs.get("status") == Status.RUNNING.value and "content" not in attrs:
-            _refuse_earlier(target, attrs, until, equal=False)
-            how: dict[str, Any] = {"accept_other_version": accept_other_version, "known": known}
-            result = resume(target, progress, stop=stop, **how)
-            if until == attrs["run"]["until"] or result[1]["status"] != Status.FINISHED.value:
-                return result
     with opened(target) as store:
         attrs = store.state.attributes
+        if attrs["status"] == Status.RUNNING.value and until == attrs["run"]["until"]:
+            until = None  # it was interrupted on its way to this end
         _refuse(target, attrs, until)
         with ledger.sound(target):
             tail = store.tail() if until is None else b""
@@ -178,7 +173,6 @@ def _rows(integration: Integration) -> dict[str, int]:
         "events": integration.log.rows,
         "keyframes": integration.monitor.steps // problem.keyframe_steps,
         **integration.story.rows(),
-        **dict.fromkeys(sensitivities.NAMES, 0),
     }
 
 
@@ -198,13 +192,8 @@ def _refuse(target: Path, attrs: dict[str, Any], until: float | None) -> None:
         raise StoreError(
             f"`{target}` must have come to its end to be continued, but: {attrs['reason']}."
         )
-    _refuse_earlier(target, attrs, until, equal=True)
-
-
-def _refuse_earlier(target: Path, attrs: dict[str, Any], until: float, *, equal: bool) -> None:
-    """Raise InputError for an end before that of a store, or `equal` to it."""
     ends = attrs["run"]["until"]
-    if not (until > ends or (until == ends and not equal)):
+    if not until > ends:
         raise InputError(
             f"the new end must be later than that of `{target}`, {ends:g} s, but is {until:g} s."
         )

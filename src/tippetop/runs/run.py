@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import Column
 from ..engine.observables import Observables
 from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.caching import cached_property
 from ..problem import Problem
-from . import reporting, sensitivities
+from . import reporting
 from .events import EventTable
 from .integration import Integration
 from .reporting import RunProgress
@@ -62,11 +61,6 @@ class Solution:
         """Return the measurements."""
         return reporting.report(self.progress)
 
-    @cached_property
-    def sensitivities(self) -> dict[str, dict[str, Column]]:
-        """Return the tables of derivatives that the scenario lists, by name."""
-        return sensitivities.tables(self.problem, self.times, self.events)
-
     def columns(self) -> dict[str, Any]:
         """Return the rows as named SI columns."""
         return Observables(self.problem).columns(self.times, self.rows)
@@ -85,27 +79,6 @@ def refuse_more_than_memory(problem: Problem) -> None:
             f"of memory, but take {needed / 1e9:.3g} GB: give a store (--out, out=), which takes "
             "any number, or a longer `run.output_step`."
         )
-
-
-def run_to_end(problem: Problem) -> tuple[Status, np.ndarray, dict[str, Any], dict[str, Any], bool]:
-    """Integrate a problem and keep its end alone.
-
-    Returns
-    -------
-    tuple
-        Status, final internal state, report, numbers that events keep, whether it has settled.
-    """
-    integration = Integration(problem)
-    integration.run(Sink())
-    end = integration.progress()
-    assert end.status is not None
-    settled = end.settled_since is not None
-    return end.status, end.last[0], reporting.report(end), end.events.kept(), settled
-
-
-def _joined(pieces: list[np.ndarray], empty: np.ndarray) -> np.ndarray:
-    """Join pieces; return a single one itself."""
-    return pieces[0] if len(pieces) == 1 else np.concatenate([empty, *pieces])
 
 
 def solve(
@@ -136,8 +109,8 @@ def solve(
     integration.run(memory if keep else Sink(), progress)
     return Solution(
         integration.progress(),
-        _joined(memory.times, np.zeros(0)),
-        _joined(memory.states, integration.first[:0]),
+        np.concatenate([np.zeros(0), *memory.times]),
+        np.concatenate([integration.first[:0], *memory.states]),
         memory.table(),
         integration.seconds,
         integration.last_slice,

@@ -12,9 +12,8 @@ from ..mechanics.systems import find
 from ..problem import column_names
 
 
-BIGGEST = (
-    0.78  # of the distance from the tip: the longest half axis of the ellipsoid of a heavy top
-)
+# Longest half axis of the ellipsoid of a heavy top, as a part of the distance from the tip.
+BIGGEST = 0.78
 
 
 def body_of(attrs: dict[str, Any]) -> Touch:

@@ -15,7 +15,6 @@ from ..errors import InputError, StoreError
 from ..mechanics.system import System
 from ..problem import Problem
 from ..scenario import build, reading
-from ..scenario.identity import DIGESTS
 from ..store import ledger, root
 
 
@@ -37,7 +36,7 @@ def load(
     assignments : list of str, optional
         `table.key=value` texts, as the command line's `--set` takes them.
     until : float or str, optional
-        Another end of the run [s], or a text with a unit, "2 min"; output times beyond it go.
+        Another end of the run [s], or a text with a unit, "2 min".
 
     Returns
     -------
@@ -53,7 +52,7 @@ def load(
     if isinstance(assignments, str):
         raise InputError(f"`assignments` must be a list of texts, but is {assignments!r:.60}.")
     tables = reading.override(reading.read(str(path_of("source", source))), assignments or [])
-    return problem(tables if until is None else build.ending(tables, until), source)
+    return problem(build.ending(tables, until), source)
 
 
 def load_any(source: str | Path, assignments: list[str] | None = None) -> Problem:
@@ -86,8 +85,8 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
     if not isinstance(initial, dict) or "from" not in initial:
         return build.problem(tables, known)
     if len(initial) > 1:
-        others = ", ".join(f"`{name}`" for name in initial if name != "from")
-        raise InputError(f"`initial.from` must stand alone, but {others} is given too.")
+        surplus = ", ".join(f"`{name}`" for name in initial if name != "from")
+        raise InputError(f"`initial.from` must stand alone, but {surplus} is given too.")
     is_file = isinstance(source, str | os.PathLike) and Path(source).is_file()
     folder = Path(source).parent if is_file else Path()
     path = folder / path_of("initial.from", initial["from"])
@@ -95,49 +94,33 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
     tables = {name: attrs[name] for name in TAKEN if name in attrs} | tables
     if tables["form"] == "auto":
         tables["form"] = attrs["form"]
-    before = build.stored(_without_own(attrs))
+    # its user-defined events and columns are not needed
+    options = {k: v for k, v in attrs["run"].items() if k not in ("events", "columns")}
+    before = build.problem(build.tables_of(attrs) | {"run": options})
     end = ledger.read(path).end
     # doubles to be added
     parts = [[float.fromhex(part) for part in text.split()] for text in end["end"]["state"]]
     state = np.array([[sum(map(before.number, each)) for each in parts]], dtype=before.number)
-    _refuse_others(path, ["system"] if tables["system"] != attrs["system"] else [])
-    run = build.problem(tables | {"initial": _rounded(before, state)}, known)
-    where = f"in `{path}`, whose end is the start, but"
-    if (run.contact is None) != (before.contact is None):
-        raise InputError(f"the contact must stay closed as {where} may open.")
-    resolved = build.resolved(run)
-    _refuse_others(path, [name for name in SAME if resolved[name] != attrs[name]])
-    if not set(run.variables.names) <= set(before.variables.names):
-        raise InputError(f"`run.orientation` must be false as {where} is true.")
-    return build.problem(
-        tables | {"initial": dict(run.initial)},
-        known,
-        {
-            "from": str(initial["from"]),
-            "digest": hashlib.sha256(json.dumps(end, sort_keys=True).encode()).hexdigest(),
-            "t_end": attrs["report"]["t_end"],
-            "form": attrs["form"],
-            "state": dict(zip(before.variables.names, parts, strict=True)),
-        },
-    )
-
-
-def _refuse_others(path: Path, names: list[str]) -> None:
-    """Raise InputError for tables that are not those of the run where another starts."""
-    if names:
-        raise InputError(
-            [
-                f"`{name}` must be that of `{path}`, whose end is the start, but is another."
-                for name in names
-            ]
-        )
-
-
-def _without_own(attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return the root attributes of a run without its user-defined events and columns."""
-    run = {**attrs["run"], "events": []}
-    run.pop("columns", None)
-    return {key: value for key, value in attrs.items() if key != DIGESTS} | {"run": run}
+    others: list[str] = ["system"] if tables["system"] != attrs["system"] else []
+    if not others:
+        run = build.problem(tables | {"initial": _rounded(before, state)}, known)
+        resolved = build.resolved(run)
+        others = [name for name in SAME if resolved[name] != attrs[name]]
+        if (run.contact is None) != (before.contact is None):
+            others.append("contact")
+        if not set(run.variables.names) <= set(before.variables.names):
+            others.append("run.orientation")
+    if others:
+        words = f"must be that of `{path}`, whose end is the start, but is another."
+        raise InputError([f"`{name}` {words}" for name in others])
+    origin = {
+        "from": str(initial["from"]),
+        "digest": hashlib.sha256(json.dumps(end, sort_keys=True).encode()).hexdigest(),
+        "t_end": attrs["report"]["t_end"],
+        "form": attrs["form"],
+        "state": dict(zip(before.variables.names, parts, strict=True)),
+    }
+    return build.problem(tables | {"initial": dict(run.initial)}, known, origin)
 
 
 def _ended(path: Path) -> dict[str, Any]:

@@ -32,6 +32,11 @@ VERBS = {
     "flight": "flies",
     "both": "stands on body and stem",
 }
+START = "where {from} ended, at its t = {t_end:.15g} s"
+REPLAY = (
+    "rows and events are of t = {from:.15g} to {until:.15g} s, every {step:.15g} s, of {of}; "
+    "all else is of the whole run"
+)
 TIMES = {1: "once", 2: "twice"}
 COMPARED = (
     ("turnings", "turning times", "time"),
@@ -56,7 +61,6 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
     events = {event.name: event for event in system.events} if system is not None else {}
     others = {k: n for k, n in info["event_counts"].items() if not k.startswith("turning")}
     drift = [f"{name.replace('_', ' ')} {value:.1e}" for name, value in info["drift"].items()]
-    by = info.get("run", {}).get("sensitivities", ())
     rows = {
         "status": status,
         **_axis(info, system, events),
@@ -70,18 +74,18 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
             for kind, n in others.items()
         ),
         "kept": ", ".join(
-            f"{name} = {_kept(value)}" for name, value in info.get("kept", {}).items()
+            f"{name} = {f'{value:.9g} s' if isinstance(value, float) else value or 'none'}"
+            for name, value in info.get("kept", {}).items()
         ),
         "normal force": _force(info["normal_force"]) if "normal_force" in info else "",
         "drift": f"{', '.join(drift)} (relative, worst of the run)" if drift else "",
-        "sensitivities": f"derivatives of columns and events by {', '.join(by)}" if by else "",
         "motion": info.get("motion", ""),
-        "regularisation": regularisation(info) if "regularisation" in info else "",
+        "regularisation": info.get("regularisation", ""),
         "form": form_sentence(info)
         if system is not None and len(system.forms) > 1 and "auto_form" in info
         else "",
-        "start": _start(info["start"]) if "start" in info else "",
-        "replay": _replay(info["replay"]) if "replay" in info else "",
+        "start": START.format(**info["start"]) if "start" in info else "",
+        "replay": REPLAY.format(**info["replay"]) if "replay" in info else "",
         "certificate": _certificate(info["certificate"]) if "certificate" in info else "",
     }
     return [(name, text) for name, text in rows.items() if text]
@@ -133,25 +137,11 @@ def _counted(kind: str, events: Info) -> str:
     return COUNTED.get(kind, kind)
 
 
-def _kept(value: float | None) -> str:
-    """Return a number that an event keeps: a count, or a time."""
-    return f"{value:.9g} s" if isinstance(value, float) else str(value or "none")
-
-
 def _force(force: Info) -> str:
     weight = force["weight"]
     low, high = (f if abs(f) > 1e-12 * weight else 0.0 for f in (force["min"], force["max"]))
     in_weights = f"{low / weight:.4f} to {high / weight:.4f} m g"
     return f"{low:.5g} to {high:.5g} N, that is {in_weights}"
-
-
-def _start(start: Info) -> str:
-    return f"where {start['from']} ended, at its t = {start['t_end']:.15g} s"
-
-
-def _replay(replay: Info) -> str:
-    part = f"t = {replay['from']:.15g} to {replay['until']:.15g} s, every {replay['step']:.15g} s"
-    return f"rows and events are of {part}, of {replay['of']}; all else is of the whole run"
 
 
 def contact(phases: Info) -> str:
@@ -192,18 +182,6 @@ def form_sentence(info: Info) -> str:
     auto = info["auto_form"]
     named = "" if auto["form"] == info["form"] else f"{info['form']}; "
     return f"{named}auto -> {auto['form']}, because {auto['because']}"
-
-
-def regularisation(info: Info) -> str:
-    """Return what the speed eps of a Coulomb law decides: the time of inversion by eps."""
-    if "inversion_by_eps" not in info:
-        return info["regularisation"]
-    by_eps = info["inversion_by_eps"]
-    times = [
-        f"{'not in this time' if t is None else f'{t:.5g} s'} (eps = {1e3 * eps:g} mm/s)"
-        for eps, t in zip(by_eps["eps"]["value"], by_eps["first_equator"]["value"], strict=True)
-    ]
-    return f"{info['regularisation']}; theta = pi/2 at: {', '.join(times)}"
 
 
 def _certificate(result: Info) -> str:

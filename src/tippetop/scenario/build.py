@@ -22,14 +22,12 @@ from ..problem import (
     Problem,
     column_faults,
     column_names,
-    sensitivity_faults,
 )
 from ..problem.options import UNITS, RunOptions
 from ..sampling import EvenTimes, ListedTimes
 from .contact import contact_faults, on_stem, rules_of, system_with_contact
 from .identity import changed_records, missing_records, user_records
-from .law_change import law_name
-from .reading import override, read, times_until
+from .reading import law_name, override, read
 from .schema import scenario_model
 from .sentences import scenario_sentence
 
@@ -67,7 +65,8 @@ def problem(
         load_entry_points()
     tables = worked_out(tables, units_of(system, tables))
     try:
-        scenario: Any = scenario_model(system).model_validate(tables)
+        model = scenario_model(system, system.laws.get(name or ""))
+        scenario: Any = model.model_validate(tables)
     except ValidationError as error:
         errors = error.errors(include_url=False)
         raise InputError(
@@ -95,7 +94,6 @@ def problem(
         "keyframe_steps": run.keyframe_steps or KEYFRAME_STEPS,
         "columns": columns,
         "orientation": turns if run.orientation is None else run.orientation,
-        "sensitivities": run.sensitivities or (),
     }
     built = Problem(
         system=system,
@@ -115,7 +113,6 @@ def problem(
         *_pole_faults(built),
         *run.option_faults(kinds),
         *column_faults(run.columns or (), known_columns, run.orientation),
-        *sensitivity_faults(built),
     ] or [sentence for _, sentence in built.alone.check()[1]]
     if faults:
         raise InputError(faults)
@@ -132,7 +129,6 @@ KINDS: dict[str, Any] = {
     "times": EvenTimes | ListedTimes,
     "events": tuple | list,
     "columns": tuple | list | None,
-    "sensitivities": tuple | list,
     "contact": ContactLaw | None,
 }
 """The types of fields that are read before a problem is checked."""
@@ -201,17 +197,14 @@ def load(
     InputError
     """
     tables = override(read(str(path_of("source", source))), assignments or [])
-    return problem(tables if until is None else ending(tables, until))
+    return problem(ending(tables, until))
 
 
 def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:
-    """Return the tables with another `run.until`, a number or a text, and no later output times."""
-    until = measured("until", until, SECOND)
-    tables = override(tables, [f"run.until={until!r}"])
-    times = tables["run"].get("output_times")
-    if isinstance(times, list):
-        tables["run"]["output_times"] = times_until(times, until)
-    return tables
+    """Return the tables with another `run.until`, a number or a text; None keeps it."""
+    if until is None:
+        return tables
+    return override(tables, [f"run.until={measured('until', until, SECOND)!r}"])
 
 
 def tables_of(attrs: dict[str, Any]) -> dict[str, Any]:
@@ -245,9 +238,7 @@ def stored(
             "not: give the records that it was made with, as in Python "
             "tippetop.resume(path, events=[...], columns=[...]); tippetop.open takes them too."
         )
-    result = problem(
-        tables if until is None else ending(tables, until), known, origin=attrs.get("start")
-    )
+    result = problem(ending(tables, until), known, origin=attrs.get("start"))
     if faults := changed_records(attrs, result, known):
         raise InputError(faults)
     return result
@@ -258,7 +249,7 @@ def resolved(problem: Problem) -> dict[str, Any]:
     tables: dict[str, Any] = {name: dict(table) for name, table in problem.tables.items()}
     tables["run"] = problem.table()
     if problem.system.frictional:
-        tables["friction"] = {"law": problem.law_name, **tables["friction"]}
+        tables["friction"] = {"law": problem.law.key, **tables["friction"]}
     else:
         del tables["friction"]
     if problem.contact is not None:

@@ -14,8 +14,8 @@ from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System
 from ..mechanics.systems import opening_systems
 from ..problem import Problem
-from .identity import user_records, with_records
-from .law_change import law_name
+from .identity import user_records
+from .reading import law_name
 from .schema import ContactTable
 
 
@@ -72,8 +72,8 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
             f"`{clash[0]}` must be a new name, but `{system.name}` with {asked[0][0]} has it."
         )
     if run.get("stop_when") == "settled":
-        contact = with_records(contact, (SETTLED,), ())
-    return with_records(contact, *own)
+        contact = contact.with_records((SETTLED,), ())
+    return contact.with_records(*own)
 
 
 def rules_of(scenario: Any, system: System) -> ContactLaw | None:
@@ -94,7 +94,7 @@ def contact_faults(problem: Problem) -> list[str]:
     fastest, nu_z = math.sqrt(2 * body.g * HIGHEST * R), problem.initial.get("nu_z", 0.0)
     parts = "`friction.mu_r` or `friction.mu_d`"
     patch, disc = getattr(friction, "patch", R), bool(law.regions)
-    under = f"under `{problem.law_name}`" if disc else f"with {parts}"
+    under = f"under `{problem.law.key}`" if disc else f"with {parts}"
     smaller = (
         ' A smaller disc slides as a point does: `law = "coulomb"`, without patch and mu_r.'
         if patch < R

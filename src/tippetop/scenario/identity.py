@@ -2,17 +2,14 @@
 
 import contextlib
 import hashlib
-from collections.abc import Callable
-from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 
+from ..errors import owner
 from ..mechanics.contact.opening import SETTLED, opened
 from ..mechanics.event import Event
-from ..mechanics.moment import PLACE, Moment
-from ..mechanics.operand import leaves, refill
-from ..mechanics.system import Form, Quantity, System
+from ..mechanics.system import Quantity, System
 from ..mechanics.systems import find
 from ..problem import Problem
 
@@ -22,24 +19,11 @@ STATES = 16  # random states at which a formula is compared
 
 
 def digests_of(problem: Problem) -> dict[str, dict[str, str]]:
-    """Return digests of user-defined events and columns by kind and name.
-
-    Events and columns of a system that was registered by the user are among them.
-    """
-    return _digests(problem.system, problem.form, problem.friction.__class__)
-
-
-@lru_cache(maxsize=64)
-def _digests(system: System, form: Form, friction: Any) -> dict[str, dict[str, str]]:
-    registered = registered_as(system)
-    known: list[Any] = []
-    if registered is not None:
-        known = [*registered.events, *registered.quantities, *registered.on_request]
-    packaged = {r.name for r in known if not is_user_defined(r.formula)}
-    kinds: dict[str, Any] = {"event": system.events, "column": system.quantities}
+    """Return digests of user-defined events and columns by kind and name."""
+    kinds: dict[str, Any] = {"event": problem.system.events, "column": problem.system.quantities}
     digests = {
-        kind: {r.name: _digest(r, system, form, friction) for r in of if r.name not in packaged}
-        for kind, of in kinds.items()
+        kind: {r.name: _digest(r, problem) for r in records if owner(r.formula)}
+        for kind, records in kinds.items()
     }
     return {kind: of for kind, of in digests.items() if of}
 
@@ -61,16 +45,14 @@ def changed_records(attrs: dict[str, Any], problem: Problem, known: System | Non
     for kind, digests in digests_of(problem).items():
         before = attrs.get(DIGESTS, {}).get(kind, {})
         for name, digest in digests.items():
+            found = "its formula, its words or its kept values differ"
             if name in given and name not in before:
-                faults.append(
-                    f"the {kind} `{name}` must be one that the run was made with, but the run has "
-                    "none of this name."
-                )
-            elif before.get(name, digest) != digest:
-                faults.append(
-                    f"the {kind} `{name}` must be the record that the run was made with, but its "
-                    "formula, its words or its kept values differ."
-                )
+                found = "the run has none of this name"
+            elif before.get(name, digest) == digest:
+                continue
+            faults.append(
+                f"the {kind} `{name}` must be one that the run was made with, but {found}."
+            )
     return faults
 
 
@@ -97,43 +79,14 @@ def user_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...
     )
 
 
-@lru_cache(maxsize=64)
-def with_records(
-    system: System, events: tuple[Event, ...], quantities: tuple[Quantity, ...]
-) -> System:
-    """Return a system with more events and columns; the same one for the same records.
-
-    It is compiled only once.
-    """
-    if not (events or quantities):
-        return system
-    return system.replace(
-        events=(*system.events, *events), quantities=(*system.quantities, *quantities)
-    )
-
-
-def is_user_defined(formula: Callable | None) -> bool:
-    """Return whether a formula is not one of this package."""
-    return formula is not None and not str(getattr(formula, "__module__", "")).startswith(
-        f"{__name__.partition('.')[0]}."
-    )
-
-
-def _digest(record: Event | Quantity, system: System, form: Form, friction: Any) -> str:
+def _digest(record: Event | Quantity, problem: Problem) -> str:
     """Return a digest of the fields of a record and of the values of its formula."""
-    random = np.random.default_rng(1)
-
-    def numbers(record: Any) -> Any:
-        return refill(record, iter(random.uniform(0.5, 1.0, (len(leaves(record)), STATES))))
-
-    ones = friction._make(1.0 for _ in friction._fields)
-    body = numbers(system.body_of(dict.fromkeys(system.parameters, 1.0), ones))
     text = [repr(value) for name, value in sorted(vars(record).items()) if name != "formula"]
+    size = len(problem.variables.names), STATES
+    states = np.random.default_rng(1).uniform(0.5, 1.0, size)
+    body = problem.alone.body_of_pars(problem.alone.pars.astype(float))
     # a formula of a user may raise anything
     with np.errstate(all="ignore"), contextlib.suppress(Exception):
-        scalars = form.scalars(numbers(form.units), body)
-        place = dict(zip(PLACE, random.uniform(0.5, 1.0, (len(PLACE), STATES)), strict=True))
-        moment = Moment(scalars, {name: partial(place.__getitem__, name) for name in PLACE})
-        values = np.broadcast_to(np.asarray(record.formula(moment, body), dtype=float), STATES)
-        text += [f"{value:.12e}" for value in values]
+        values = record.formula(problem.alone.moment(states, body), body)
+        text += [f"{value:.12e}" for value in np.broadcast_to(values, STATES)]
     return hashlib.sha256("\n".join(text).encode()).hexdigest()[:16]

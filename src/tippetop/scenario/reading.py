@@ -1,26 +1,18 @@
 """TOML text becomes tables: files, presets, and `--set` assignments."""
 
 import copy
-import math
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cache
 from importlib.resources import files
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, suggestion
-from .law_change import change_law
 
 
 OUTPUT = ("output", "output_step", "output_times")  # one of them decides when there are rows
-QUANTITY = (
-    r"[-+0-9.eE/*^()]+ *[^\W\d_°%][^\"'\[\]{}=,#]*|[-+0-9.]+ *[°%]|[-+\w.(]+( "
-    r"*[-+*/^()]+ *[-+\w.()]+)+\)*"
-)
-"""Texts that need no quotes after `--set key=` though they are not TOML: 20 g, 3/10, 2/5*m*R^2."""
 
 
 def presets() -> dict[str, str]:
@@ -84,84 +76,71 @@ def _parsed(text: str) -> dict[str, Any]:
 def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
     """Return the tables with `table.key=value` assignments; values are TOML, or bare words.
 
-    Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`. A key that
-    decides when there are rows replaces such other keys, and `initial.from` replaces the start.
+    Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`.
     Raises InputError.
     """
-    words = [
-        (key.strip(), text.strip()) for key, _, text in (a.partition("=") for a in assignments)
-    ]
-    changed = {k: dict(v) if isinstance(v, dict) else v for k, v in tables.items()}
-    if isinstance(changed.get("run"), dict):
-        given = {key.removeprefix("run."): text.strip("\"'") for key, text in words}
-        changed["run"] = without_output(changed["run"], given)
-    if any(key == "initial.from" and text for key, text in words):
-        changed["initial"] = {}
-    for assignment, (key, text) in zip(assignments, words, strict=True):
-        place, _, name = key.rpartition(".")
-        if "=" not in assignment or not re.fullmatch(r"(\w[\w-]*\.)?\w[\w-]*", key):
+    given: dict[str, dict[str, Any]] = {}
+    for assignment in assignments:
+        key, equals, text = (part.strip() for part in assignment.partition("="))
+        if not equals or not re.fullmatch(r"(\w[\w-]*\.)?\w[\w-]*", key):
             raise InputError(f"--set must be table.key=value, but is `{_short(assignment)}`.")
-        table: Any = changed
-        if place:
-            table = changed.setdefault(place, {}) if text else changed.get(place)
-        if not text:
-            _remove(table, key, name)
-        elif not isinstance(table, dict):
-            raise InputError(
-                f"--set {key} must name a key of a table, but `{place}` is not a table."
-            )
-        else:
-            table[name] = _value(key, text)
-    change_law(tables, changed, [key.removeprefix("friction.") for key, _ in words])
-    return changed
+        table, _, name = key.rpartition(".")
+        given.setdefault(table, {})[name] = _value(key, text) if text else None
+    for table, values in given.items():
+        old = tables.get(table, {}) if table else tables
+        for name, value in values.items():
+            key = f"{table}.{name}" if table else name
+            if not isinstance(old, dict):
+                raise InputError(
+                    f"--set {key} must name a key of a table, but `{table}` is not a table."
+                )
+            if value is None and name not in old:
+                raise InputError(
+                    f"--set {key}= removes a key that is given, but `{key}` is not: the keys are "
+                    f"{', '.join(old) or 'none'}."
+                )
+        new = {k: v for k, v in merged(table, old, values).items() if v is not None}
+        tables = {**tables, table: new} if table else new
+    return tables
+
+
+def merged(table: str, old: dict[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table of a scenario with other values, without those that they replace.
+
+    `initial.from` replaces the start, another law replaces the numbers of the law, and a key that
+    decides when there are rows replaces the other such keys.
+    """
+    replaced: Collection[str] = ()
+    law = old.get("law")
+    if (table == "initial" and "from" in given) or (
+        table == "friction" and given.get("law", law) != law
+    ):
+        replaced = old
+    elif table == "run" and any(
+        key in OUTPUT and (key, value) != ("output", "times") for key, value in given.items()
+    ):
+        replaced = (*OUTPUT, "keyframe_steps")
+    return {key: value for key, value in old.items() if key not in replaced} | dict(given)
+
+
+def law_name(tables: Mapping[str, Any]) -> str | None:
+    """Return the name of the law in the tables of a scenario; None if there is none."""
+    friction = tables.get("friction")
+    name = friction.get("law") if isinstance(friction, dict) else None
+    return name if isinstance(name, str) else None
 
 
 def _value(key: str, text: str) -> Any:
-    """Return the value of an assignment: TOML, a bare word, or a quantity. Raises InputError."""
-    if re.fullmatch(r"(?!(true|false|nan|inf)$)[A-Za-z][\w-]*", text):
-        return text
+    """Return the value of an assignment: TOML, or a text without quotes. Raises InputError."""
     try:
         return _parsed(f"value = {text}")["value"]
     except ValueError:
-        if key == "initial.from" or re.fullmatch(QUANTITY, text):  # a path needs no quotes
+        if key == "initial.from" or not re.search(r"[\"'\[\]{}=,#]", text):
             return text
         raise InputError(
             f'--set {key} must be given a TOML value (5, 0.3, true, "word", [1.0, 2.0]), but is '
             f"`{_short(text)}`."
         ) from None
-
-
-def _remove(table: Any, key: str, name: str) -> None:
-    """Remove a key of a table, or a table. Raises InputError if it is not there."""
-    if not isinstance(table, dict) or name not in table:
-        present = ", ".join(table) if isinstance(table, dict) and table else "none"
-        raise InputError(
-            f"--set {key}= removes a key that is given, but `{key}` is not: the keys are {present}."
-        )
-    del table[name]
-
-
-def without_output(run: dict[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the table [run] without the times of its rows, where `given` decides them anew."""
-    if not any(name in OUTPUT and (name, given[name]) != ("output", "times") for name in given):
-        return run
-    return {
-        key: value
-        for key, value in run.items()
-        if key in given or key not in (*OUTPUT, "keyframe_steps")
-    }
-
-
-def times_until(times: list[Any], until: Any) -> list[Any]:
-    """Return output times up to another end.
-
-    A list that does not ascend, or has other values than numbers, is returned for the check to
-    refuse.
-    """
-    numbers = all(isinstance(t, int | float) and math.isfinite(t) for t in times)
-    if not numbers or any(b <= a for a, b in pairwise(times)):
-        return times
-    return [t for t in times if t <= until]
 
 
 def _short(text: str) -> str:

@@ -38,6 +38,8 @@ BOUNDS = {
 
 def allowed(schema: Mapping[str, Any]) -> str:
     """Return the values that a schema allows in words, such as "a number greater than 0"."""
+    if "must" in schema:
+        return schema["must"]
     if "anyOf" in schema:
         return " or ".join(allowed(part) for part in schema["anyOf"] if part.get("type") != "null")
     if "enum" in schema:
@@ -67,7 +69,7 @@ def keys_of(table: type[BaseModel]) -> list[tuple[str, str, str, str]]:
     rows = []
     schema = table.model_json_schema()
     for name, field in schema["properties"].items():
-        must, default = field.get("must") or allowed(field), field.get("default")
+        must, default = allowed(field), field.get("default")
         if name in schema.get("required", ()):
             must += "; must be given"
         elif default is not None:
@@ -116,7 +118,7 @@ def scenario() -> list[Section]:
             section = Section(f"[{table}] of {name}", " ".join(words), KEYS, keys)
             first.setdefault(tuple(key for key, *_ in keys), section)
         sections += first.values()
-    above = number_table("Above", ABOVE, required=False)
+    above = number_table(ABOVE, required=False)
     return [
         *sections,
         Section(
@@ -146,7 +148,7 @@ def friction() -> list[Section]:
             name,
             f"{_meaning(law)} Of {', '.join(of) or 'no system'}.",
             KEYS,
-            keys_of(number_table(name, {**law.parameters} | (PARTS if rolling & {*of} else {}))),
+            keys_of(number_table({**law.parameters} | (PARTS if rolling & {*of} else {}))),
         )
         for name, (law, of) in laws.items()
     ]
@@ -159,6 +161,7 @@ def _meaning(law: type[FrictionLaw]) -> str:
 
 def systems() -> list[Section]:
     """Return the systems: forms, integrals, source."""
+    load_entry_points()
     rows = [
         (s.name, s.title, ", ".join(s.forms), ", ".join(s.integrals) or "none", s.source)
         for s in SYSTEMS.values()

@@ -9,22 +9,20 @@ from ..errors import sentence, suggestion, unknown_key
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of
-from .law_change import law_name
+from .reading import law_name
 from .schema import scenario_model, tables_of
 
 
 def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str:
     """Return the sentence on one pydantic error of a scenario."""
-    laws, law = system.laws, law_name(tables)
-    table, *rest = error["loc"]
-    place = [table, *(part for part in rest if not (table == "friction" and part in laws))]
+    law = system.laws.get(law_name(tables) or "")
+    place = error["loc"]
     key, kind = ".".join(map(str, place)), error["type"]
-    if kind in ("union_tag_not_found", "union_tag_invalid"):
-        tag = error["ctx"].get("tag")
-        known = laws_of(system)
-        given = "missing" if tag is None else repr(tag)
-        near = suggestion(str(tag), known) if tag else ""
-        return f"`{key}.law` must be one of {', '.join(known)}, but is {given}.{near}"
+    if key == "friction.law":
+        name, known = tables["friction"].get("law"), laws_of(system)
+        given = "missing" if name is None else repr(name)
+        near = suggestion(str(name), known) if name else ""
+        return f"`{key}` must be one of {', '.join(known)}, but is {given}.{near}"
     if kind != "extra_forbidden":
         return error_sentence(error, key, [])
     if key == "friction":
@@ -34,12 +32,12 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str
         )
     others = [
         name
-        for name, other in {**LAWS, **laws}.items()
-        if table == "friction" and place[-1] in other.parameters
+        for name, other in {**LAWS, **system.laws}.items()
+        if place[0] == "friction" and place[-1] in other.parameters
     ]
     belongs = f"it belongs to law = {' or '.join(map(repr, others))}" if others else ""
     models = tables_of(system, law)
-    model: Any = models[table] if rest else scenario_model(system)
+    model: Any = models[place[0]] if place[1:] else scenario_model(system, law)
     keys = [f"{name}.{key}" for name, its in models.items() for key in its.model_fields]
     return unknown_key(key, list(model.model_fields), ["system", "form", *keys], belongs)
 

@@ -10,7 +10,7 @@ from ..problem.options import OPTIONS
 from . import reading
 from .build import system_of
 from .contact import system_with_contact
-from .law_change import law_name
+from .reading import law_name
 from .reference import keys_of
 from .schema import tables_of
 
@@ -54,6 +54,7 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
     examples = {key: option.metadata["example"] for key, option in OPTIONS.items()}
     examples |= {a.name: True for a in system.alternatives if a.flag}
     examples["events"] = [event.name for event in system.events]
+    law = system.laws.get(law_name(tables) or "")
     forms = f"{AUTO}: the cheapest that is regular there; or {', '.join(system.forms)}"
     laws = f"one of {', '.join(laws_of(system))}"
     lines = [
@@ -63,7 +64,7 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
         _line("system", tables["system"], system.title),
         _line("form", tables.get("form", AUTO), forms),
     ]
-    for table, model in tables_of(system, law_name(tables)).items():
+    for table, model in tables_of(system, law).items():
         given = tables.get(table, {})
         if not given and (table == "stem" or (table == "contact" and not system.contact)):
             continue

@@ -39,14 +39,14 @@ def row_dimension(table: Any) -> str:
 def digest(
     path: str | Path,
     group: str,
-    key: str | None = None,
+    key: str = "theta",
     most: int = 400_000,
     window: Window = (None, None),
 ) -> dict[str, Column]:
     """Return a group as columns of at most about `most` rows. Raises StoreError.
 
     Of more rows, the one with the least and the one with the largest `key` of each bin are kept,
-    so that no peak is lost; without `key`, the first of each bin.
+    so that no peak is lost.
     With a window, the rows of these times and the first row of all are kept.
     """
     table = open_group(path, group)
@@ -57,16 +57,11 @@ def digest(
         low, high = window
         first = 0 if low is None else int(np.searchsorted(times, low))
         last = last if high is None else int(np.searchsorted(times, high, side="right"))
-    size = -(-(last - first) // (most // 2)) if last - first > most else 1
-    picks = [np.arange(min(first, 1))]
-    if size == 1:
-        picks.append(np.arange(first, last))
-    elif key is None:
-        picks += [np.arange(first, last, size), np.array([last - 1])]
-    else:
+    rows = np.arange(first, last)
+    if rows.size > most:
         keys = [piece[key].values for piece in blocks(table[[key]], path, first, last)]
-        picks.append(first + extremes(np.concatenate(keys), size))
-    chosen = loaded(table.isel({dim: np.unique(np.concatenate(picks))}), path)
+        rows = first + extremes(np.concatenate(keys), -(-rows.size // (most // 2)))
+    chosen = loaded(table.isel({dim: np.append(np.arange(min(first, 1)), rows)}), path)
     return {
         str(name): Column(variable.dims, variable.values, variable.attrs)
         for name, variable in chosen.variables.items()
@@ -76,6 +71,6 @@ def digest(
 
 def for_figures(path: str | Path, window: Window = (None, None)) -> dict[str, dict[str, Column]]:
     """Return the groups of a run for figures: rows and events thinned, phases and impacts whole."""
-    groups = {name: digest(path, name, "theta", window=window) for name in ("trajectory", "events")}
+    groups = {name: digest(path, name, window=window) for name in ("trajectory", "events")}
     whole = [name for name in ("phases", "impacts") if name in groups_of(path)]
     return groups | {name: digest(path, name, most=2**62) for name in whole}

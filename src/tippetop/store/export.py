@@ -1,5 +1,6 @@
 """Write a store as one netCDF, CSV or Parquet file, whole or not at all."""
 
+import contextlib
 import json
 import warnings
 from collections.abc import Iterator
@@ -8,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, StoreError, missing_extra
+from ..errors import InputError, StoreError
 from . import chunks, files, root
 
 
@@ -47,17 +48,12 @@ def export(
             stacklevel=2,
         )
     attrs = {name: _plain(value) for name, value in attrs.items() if value is not None}
-    try:
-        with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
-            if to == "netcdf":
-                scratch.write_bytes(_netcdf(tables, attrs, store))
-            else:
-                write = _csv if to == "csv" else _parquet
-                write(_frames(tables[first], store), scratch, attrs, tables[first])
-    except ImportError as error:
-        if (sentence := missing_extra(error)) is None:
-            raise
-        raise InputError(sentence) from None
+    with files.writing(out), files.replacing(out, overwrite=overwrite) as scratch:
+        if to == "netcdf":
+            scratch.write_bytes(_netcdf(tables, attrs, store))
+        else:
+            write = _csv if to == "csv" else _parquet
+            write(_frames(tables[first], store), scratch, attrs, tables[first])
 
 
 def _netcdf(tables: dict[str, Any], attrs: dict[str, str], store: Path) -> Any:
@@ -78,7 +74,7 @@ def _csv(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: Any) -
     heads: dict[str, str] = {}
     for name, variable in table.variables.items():
         units = variable.attrs.get("units", "1")
-        bare = units in ("", "1") or "parameters" in variable.attrs  # a unit for each parameter
+        bare = units in ("", "1")
         heads |= {part: part if bare else f"{part} [{units}]" for part in _parts(name, variable)}
     for i, frame in enumerate(frames):
         header = False if i else [heads[name] for name in frame]
@@ -89,13 +85,13 @@ def _parquet(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: An
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    first = pa.Table.from_pandas(next(frames), preserve_index=False)
     about = {name: str(value) for name, value in attrs.items()}
-    with pq.ParquetWriter(path, first.schema.with_metadata(about)) as writer:
-        writer.write_table(first.replace_schema_metadata(about))
+    with contextlib.ExitStack() as stack:
+        writer: Any = None
         for frame in frames:
-            arrow = pa.Table.from_pandas(frame, preserve_index=False)
-            writer.write_table(arrow.replace_schema_metadata(about))
+            arrow = pa.Table.from_pandas(frame, preserve_index=False).replace_schema_metadata(about)
+            writer = writer or stack.enter_context(pq.ParquetWriter(path, arrow.schema))
+            writer.write_table(arrow)
 
 
 def _frames(table: Any, store: Path) -> Iterator[Any]:
@@ -119,10 +115,7 @@ def _frames(table: Any, store: Path) -> Iterator[Any]:
 
 def _parts(name: Any, variable: Any) -> list[str]:
     """Return the names of the components of a column: letters of a vector, or numbers."""
-    dims = [dim for dim in variable.dims[1:] if dim != "parameter"]
-    letters = [f"{name}_{axis}" for dim in dims for axis in dim] or [name]
-    by = variable.attrs.get("parameters", "").split()
-    return [f"d_{letter}/d_{number}" for number in by for letter in letters] if by else letters
+    return [f"{name}_{axis}" for dim in variable.dims[1:] for axis in dim] or [name]
 
 
 def _plain(value: Any) -> Any:

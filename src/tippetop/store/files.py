@@ -6,11 +6,9 @@ replaces a link rather than its target.
 
 import contextlib
 import errno
-import fcntl
-import glob
 import os
+import re
 import shutil
-import stat
 import uuid
 import warnings
 from collections.abc import Iterator
@@ -18,7 +16,11 @@ from pathlib import Path
 
 from ..arguments import flag
 from ..errors import StoreError
+from .folder import Folder
 from .ledger import Ledger, is_ledger
+
+
+SCRATCH = re.compile("[0-9a-f]{32}")  # ends the name of a scratch folder
 
 
 @contextlib.contextmanager
@@ -45,22 +47,19 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
         The disk; see `writing`.
     """
     path = Path(path)
-    if not path.name or path.is_dir():
-        raise StoreError(f"`{path}` must be the name of a file, but is a folder.")
+    other = os.path.lexists(path) and not path.is_symlink() and not path.is_file()
+    if not path.name or path.is_dir() or other:
+        raise StoreError(f"`{path}` must be the name of a file, but is a folder or a device.")
     refuse_inside(path)
     flag("overwrite", overwrite)
     remove_stale(path)
-    if overwrite and os.path.lexists(path) and not path.is_symlink() and not path.is_file():
-        raise StoreError(
-            f"`{path}` must be a file to be overwritten, but is a device, a pipe or a socket."
-        )
-    _refuse_existing(path, overwrite)
+    refuse_existing(path, overwrite)
     with scratch_folder(path) as folder:
         scratch = folder / path.name
         scratch.touch()
         yield scratch
-        synced(scratch)
-        _refuse_existing(path, overwrite)
+        synced(folder, path.name)
+        refuse_existing(path, overwrite)
         os.replace(scratch, path)
         synced(path.parent)
 
@@ -86,23 +85,12 @@ def scratch_folder(path: Path) -> Iterator[Path]:
     """Make a hidden folder next to `path`; remove it when the block ends. Raises OSError."""
     scratch = scratch_name(path)
     scratch.mkdir()
-    descriptor = _locked(scratch)  # which a killed writer releases
+    descriptor = Folder(scratch).lock()  # which a killed writer releases
     try:
         yield scratch
     finally:
         os.close(descriptor)
         shutil.rmtree(scratch, ignore_errors=True)
-
-
-def _locked(folder: Path) -> int:
-    """Lock a folder itself until the descriptor is closed. Raises OSError if it is locked."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BaseException:
-        os.close(descriptor)
-        raise
-    return descriptor
 
 
 def put_back(path: Path) -> None:
@@ -125,21 +113,21 @@ def remove_stale(path: Path) -> None:
 
     Only folders of this user with a name by `scratch_name`, and which no process has locked.
     """
-    names = glob.escape(f".{path.name}.part-") + "[0-9a-f]" * 32
+    start = f".{path.name}.part-"
     with contextlib.suppress(OSError):
-        for old in sorted(path.parent.glob(names)):
-            if _removed(old):
+        for old in sorted(path.parent.iterdir()):
+            ours = old.name.startswith(start) and SCRATCH.fullmatch(old.name, len(start))
+            if ours and _removed(old):
                 warnings.warn(f"`{old}` is removed: a killed run left it.", stacklevel=2)
 
 
 def _removed(old: Path) -> bool:
     """Remove a folder of this user that no process has locked; return whether it was removed."""
     try:
-        status = os.lstat(old)
-        if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.geteuid():
+        if os.lstat(old).st_uid != os.geteuid():
             return False
         with contextlib.ExitStack() as stack:
-            stack.callback(os.close, _locked(old))
+            stack.callback(os.close, Folder(old).lock())
             stack.enter_context(lock_of(old))
             shutil.rmtree(old)
     except (OSError, StoreError):
@@ -164,14 +152,15 @@ def write_text(path: Path, text: str, *, overwrite: bool) -> None:
         scratch.write_text(text, encoding="utf-8")
 
 
-def _refuse_existing(path: Path, overwrite: bool) -> None:
+def refuse_existing(path: Path, overwrite: bool) -> None:
+    """Raise StoreError if a path exists, unless it may be overwritten."""
     if not overwrite and os.path.lexists(path):
         raise exists(path)
 
 
 def exists(path: Path) -> StoreError:
     """Return the error that a path exists."""
-    return StoreError(f"`{path}` must not exist yet, but does: remove it, or say --overwrite.")
+    return StoreError(f"`{path}` must not exist yet, but does: use --overwrite to replace it.")
 
 
 def name_aside(path: Path) -> Path:
@@ -184,17 +173,9 @@ def scratch_name(path: Path) -> Path:
     return path.with_name(f".{path.name}.part-{uuid.uuid4().hex}")
 
 
-def synced(path: Path) -> None:
-    """Wait until the disk has a file, or the names in a folder."""
-    # do not wait for a reader where a pipe was made meanwhile
-    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-    try:
-        os.fsync(descriptor)
-    except OSError as error:
-        if error.errno != errno.EINVAL or not path.is_dir():  # some file systems sync no folders
-            raise
-    finally:
-        os.close(descriptor)
+def synced(folder: Path, name: str = "") -> None:
+    """Wait until the disk has the names in a folder, or a file in it."""
+    Folder(folder.resolve()).sync_one(name)
 
 
 def own_folder(path: str | Path) -> Path:

@@ -10,12 +10,12 @@ A finished store has a ledger of two records, the header and the seal: equal run
 """
 
 import contextlib
-import dataclasses
+import copy
 import hashlib
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -49,7 +49,7 @@ class Acknowledged:
     chunks: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> mark
     failed: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> why it failed
     rows: dict[str, int] = field(default_factory=dict)  # of the tables that grow
-    tail: list[str] = field(default_factory=list)  # name and mark
+    tail: str = ""  # the name of its file, which contains its digest
     end: Any = None  # where a finished run can be continued
     changed: dict[str, Any] = field(default_factory=dict)  # attributes other than in the header
     writer: str = "another process"
@@ -87,13 +87,6 @@ class Acknowledged:
                 members[path]["shape"] = [rows, *members[path]["shape"][1:]]
         return {**members, "": zarr3.group(self.attributes, members)}
 
-    def derived(self, rows: dict[str, int]) -> Iterator[str]:
-        """Yield the chunks of these rows that are derived from the tail."""
-        for table, count in rows.items():
-            length = zarr3.chunk_shape(self.header["members"][self.header["tables"][table][0]])[0]
-            keys = (f"{table}/{k}" for k in range(-(-count // length)))
-            yield from (key for key in keys if key not in self.chunks)
-
     def files(self, key: str) -> list[str]:
         """Return the names of the files of a chunk."""
         table, _, index = key.partition("/")
@@ -111,16 +104,12 @@ def digest(data: bytes) -> str:
 
 def mark(tips: Mapping[str, tuple[int, bytes]]) -> str:
     """Return a digest of the names, sizes and last bytes (the checksums) of files of a chunk."""
-    return digest(
-        b"".join(
-            f"{name} {size} {tip.hex()}\n".encode() for name, (size, tip) in sorted(tips.items())
-        )
-    )
+    return digest(repr(sorted(tips.items())).encode())
 
 
-def tip(data: bytes) -> tuple[int, bytes]:
-    """Return the size and the last bytes of a file."""
-    return len(data), data[-CHECKSUM:]
+def mark_of(files: Mapping[str, bytes]) -> str:
+    """Return the mark of a chunk from the contents of its files."""
+    return mark({name: (len(data), data[-CHECKSUM:]) for name, data in files.items()})
 
 
 def lines(records: list[dict[str, Any]], before: str = "") -> tuple[str, bytes]:
@@ -179,12 +168,13 @@ def header(
     members: dict[str, Any] = {}
     for arrays in tables.values():
         members |= {path.partition("/")[0]: zarr3.group({}) for path in arrays} | dict(arrays)
-    return {
+    head = {
         "format": FORMAT_VERSION,
         "attributes": attributes,
         "members": members,
         "tables": {table: list(arrays) for table, arrays in tables.items()},
     }
+    return json.loads(json.dumps(head))
 
 
 class Ledger:
@@ -197,8 +187,7 @@ class Ledger:
     def __init__(self, folder: Folder, path: Path):
         self.folder, self.path = folder, path
         self.state: Acknowledged
-        # chunks that the next commit acknowledges
-        self.pending: dict[str, dict[str, tuple[int, bytes]]] = {}
+        self.pending: dict[str, str] = {}  # chunks that the next commit acknowledges
         self.broken: OSError | None = None
         self.has_folders = False
         self.held: int | None = None
@@ -211,7 +200,7 @@ class Ledger:
         acknowledged, so that a short run takes less time.
         """
         self = cls(folder or Folder(path), path)
-        self.state = Acknowledged.of([json.loads(json.dumps(head))])
+        self.state = Acknowledged.of([head])
         with self.released_on_failure():
             self.folder.write(DOCUMENT, zarr3.dump(self.state.documents()[""]), derived=True)
             self._compact()
@@ -240,15 +229,11 @@ class Ledger:
             self._lock()
             with sound(path):
                 self.state = acknowledged(self.folder.read(LEDGER))
-            if self.state.closing:
-                self._make_folders()
-                self._describe(self.state)
-                self.folder.sync()
-                self._seal()
-            else:
-                self.derive({})
-                self._compact()
-                self._tidy()
+            self._make_folders()
+            self._describe(self.state, derived=not self.state.closing)
+            self.folder.sync()
+            (self._seal if self.state.closing else self._compact)()
+            self._tidy()
         return self
 
     @contextlib.contextmanager
@@ -300,6 +285,7 @@ class Ledger:
     def _whole(self) -> Iterator[None]:
         if self.broken is not None:
             raise self.broken
+        self.check()
         try:
             yield
         except OSError as error:
@@ -345,54 +331,47 @@ class Ledger:
         """Remove chunks, tails and half-written files that were never acknowledged."""
         members = self.state.header["members"]
         kept = {name for key in self.state.chunks for name in self.state.files(key)}
-        kept |= {*self.state.tail[:1]}
+        kept.add(self.state.tail)
         for place in ["", *members]:
             ours = "c." if "shape" in members.get(place, {}) else () if place else TAIL
-            stale = [
-                path
-                for name in self.folder.names(place)
-                if (path := f"{place}/{name}".lstrip("/")) not in kept
-                if name.startswith(ours) or name.endswith(NEW)
-            ]
-            for path in stale:
-                self.folder.remove(path)
-            if stale and not place:
-                self.folder.sync_one("")
+            for name in self.folder.names(place):
+                path = f"{place}/{name}".lstrip("/")
+                if path not in kept and (name.startswith(ours) or name.endswith(NEW)):
+                    self.folder.remove(path)
 
     def put(self, key: str, values: Mapping[str, np.ndarray]) -> None:
         """Write a chunk from the values of its columns; the next commit acknowledges it."""
         members, files = self.state.header["members"], {}
-        for name in self.state.files(key):
-            path = name.rpartition("/")[0]
-            files[name] = zarr3.encode(values[path.rpartition("/")[2]], members[path])
         with self._whole():
             self._make_folders()
-            for name, data in files.items():
-                self.folder.write(name, data)
-            self.pending[key] = {name: tip(data) for name, data in files.items()}
+            for name in self.state.files(key):
+                path = name.rpartition("/")[0]
+                files[name] = zarr3.encode(values[path.rpartition("/")[2]], members[path])
+                self.folder.write(name, files[name])
+            self.pending[key] = mark_of(files)
 
     def commit(self, tail: bytes | None = None, **record: Any) -> None:
         """Acknowledge the chunks that were put, and a tail: data first, then the record."""
         with self._whole():
-            old = self.state.tail[:1]
-            if tail is not None:
-                number = int(old[0].removeprefix(TAIL)) + 1 if old else 1
-                self._write_tail(number, tail, record)
+            old = self.state.tail
+            record |= {"chunks": self.pending, "tail": self._write_tail(tail)}
             self.folder.sync()
             record = {name: value for name, value in record.items() if value}
-            if self.pending:
-                record["chunks"] = {key: mark(tips) for key, tips in self.pending.items()}
             self.before, line = lines([record], self.before)
             self.folder.append(LEDGER, line)
             self.folder.sync_one(LEDGER)
             self.state.add(record)
             self.pending = {}
-            for name in old if tail is not None else ():
-                self.folder.remove(name)
+            if old not in ("", self.state.tail):
+                self.folder.remove(old)
 
-    def _write_tail(self, number: int, tail: bytes, record: dict[str, Any]) -> None:
-        record["tail"] = [f"{TAIL}{number:08d}", digest(tail)]
-        self.folder.write(record["tail"][0], tail)
+    def _write_tail(self, tail: bytes | None) -> str:
+        """Write a tail, if there is one; return the name of its file."""
+        if tail is None:
+            return ""
+        name = TAIL + digest(tail)
+        self.folder.write(name, tail)
+        return name
 
     def derive(self, files: Mapping[str, bytes]) -> None:
         """Write documents, and copies of rows in the tail, for other readers."""
@@ -406,7 +385,7 @@ class Ledger:
         """Acknowledge that everything is written; `changed` are the last attributes."""
         record |= {"changed": changed, "closing": True}
         with self._whole():
-            closed = dataclasses.replace(self.state)
+            closed = copy.copy(self.state)
             closed.add(record)
             self._make_folders()
             self._describe(closed)
@@ -417,26 +396,22 @@ class Ledger:
     def _seal(self) -> None:
         """Give the ledger of a finished store its last form."""
         state = self.state
-        state.tail, state.seal = [], True
-        state.chunks = dict(sorted(state.chunks.items(), key=_by_number))
+        tail, state.tail, state.seal = state.tail, "", True
+        state.chunks = dict(sorted(state.chunks.items()))
         names = ("chunks", "rows", "end", "changed", "closing", "seal")
         self._replace([state.header, state.record(*names)])
-        self._tidy()
-
-    def forget(self, keys: list[str]) -> None:
-        """Continue without some chunks, and without the end of a finished store."""
-        self.restart(self.state.header, self.state.chunks.keys() - set(keys))
+        if tail:
+            self.folder.remove(tail)
 
     def restart(
-        self, head: dict[str, Any], keys: Iterable[str], tail: bytes | None = None, **record: Any
+        self, head: dict[str, Any], keys: Collection[str], tail: bytes | None = None, **record: Any
     ) -> None:
         """Continue from some of the chunks, with another header and tail, in one step."""
         with self._whole():
-            if tail is not None:
-                self._write_tail(1, tail, record)
-                self.folder.sync()
-            record["chunks"] = {key: self.state.chunks[key] for key in keys}
-            self.state = Acknowledged.of([json.loads(json.dumps(head)), record])
+            record["tail"] = self._write_tail(tail)
+            self.folder.sync()
+            record["chunks"] = {k: v for k, v in self.state.chunks.items() if k in keys}
+            self.state = Acknowledged.of([head, record])
             self._compact()
             self.has_folders = False
             self.derive({})
@@ -451,23 +426,15 @@ class Ledger:
             files = {name: self.folder.read(name) for name in self.state.files(key)}
         except OSError:
             return False
-        whole = all(map(zarr3.whole, files.values()))
-        return whole and mark({name: tip(data) for name, data in files.items()}) == marked
+        return all(map(zarr3.whole, files.values())) and mark_of(files) == marked
 
     def tail(self) -> bytes | None:
         """Return the acknowledged tail, or None. Raises Damaged."""
-        if not self.state.tail:
-            return None
-        name, marked = self.state.tail
-        data = _found(self.folder.read, name)
-        if data is None or digest(data) != marked:
+        name = self.state.tail
+        data = _found(self.folder.read, name) if name else None
+        if name != (TAIL + digest(data) if data else ""):
             raise Damaged(f"`{name}` is another")
         return data
-
-
-def _by_number(item: tuple[str, str]) -> tuple[str, list[int]]:
-    table, _, index = item[0].partition("/")
-    return table, list(map(int, index.split(".")))
 
 
 def read(path: Path, *, chunks: bool = True) -> Acknowledged:
@@ -513,6 +480,7 @@ def sound(path: Path) -> Iterator[None]:
 def _compare(folder: Folder, state: Acknowledged) -> None:
     """Compare a store with its ledger. Raises Damaged."""
     members, tables = state.header["members"], state.header["tables"]
+    remedy = "" if state.seal else f": {WHOLE}"
     rows: dict[str, int] = {}
     for path, document in state.documents().items():
         name = f"{path}/{DOCUMENT}".lstrip("/")
@@ -522,7 +490,6 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
         if data != zarr3.dump(document):
             document = {} if state.seal else _earlier(data, document)
             if not document:
-                remedy = "" if state.seal else f": {WHOLE}"
                 raise Damaged(f"`{name}` is not what its ledger says{remedy}")
         rows[path] = document.get("shape", [0])[0]
     for group in {path.partition("/")[0] for path in members}:
@@ -531,26 +498,27 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
             known = path in members or name.isdigit() or name[0] == "."  # runs of a sweep
             if not known and _found(folder.tip, f"{path}/{DOCUMENT}"):
                 raise Damaged(f"`{path}` is not in its ledger")
-    derived = state.derived({table: rows[tables[table][0]] for table in state.rows})
-    for key in [*state.chunks, *derived]:
+    keys = [*state.chunks]
+    for table in state.rows:  # further chunks are derived from the tail
+        path = tables[table][0]
+        count = -(-rows[path] // zarr3.chunk_shape(members[path])[0])
+        keys += [key for k in range(count) if (key := f"{table}/{k}") not in state.chunks]
+    for key in keys:
         tips = {name: _found(folder.tip, name) for name in state.files(key)}
         if missing := [name for name, stored in tips.items() if stored is None]:
-            raise Damaged(f"`{missing[0]}` is missing{'' if state.seal else f': {WHOLE}'}")
-        if key in state.chunks and mark(tips) != state.chunks[key]:
+            raise Damaged(f"`{missing[0]}` is missing{remedy}")
+        if mark(tips) != state.chunks.get(key, mark(tips)):
             raise Damaged(f"a file of its chunk `{key}` is another")
 
 
-def _earlier(data: bytes | None, document: dict[str, Any]) -> dict[str, Any]:
+def _earlier(data: bytes | None, wanted: dict[str, Any]) -> dict[str, Any]:
     """Return a document of an unfinished store if it is that of an earlier commit, else {}."""
     try:
         stored = json.loads(data or b"{}")
-        wanted = json.loads(zarr3.dump(document))
         if "shape" in wanted:
-            fewer = 0 <= stored["shape"][0] <= wanted["shape"][0]
-            wanted["shape"][0] = stored["shape"][0]
-            return stored if fewer and stored == wanted else {}
-        names = stored["attributes"].keys() == wanted["attributes"].keys()
-        return stored if names and stored["node_type"] == "group" else {}
+            same = {**wanted, "shape": [stored["shape"][0], *wanted["shape"][1:]]}
+            return same if stored == same and 0 <= same["shape"][0] <= wanted["shape"][0] else {}
+        return stored if stored["node_type"] == "group" else {}
     except (ValueError, LookupError, TypeError, AttributeError):
         return {}
 

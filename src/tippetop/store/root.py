@@ -156,19 +156,18 @@ def new_store(
     with files.writing(path), contextlib.ExitStack() as stack:
         files.put_back(path)
         lock = None
-        if replaced := path.exists():
+        if path.exists():
             if not overwrite:
                 raise files.exists(path)
             refuse_foreign(path)
-            lock = stack.enter_context(files.lock_of(path))
+            lock = stack.enter_context(Ledger.locked(path))
         files.remove_stale(path)
         scratch = stack.enter_context(files.scratch_folder(path))
         yield scratch
-        if not replaced:
+        if lock is None:
             files.rename_new(scratch, path)
             return
-        if lock is not None:
-            lock.check()
+        lock.check()
         old = files.name_aside(path)
         path.rename(old)
         try:

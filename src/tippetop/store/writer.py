@@ -40,12 +40,7 @@ class Writer:
         """
         while self.behind:
             self.behind.popleft().result()
-
-        def checked() -> None:
-            self.store.check()
-            work()
-
-        self.thread.submit(checked).result()
+        self.thread.submit(work).result()
 
     def __enter__(self) -> Self:
         return self
@@ -93,15 +88,15 @@ def begin_or_continue(
         store = Ledger.opened(path)
         with store.released_on_failure():
             if unsound := store.unsound():
-                store.forget(unsound)
+                store.restart(store.state.header, store.state.chunks.keys() - {*unsound})
     return store
 
 
 def _difference(old: Any, new: Any) -> str:
     if not isinstance(new, dict):
         return f"has {old}, and here is {new}"
-    texts = {
-        name: f"{name} {old.get(name)} (here {value})" if isinstance(value, str) else name
+    return "differs in " + ", ".join(
+        f"{name} {old.get(name)} (here {value})" if isinstance(value, str) else name
         for name, value in new.items()
-    }
-    return f"differs in {', '.join(texts[name] for name in new if old.get(name) != new[name])}"
+        if old.get(name) != value
+    )

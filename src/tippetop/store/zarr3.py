@@ -96,8 +96,7 @@ def chunk_shape(document: Mapping[str, Any]) -> list[int]:
 
 def chunk_name(document: Mapping[str, Any], *index: int) -> str:
     """Return the path of a chunk in the folder of its array; indices that are left out are 0."""
-    separator = document["chunk_key_encoding"]["configuration"]["separator"]
-    return separator.join(["c", *map(str, index), *["0"] * (len(document["shape"]) - len(index))])
+    return ".".join(["c", *map(str, index), *["0"] * (len(document["shape"]) - len(index))])
 
 
 def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:

@@ -6,14 +6,13 @@ import numpy as np
 
 from ..columns import Column
 from ..ensembles import ensemble, outcomes
-from ..ensembles.hybrid_tops import Ended
 from ..mechanics.variables import Variables
 from ..problem import Problem, derivative_faults
-from ..runs.run import run_to_end
 from ..scenario import build
 from ..store import provenance
 
 
+Rows = dict[str, np.ndarray]  # the columns of a chunk by name
 # names in `keep` for several columns; those of the orientation are left out unless they are named
 FINAL, DRIFT, ORIENTATION = "final_state", "drift", "orientation"
 
@@ -26,13 +25,6 @@ class Task(NamedTuple):
     columns: dict[str, np.ndarray]  # numbers of the tops
     keep: list[str] | None  # columns that are kept; None: all
     versions: dict[str, str]  # of the store
-
-
-class Rows(NamedTuple):
-    """The columns of a chunk by name, and "heyoka" if its loop made steps, else an empty text."""
-
-    columns: dict[str, np.ndarray]
-    steps_by: str
 
 
 class OtherVersions(Exception):
@@ -48,7 +40,7 @@ def compute_chunk(task: Task, threads: int = 1) -> Rows:
         )
     measured = measure(build.problem(task.tables), task.columns, task.keep, threads)
     table = columns(measured, task.keep)
-    return Rows({name: column.values for name, column in table.items()}, measured.steps_by)
+    return {name: column.values for name, column in table.items()}
 
 
 def measure(
@@ -59,12 +51,7 @@ def measure(
     chaos = outcomes.LYAPUNOV in names
     tops = ensemble.vary(base, numbers, orientation=ORIENTATION in map(_group, names))
     wanted = [*names, "t_end"] if chaos else keep
-    return ensemble.measure(tops, threads=threads, wanted=wanted, alone=alone, lyapunov=chaos)
-
-
-def alone(problem: Problem) -> Ended:
-    """Run one top by itself."""
-    return Ended(*run_to_end(problem))
+    return ensemble.measure(tops, threads=threads, wanted=wanted, lyapunov=chaos)
 
 
 def columns(measured: outcomes.Outcomes, keep: list[str] | None) -> dict[str, Column]:

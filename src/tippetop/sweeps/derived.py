@@ -15,13 +15,11 @@ Numbers = dict[str, np.ndarray]
 
 
 class Derived(NamedTuple):
-    """A derived number."""
+    """A derived number of a tippe top."""
 
     long_name: str
     sets: tuple[str, ...]  # keys of the scenario
     numbers: Callable[[Problem, Numbers, np.ndarray], Numbers]
-    needs: tuple[str, ...]  # parameters
-    inverts: bool = False  # only of systems that can invert, which have a lambda_s
 
 
 def body(base: Problem, columns: Numbers) -> Any:
@@ -63,15 +61,10 @@ DERIVED = {
         "sigma = m R^2/I3, set by I3 at the same gamma",
         ("parameters.I3", "parameters.I1"),
         _by_sigma,
-        ("m", "R", "I1", "I3"),
     ),
-    "gamma": Derived("gamma = I1/I3, set by I1", ("parameters.I1",), _by_gamma, ("R", "I1", "I3")),
+    "gamma": Derived("gamma = I1/I3, set by I1", ("parameters.I1",), _by_gamma),
     "lambda": Derived(
-        "lambda of the start over lambda_s, set by omega3",
-        ("initial.omega3",),
-        _by_lambda,
-        (),
-        inverts=True,
+        "lambda of the start over lambda_s, set by omega3", ("initial.omega3",), _by_lambda
     ),
 }
 
@@ -88,21 +81,15 @@ def resolved(base: Problem, numbers: Numbers) -> Numbers:
 
 def faults(base: Problem, keys: list[str]) -> list[str]:
     """Return the faults of varying these keys together."""
-    sentences = []
-    for name in [name for name in DERIVED if name in keys]:
-        rule, system = DERIVED[name], base.system
-        if rule.inverts and not system.inverts:
-            known = ", ".join(system.name for system in SYSTEMS.values() if system.inverts)
+    sentences, system = [], base.system
+    known = [name for name, s in SYSTEMS.items() if {"R", "I1"} <= s.parameters.keys()]
+    for name in sorted(DERIVED.keys() & keys):
+        if system.name not in known:
             sentences.append(
-                f"`{name}` must be an axis of {known}, but the system is {system.name}."
+                f"`{name}` must be an axis of {', '.join(known)}, but the system is {system.name}."
             )
-        if missing := [p for p in rule.needs if p not in base.parameters]:
-            sentences.append(
-                f"`{name}` must have {', '.join(rule.needs)}, but {system.name} has no "
-                f"{missing[0]}."
-            )
-        rivals = {*rule.sets}
-        for key in rule.sets:
+        rivals = {*DERIVED[name].sets}
+        for key in DERIVED[name].sets:
             rivals |= {f"initial.{rival}" for rival in system.rivals(key.removeprefix("initial."))}
         sentences += [
             f"`{name}` must vary alone, but `{key}` varies too." for key in keys if key in rivals

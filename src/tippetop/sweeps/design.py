@@ -2,10 +2,16 @@
 
 import math
 from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import Field
 
 from ..mechanics.caching import cached_property
+from ..scenario.schema import Table
+
+
+MOST_TOPS = 10**9
 
 
 @dataclass(frozen=True)
@@ -23,13 +29,15 @@ class Axis:
         return not self.values
 
 
-@dataclass(frozen=True)
-class Sample:
-    """How axes are drawn: method, number of points, seed."""
+class Sample(Table, use_attribute_docstrings=True):
+    """How axes are drawn, as TOML gives it."""
 
-    method: str  # random, sobol, latin-hypercube
-    n: int
-    seed: int
+    method: Literal["random", "sobol", "latin-hypercube"]
+    """how the axes with between are drawn together"""
+    n: Annotated[int, Field(ge=1, le=MOST_TOPS)]
+    """how many tops are drawn"""
+    seed: Annotated[int, Field(ge=0)]
+    """start of the random numbers: the same seed, the same tops"""
 
     def unit(self, dimensions: int) -> np.ndarray:
         """Return points of the unit cube, (n, dimensions)."""

@@ -18,20 +18,8 @@ from .plan import Plan
 from .summary import column, open_sweep
 
 
-MOST_CELLS = 1000  # along an axis of a map; more values share cells
 POINTS = 121  # of a border, along each axis
-TOPS_PER_CELL = 4  # where axes were drawn
-# symbols of the axes whose long names have none
-LETTERS = {
-    "mu": "μ",
-    "eps": "ε",
-    "theta": "θ",
-    "omega3": "ω₃",
-    "alpha": "α",
-    "lambda": "λ",
-    "sigma": "σ",
-    "gamma": "γ",
-}
+CELLS, TOPS_PER_CELL = (4, 1000), 4  # along an axis that was drawn
 # the columns of a figure: the first is mapped, the others are added where a sweep has one axis
 NEEDED = {
     "class": ("class", "theta_end"),
@@ -94,8 +82,9 @@ def make_map(path: Path, kind: str) -> Map:
         )
     table = open_sweep(path)
     plan = Plan.from_tables(table.attrs["plan"])
-    alpha: Any = plan.base.parameters.get("alpha", 1)
-    alpha = plan.columns(np.zeros(1, int)).get("parameters.alpha", alpha)  # it keeps its sign
+    numbers = plan.design.numbers(np.arange(plan.n))
+    columns = derived.resolved(plan.base, numbers)
+    alpha = columns.get("parameters.alpha", plan.base.parameters.get("alpha", 1))
     if kind == "inversion" and np.any(np.less(alpha, 0)):
         raise InputError(
             "the figure `inversion` must be of tops with alpha > 0: near theta = pi a peg "
@@ -109,10 +98,16 @@ def make_map(path: Path, kind: str) -> Map:
             f"the figure `{kind}` must have {', '.join(missing)}, but the plan did not keep it."
         )
     axes = tuple(map_axis(plan, axis, table[axis.key].attrs) for axis in varying[:2])
-    numbers = plan.design.numbers(np.arange(plan.n))
-    chosen, notes = _slice(varying[2:], numbers, table)
-    chosen = chosen & (column(path, table, "status") != Status.TODO.code)
-    for axis in axes:
+    chosen, notes = column(path, table, "status") != Status.TODO.code, []
+    for axis in varying[2:]:  # the middle number of further axes is shown
+        if axis.sampled:
+            notes.append(f"all {greek(axis.key)}")
+            continue
+        chosen &= numbers[axis.key] == _middle(axis)
+        units = units_text(table[axis.key].attrs["units"]).replace("1", "")
+        number = f"{_middle(axis):.4g} {units}".rstrip()
+        notes.append(f"{greek(axis.key)} = {number} (one of {len(axis.values)})")
+    for axis in varying[:2]:
         chosen &= np.isfinite(numbers[axis.key])
     shape = tuple(len(axis.edges) - 1 for axis in axes)
     places = [np.searchsorted(a.edges[1:-1], numbers[a.key], side="right") for a in axes]
@@ -121,7 +116,7 @@ def make_map(path: Path, kind: str) -> Map:
     def field(name: str) -> np.ndarray:
         values = shown_classes(path, table) if name == "class" else column(path, table, name)
         if kind == "normal-force":
-            b = derived.body(plan.base, derived.resolved(plan.base, numbers))
+            b = derived.body(plan.base, columns)
             values = values / (b.m * b.g)
         return _gathered(name, cells, values[chosen], shape)
 
@@ -134,11 +129,10 @@ def make_map(path: Path, kind: str) -> Map:
     if table.attrs["status"] != "finished":
         notes.append("unfinished")
     title = table.attrs["title"].partition(": ")[2]
-    rest = [axis for axis in plan.design.axes if axis.key not in [a.key for a in axes]]
     borders = {}  # none where the tops of a cell have other numbers than its axes
     if not any(axis.sampled for axis in varying[2:]):
-        further = {axis.key: _middle(axis) for axis in rest}
-        borders = borders_of(plan, axes, further)
+        rest = [axis for axis in plan.design.axes if axis not in varying[:2]]
+        borders = borders_of(plan, axes, {axis.key: _middle(axis) for axis in rest})
     return Map(kind, title, axes, fields, borders, notes)
 
 
@@ -185,55 +179,32 @@ def shown_classes(path: Path, table: Any) -> np.ndarray:
 
 
 def map_axis(plan: Plan, axis: Axis, attrs: dict[str, Any]) -> MapAxis:
-    """Return the cells of an axis: one for each number, or bins of many or drawn numbers."""
+    """Return the cells of an axis: one for each number, or bins of drawn numbers."""
     values = np.unique([v for v in axis.values if np.isfinite(v)] if axis.values else axis.between)
     if not len(values):
         raise InputError(f"the figure must have numbers on `{axis.key}`, but there are none.")
     log = axis.log and values[0] > 0
     scaled = np.log(values) if log else values
-    if axis.sampled or len(values) > MOST_CELLS:
+    if axis.sampled:
         drawn = sum(a.sampled for a in plan.design.axes)
-        count = (plan.n / TOPS_PER_CELL) ** (1 / min(drawn, 2)) if axis.sampled else MOST_CELLS
-        edges = np.linspace(scaled[0], scaled[-1], int(np.clip(count, 4, MOST_CELLS)) + 1)
+        count = (plan.n / TOPS_PER_CELL) ** (1 / min(drawn, 2))
+        edges = np.linspace(scaled[0], scaled[-1], int(np.clip(count, *CELLS)) + 1)
     elif len(values) == 1:
         edges = scaled[0] + np.array([-0.5, 0.5])
     else:
         middles = (scaled[1:] + scaled[:-1]) / 2
         edges = np.r_[2 * scaled[0] - middles[0], middles, 2 * scaled[-1] - middles[-1]]
-    return MapAxis(axis.key, labelled(axis.key, attrs), np.exp(edges) if log else edges, log)
+    return MapAxis(axis.key, labelled(attrs), np.exp(edges) if log else edges, log)
 
 
-def labelled(key: str, attrs: dict[str, Any]) -> str:
-    """Return name, symbol and unit of an axis."""
-    words, name = greek(attrs["long_name"]).partition(":")[0], key.rpartition(".")[2]
-    symbol = LETTERS.get(name, "")
-    if symbol:
-        words = words.removesuffix(f" {name}")
-    words = words if symbol in words else f"{words} {symbol}"
+def labelled(attrs: dict[str, Any]) -> str:
+    """Return name and unit of an axis."""
+    words = greek(attrs["long_name"]).partition(":")[0]
     return words if attrs["units"] == "1" else f"{words} ({units_text(attrs['units'])})"
 
 
 def _middle(axis: Axis) -> float:
     return axis.values[len(axis.values) // 2]
-
-
-def _slice(
-    others: list[Axis], numbers: dict[str, np.ndarray], table: Any
-) -> tuple[np.ndarray, list[str]]:
-    """Return which tops have the middle number of further axes, and notes on these numbers."""
-    chosen, notes = np.array(True), []
-    for axis in others:
-        group, _, name = axis.key.rpartition(".")
-        start = "(0)" if group == "initial" else ""
-        symbol = f"{LETTERS[name]}{start}" if name in LETTERS else axis.key
-        if axis.sampled:
-            notes.append(f"all {symbol}")
-            continue
-        chosen = chosen & (numbers[axis.key] == _middle(axis))
-        units = table[axis.key].attrs["units"]
-        unit = "" if units == "1" else f" {units_text(units)}"
-        notes.append(f"{symbol} = {_middle(axis):.4g}{unit} (one of {len(axis.values)})")
-    return chosen, notes
 
 
 def _gathered(

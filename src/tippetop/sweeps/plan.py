@@ -2,13 +2,12 @@
 
 import math
 import operator
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, ValidationError, WrapValidator
+from pydantic import Field, ValidationError
 
 from ..arguments import path_of
 from ..ensembles import ensemble
@@ -16,19 +15,17 @@ from ..ensembles.outcomes import LYAPUNOV
 from ..errors import InputError, first_sentences
 from ..mechanics.caching import cached_property
 from ..mechanics.quantity import number_of
-from ..mechanics.units import ONE
+from ..mechanics.units import ONE, Unit
 from ..problem import Problem, derivative_faults, key_faults
 from ..scenario import build, reading
 from ..scenario.contact import touches
-from ..scenario.law_change import change_law
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
 from . import derived
-from .design import Axis, Design, Sample
+from .design import MOST_TOPS, Axis, Design, Sample
 
 
-MOST_TOPS = 10**9
-MOST_VALUES = 10**7  # of an axis, which are kept in memory
+MOST_VALUES = 10**7  # of linspace and geomspace, which are kept in memory
 CHUNK_SECONDS = 1.0, 5.0  # of one core: writing a chunk of any size takes 0.03 s
 LEAST_CHUNKS = 64  # so that the last chunks leave few cores idle
 MICROSECONDS_PER_STEP = 0.8  # of one lane; measured on two cores of an AMD EPYC
@@ -40,17 +37,11 @@ SECONDS_ALONE = 0.1
 NOT_FINITE = ("nan", "inf", "-inf")  # as JSON must contain them
 
 
-def _or_text(value: Any, number: Callable) -> Any:
-    """Return a number, or a text that is read once the unit of its axis is known."""
-    if isinstance(value, str):
-        return float(value) if value in NOT_FINITE else value
-    return number(value)
-
-
-Number = Annotated[float, WrapValidator(_or_text)]
+# a text is read once the unit of its axis is known
+Number = float | str
 Pair = Annotated[list[Number], Field(min_length=2, max_length=2)]
 # an invalid top is marked, and its neighbours run
-AnyNumber = Annotated[float, Field(allow_inf_nan=True), WrapValidator(_or_text)]
+AnyNumber = Annotated[float, Field(allow_inf_nan=True)] | str
 Count = Annotated[int, Field(ge=1)]
 
 
@@ -68,21 +59,10 @@ gamma, lambda"""
     """first and last of n numbers at equal ratios, instead"""
     between: Pair | None = None
     """bounds of a number that is drawn, as [sample] says, instead"""
-    n: Count | None = None
+    n: Annotated[int, Field(ge=1, le=MOST_VALUES)] | None = None
     """how many, with linspace or geomspace"""
     log: bool | None = None
     """draw the logarithm evenly, with between"""
-
-
-class SampleTable(Table, use_attribute_docstrings=True):
-    """How axes are drawn, as TOML gives it."""
-
-    method: Literal["random", "sobol", "latin-hypercube"]
-    """how the axes with between are drawn together"""
-    n: Count
-    """how many tops are drawn"""
-    seed: Annotated[int, Field(ge=0)]
-    """start of the random numbers: the same seed, the same tops"""
 
 
 class PlanTable(Table, use_attribute_docstrings=True):
@@ -90,11 +70,11 @@ class PlanTable(Table, use_attribute_docstrings=True):
 
     scenario: str | dict[str, Any]
     """the top that varies: a preset, a TOML file next to the plan, or tables"""
-    set: dict[str, Any] = Field(default_factory=dict)
+    set: dict[str, dict[str, Any] | str] = Field(default_factory=dict)
     """changes to it: tables as in a scenario"""
     axis: Annotated[list[AxisTable], Field(min_length=1)]
     """a number that differs from top to top"""
-    sample: SampleTable | None = None
+    sample: Sample | None = None
     """how axes with between are drawn"""
     keep: list[str] | None = None
     """columns to keep; all but orientation and lyapunov. final_state, drift, orientation are \
@@ -135,32 +115,24 @@ class Plan:
             raise InputError(
                 first_sentences(error.errors(include_url=False), scenario_sentence)
             ) from None
-        base, sentences = None, []
-        try:
-            base = build.problem(_base(shape, folder))
-        except InputError as error:
-            sentences += error.sentences
-        axes, unread = _in_si(shape.axis, base)
-        if unread:
-            raise InputError([*sentences, *unread])
-        shape = shape.model_copy(update={"axis": axes})
-        faults = [s for i, axis in enumerate(axes, 1) for s in _axis_faults(f"axis.{i}", axis)]
-        sentences = [*faults, *_design_faults(shape), *sentences]
-        if base is not None:
-            keys = [axis.of for axis in axes]
-            plain = [key for key in keys if key not in derived.DERIVED]
-            sentences += derived.faults(base, keys) + ensemble.base_faults(base)
-            sentences += key_faults(base, plain, derived.DERIVED)
-            sentences += [s for axis in axes for s in _sign_faults(base, axis)]
-        if sentences or base is None:
+        base, sentences = build.problem(_base(shape, folder)), []
+        keys = [axis.of for axis in shape.axis]
+        for i, axis in enumerate(shape.axis, 1):
+            rule = base.rules.get(axis.of)
+            _read_texts(axis, f"axis.{i}", rule.unit if rule else ONE)
+            sentences += _axis_faults(axis, f"axis.{i}", rule is not None and rule.nonzero)
+        plain = [key for key in keys if key not in derived.DERIVED]
+        sentences += _design_faults(shape, keys)
+        sentences += derived.faults(base, keys) + ensemble.base_faults(base)
+        sentences += key_faults(base, plain, derived.DERIVED)
+        if sentences:
             raise InputError(sentences)
-        sample = Sample(**shape.sample.model_dump()) if shape.sample else None
         plain_data = shape.model_dump(exclude_none=True, exclude={"set"})
         for axis in plain_data["axis"]:
             if "values" in axis:
                 axis["values"] = [v if math.isfinite(v) else str(v) for v in axis["values"]]
         of_base = {"scenario": build.resolved(base)}
-        design = Design(tuple(map(_axis, axes)), sample)
+        design = Design(tuple(map(_axis, shape.axis)), shape.sample)
         plan = cls(base, design, {"keep": None, "chunk": None, **plain_data, **of_base})
         if sentences := _run_faults(plan) + _keep_faults(plan):
             raise InputError(sentences)
@@ -214,7 +186,10 @@ class Plan:
             table, _, name = key.partition(".")
             replaced = self.base.system.replaced if table == "initial" else operator.or_
             tables[table] = replaced(tables[table], {name: float(values[0])})
-        return build.problem(build.ending(tables, tables["run"]["until"]))
+        run = tables["run"]
+        if "output_times" in run:
+            run["output_times"] = [t for t in run["output_times"] if t <= run["until"]]
+        return build.problem(tables)
 
     @cached_property
     def seconds_per_top(self) -> float:
@@ -243,44 +218,29 @@ def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
     else:
         local = folder / shape.scenario
         tables = reading.read(str(local) if local.is_file() else shape.scenario)
-    before = dict(tables)
-    for name, value in shape.set.items():
-        old = tables.get(name)
-        if isinstance(old, dict) and isinstance(value, dict):
-            kept = reading.without_output(old, value) if name == "run" else old
-            value = {**kept, **value}
-        tables[name] = value
-    law = shape.set.get("friction")
-    numbers = [axis.of.removeprefix("friction.") for axis in shape.axis]
-    change_law(before, tables, [*numbers, *(law if isinstance(law, dict) else ())])
-    initial, run = tables.get("initial"), shape.set.get("run")
-    if isinstance(initial, dict) and "from" in initial:
+    for name, value in dict[str, Any](shape.set).items():
+        old: Any = tables.get(name)
+        both = isinstance(old, dict) and isinstance(value, dict)
+        tables[name] = reading.merged(name, old, value) if both else value
+    if "from" in tables.get("initial", {}):
         raise InputError(
             "`initial.from` must be the start of a single run, but many are asked for."
         )
-    until = run.get("until") if isinstance(run, dict) else None
-    return build.ending(tables, until) if isinstance(until, int | float) else tables
+    return tables
 
 
-def _in_si(axes: list[AxisTable], base: Problem | None) -> tuple[list[AxisTable], list[str]]:
-    """Return the axes with numbers in place of texts such as "60 rpm", and faults of the texts."""
-    read, faults = [], []
-    for i, axis in enumerate(axes, 1):
-        rule = base.rules.get(axis.of) if base is not None else None
-        numbers: dict[str, Any] = {way: list(getattr(axis, way) or ()) for way in WAYS}
-        for way, values in numbers.items():
-            for j, value in enumerate(values):
-                try:
-                    if isinstance(value, str):
-                        place = f"axis.{i}.{way}.{j}"
-                        values[j] = number_of(value, place, rule.unit if rule else ONE)
-                except InputError as error:
-                    faults += error.sentences
-        read.append(axis.model_copy(update={way: v or None for way, v in numbers.items()}))
-    return read, faults
+def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:
+    """Replace texts such as "60 rpm" by numbers in SI units. Raises InputError."""
+    for way in WAYS:
+        values: Any = getattr(axis, way) or []
+        for j, value in enumerate(values):
+            if value in NOT_FINITE:
+                values[j] = float(value)
+            elif isinstance(value, str):
+                values[j] = number_of(value, f"{name}.{way}.{j}", unit)
 
 
-def _axis(axis: AxisTable) -> Axis:
+def _axis(axis: Any) -> Axis:
     if axis.between is not None:
         return Axis(axis.of, (), (axis.between[0], axis.between[1]), bool(axis.log))
     if axis.values is not None:
@@ -291,21 +251,21 @@ def _axis(axis: AxisTable) -> Axis:
     return Axis(axis.of, values, log=axis.geomspace is not None)
 
 
-def _axis_faults(name: str, axis: AxisTable) -> list[str]:
+def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
+    """Return the faults of one axis, whose number must keep its sign where it is `nonzero`."""
     given = [way for way in WAYS if getattr(axis, way) is not None]
-    spaced = {"linspace", "geomspace"} & set(given)
+    spaced = bool({"linspace", "geomspace"} & {*given})
     first, last = axis.between or (1.0, 2.0)
     low, high = axis.geomspace or (1.0, 1.0)
+    numbers = axis.values or axis.linspace or axis.between or axis.geomspace or [1.0]
+    least, most = min(numbers), max(numbers)
     found = " and ".join(given) or "none"
     ascend = "ascend from above 0" if axis.log else "ascend"
     return _sentences(
         {
             f"`{name}` must have one of {', '.join(WAYS)}, but has {found}.": len(given) != 1,
-            f"`{name}.n` must be given with linspace or geomspace, but is missing.": (
-                spaced and axis.n is None
-            ),
-            f"`{name}.n` requires linspace or geomspace, but there is none.": (
-                axis.n is not None and not spaced
+            f"`{name}.n` must be given with linspace or geomspace, and with nothing else.": (
+                spaced == (axis.n is None)
             ),
             f"`{name}.log` requires between, but there is none.": (
                 axis.log is not None and "between" not in given
@@ -316,6 +276,8 @@ def _axis_faults(name: str, axis: AxisTable) -> list[str]:
             f"`{name}.between` must {ascend}, but is {axis.between}.": (
                 not first < last or (axis.log and first <= 0)
             ),
+            f"`{axis.of}` must keep its sign along an axis, but goes from {least:g} to {most:g}: "
+            "make a sweep of each.": nonzero and least < 0 < most,
         }
     )
 
@@ -325,50 +287,30 @@ def _sentences(wrong: dict[str, Any]) -> list[str]:
     return [sentence for sentence, holds in wrong.items() if holds]
 
 
-def _sign_faults(base: Problem, axis: AxisTable) -> list[str]:
-    """Return a sentence if an axis passes through 0 though its number must not be 0."""
-    rule = base.rules.get(axis.of)
-    numbers = axis.values or axis.linspace or axis.between or axis.geomspace or [1.0]
-    low, high = min(numbers), max(numbers)
-    if rule is None or not (rule.nonzero and low < 0 < high):
-        return []
-    return [
-        f"`{axis.of}` must keep its sign along an axis, but goes from {low:g} to {high:g}: make "
-        "a sweep of each."
-    ]
-
-
-def _design_faults(shape: PlanTable) -> list[str]:
+def _design_faults(shape: PlanTable, keys: list[str]) -> list[str]:
     """Return the faults of the axes together, before any number or top is made."""
-    keys, sample = [axis.of for axis in shape.axis], shape.sample
-    drawn = any(axis.between is not None for axis in shape.axis)
-    # larger counts have no %g
-    counts = [min(axis.n or len(axis.values or [0]), 10**99) for axis in shape.axis]
-    n = min(sample.n, 10**99) if sample else 1
+    sample, drawn = shape.sample, any(axis.between for axis in shape.axis)
+    n = sample.n if sample else 1
+    tops = math.prod(axis.n or len(axis.values or [0]) for axis in shape.axis) * n
     sobol = sample is not None and sample.method == "sobol"
     wrong: dict[str, Any] = {
         f"`{key}` must be one axis only, but is several.": keys.count(key) > 1 for key in keys
     }
-    wrong |= {
-        "`sample` must give method, n and seed where an axis has `between`, but is missing.": (
-            drawn and sample is None
-        ),
-        "`sample` must have an axis with `between` to draw, but there is none.": (
-            sample and not drawn
-        ),
-        f"`sample.n` must be a power of two for sobol, but is {n}.": sobol and n & (n - 1),
-    }
-    many = {
-        f"`axis` {i} must have at most {MOST_VALUES:.0e} numbers, but has {count:.3g}.": (
-            count > MOST_VALUES
-        )
-        for i, count in enumerate(counts, 1)
-    }
-    tops = math.prod(counts) * n
-    if not any(many.values()):
-        text = f"`axis` must make at most {MOST_TOPS:.0e} tops, but makes {tops:.3g}."
-        many[text] = tops > MOST_TOPS
-    return _sentences(wrong | many)
+    return _sentences(
+        wrong
+        | {
+            "`sample` must give method, n and seed where an axis has `between`, but is missing.": (
+                drawn and sample is None
+            ),
+            "`sample` must have an axis with `between` to draw, but there is none.": (
+                sample and not drawn
+            ),
+            f"`sample.n` must be a power of two for sobol, but is {n}.": sobol and n & (n - 1),
+            f"`axis` must make at most {MOST_TOPS:.0e} tops, but makes {tops:.3g}.": (
+                tops > MOST_TOPS
+            ),
+        }
+    )
 
 
 def _run_faults(plan: Plan) -> list[str]:
@@ -395,13 +337,12 @@ def _keep_faults(plan: Plan) -> list[str]:
         return []
     known = column_names(plan.base)
     unknown = [name for name in plan.keep if name not in known]
-    sentences = []
-    if LYAPUNOV in unknown:
-        unknown.remove(LYAPUNOV)
-        faults = derivative_faults(plan.base)
-        sentences = [f"`keep` must not have lyapunov here: {fault}" for fault in faults]
-    names = ", ".join(known)
-    return sentences + [f"`keep` must be of {names}, but has {name!r}." for name in unknown]
+    faults = derivative_faults(plan.base) if LYAPUNOV in unknown else []
+    return [f"`keep` must not have lyapunov here: {fault}" for fault in faults] + [
+        f"`keep` must be of {', '.join(known)}, but has {name!r}."
+        for name in unknown
+        if name != LYAPUNOV
+    ]
 
 
 def scenario_sentence(error: Any) -> str:
@@ -409,7 +350,7 @@ def scenario_sentence(error: Any) -> str:
     place = list(error["loc"])
     if place[0] == "axis" and len(place) > 1:
         place[1] += 1
-    models: dict[Any, type[Table]] = {"axis": AxisTable, "sample": SampleTable}
+    models: dict[Any, type[Table]] = {"axis": AxisTable, "sample": Sample}
     inner = models.get(place[0]) if len(place) > 1 else None
-    key = ".".join(str(p) for p in place if p not in ("str", "dict[str,any]"))
+    key = ".".join(str(p) for p in place if p not in ("float", "str", "dict[str,any]"))
     return error_sentence(error, key, list((inner or PlanTable).model_fields))

@@ -1,7 +1,8 @@
 """The keys of a plan as tables, for `tippetop help plan` and the manual."""
 
 from ..scenario.reference import KEYS, Section, keys_of
-from .plan import AxisTable, PlanTable, SampleTable
+from .design import Sample
+from .plan import AxisTable, PlanTable
 
 
 def plan() -> list[Section]:
@@ -14,5 +15,5 @@ def plan() -> list[Section]:
             keys_of(PlanTable),
         ),
         Section("[[axis]]", "", KEYS, keys_of(AxisTable)),
-        Section("[sample]", "", KEYS, keys_of(SampleTable)),
+        Section("[sample]", "", KEYS, keys_of(Sample)),
     ]

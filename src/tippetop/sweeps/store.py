@@ -44,14 +44,11 @@ class SweepStore(Writer):
     def write(self, chunk: int, rows: Rows) -> None:
         """Write the columns of a chunk, and acknowledge it."""
         tops = self.plan.tops(chunk)
-        values = {**self.plan.design.numbers(tops), **self.plan.columns(tops), **rows.columns}
-        known = not rows.steps_by or "steps_by" in self.store.state.attributes
+        values = {**self.plan.design.numbers(tops), **self.plan.columns(tops), **rows}
 
         def work() -> None:
             self.store.put(f"{GROUP}/{chunk}", values)
-            self.store.commit(changed={} if known else {"steps_by": rows.steps_by})
-            if not known:
-                self.store.derive({})
+            self.store.commit()
 
         self.now(work)
 

@@ -7,14 +7,12 @@ import numpy as np
 
 from ..engine.status import Status
 from ..ensembles import ensemble, hybrid_tops
-from ..errors import InputError
 from ..store import root
 from .plan import Plan
 from .store import GROUP, RUNS, chunk_counts
 
 
 FAULTS = 5  # invalid tops whose faults are printed
-LABELS = {"status": "ends"}  # of counts: `status` is that of the sweep
 
 
 def open_sweep(path: str | Path) -> Any:
@@ -42,11 +40,6 @@ def gridded(table: Any) -> Any:
     """
     import xarray as xr
 
-    if not isinstance(table, xr.Dataset) or "plan" not in table.attrs:
-        raise InputError(
-            "`table` must be the table of a sweep, as `open` gives it, but is "
-            f"{type(table).__name__}."
-        )
     names, shape = table.attrs["dimensions"], table.attrs["shape"]
     axes = {
         axis.key: (axis.key, np.array(axis.values), table[axis.key].attrs)
@@ -76,22 +69,19 @@ def report(path: str | Path) -> dict[str, Any]:
             found = np.bincount(column(path, table, name), minlength=len(meanings)).tolist()
             counts[name] = {word: n for word, n in zip(meanings, found, strict=True) if n}
         elif name.startswith("drift_"):
-            values, worst = column(path, table, name), None
-            if not np.isnan(values).all():
-                top = int(np.nanargmax(values))
-                worst = {"worst": float(values[top]), "top": top}
+            values = column(path, table, name)
+            top = int(np.where(np.isnan(values), -1.0, values).argmax())
+            worst = {"worst": float(values[top]), "top": top} if values[top] >= 0 else None
             drift[name.removeprefix("drift_")] = worst
+    names = "content title status reason tops chunks dimensions shape chunk plan versions cpu"
     return {
-        **{key: attrs[key] for key in ("content", "title", "status", "reason", "tops")},
+        **{name: attrs[name] for name in names.split()},
         "tops_done": int((status != Status.TODO.code).sum()),
-        "chunks": attrs["chunks"],
         "counts": counts,
         "drift": drift,
         "faults": _faults(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
         "failed": failed,
         "runs": runs,
-        **({"steps_by": attrs["steps_by"]} if "steps_by" in attrs else {}),
-        **{key: attrs[key] for key in ("dimensions", "shape", "chunk", "plan", "versions", "cpu")},
     }
 
 
@@ -102,7 +92,8 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
     axes = [f"{drawn if name == 'sample' else name} ({n})" for name, n in sizes]
     done = f"{facts['tops_done']} of {facts['tops']} tops; {_text(facts['chunks'])} chunks"
     result = [("status", f"{facts['status']}: {done}"), ("axes", " x ".join(axes))]
-    result += [(LABELS.get(name, name), _text(counts)) for name, counts in facts["counts"].items()]
+    for name, counts in facts["counts"].items():  # `status` is also that of the sweep
+        result.append(("ends" if name == "status" else name, _text(counts)))
     worst = [
         f"{name.replace('_', ' ')} {found['worst']:.1e} (top {found['top']})"
         for name, found in facts["drift"].items()
@@ -112,16 +103,13 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
         result.append(("drift", f"{', '.join(worst)}: relative, worst of all tops"))
     if facts["runs"]:
         result.append(("runs", ", ".join(f"{RUNS}/{top}" for top in facts["runs"])))
-    if "steps_by" in facts:
-        why = "where the machine code of a step could not be called"
-        result.append(("steps by", f"{facts['steps_by']}, {why}"))
     result += [("fault", fault) for fault in facts["faults"]]
     result += [("failed", f"chunk {k}: {sentence}") for k, sentence in facts["failed"].items()]
-    names = ("parameters", "friction", "contact", "stem", "initial", "run")
-    tables = {name: plan["scenario"][name] for name in names if name in plan["scenario"]}
+    tables = {**plan["scenario"], "versions": facts["versions"]}
     return result + [
         (name, ", ".join(f"{k} = {v}" for k, v in values.items()))
-        for name, values in [*tables.items(), ("versions", facts["versions"])]
+        for name, values in tables.items()
+        if isinstance(values, dict)
     ]
 
 

@@ -4,7 +4,6 @@ import contextlib
 import os
 import threading
 from collections.abc import Callable
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -81,10 +80,6 @@ def sweep(
     place = path_of("out", out)
     checked = plan if isinstance(plan, Plan) else Plan.from_toml(plan)
     workers = None if workers is None else whole("workers", workers)
-    if scheduler is not None and not find_spec("distributed"):
-        raise InputError(
-            "`scheduler` must find dask, but it is not installed: install tippetop[cluster]."
-        )
     unknown = _unknown_to_others(checked.base)
     if unknown and (scheduler is not None or (workers or 1) > 1):
         raise InputError(
@@ -110,7 +105,7 @@ def _unknown_to_others(base: Problem) -> str:
     if not known_to_others(base.system):
         return f"the system `{base.system.name}`"
     if not known_to_others(type(base.friction)):
-        return f"the friction law `{base.law_name}`"
+        return f"the friction law `{base.law.key}`"
     return ""
 
 

@@ -163,12 +163,6 @@ def connect(scheduler: str) -> Iterator[Workers]:
             "`scheduler` must be the address of a running dask scheduler, but "
             f"`{scheduler}`: {error}."
         ) from None
-    with client:
-        yield of_client(client)
-
-
-def of_client(client: Any) -> Workers:
-    """Return the workers of a dask client."""
 
     @contextlib.contextmanager
     def start(again: bool) -> Iterator[Executor]:
@@ -177,11 +171,12 @@ def of_client(client: Any) -> Workers:
         except (CancelledError, OSError) as error:  # CommClosedError is an OSError
             raise SchedulerLost from error
 
-    return Workers(
-        start,
-        lambda: 2 * max(1, sum(client.nthreads().values())),
-        lambda: client.status == "running",
-    )
+    with client:
+        yield Workers(
+            start,
+            lambda: 2 * max(1, sum(client.nthreads().values())),
+            lambda: client.status == "running",
+        )
 
 
 def _sentence(error: BaseException) -> str:

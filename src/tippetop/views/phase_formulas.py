@@ -59,9 +59,11 @@ def given(problem: Problem) -> dict[str, Any]:
     theta = data.get("theta", 0.0)
     angles = problem.system.start(data, math.sin(theta), math.cos(theta), problem.body())
     initial = {name: float(getattr(angles, name, data.get(name, 0.0))) for name in INITIAL}
+    if data.get("centre_at_rest"):
+        initial |= {"nu_x": 0.0, "nu_y": 0.0}
     return {
         "parameters": {**problem.parameters, **problem.friction._asdict()},
-        "law": problem.law_name,
+        "law": problem.law.key,
         "initial": {name: value for name, value in initial.items() if value},
         "atRest": bool(data.get("centre_at_rest")),
         "until": problem.until,

@@ -80,7 +80,7 @@ def page_of_sweep(path: Path) -> str:
     about = f"{plan.n} tops; point at one for its line" + (
         ", click it for its motion" if movable else ""
     )
-    law = {plan.base.law_name: type(plan.base.friction)}
+    law = {plan.base.law.key: type(plan.base.friction)}
     scripts = NO_POTENTIAL | (contacts(law) if movable else NO_PHASES)
     heading = f"A sweep: {title}"
     return pages.page(
@@ -125,7 +125,7 @@ def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, A
     log = axis.log and bool(np.nanmin(numbers) > 0)
     return {
         "key": axis.key,
-        "label": maps.labelled(axis.key, attrs),
+        "label": maps.labelled(attrs),
         "log": log,
         "sampled": axis.sampled,
         "numbers": encode(numbers, "<f8"),

@@ -7,14 +7,13 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 import pytest
-from scipy.linalg import expm
 
 from tippetop.engine import impacts
 from tippetop.engine.impacts import ImpactMotions
 from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.response import mobility, spin_mobility
 from tippetop.mechanics.contact.struck import RESTITUTIONS, Impact, struck
-from tippetop.mechanics.friction import Contensou, Coulomb, Latitude, Stribeck, Viscous, named
+from tippetop.mechanics.friction import Contensou, Coulomb, Viscous, named
 from tippetop.mechanics.operand import Vector, leaves, refill
 
 
@@ -55,13 +54,6 @@ def under(mu: float, patch: float = PATCH) -> Touch:
     return DISC._replace(friction=Contensou(mu, patch, 0.0))
 
 
-def contacts(n: int = 20) -> list[tuple[float, tuple[float, float, float]]]:
-    """Angles of a body, and velocities before an impact."""
-    rng = np.random.default_rng(5)
-    angles = rng.uniform(0.1, 3.0, n)
-    return [(a, (rng.normal(), rng.normal(), -rng.uniform(0.01, 1.0))) for a in angles]
-
-
 def balance(v: tuple, made: Impact, Omega_z: Any = 0) -> Any:
     """The energy that an impulse and an impulse of a torque give: p.(v- + v+)/2."""
     p, after = (made.p_e, made.p_2, made.p_z), (made.v_e, made.v_2, made.v_n)
@@ -70,59 +62,6 @@ def balance(v: tuple, made: Impact, Omega_z: Any = 0) -> Any:
 
 
 # --- laws with a coefficient --------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("k", [0.0, 0.1, 2.0])
-def test_viscous_friction_follows_its_linear_equation(k: float) -> None:
-    """v' = A v + b by the normal impulse: the exponential of a matrix, to where v_n is -e_n of what
-    it was.
-    """
-    body = TOP._replace(friction=Viscous(k))
-    for theta, (v_e, v_2, v_n) in contacts():
-        K = mobility(np.sin(theta), np.cos(theta), body)
-        if K.zz - k * abs(K.ez * v_e) < 0.1:  # it jams, or nearly so
-            continue
-        A = np.zeros((4, 4))
-        A[:3] = [[-k * K.ee, 0, 0, K.ez], [0, -k * K.tt, 0, 0], [-k * K.ez, 0, 0, K.zz]]
-        start = np.array([v_e, v_2, v_n, 1.0])
-        for e_n in (0.0, 0.6):
-            got = hit((v_e, v_2, v_n), theta, body, e_n, "newton")
-            exact = expm(A * got.p_z) @ start
-            assert got.v_n == pytest.approx(-e_n * v_n, abs=1e-15)
-            assert (got.v_e, got.v_2, got.v_n) == pytest.approx(tuple(exact[:3]), abs=1e-12)
-
-
-LAWS_OF = (
-    Viscous(0.3),
-    Coulomb(0.3, 0.1),
-    Coulomb(0.3, 1e-3),
-    Stribeck(0.2, 0.4, 0.3, 0.05),
-    Latitude(0.2, 0.7),
-)
-
-
-@every_law
-@pytest.mark.parametrize("law", LAWS_OF)
-@pytest.mark.parametrize("size", [1.0, 1e-6])
-def test_the_works_are_those_of_the_impulse(law: Any, restitution: str, size: float) -> None:
-    """The sum of the works is p.(v- + v+)/2, whatever the law and the speed; energetic: of the
-    normal ones e_n^2 comes back; Poisson: of the normal impulse e_n; Newton: of the velocity.
-    """
-    rate = isinstance(law, Viscous | Latitude)  # mu per speed, else speeds
-    scaled = {name: 1 / size for name in ("mu", "mu_stem")} if rate else {"eps": size, "v_s": size}
-    fields = {name: getattr(law, name) * by for name, by in scaled.items() if name in law._fields}
-    body = TOP._replace(friction=law._replace(**fields))
-    for theta, v in contacts():
-        v = tuple(size * x for x in v)
-        got, scale = hit(v, theta, body, 0.5, restitution), size**2
-        assert got.energy == pytest.approx(balance(v, got), abs=2e-15 * scale)
-        assert got.work_t < 0
-        ends = {
-            "energetic": got.work_n / got.compression - 0.75,
-            "poisson": got.p_z / hit(v, theta, body, 0.0, restitution).p_z - 1.5,
-            "newton": got.v_n / v[2] + 0.5,
-        }
-        assert ends[restitution] == pytest.approx(0, abs=1e-13)
 
 
 @pytest.mark.parametrize("law", [Viscous._make((np.nan,)), Viscous(1e3)])

@@ -38,16 +38,6 @@ def columns_of(done):
     return {name: column.values for name, column in done.columns().items()}
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_the_balances_of_a_run_count_what_the_torques_take(law):
-    """Flying, sliding and standing on the stem."""
-    stem = {} if law == "coulomb" else {"stem": {"r": 0.005, "h": 0.013}}
-    start = SLIDING | {"gap": 0.002}
-    done = solve(scenario(LAWS[law], 0.1, initial=start, contact={"e_n": 0.3}, **stem))
-    assert max(done.report["drift"].values()) < 1e-13
-    assert columns_of(done)["jellett_lost"][-1] != 0
-
-
 @pytest.mark.parametrize("law", ["viscous", "coulomb", "none"])
 def test_an_upright_spin_falls_linearly(law):
     """I3 omega3' = -mu_d m g."""

@@ -55,21 +55,6 @@ def random_start(seed):
     return start, {"law": "coulomb", "mu": rng.uniform(0.05, 0.6)}
 
 
-@pytest.mark.parametrize(
-    "seeds", [range(6), pytest.param(range(6, 40), marks=pytest.mark.slow)], ids=str
-)
-def test_energy_and_jelletts_integral_hold_through_every_phase(seeds):
-    kinds = set()
-    for seed in seeds:
-        start, friction = random_start(seed)
-        contact = {"e_n": 0.5} if seed % 2 else {}
-        done = run(initial=start, friction=friction, contact=contact, keep=False)
-        assert done.status is Status.FINISHED, (seed, done.reason)
-        assert max(done.report["drift"].values()) < 5e-13, (seed, done.report["drift"])
-        kinds |= done.report["event_counts"].keys()
-    assert {"stick", "slip", "liftoff", "impact"} <= kinds
-
-
 def test_how_a_slide_is_begun_does_not_show(monkeypatch):
     """The first moments of a slide are a polynomial over a span of choice: what follows does not
     depend on it.

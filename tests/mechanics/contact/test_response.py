@@ -26,6 +26,7 @@ class State(NamedTuple):
 
     ball: Touch
     theta: Any
+    phi: Any
     rates: tuple  # theta', phi', omega_3
     e: Any  # unit vectors
     t: Any
@@ -53,6 +54,14 @@ def vector(a: Any) -> Vector:
 Z = column(0, 0, 1)
 
 
+def axes(theta: Any, phi: Any, rates: Any) -> tuple:
+    """Return e, t, 3hat and the angular velocity of Euler angles and theta', phi', omega_3."""
+    e, t = column(mp.cos(phi), mp.sin(phi), 0), column(-mp.sin(phi), mp.cos(phi), 0)
+    u = mp.sin(theta) * e + mp.cos(theta) * Z
+    first = mp.cos(theta) * e - mp.sin(theta) * Z
+    return e, t, u, -rates[1] * mp.sin(theta) * first + rates[0] * t + rates[2] * u
+
+
 def random_state(rng: np.random.Generator, theta: float | None = None) -> State:
     """A body of any sensible shape: stems have an offset greater than the radius, others a negative
     one.
@@ -60,18 +69,10 @@ def random_state(rng: np.random.Generator, theta: float | None = None) -> State:
     low, high = (0.5, 0.1, -2, 0.2, 0.2, 9.82), (2, 1, 2, 1, 1, 9.82)
     ball = Touch(*map(mp.mpf, rng.uniform(low, high)), SetValued(mp.mpf(0.3)))
     theta = mp.mpf(rng.uniform(0.1, 3)) if theta is None else mp.mpf(theta)
-    phi, direction, rates = (
-        mp.mpf(rng.uniform(-3, 3)),
-        mp.mpf(rng.uniform(-3, 3)),
-        map(mp.mpf, rng.normal(0, 3, 3)),
-    )
-    theta_dot, phi_dot, omega3 = rates
-    e, t = column(mp.cos(phi), mp.sin(phi), 0), column(-mp.sin(phi), mp.cos(phi), 0)
-    u = mp.sin(theta) * e + mp.cos(theta) * Z
-    first = mp.cos(theta) * e - mp.sin(theta) * Z
-    omega = -phi_dot * mp.sin(theta) * first + theta_dot * t + omega3 * u
-    n = mp.cos(direction) * column(1, 0, 0) + mp.sin(direction) * column(0, 1, 0)
-    return State(ball, theta, (theta_dot, phi_dot, omega3), e, t, u, omega, n)
+    phi, direction = map(mp.mpf, rng.uniform(-3, 3, 2))
+    rates = tuple(map(mp.mpf, rng.normal(0, 3, 3)))
+    n = column(mp.cos(direction), mp.sin(direction), 0)
+    return State(ball, theta, phi, rates, *axes(theta, phi, rates), n)
 
 
 def inertia(x: State) -> Any:
@@ -166,6 +167,26 @@ def test_the_mobility_of_a_spin_is_that_of_the_tensor_of_inertia(states: list[St
     for x in states:
         found = response.spin_mobility(mp.sin(x.theta), mp.cos(x.theta), x.ball)
         assert_close([found.about], [mp.lu_solve(inertia(x), Z)[2]])
+
+
+def test_the_bias_is_that_of_a_free_body_in_euler_angles(states: list[State]) -> None:
+    """Differences of the velocity of the contact point of a body that falls and turns freely."""
+    for x in states:
+        theta_dot, phi_dot, omega3 = x.rates
+        s, z, spin = mp.sin(x.theta), mp.cos(x.theta), x.ball.I3 / x.ball.I1 * omega3
+        theta_ddot = (phi_dot * z - spin) * phi_dot * s
+        phi_ddot = (spin - 2 * phi_dot * z) * theta_dot / s
+
+        def velocity(time: Any, x: State = x, changes: tuple = (theta_ddot, phi_ddot, 0)) -> Any:
+            rates = [rate + time * change for rate, change in zip(x.rates, changes, strict=True)]
+            middle = [(old + new) / 2 for old, new in zip(x.rates, rates, strict=True)]
+            theta, phi = x.theta + time * middle[0], x.phi + time * middle[1]
+            _, _, u, omega = axes(theta, phi, rates)
+            return cross(omega, x.ball.c * u - x.ball.R * Z) - x.ball.g * time * Z
+
+        found = response.bias_vector(vector(x.u), vector(momentum(x)), x.ball)
+        step = mp.mpf("1e-12")
+        assert_close(found, (velocity(step) - velocity(-step)) / (2 * step), 1e-20)
 
 
 def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(

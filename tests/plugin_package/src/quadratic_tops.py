@@ -24,7 +24,7 @@ class Quadratic(tt.extending.FrictionLaw):
         SECOND_PER_METRE, "viscous friction coefficient mu", least=0
     )
     drag: tt.extending.Number = tt.extending.number(
-        tt.extending.Unit(0, -3, 3, "s3 m-3"), "coefficient of the square of the speed", least=0
+        tt.extending.Unit("s3 m-3"), "coefficient of the square of the speed", least=0
     )
 
     @formula

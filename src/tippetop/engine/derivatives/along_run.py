@@ -66,19 +66,6 @@ def _columns_of(problem: Problem) -> dict[str, _Read]:
     return read if kept is None else {name: each for name, each in read.items() if name in kept}
 
 
-def empty(problem: Problem, wrt: Sequence[str], kinds: tuple[str, ...]) -> Derivatives:
-    """The first derivatives of a run, of no rows."""
-    n = len(wrt)
-    rows = {
-        name: _column(name, read, np.zeros((0, n, *(len(dim) for dim in read.dims))), (PARAMETER,))
-        for name, read in _columns_of(problem).items()
-    }
-    none = np.zeros((0, n))
-    return Derivatives(
-        _timed(np.zeros(0), rows), _event_columns(np.zeros(0, np.int8), kinds, none, none), {}
-    )
-
-
 def differentiate(
     problem: Problem, wrt: Sequence[str], times: np.ndarray, events: Any, order: int = 1
 ) -> Derivatives:

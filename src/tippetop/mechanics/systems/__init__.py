@@ -19,7 +19,7 @@ from ..contact.opening import kind_of, opened
 from ..friction import FrictionLaw
 from ..number import RecordType
 from ..system import System
-from .cylinder import GLIDING_CYLINDER
+from .cylinder import GLIDING_CYLINDER, Modified
 from .function_checks import check_answers
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
 from .heavy_top import HEAVY_TOP
@@ -41,25 +41,20 @@ SYSTEMS: dict[str, System] = {
 }
 
 
-REGISTERED_HERE: set[Any] = set()
-"""Systems, and records of laws, that were registered in this process and by no entry point: others
-do not know them.
-"""
+SHARED: set[Any] = {*SYSTEMS.values(), *friction.LAWS.values(), Modified}
+"""Systems and laws of this package and of entry points: other processes know them too."""
 
 
-def add(system: System, *, here: bool = False) -> None:
-    """Register a system under its name, which must be new.
+def add(system: System) -> None:
+    """Register a system under its name, which must not be that of a shared one.
 
-    `here`: in this process. Raises InputError.
+    Raises InputError.
     """
-    name = friction.checked_name(system.name, "system")
-    before = SYSTEMS.get(name, system)
-    again = here and before in REGISTERED_HERE  # as where a notebook's cell runs once more
-    if before is not system and not again:
-        raise InputError([f"the name of a system must be new, but `{name}` is known."])
+    before = SYSTEMS.get(friction.checked_name(system.name, "system"))
+    if before in SHARED and before is not system:
+        raise InputError(f"the name of a system must be new, but `{system.name}` is known.")
     check(system)
-    _note(system, here=here, new=again or name not in SYSTEMS)
-    SYSTEMS[name] = system
+    SYSTEMS[system.name] = system
 
 
 def check(system: System) -> None:
@@ -69,59 +64,24 @@ def check(system: System) -> None:
     check_answers(system)
 
 
-def add_law(law: type[FrictionLaw], *, here: bool = False) -> None:
-    """Register a friction law under its key, which no law has, of no system either.
+def add_law(law: type[FrictionLaw]) -> None:
+    """Register a friction law under its key, which must not be that of a shared one.
 
-    `here`: in this process. Raises InputError.
+    Raises InputError.
     """
-    name = law.key
-    new = name not in friction.LAWS if isinstance(name, str) else False
-    if here and isinstance(name, str) and not new and _defined_again(friction.LAWS[name], law):
-        before = friction.LAWS.pop(name)
-        try:
-            add_law(law, here=True)
-        except InputError:
-            friction.LAWS[name] = before
-            raise
-        return
-    for system in SYSTEMS.values():
-        if name in system.laws and name not in friction.LAWS:
-            raise InputError(
-                [f"the name of a law must be new, but `{name}` is one of {system.name}."]
-            )
+    name = friction.checked_name(law.key, "law")
+    before = next((s.laws[name] for s in SYSTEMS.values() if name in s.laws), law)
+    if before in SHARED and before is not law:
+        raise InputError(
+            f"the name of a law must be new, but `{name}` is that of {before.__name__}."
+        )
     friction.add(law)
-    _note(law, here=here, new=new)
-
-
-def _defined_again(before: Any, record: Any) -> bool:
-    """Return whether a record is that of a law whose class statement has run once more.
-
-    Compiled code belongs to a class, so that a class with another coefficient needs new code.
-    """
-    same = (before.__module__, before.__qualname__) == (
-        getattr(record, "__module__", ""),
-        getattr(record, "__qualname__", ""),
-    )
-    return same and before is not record and before in REGISTERED_HERE
-
-
-def _note(record: Any, *, here: bool, new: bool) -> None:
-    """Note who registered a record; an entry point outweighs this process."""
-    if here and new:
-        REGISTERED_HERE.add(record)
-    elif not here:
-        REGISTERED_HERE.discard(record)
 
 
 def known_to_others(record: Any) -> bool:
-    """Return whether other processes know a system, or a law by its record.
-
-    They know those of the package and of entry points.
-    """
-    record = getattr(record, "face", record)
-    if record in REGISTERED_HERE:
-        load_entry_points()
-    return record not in REGISTERED_HERE
+    """Return whether other processes know a system or a law."""
+    load_entry_points()
+    return getattr(record, "face", record) in SHARED
 
 
 def find(name: str) -> System | None:
@@ -222,6 +182,7 @@ def load_entry_points() -> None:
                 if not isinstance(record, kind):
                     raise InputError([f"it must be {words}, but is {record!r:.60}."])
                 register(record)
+                SHARED.add(record)
             except Exception as error:  # any package may have installed it, and broken it
                 warnings.warn(f"`{entry.name}` of {group} is left out: {error}", stacklevel=2)
                 continue

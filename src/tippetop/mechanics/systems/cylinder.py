@@ -67,7 +67,7 @@ class Cylinder(Top):
 # --- the modified reaction, as a law of the contact ---------------------------------------------
 
 
-KILOGRAM_PER_SECOND = Unit(1, 0, -1, "kg s-1")
+KILOGRAM_PER_SECOND = Unit("kg s-1")
 
 
 class Modified(FrictionLaw):

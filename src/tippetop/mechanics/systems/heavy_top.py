@@ -15,13 +15,10 @@ from ..contact.body import Top, Touch, tip_inertia
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import vector as gliding_vector
-from ..contact.gliding.euler import psi_rate, sine_and_cosine
 from ..contact.gliding.vector import axis
 from ..contact.integrals import integral
-from ..contact.orientation import by_angles, carried_along
+from ..contact.orientation import carried_along
 from ..contact.rolling import catalogue as rolling
-from ..contact.rolling import chart as rolling_chart
-from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
 from ..contact.rolling import vector as rolling_vector
 from ..number import Number, number, reuse
@@ -209,59 +206,6 @@ ANGLES = Angles._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND)
 
 
 @formula
-def tip_accelerations(e, s, z, b):
-    """Return theta'', phi'' about a fixed tip. [section 8]"""
-    inertia = tip_inertia(b)
-    theta_dot2 = (
-        s / inertia * (inertia * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.m * b.g * b.c)
-    )
-    phi_dot2 = (b.I3 * e.omega3 * e.theta_dot - 2 * (inertia * e.theta_dot * e.phi_dot * z)) / (
-        inertia * s
-    )
-    return theta_dot2, phi_dot2
-
-
-@formula
-def euler_scalars(e, b):
-    """Return the scalars of an Euler-angle state."""
-    s, z = sin(e.theta), cos(e.theta)
-    theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
-    phi_dot_s2 = e.phi_dot * s**2
-    axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
-    L3 = b.I3 * e.omega3
-    push_e = theta_dot2 * z - s * (e.theta_dot**2 + e.phi_dot**2)
-    push_2 = phi_dot2 * s + 2 * (e.theta_dot * e.phi_dot * z)
-    return reaction.Scalars(
-        z=z,
-        s2=s**2,
-        z_dot=-(e.theta_dot * s),
-        z_ddot_free=contact.torque_free(L3, phi_dot_s2, axis_speed2, z, b),
-        phi_dot_s2=phi_dot_s2,
-        axis_speed2=axis_speed2,
-        L3=L3,
-        Lz=b.I1 * phi_dot_s2 + L3 * z,
-        speed2=b.c**2 * ((e.theta_dot * z) ** 2 + (e.phi_dot * s) ** 2),
-        friction_force2=(b.m * b.c) ** 2 * (push_e**2 + push_2**2),
-    )
-
-
-@formula
-def euler_rates(e, b):
-    """Return the rates of the Euler angles. [section 8]"""
-    s, z = sin(e.theta), cos(e.theta)
-    theta_dot2, phi_dot2 = tip_accelerations(e, s, z, b)
-    return rolling_euler.EulerState(e.theta_dot, theta_dot2, phi_dot2, 0 * z)
-
-
-@formula
-def euler_vertical_reaction(q, carried, b):
-    """Return the vertical reaction at the tip [N]."""
-    s, z = sin(q.theta), cos(q.theta)
-    theta_dot2, _ = tip_accelerations(q, s, z, b)
-    return b.m * (b.g + b.c * (theta_dot2 * s + q.theta_dot**2 * z))
-
-
-@formula
 def vector_of_angles(e, s, z, b):
     """Return the state about the fixed tip of the angles. [section 1]"""
     u, L = gliding_chart.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
@@ -304,19 +248,10 @@ FIXED_VECTOR = Form(
     integrals=(integral("impulse", vertical_reaction),),
     orientation=carried_along(axis, tip_axis_rate, rolling_vector.spin),
 )
-FIXED_EULER = Form(
-    "euler",
-    rolling_euler.EULER_UNITS,
-    euler_rates,
-    euler_scalars,
-    rolling_chart.euler_of_angles,
-    angles_of_euler,
-    integrals=(
-        integral("phi", lambda q, carried, b: q.phi_dot),
-        integral("impulse", euler_vertical_reaction),
-    ),
-    orientation=by_angles(sine_and_cosine, psi_rate),
-    domains=(gliding.AWAY_FROM_POLE,),
+FIXED_EULER = replace(
+    rolling.EULER,
+    to_angles=angles_of_euler,
+    integrals=tuple(i for i in rolling.EULER.integrals if i.name in ("phi", "impulse")),
 )
 
 

@@ -15,7 +15,6 @@ import { part } from "./part.js";
  * @property {string} words
  * @property {Record<string, number>} parameters
  * @property {string} law
- * @property {Record<string, number>} friction
  * @property {Record<string, number>} initial
  * @property {boolean} atRest
  * @property {number} until
@@ -135,7 +134,7 @@ export class Playground {
     const { m, R, alpha, I1, I3 } = preset.parameters;
     this.body.set({ m, R, alpha, gamma: I1 / I3, inertia: I3 / (m * R * R), g: preset.parameters.g });
     part("law").value = preset.law;
-    this.friction.values = { ...USUAL, mu: 0.3, ...preset.friction };
+    this.friction.values = { ...USUAL, mu: 0.3, ...preset.parameters };
     this.lawChanged();
     this.contact.values = { e_n: preset.e_n, ...STEM, ...preset.stem };
     part("stem").checked = !!preset.stem;

@@ -46,7 +46,7 @@ def modified_energy_rate(s, b):
     return contact.modified_energy_rate(push_u(s, b), push_n(s, b), s, b)
 
 
-TORQUE = Unit(1, 2, -2, "kg m2 s-2")
+TORQUE = Unit("kg m2 s-2")
 MODIFIED_ENERGY_RATE = Quantity(
     "modified_energy_rate", "E~'", WATT, "rate of the modified energy", modified_energy_rate
 )

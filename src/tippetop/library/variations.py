@@ -13,7 +13,6 @@ from ..mechanics.contact.body import Top
 from ..mechanics.system import Number, System
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from ..sweeps.chunk import alone
 from .scenarios import problem_of
 
 
@@ -102,7 +101,6 @@ def ensemble(
         threads=threads,
         progress=progress,
         orientation=orientation,
-        alone=alone,
         lyapunov=lyapunov,
     )
 
