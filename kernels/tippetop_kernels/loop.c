@@ -64,6 +64,7 @@ typedef void (*Dense)(real *out, const real *tc, const real *h);
 
 typedef struct {
     integer variables, parameters, size, lanes, events, numbers, axis, log, samples;
+    integer width; /* numbers from one state to the next in the log and among the samples */
 } Sizes;
 
 typedef struct {
@@ -583,6 +584,20 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
     return theta_of(u);
 }
 
+/* Keep the numbers `first` to `last` of an event that happens. */
+static void keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
+    for (integer m = first; m < last; m++) {
+        const Number *number = l->rows.numbers + m;
+        real *kept = l->tallies.kept + m * l->sizes.lanes + lane;
+        if ((real)number->direction * sign < 0)
+            continue;
+        if (number->what == COUNT)
+            *kept += 1;
+        else if (number->what == LAST || isnan(*kept))
+            *kept = when;
+    }
+}
+
 /* Keep the numbers of an event at its zero, the time x of a step, and log it. */
 static void take_passage(const Loop *l, integer e, integer lane, real t, real h, real x) {
     const Event *event = l->rows.events + e;
@@ -602,16 +617,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     }
     if ((real)event->direction * sign < 0)
         return;
-    for (integer m = event->first; m < event->last; m++) {
-        const Number *number = l->rows.numbers + m;
-        real *kept = l->tallies.kept + m * l->sizes.lanes + lane;
-        if ((real)number->direction * sign < 0)
-            continue;
-        if (number->what == COUNT)
-            *kept += 1;
-        else if (number->what == LAST || isnan(*kept))
-            *kept = when;
-    }
+    keep(l, event->first, event->last, lane, when, sign);
     const Log *log = &l->log;
     integer at = log->filled[0];
     if (at == l->sizes.log)
@@ -851,7 +857,7 @@ static bool take_step(const Loop *l, integer lane) {
     if (l->sizes.samples > 0 && tally->upto == 1 && sampled) {
         integer at = samples->filled[0]++, variables = l->sizes.variables;
         samples->top[at] = samples->in_lane[lane];
-        copy(variables, m->state + lane, l->sizes.lanes, samples->states + at * variables, 1);
+        copy(variables, m->state + lane, l->sizes.lanes, samples->states + at * l->sizes.width, 1);
     }
     return tally->status != RUNNING;
 }
@@ -982,7 +988,7 @@ static bool end_step(const Loop *l) {
     sort_log(&l->log, first);
     for (integer k = first; k < l->log.filled[0]; k++) {
         state_at(l, 0, l->log.time[k]);
-        copy(variables, l->out, lanes, l->log.states + k * variables, 1);
+        copy(variables, l->out, lanes, l->log.states + k * l->sizes.width, 1);
     }
     bool filled = take_rows(l, true);
     if (ended && l->ensemble.count > 0)
@@ -1002,6 +1008,193 @@ integer loop_drive(const Loop *l, integer most) {
         l->step(m->state, m->pars, m->start_high, m->h, m->tc);
         stops = end_step(l);
     }
+    return steps;
+}
+
+/* --- changes of phase, by straight-line copies of jumps --- */
+
+/* Write the register after those of the lines before: an operation on registers a and b. */
+typedef struct {
+    integer what, a, b;
+} Line;
+
+/* Operations, in the order of `mechanics.lines`. A program ends where a comparison is not as
+   expected. MOTION follows that of loop b; its inputs begin at register a, and its results are this
+   and the following lines. */
+enum {
+    ADD,
+    SUBTRACT,
+    MULTIPLY,
+    DIVIDE,
+    POWER,
+    NEGATE,
+    ROOT,
+    SIZE,
+    LARGER,
+    LESS,
+    AT_MOST,
+    GREATER,
+    AT_LEAST,
+    EQUAL,
+    UNEQUAL,
+    UNIT,
+    EXPECT,
+    EXPECT_NOT,
+    MOTION,
+    RESULT
+};
+
+/* What follows where a phase ends by an event. Registers begin with the state, the integrals of the
+   run, the time left and the signs of event functions. From `out` on they have the state and the
+   integrals in which phase `next` begins, the time that it lasts (NaN: it has no clock), and the
+   numbers of tables. A sign 0 stays. */
+typedef struct {
+    const Line *lines;
+    real *registers;
+    const real *signs, *zeros;
+    integer count, begin, out, next, logged, first, last;
+} Change;
+
+typedef struct {
+    const Loop *const *loops; /* of phases, then of motions */
+    const Change *changes;    /* (phases, events); without lines: the caller makes the change */
+    real *whole;              /* the integrals of the run */
+    real *made; /* of each change: time, phase and event, counts of rows, passages and samples, then
+                   the registers after the state */
+    real began, end, clock, chatter;
+    integer present, count, most, integrals, width;
+} Phases;
+
+/* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
+   of its event functions, parameters and state; its results: status, steps, event, state. */
+static void follow_motion(const Loop *l, const real *in, real *results) {
+    const Sizes *n = &l->sizes;
+    Tally *tally = l->tallies.lane;
+    l->motion.end[0] = in[0];
+    real most = in[1];
+    memcpy(known(l, SIGN, 0), in += 2, n->events * sizeof(real));
+    memcpy(known(l, ON_ZERO, 0), in += n->events, n->events * sizeof(real));
+    memcpy(l->motion.pars, in += n->events, n->parameters * sizeof(real));
+    memcpy(l->motion.state, in += n->parameters, n->variables * sizeof(real));
+    l->motion.high[0] = l->motion.low[0] = 0;
+    tally->status = RUNNING;
+    tally->upto = 1;
+    tally->steps = tally->tiny = l->log.filled[0] = l->samples.filled[0] = 0;
+    results[1] = (real)loop_drive(l, (integer)most);
+    bool within = tally->upto < 1;
+    integer last = l->log.filled[0] - 1;
+    results[0] = (real)tally->status;
+    results[2] = within ? (real)l->log.event[last] : -1;
+    memcpy(results + 3, within ? l->log.states + last * n->width : l->motion.state,
+           n->variables * sizeof(real));
+}
+
+/* Execute a program. Return whether every comparison is as expected. */
+static bool execute(const Change *c, const Loop *const *loops) {
+    real *r = c->registers, *to = r + c->begin;
+    for (const Line *line = c->lines; line < c->lines + c->count; line++, to++) {
+        real a = r[line->a], b = r[line->b];
+        int exponent;
+        switch (line->what) {
+        case ADD: *to = a + b; break;
+        case SUBTRACT: *to = a - b; break;
+        case MULTIPLY: *to = a * b; break;
+        case DIVIDE:
+            if (b == 0)
+                return false;
+            *to = a / b;
+            break;
+        case POWER: *to = pow(a, b); break;
+        case LESS: *to = a < b; break;
+        case AT_MOST: *to = a <= b; break;
+        case GREATER: *to = a > b; break;
+        case AT_LEAST: *to = a >= b; break;
+        case EQUAL: *to = a == b; break;
+        case UNEQUAL: *to = a != b; break;
+        case NEGATE: *to = -a; break;
+        case ROOT: *to = sqrt(a); break;
+        case SIZE: *to = fabs(a); break;
+        case LARGER: *to = MAX(a, b); break;
+        case UNIT:
+            frexp(a, &exponent);
+            *to = ldexp(1, exponent);
+            break;
+        case EXPECT:
+            if (a == 0)
+                return false;
+            break;
+        case EXPECT_NOT:
+            if (a != 0)
+                return false;
+            break;
+        case MOTION: follow_motion(loops[(integer)b], r + line->a, to); break;
+        }
+    }
+    return true;
+}
+
+/* Change the phase where its event has ended it. Return false if the caller must do it. */
+static bool change_phase(Phases *p) {
+    const Loop *l = p->loops[p->present];
+    const Log *log = &l->log;
+    Tally *tally = l->tallies.lane;
+    integer at = log->filled[0] - 1, events = l->sizes.events, n = l->sizes.variables;
+    bool full = l->output.count > 0 && l->output.filled[0] == l->output.count;
+    real when = tally->t;
+    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
+        return false;
+    const Change *c = p->changes + p->present * events + log->event[at];
+    if (c->count == 0)
+        return false;
+    real *r = c->registers, *signs = known(l, SIGN, 0), finite = 0;
+    copy(n, log->states + at * l->sizes.width, 1, r, 1);
+    copy(p->integrals, p->whole, 1, r + n, 1);
+    r[n + p->integrals] = p->end - when;
+    copy(events, signs, 1, r + n + p->integrals + 1, 1);
+    if (!execute(c, p->loops))
+        return false;
+    const Loop *next = p->loops[c->next];
+    const Motion *m = &next->motion;
+    const real *out = r + c->out, *others = out + next->sizes.variables;
+    for (const real *number = out; number < others; number++)
+        finite += 0.0 * *number;
+    if (finite != 0)
+        return false;
+
+    log->event[at] = c->logged;
+    log->sign[at] = 1;
+    log->at_pole[at] = false;
+    keep(l, c->first, c->last, 0, when, 1);
+    real *made = p->made + p->count++ * p->width;
+    real counts[] = {when, (real)(c - p->changes), (real)l->output.filled[0], (real)(at + 1),
+                     (real)l->samples.filled[0]};
+    memcpy(made, counts, sizeof counts);
+    copy(p->width - 5, others, 1, made + 5, 1);
+
+    copy(next->sizes.variables, out, 1, m->state, 1);
+    copy(p->integrals, others, 1, p->whole, 1);
+    p->clock = when + others[p->integrals];
+    m->high[0] = when;
+    m->low[0] = 0;
+    m->end[0] = p->clock < p->end ? p->clock : p->end;
+    for (integer e = 0; e < events; e++) {
+        signs[e] = c->signs[e] != 0 ? c->signs[e] : signs[e];
+        known(l, ON_ZERO, e)[0] = c->zeros[e];
+    }
+    tally->status = RUNNING;
+    tally->upto = 1;
+    tally->steps = tally->tiny = 0;
+    p->present = c->next;
+    p->began = when;
+    return true;
+}
+
+/* Make at most `most` steps of the present phase and of those that follow. Return their number. */
+integer loop_run(Phases *p, integer most) {
+    integer steps = 0;
+    do
+        steps += loop_drive(p->loops[p->present], most - steps);
+    while (steps < most && change_phase(p));
     return steps;
 }
 

@@ -16,7 +16,7 @@ from tippetop.extending import Event, Kept, Quantity, Unit, number, register
 from tippetop.landscapes import minimal_surface, potential
 from tippetop.mechanics.operand import Vector, atan2, formula, sqrt
 from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
-from tippetop.theory import least_energy, linear_modes, nutation, reconstruct, regime, thresholds
+from tippetop.theory import least_energy, linear_modes, reconstruct, regime, thresholds
 
 
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}
@@ -107,8 +107,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: tt.run(3.0), "the first argument must be a body"),
     (lambda: tt.run("nothing"), "neither a TOML file nor a preset"),
     (lambda: tt.load(Path("nope")), "`nope` is neither"),
-    (lambda: run(["mu"]), "^an assignment must be table.key=value"),
-    (lambda: run([0.3]), "must be assignments"),
+    (lambda: run(["mu"]), "the friction law must be a record such as Viscous"),
     (lambda: run(0.3), r"a record such as Viscous\(mu=0.3\), but is 0.3"),
     (lambda: run(tt.friction.Viscous), r"a record such as Viscous\(...\), but is the class"),
     (lambda: run(until=-1.0), "^`until` must be greater than 0"),
@@ -121,7 +120,6 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(start=0.1), "^`start` must be a mapping"),
     (lambda: run(start={"theta": None}), r"`initial\.theta` must be a number, but is None"),
     (lambda: run(friction={"mu": 0.1, "eps": 1.0}), "friction.eps"),
-    (lambda: run(friction={"system.y": 1}), "`system` is not a table"),
     (lambda: tt.run(BAD_TABLES, parameters={"m": 0.2}, until=0.1), "`parameters`"),
     (lambda: run(output_step=0.1, output_times=[0.0]), "^`output_step` must stand alone"),
     (lambda: run(system="mars-rover"), "^`system` must be one of"),
@@ -166,9 +164,6 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: linear_modes(TOP, VISCOUS, omega3="x"), "must be a (finite )?number"),
     (lambda: linear_modes(TOP, omega3="3 kg"), "`omega3` must be in rad s-1 .*but is"),
     (lambda: linear_modes("inverting", omega3=1e300), r"`omega3` must give rates .*, but 1e\+300"),
-    (lambda: nutation(TOP, energy="x", theta=0.5, **MOMENTA), "must be a (finite )?number"),
-    (lambda: nutation(TOP, energy=0.01, theta="x", **MOMENTA), "must be a (finite )?number"),
-    (lambda: nutation(TOP, energy=0.01, theta=0.5, D=1e-4), "`lam` must be given"),
     (lambda: reconstruct(made(), period=math.nan), "must be a (finite )?number"),
     (lambda: reconstruct(made(), period=1e-300), "`period` must be longer than the 0.01 s"),
     (lambda: made().certify("x"), "must be a (finite )?number"),
@@ -276,9 +271,8 @@ CALLS: list[tuple[Call, str]] = [
         lambda: number(ONE, "x", above=0, default=-1),
         "`default` of the number `x` must be finite, greater than 0, but is -1",
     ),
-    (lambda: Unit("a", 2, -2, "J"), "powers of a Unit must be whole numbers, but are 'a', 2, -2"),
-    (lambda: Unit(1, 2, -2, 3), "`symbol` of a Unit must be a text, but is 3"),
-    (lambda: Unit(1, 2, -2, "m"), r'powers of a Unit "m" must be \(0, 1, 0\), but are \(1, 2, -2'),
+    (lambda: Unit("kg furlong"), "`symbol` of a Unit must be powers of 1, rad, kg"),
+    (lambda: Unit(3), 'such as "kg m2 s-1", but is 3'),
     # user-defined laws
     (under(lambda v2, z, law: -law.mu), "must be at least 0, .* feeds energy, but is -0.3 s/m"),
     (under(lambda v2, z, law: law.mu * math.nan), "k of the friction law `mine` must be finite"),
@@ -295,8 +289,8 @@ CALLS: list[tuple[Call, str]] = [
     *(
         (lambda record=record: (register(law()), register(record)), message)
         for record, message in (
-            (law(name="Other", key="mine"), "must be new, but `mine` is that of Mine"),
-            (law(name="Other", key="modified"), "must be new, but `modified` is one of gliding-c"),
+            (law(name="Other", key="mixed"), "must be new, but `mixed` is that of Mixed"),
+            (law(name="Other", key="modified"), "must be new, but `modified` is that of Modified"),
             (law(key=""), "must be letters"),
             (law(coefficient=3), "the coefficient of the law .* a function, but is 3"),
             (law(coefficient=None), "must have a coefficient"),
@@ -313,19 +307,19 @@ CALLS: list[tuple[Call, str]] = [
     (system(name="heavy-top"), "the name of a system must be new"),
     (system(body=3), "`body` of `mine` must be a function"),
     (system(body=lambda parameters, law: 1.0), "fail: |must give NamedTuples"),
-    (system(angles=3), "`angles` of `mine` must be a NamedTuple"),
+    (system(angles=3), "the records of `mine` must be of the kinds that `System` has"),
     (system(angles=without("theta_dot")), "`angles` of `mine` must have the field `theta_dot`"),
     (system(angles=without("work")), "the field `work`, .* for the form `vector` integrates it"),
-    (system(initial={"theta": 3}), "`initial` of `mine` must be Number records"),
+    (system(initial={"theta": 3}), "but: 'int' object has no attribute"),
     (system(parameters={}), r"must take its parameters \(none\), but fail: KeyError"),
     (system(scales=lambda b: (1.0,)), r"must give a mass and a length, .* but gives \(1.0,\)"),
     (system(scales=lambda b: (1.0, 0.0)), "finite and greater than 0, but gives"),
     (system(checks=lambda p: None), "`checks` .* must give a list of sentences, but gives None"),
     (system(checks=lambda p: 1 / 0), "`checks` .* must give .*, but fails: ZeroDivisionError"),
     (system(start=lambda *a: None), "`start` .* must give a record as `angles` is, but gives None"),
-    (system(events=(3,)), "`events` of phase `slip` of `mine` must be Event records, but has 3"),
+    (system(events=(3,)), "but: 'int' object has no attribute"),
     (system(events=(dataclasses.replace(LIFTOFF, kept=()),)), "`kept` .* `liftoff` .* `lifted_at`"),
-    (system(quantities=(3,)), "must be Quantity records, but has 3"),
+    (system(quantities=(3,)), "but: 'int' object has no attribute"),
     (system(quantities=(), integrals=()), "`quantities` of `mine` must have `energy`"),
     (system(outlook=3), "`outlook` of `mine` must be a function or None, but is 3"),
     (system(motion=()), r"`motion` of `mine` must be a function or None, but is \(\)"),
@@ -333,15 +327,15 @@ CALLS: list[tuple[Call, str]] = [
     (system(contact=()), r"`contact` of `mine` must be None, but is \(\)"),
     (system(laws=tt.extending.LAWS), "must be a dict of laws by name, but is viscous"),
     (system(long_names={}), "`long_names` of `mine` must describe each .* but lacks axis, L"),
-    (system(vectors=None), "`vectors` .* must be names of variables by name, but is None"),
+    (system(vectors=None), "`vectors` .* must be a mapping, but is None"),
     (system(vectors={"axis": ("kx", "ky")}), "`vectors` .* it lacks kx, ky"),
     (system(forms={"vector": VECTORIAL}, vectors={}), "`vector` .* be numbers, .* `u` is Vector"),
     (system(forms={"vector": WITHOUT_POLES}), "need, but lack `s2` and `axis_speed2`"),
-    (system(on_request=None), "`on_request` .* must be a tuple of Quantity records, but is None"),
+    (system(on_request=None), "`on_request` .* must be a tuple, but is None"),
     (system(undefined_at_poles=("phi", "twist")), "must name fields of `angles`, but has `twist`"),
     (folded(I1=1.0), "`normalised_to` of `mine` must hold.*`I1` is"),
     (folded(mass=1.0), "`normalised_to` of `mine` .* of its body .*, but has `mass`"),
-    (folded(m=math.nan), "`normalised_to` of `mine` must hold finite numbers, but `m` is nan"),
+    (folded(m=math.nan), "`normalised_to` of `mine` must hold .* `m` is 1 there, not nan"),
     # problems whose fields were replaced
     (replaced(parameters={**BODY, "alpha": 5.0}), "`parameters.alpha` must be less than 1.0"),
     (replaced(parameters={**BODY, "m": "x"}), "`parameters.m` must be a number, but is 'x'"),

@@ -87,28 +87,46 @@ class Request(Protocol):
         """Take rows: internal times (k,), states (k, variables)."""
 
 
-class Wanted:
-    """Internal times of the rows that are wanted of a run, of which the first `made` exist: one for
-    all phases of a contact.
-    """
+def view(array: np.ndarray) -> Any:
+    """Return an array as numbers of Python, which takes half the time of NumPy's."""
+    return memoryview(array)  # type: ignore[arg-type]
 
-    def __init__(self) -> None:
-        self.times, self.made = np.zeros(0), 0
 
-    def ask(self, request: Request) -> None:
-        """Ask for more times where none are left; for room, where rows are at the ends of steps."""
-        if request.steps or self.made == len(self.times):
-            self.times, self.made = request.wanted(), 0
+class Shared(NamedTuple):
+    """What the phases of a run share."""
 
-    @property
-    def left(self) -> np.ndarray:
-        """The times whose rows are still to be made."""
-        return self.times[self.made :]
+    tallies: Tallies
+    log: PassageLog
+    samples: Samples
 
 
 RULES = StopRules(-1, 0, np.inf, ENDLESS, EVERY, FIRST)
 """Of a single run: only an event ends it before its time."""
 NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(1, np.int64), False)
+
+
+class Wanted:
+    """The rows that are wanted of a run, of which the first `made[0]` exist.
+
+    Parameters
+    ----------
+    variables
+        Numbers of a row, at most.
+    """
+
+    def __init__(self, variables: int) -> None:
+        self.variables, self.rows, self.made = variables, NO_ROWS, view(NO_ROWS.filled)
+
+    @property
+    def is_made(self) -> bool:
+        """Whether all rows exist."""
+        return self.made[0] == len(self.rows.times)
+
+    def ask(self, request: Request) -> None:
+        """Ask for more times; for room, where rows are at the ends of steps."""
+        times = request.wanted()
+        states, filled = np.empty((self.variables, len(times))), np.zeros(1, np.int64)
+        self.rows, self.made = Rows(times, states, filled, request.steps), view(filled)
 
 
 class Place:
@@ -121,20 +139,30 @@ class Place:
         The integrator.
     stepper
         Its steps, in this place alone.
-    rows, tallies
-        The events, and tallies for them.
+    rows
+        The events.
     lasting
         The number of the event that must last; -1 without one.
+    shared
+        What it shares with the other phases of a run; None: nothing.
     """
 
     def __init__(
-        self, compiled: Compiled, stepper: Stepper, rows: EventRows, tallies: Tallies, lasting: int
+        self,
+        compiled: Compiled,
+        stepper: Stepper,
+        rows: EventRows,
+        lasting: int,
+        shared: Shared | None = None,
     ):
         self.taken_by: Any = None  # a weak reference to a driver
         n, size = len(compiled.integrator.state), compiled.integrator.order + 1
-        self.rows, self.tallies = rows._replace(events=rows.events.copy()), tallies
-        self.log: PassageLog = new_log(PASSAGES + len(rows.events) * size, n)
-        self.samples: Samples = new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n)
+        self.rows = rows._replace(events=rows.events.copy())
+        self.tallies, self.log, self.samples = shared or Shared(
+            new_tallies(rows, 1),
+            new_log(PASSAGES + len(rows.events) * size, n),
+            new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n),
+        )
         self.motion = new_motion(n, len(compiled.integrator.pars), size, 1)
         self.stepper, rules = stepper, RULES._replace(lasting=lasting, way=compiled.way)
         self.loop = Loop(
@@ -147,9 +175,7 @@ def place_for(driver: "Driver", compiled: Compiled, stepper: Callable[[], Steppe
     places: list[Place] = compiled.places.__dict__.setdefault("places", [])
     place = next((place for place in places if place.taken_by() is None), None)
     if place is None:
-        place = Place(
-            compiled, stepper(), compiled.rows, new_tallies(compiled.rows, 1), compiled.lasting
-        )
+        place = Place(compiled, stepper(), compiled.rows, compiled.lasting)
         if len(places) < PLACES:
             places.append(place)
     place.taken_by = weakref.ref(driver)
@@ -173,9 +199,9 @@ class Driver:
         The event functions there, (events,).
     end
         Internal time of the end.
-    tallies, lasting
-        Those of a run of which this is one phase, and the number of its lasting event; None: the
-        run has no other phase.
+    shared, lasting
+        What a run shares of which this is one phase, and the number of its lasting event; None:
+        the run has no other phase.
     """
 
     ended: Status | None = None  # how the run ends before its first step
@@ -189,7 +215,7 @@ class Driver:
         start: np.ndarray,
         functions: np.ndarray,
         end: Any,
-        tallies: Tallies | None = None,
+        shared: Shared | None = None,
         lasting: int = -1,
     ):
         self.compiled, self.at_start, self.end = compiled, functions, end
@@ -198,10 +224,11 @@ class Driver:
             body[: len(compiled.integrator.pars)],
         )
         whole[: len(start)] = start  # the others are integrals of event functions
-        if tallies is not None:
-            self.place = place = Place(compiled, self._stepper(), rows, tallies, lasting)
-        else:
-            self.place = place = place_for(self, compiled, self._stepper)
+        self.place = place = (
+            Place(compiled, self._stepper(), rows, lasting, shared)
+            if shared
+            else place_for(self, compiled, self._stepper)
+        )
         self.rows, self.tallies, self.log, self.samples = (
             place.rows,
             place.tallies,
@@ -211,14 +238,15 @@ class Driver:
         self.motion, self.loop = place.motion, place.loop
         names = "status", "steps", "upto", "tiny", "t"
         self.status, self.steps, self.upto, self.tiny, self.time = (
-            self.tallies.lane[name] for name in names
+            view(self.tallies.lane[name]) for name in names
         )
+        self.logged, self.sampled_so_far = map(view, (self.log.filled, self.samples.filled))
         self.variables, self.number = len(start), start.dtype.type
         self.rows.events[:] = rows.events
-        if tallies is None:
+        if shared is None:
             self.tallies.functions[:] = 0.0
             reset(self.tallies, self.rows, 0, *signs_of(functions))
-        self.wanted, self.filling = Wanted(), NO_ROWS
+        self.wanted = Wanted(self.variables)
         self.first = start[None, :].copy()
         self.take(pars)
         self.put(whole, (self.number(0), self.number(0)))
@@ -237,15 +265,15 @@ class Driver:
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps; rows go to the request."""
         self.forget()
-        before, n = int(self.steps[0]), self.variables
+        before, n = self.steps[0], self.variables
         self.drive(request, most)
         when, last = self.reached()
-        code, steps = int(self.status[0]), int(self.steps[0]) - before
+        code, steps = self.status[0], self.steps[0] - before
         ended = None if code == RUNNING else STATUSES[code]
-        passages = Passages(*(column.copy() for column in self.passages()))
-        return Slice(
-            steps, when, last[None, :n].copy(), self.sampled()[:, :n].copy(), passages, ended
-        )
+        *columns, states = (column.copy() for column in self.passages())
+        passages = Passages._make([*columns, states[:, :n]])
+        samples = self.sampled()[:, :n].copy()
+        return Slice(steps, when, last[None, :n].copy(), samples, passages, ended)
 
     def begin(self) -> None:
         """Mark the run as one that has made no step."""
@@ -253,25 +281,23 @@ class Driver:
 
     def forget(self) -> None:
         """Forget samples and passages."""
-        self.log.filled[0] = self.samples.filled[0] = 0
+        self.logged[0] = self.sampled_so_far[0] = 0
+
+    def share(self, other: "Driver") -> None:
+        """Keep what happens where another phase of the run keeps it: here in the same arrays."""
 
     def drive(self, request: Request, most: int) -> None:
         """Make the steps of a slice."""
         wanted, steps = self.wanted, 0
         while True:
-            wanted.ask(request)
-            left = most - steps if self.status[0] == RUNNING else 0
-            if not len(wanted.times):
-                self.make(NO_ROWS, left)
-                break
-            rows = self._filling(wanted.times, request.steps)
-            first = wanted.made
-            rows.filled[0] = first
-            steps += self.make(rows, left)
-            wanted.made = int(rows.filled[0])
-            if wanted.made > first:
-                request.take(rows.times[first : wanted.made], self._states(rows, first))
-            if wanted.made == first or wanted.made < len(rows.times):
+            if request.steps or wanted.is_made:
+                wanted.ask(request)
+            rows, first = wanted.rows, wanted.made[0]
+            steps += self.make(rows, most - steps if self.status[0] == RUNNING else 0)
+            made = wanted.made[0]
+            if made > first:
+                request.take(rows.times[first:made], self.states_of(rows, first))
+            if made == first or not wanted.is_made:
                 break
 
     def make(self, rows: Rows, most: int) -> int:
@@ -279,48 +305,39 @@ class Driver:
         self.loop.fill(rows)
         return self.loop.drive(most)
 
-    def _states(self, rows: Rows, first: int) -> np.ndarray:
+    def states_of(self, rows: Rows, first: int) -> np.ndarray:
         """Return the states of the rows that the last steps have made, (k, variables), from number
         `first` on.
         """
-        return rows.states[:, first : int(rows.filled[0])].T
+        return rows.states[: self.variables, first : int(rows.filled[0])].T
 
     def sampled(self) -> np.ndarray:
-        """Return the states that were sampled, where they are."""
+        """Return the states that were sampled, where they are: as wide as the widest phase."""
         return self.samples.states[: int(self.samples.filled[0])]
 
     def passages(self) -> Passages:
         """Return the passages of the log, where they are."""
         log, logged = self.log, slice(int(self.log.filled[0]))
-        states = log.states[logged, : self.variables]
-        return Passages(
-            log.time[logged], log.event[logged], log.sign[logged], log.at_pole[logged], states
-        )
+        columns = log.time, log.event, log.sign, log.at_pole, log.states
+        return Passages._make(column[logged] for column in columns)
 
     def drop(self) -> None:
         """Remove the last passage."""
-        self.log.filled[0] -= 1
+        self.logged[0] -= 1
 
     def note(self, time: Any, number: int, sign: int, state: np.ndarray) -> None:
         """Add a passage that no step has."""
-        log, at = self.log, int(self.log.filled[0])
+        log, at = self.log, self.logged[0]
         log.time[at], log.event[at], log.sign[at], log.at_pole[at] = time, number, sign, False
         log.states[at, : len(state)] = state
-        log.filled[0] += 1
-
-    def _filling(self, times: np.ndarray, steps: bool) -> Rows:
-        """Rows at these times: the same ones as long as these times are wanted."""
-        if self.filling.times is not times:
-            states, filled = np.empty((self.variables, len(times))), np.zeros(1, np.int64)
-            self.filling = Rows(times, states, filled, steps)
-        return self.filling
+        self.logged[0] += 1
 
     def reached(self) -> tuple[Any, np.ndarray]:
         """Return the internal time reached, and the state: of the last passage, if it ended the run
         within a step.
         """
-        state = self.log.states[self.log.filled[0] - 1] if self.upto[0] < 1.0 else self.state
-        return float(self.time[0]), state
+        state = self.log.states[self.logged[0] - 1] if self.upto[0] < 1.0 else self.state
+        return self.time[0], state
 
     # --- where the run is ------------------------------------------------------------------------
 
@@ -341,7 +358,7 @@ class Driver:
 
     def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Put state and time in place."""
-        self.motion.state[:, 0] = state
+        self.motion.state[: len(state), 0], self.motion.state[len(state) :] = state, 0.0
         self.motion.high[0], self.motion.low[0] = clock
 
     def end_at(self, end: Any) -> None:

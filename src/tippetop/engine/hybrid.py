@@ -8,9 +8,7 @@ depend on balls or laws.
 import math
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import lru_cache
-from itertools import compress
-from types import SimpleNamespace
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,22 +24,39 @@ from ..mechanics.system import System
 from ..mechanics.units import SECOND
 from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import Problem
+from .changes import Changes
 from .driver import (
+    PASSAGES,
     RUNNING,
     STATUSES,
+    STEPS_PER_SLICE,
     Driver,
     Extremes,
     Passages,
     Request,
+    Shared,
     Slice,
     Wanted,
     extremes_of,
+    view,
 )
 from .expressions import Formulas
+from .loop import MOST_COEFFICIENTS
 from .phase_tables import PhaseTables
 from .sampled import Sampler, zero_of
 from .status import Status
-from .tallies import COUNT, LAST, ON_ZERO, SIGN, EventRows, event_rows, mark_bounded, new_tallies
+from .tallies import (
+    COUNT,
+    LAST,
+    ON_ZERO,
+    SIGN,
+    EventRows,
+    event_rows,
+    mark_bounded,
+    new_log,
+    new_samples,
+    new_tallies,
+)
 
 
 MOST_CHANGES = 10_000  # of phase in a run
@@ -62,12 +77,9 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     of a law.
     """
     form = phase.form
-    of_phases = {event.name for other in system.phases.values() for event in other.events}
-    common = tuple(
-        event for event in system.events if event.formula and event.name not in of_phases
-    )
-    own = tuple(event for event in phase.events if event.formula is not None and not event.sampled)
-    events = (*own, *common)
+    events = events_of_phase(system, phase)
+    own = [event for event in events if event in phase.events]
+    common = events[len(own) :]
     template = body(
         *(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields)
     )
@@ -89,6 +101,131 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     )
 
 
+class World(NamedTuple):
+    """What jumps know besides the state: see `form.Exit`."""
+
+    body: Any
+    system: System
+    rules: Any
+    phases: Mapping[str, Phase]
+    phase: Phase | None
+    left: Any
+    variables: Variables  # of the rows of the run
+    struck: Any  # of a body whose contact may open: see `exits`
+
+    def rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
+        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it
+        does not move. `b` is the body in the numbers of the state, if they are others.
+        """
+        integrals = Variables(phase.form, self.variables.orientation).integrals
+        rates = {integral.name: integral.rate for integral in integrals}
+        b = b or phase.parameters(self.body)
+        return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
+
+
+class Begun(NamedTuple):
+    """How a phase begins: what a jump returns, and what follows from it."""
+
+    n: Next  # of which numbers stand here
+    state: tuple = ()  # of the phase: its variables
+    whole: tuple = ()  # the integrals of the run, scaled
+    values: tuple = ()  # of the event functions
+    keeps: bool = False  # whether event functions that go on have the signs that they had
+    times: tuple = ()  # `delay`, `logged_after` and `lasts` of `n`
+    rows: tuple = ()  # of tables: pairs of a name and rows
+
+
+@lru_cache(maxsize=256)
+def jump_of(
+    system: System,
+    phases: tuple[tuple[str, Phase], ...],
+    name: str,
+    exit: Exit,
+    variables: Variables,
+    rules: Any,
+    impacts: Any,
+    *_: type,
+) -> Callable:
+    """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals
+    when the phase began, the time that is left, the signs of event functions, what follows the
+    motion of an impact, and the body, whose types tell apart what this function keeps.
+    """
+    known, phase = dict(phases), dict(phases)[name]
+    numbers = {event: k for k, event in enumerate(events_of(system, known))}
+    of_phase, record = Variables(phase.form, variables.orientation), type(phase.form.units)
+    live = {numbers[event.name] for event in events_of_phase(system, phase)}
+    live -= {numbers[one.event] for one in phase.exits if one.event in numbers}
+
+    def jump(
+        state: Sequence, whole: tuple, left: Any, signs: Sequence, piece: Any, body: Any
+    ) -> Begun:
+        struck = partial(impacts.struck, piece) if impacts else None
+        world = World(body, system, rules, known, phase, left, variables, struck)
+        x = phase.leave(record(*state[: of_phase.moving]), phase.parameters(body))
+        own = zip(of_phase.integrals, state[of_phase.moving :], strict=False)
+        now = variables.carried(*whole)._replace(**{one.name: value for one, value in own})
+        carried = now._make(value / INTEGRAL_SCALE for value in now)
+        if hasattr(x, "carried"):
+            x = x._replace(carried=carried)
+        n = exit.jump(x, world)
+        if fault := fault_of(n, exit, x, numbers):
+            raise InputError([f"{where_of(exit.event, name, system)} must {fault}."])
+        if n.ends:
+            return Begun(n, whole=tuple(now), times=times_of(n), rows=tuple(n.rows.items()))
+        made = begun(n, carried, world)
+        names = (event.name for event in events_of_phase(system, known[n.phase]))
+        leaving = [one.event for one in known[n.phase].exits]
+        going_on = [
+            (numbers[event], value)
+            for event, value in zip(names, made.values, strict=True)
+            if event not in leaving
+        ]
+        keeps = all(k in live and (value > 0) == (signs[k] > 0) for k, value in going_on)
+        return made._replace(keeps=keeps)
+
+    return jump
+
+
+def begun(n: Next, carried: Any, world: World) -> Begun:
+    """Return how a phase begins."""
+    to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
+    b = to.parameters(world.body)
+    q = type(to.form.units)(*to.enter(n.x, b))
+    kinds: Any = type(b), type(b.friction)
+    functions = formulas_of_phase(world.system, to, *kinds).functions
+    moved = Variables(to.form, world.variables.orientation).integrals
+    state = *q, *(getattr(carried, one.name) * INTEGRAL_SCALE for one in moved)
+    whole = tuple(value * INTEGRAL_SCALE for value in carried)
+    values = tuple(functions(q, carried, b))
+    return Begun(n, state, whole, values, False, times_of(n), tuple(n.rows.items()))
+
+
+def times_of(n: Next) -> tuple:
+    """Return the times of a jump, which are numbers of its copies."""
+    return n.delay, n.logged_after, n.lasts
+
+
+def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
+    """Return the events of a run, by name."""
+    events = {event.name: event for event in system.events}
+    in_phases = {event.name: event for phase in phases.values() for event in phase.events}
+    return events | in_phases | events
+
+
+def events_of_phase(system: System, phase: Phase) -> tuple[Event, ...]:
+    """Return the events that the loop looks for in a phase: its own, and common ones."""
+    of_phases = {event.name for other in system.phases.values() for event in other.events}
+    own = (event for event in phase.events if event.formula is not None and not event.sampled)
+    return *own, *(
+        event for event in system.events if event.formula and event.name not in of_phases
+    )
+
+
+def where_of(event: str, phase: str, system: System) -> str:
+    """Return the words for a jump."""
+    return f"the jump by `{event}` from phase `{phase}` of `{system.name}`"
+
+
 class Track:
     """A phase that a run may have, and the driver that follows it.
 
@@ -107,10 +244,14 @@ class Track:
         self.name, self.phase = name, run.phases[name]
         phase = self.phase
         self.b = phase.parameters(run.body)
-        self.exits = {exit.event: exit for exit in phase.exits}
-        self.formulas = formulas_of_phase(
-            problem.system, phase, self.b.__class__, self.b.friction.__class__
-        )
+        kinds = self.b.__class__, self.b.friction.__class__
+        given = problem.variables, problem.contact, run.impacts and run.impacts.kind, *kinds
+        phases = tuple(run.phases.items())
+        self.exits = {
+            exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
+        }
+        self.pure = {exit.event: exit.is_pure for exit in phase.exits}
+        self.formulas = formulas_of_phase(problem.system, phase, *kinds)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
         self.moving, self.record, self.width = (
@@ -124,8 +265,11 @@ class Track:
         self.events = self.formulas.events
         self.numbers = [run.numbers[event.name] for event in self.events]
         self.ways = {
-            run.numbers[event.name]: event.name for event in self.events if event.name in self.exits
+            number: event.name
+            for number, event in zip(self.numbers, self.events, strict=True)
+            if event.name in self.exits
         }
+        self.live = {*self.numbers} - {*self.ways}
         rows = run.rows._replace(events=self._records(run, code.rows.events), axis=code.rows.axis)
         self.driver: Driver = kind_of_driver(problem)(
             code,
@@ -134,11 +278,14 @@ class Track:
             np.zeros(self.width, problem.number),
             np.zeros(len(rows.events)),
             run.end,
-            run.tallies,
+            run.shared,
             self.numbers[code.lasting] if code.lasting >= 0 else -1,
         )
-        self.driver.wanted = run.row_times
-        self.driver.forget()
+        self.place = list(run.phases).index(name)
+        if run.copies:
+            run.copies.loop.follow(self.place, self.driver.loop)
+        if run.tracks:
+            self.driver.share(next(iter(run.tracks.values())).driver)
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = (
             Sampler(self.driver, leaves(self.b), sampled, self._value) if sampled else None
@@ -170,34 +317,18 @@ class Track:
         mark_bounded(records)
         return records
 
-    @property
-    def counts(self) -> tuple[int, int]:
-        """The numbers of samples and passages of a slice so far."""
-        return int(self.driver.samples.filled[0]), int(self.driver.log.filled[0])
-
     def q(self, state: np.ndarray) -> Any:
         """Return the record of a state; doubles become floats, which formulas take faster."""
         return self.record._make(state[: self.moving].tolist())
 
-    def state(self, q: Any, whole: Sequence) -> list:
-        """Return all variables of the phase, of its state and the integrals of the run, scaled."""
-        state = [*q, *(whole[k] for k in self.integrals)]
-        return state + [self.driver.number(0)] * (len(self.driver.state) - len(state))
 
-    def moved(self, whole: Sequence, state: np.ndarray) -> list:
-        """Return the integrals of the run, scaled, of which the phase has moved some."""
-        whole = list(whole)
-        for k, value in zip(self.integrals, state[self.moving : self.width].tolist(), strict=True):
-            whole[k] = value
-        return whole
+class Block(NamedTuple):
+    """Rows that were asked for together."""
 
-
-class Span(NamedTuple):
-    """States of a phase that become rows of the run, apart from these states."""
-
-    track: Track
-    whole: Sequence  # the integrals of the run, scaled, before the phase moved some
-    size: int
+    times: np.ndarray
+    states: np.ndarray  # (variables, rows) in the precision of the run
+    made: Any  # the number of rows that exist
+    first: int  # of the present slice
 
 
 class HybridDriver:
@@ -237,9 +368,8 @@ class HybridDriver:
         self.end = number(problem.until) / number(float(problem.scales.of(SECOND)))
         self.body, self.phases = _assembled(problem)
         self.carried = problem.variables.carried
-        events = {event.name: event for event in system.events}
+        events = events_of(system, self.phases)
         in_phases = [event for phase in self.phases.values() for event in phase.events]
-        events = events | {event.name: event for event in in_phases} | events
         self.rows: EventRows = event_rows(
             list(events.values()), [(0, 1, 1.0, 0.0)] * len(events), ()
         )
@@ -251,46 +381,48 @@ class HybridDriver:
             numbers[first:last] for first, last in self.rows.events[["first", "last"]].tolist()
         ]
         self.lasting = {name for name, event in events.items() if event.lasting}
-        self.tallies = new_tallies(self.rows, 1)
+        width = self.width
+        most = PASSAGES + len(self.rows.events) * MOST_COEFFICIENTS
+        self.shared = Shared(
+            new_tallies(self.rows, 1), new_log(most, width), new_samples(STEPS_PER_SLICE + 2, width)
+        )
+        self.tallies = self.shared.tallies
         self.tallies.functions[SIGN] = 0.0  # not known
-        self.row_times, self.tables = Wanted(), PhaseTables(problem)
+        self.counts = [view(one.filled) for one in self.shared[1:]]
+        self.wanted, self.tables = Wanted(width - len(self.rows.events)), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
-        self.live: set[str] = set()
+        self.live: set[int] = set()
+        self.signs, self.zeros = (
+            view(self.tallies.functions[kind, :, 0]) for kind in (SIGN, ON_ZERO)
+        )
         self.rooted: set[tuple] = (
             set()
         )  # roots that jumps have named rightly: the exit, the next phase, the event
-        # The phases of a slice: the track, the integrals, and the counts of its track at the
-        # beginning of the phase.
-        self.spans: list[tuple] = []
-        self.world = SimpleNamespace(
-            body=self.body,
-            system=system,
-            rules=problem.contact,
-            phases=self.phases,
-            phase=None,
-            left=self.end,
-            rates=self._rates,
-        )
+        self.blocks: list[Block] = []
+        # the phases of a slice: track, integrals, and how many states there are
+        self.spans: list[tuple[Track, Sequence, tuple]] = []
+        self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
+        self.impacts = None
         if problem.contact is not None:
             from .impacts import Impacts
 
-            self.world.struck = Impacts(problem, self.body[0].friction, stop).struck
+            self.impacts = Impacts(problem, self.body[0].friction, stop)
         start = problem.start()
         q, carried = problem.variables.split(start.tolist())
-        self.whole = start[problem.variables.moving :].tolist()
+        self.whole = tuple(start[problem.variables.moving :].tolist())
         x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
+        struck = self.impacts and self.impacts.struck
+        given = self.body, system, problem.contact, self.phases, None, self.end
+        world = World(*given, problem.variables, struck)
+        n = Next(next(iter(self.phases)), x, "start")
         try:
-            n = (
-                system.begin(x, self.world)
-                if system.begin
-                else Next(next(iter(self.phases)), x, "start")
-            )
+            n = system.begin(x, world) if system.begin else n
         except ArithmeticError as error:
-            n = Next(next(iter(self.phases)), x, "start", ends="stalled", message=str(error))
-        self._enter(n, number(0), None)
+            n.ends, n.message = "stalled", str(error)
         if n.ends:
-            self.ended, self.sentence = Status(n.ends), n.message
+            self.ended, self.sentence, n.ends = Status(n.ends), n.message, ""
+        self._enter(self._called(begun, n, carried, world), number(0), None)
         self.first = self.present()
 
     # --- phases ----------------------------------------------------------------------------------
@@ -313,42 +445,30 @@ class HybridDriver:
         """Return the equations of every phase: pairs of a variable and its rate."""
         return [pair for name in self.phases for pair in self.track_of(name).driver.equations()]
 
-    def _rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
-        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it
-        does not move. `b` is the body in the numbers of the state, if they are others.
-        """
-        integrals = Variables(phase.form, self.problem.orientation).integrals
-        rates = {integral.name: integral.rate for integral in integrals}
-        b = b or phase.parameters(self.body)
-        return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
-
-    def _enter(self, n: Next, now: Any, before: Track | None) -> None:
+    def _enter(self, begun: Begun, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
-        track = self.track_of(n.phase)
-        q = self._called(track.phase.enter, n.x, track.b)
-        if before and not math.isfinite(self._called(sum, q)):
+        n, state, whole, values, _, (delay, logged_after, lasts), rows = begun
+        if before and not math.isfinite(sum(state)):
             raise ArithmeticError(
                 f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
             )
-        self.track, self.world.phase = track, track.phase
+        self.track = track = self.tracks.get(n.phase) or self.track_of(n.phase)
+        driver, time = track.driver, now
         if n.cause != "":
-            self.tables.begin(
-                track.name, track.phase, float(now + n.logged_after), n.cause or self.way[0]
-            )
-        self.tables.add(float(now), n.rows)
-        time = min(now + self.number(n.delay), self.end)
-        if hasattr(n.x, "carried"):
-            self.whole = [self.number(value) * INTEGRAL_SCALE for value in n.x.carried]
-        track.driver.put(track.state(q, self.whole), (time, 0 * time))
-        self.waits = n.delay > 0 and n.series is None
-        counts = track.counts if n.series is not None else ()
-        self._begin_events(n, track.record._make(q), now, before)
-        self.spans.append((track, self.whole, *(counts or track.counts)))
-        self.began = float(time)
-        driver = track.driver
+            cause = n.cause or self.way[0]
+            self.tables.begin(track.name, track.phase, float(now + logged_after), cause)
+        if rows:
+            self.tables.add(float(now), rows)
+        if delay:
+            time = min(now + self.number(delay), self.end)
+        driver.put(state, (time, 0 * time))
+        self.whole, self.waits, self.began = whole, delay > 0 and n.series is None, float(time)
+        counts = self._counts()
+        self._begin_events(n, state, values, now, before)
+        self.spans.append((track, whole, counts))
         driver.begin()
         driver.time[0] = self.began
-        self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
+        self._set_clock(None if lasts is None else time + self.number(lasts))
 
     def _set_clock(self, clock: Any) -> None:
         """Set the end of the phase."""
@@ -356,79 +476,68 @@ class HybridDriver:
         self.until = clock
         self.track.driver.end_at(clock if self.clocked else self.end)
 
-    def _begin_events(self, n: Next, q: Any, now: Any, before: Track | None) -> None:
+    def _begin_events(
+        self, n: Next, state: Sequence, values: Sequence, now: Any, before: Track | None
+    ) -> None:
         """Write on which side of their zeros the event functions of a phase begin."""
-        track, live = self.track, set()
-        values = track.formulas.functions(q, self._integrals(), track.b)
+        track, live, signs, zeros = self.track, self.live, self.signs, self.zeros
         if n.series is not None:
             self._fill(
                 float(now + n.delay), lambda times: self._series(n, times.astype(self.number) - now)
             )
-        signs, zeros = (self.tallies.functions[kind, :, 0] for kind in (SIGN, ON_ZERO))
         for number, event, value in zip(track.numbers, track.events, values, strict=True):
-            name, value = event.name, float(value)
             sign, zero = 1.0 if value > 0 else -1.0, 0
-            if name in track.exits:
-                sign = n.sides.get(name, -event.direction or sign)
-                zero = -n.zeros.get(name, 0)
-                if zero and (self.way, track.name, name) not in self.rooted:
-                    self._check_root(name, values, -zero, q)
-            elif name in self.live:
-                known = signs[number]
+            if number in track.ways:
+                sign = n.sides.get(event.name, -event.direction or sign)
+                zero = -n.zeros.get(event.name, 0)
+                if zero and (self.way, track.name, number) not in self.rooted:
+                    self._check_root(number, values, -zero, state)
+            elif number not in live:
+                zero = abs(value) < BELOW
+            elif sign != (known := signs[number]):
                 if abs(value) < BELOW:
                     sign = known
-                elif sign != known and n.series is not None:
+                elif n.series is not None:
                     self._note_along(n, track, event, known, now)
-                elif (
-                    sign != known
-                    and before
-                    and (event.sense or (event.lasting and sign == event.direction))
-                ):
-                    self._note(name, now, before, self.last, int(sign))  # of theta: it has a corner
-                live.add(name)
-            else:
-                zero = abs(value) < BELOW
-                live.add(name)
+                elif before and (event.sense or (event.lasting and sign == event.direction)):
+                    # of theta: it has a corner
+                    self._note(event.name, now, before, self.last, int(sign))
             signs[number], zeros[number] = sign, zero
-        self.live = live
+        self.live = track.live
 
-    def _check_root(self, name: str, values: list, count: int, q: Any) -> None:
+    def _check_root(self, number: int, values: Sequence, count: int, state: Sequence) -> None:
         """Raise InputError where an event function has no root of this multiplicity in a state of
         the present phase: its value, and its slope if there is more than one root, are zero. Once
         for an exit.
         """
         track = self.track
-        self.rooted.add((self.way, track.name, name))
-        k = [event.name for event in track.events].index(name)
+        self.rooted.add((self.way, track.name, number))
+        k, q = track.numbers.index(number), track.record._make(state[: track.moving])
         missed = not abs(values[k]) < ROOT
         if count > 1 and not missed:
             near = (
                 one + NEAR * rate
                 for one, rate in zip(q, track.phase.form.rates(q, track.b), strict=True)
             )
-            ahead = track.formulas.functions(track.record(*near), self._integrals(), track.b)[k]
+            carried = self.carried(*(value / INTEGRAL_SCALE for value in self.whole))
+            ahead = track.formulas.functions(track.record(*near), carried, track.b)[k]
             missed = not abs(ahead - values[k]) < SLOPE * NEAR
         if missed:
             there = (
-                f"in `zeros`, but {name!r} has no root of multiplicity {count} where phase "
-                f"`{track.name}` begins"
+                f"in `zeros`, but {track.events[k].name!r} has no root of multiplicity {count} "
+                f"where phase `{track.name}` begins"
             )
             raise InputError([f"{self._where()} must give multiplicities of roots {there}."])
-
-    def _integrals(self) -> Any:
-        """Return the integrals of the run as they are now, whole again."""
-        return self.carried._make([value / INTEGRAL_SCALE for value in self.whole])
 
     # --- steps -----------------------------------------------------------------------------------
 
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.steps = request, request.steps
-        self.asked: list[tuple[Track, Sequence, np.ndarray, np.ndarray]] = []
-        for track in self.tracks.values():
-            track.driver.forget()
-        self.spans = [(self.track, self.whole, 0, 0)]
+        self.request, self.blocks = request, []
+        self.track.driver.forget()
+        self._new_block(request.steps or self.wanted.is_made)
+        self.spans = [(self.track, self.whole, self._counts())]
         steps, status = 0, None
         while self.clock[0] < self.end:
             if self.waits:
@@ -436,13 +545,11 @@ class HybridDriver:
                 self._fill(
                     self.began, lambda times: np.repeat(self.state[None], len(times), axis=0)
                 )
-            track, sampled, driver = self.track, self._sample(), self.track.driver
-            before, logged = int(driver.steps[0]), int(driver.log.filled[0])
-            driver.drive(self, 1 if track.sampler else most - steps)
-            steps += int(driver.steps[0]) - before
+            sampled, logged = self._sample(), self.counts[0][0]
+            steps += self._drive(1 if self.track.sampler else most - steps)
+            track, driver = self.track, self.track.driver
             when, last = driver.reached()
-            self.last = last[: track.width].copy()
-            code = int(driver.status[0])
+            self.last, code = last[: track.width].copy(), driver.status[0]
             status = None if code == RUNNING else STATUSES[code]
             ending = (
                 sampled if sampled and status is Status.FINISHED else self._ending(status, logged)
@@ -485,9 +592,9 @@ class HybridDriver:
         """Return the exit by which the present phase ends, at the end of the run too; None if it
         does not, or ends the run. Before its last steps the log had this length.
         """
-        log = self.track.driver.log
-        if status is not None and log.filled[0] > logged:
-            way = self.track.ways.get(int(log.event[log.filled[0] - 1]))
+        at = self.track.driver.logged[0]
+        if status is not None and at > logged:
+            way = self.track.ways.get(int(self.shared.log.event[at - 1]))
             if way is not None:
                 return way
         return CLOCK if status is Status.FINISHED and self.clocked else None
@@ -500,25 +607,24 @@ class HybridDriver:
         self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, state = self.number(when), self.track, self.last
-        self.world.left = self.end - now
-        self.whole = track.moved(self.whole, state)
-        x = track.phase.leave(track.q(state), track.b)
-        if hasattr(x, "carried"):
-            x = x._replace(carried=self._integrals())
+        signs, piece = tuple(self.signs.tolist()), self.impacts and self.impacts.piece
+        given = tuple(state.tolist()), self.whole, self.end - now, signs, piece, self.body
         try:
-            n = self._called(track.exits[ending].jump, x, self.world)
+            begun = self._called(track.exits[ending], *given)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
-        if fault := fault_of(n, track.exits[ending], x, self.numbers):
-            raise InputError([f"{self._where()} must {fault}."])
+        stops = ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop"
+        if self.copies and track.pure[ending] and not stops:
+            self.copies.teach(ending, given)
+        n, *_, (_, logged_after, _), rows = begun
         for name in n.logged:
-            self._note(name, now + n.logged_after, track, state, 1)
+            self._note(name, now + logged_after, track, state, 1)
         if n.ends:
             self.sentence = n.message or f"{self._where()} ends the run"
-            self.tables.add(float(when), n.rows)
+            self.tables.add(float(when), rows)
             return Status.of_event(n.ends)
-        if ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop":
+        if stops:
             return Status.LIFTOFF
         if self.short > 2:
             often = f"more often than every {CHATTER * self.tables.second:.1g} s"
@@ -531,10 +637,10 @@ class HybridDriver:
             )
         if self.sentence:
             return Status.STALLED
-        if self.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of whole steps
-            self.take(np.array([when]), state[None])
+        if self.request.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of steps
+            self._give(np.array([when]), state[None])
         try:
-            self._enter(n, now, track)
+            self._enter(begun, now, track)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.NON_FINITE
@@ -542,9 +648,7 @@ class HybridDriver:
 
     def _where(self) -> str:
         """Return the words for the present jump."""
-        return "the jump by `{}` from phase `{}` of `{}`".format(
-            *self.way, self.problem.system.name
-        )
+        return where_of(*self.way, self.problem.system)
 
     def _called(self, function: Callable, *given: Any) -> Any:
         """Call a function of a system.
@@ -554,7 +658,7 @@ class HybridDriver:
         try:
             return function(*given)
         except Exception as error:
-            if type(error) is ArithmeticError:  # it has a message for the user
+            if type(error) in (ArithmeticError, InputError):  # it has a message for the user
                 raise
             failure = f"{self._where()} fails: {type(error).__name__}: {error}"
             raise (
@@ -565,13 +669,70 @@ class HybridDriver:
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def wanted(self) -> np.ndarray:
-        """Return internal times of the next rows, or an array with room for them."""
-        return self.request.wanted()
+    def _new_block(self, is_made: bool = True) -> None:
+        """Go on with the rows that are wanted; with further ones, if these are made."""
+        if is_made:
+            self.wanted.ask(self.request)
+        rows, made = self.wanted.rows, self.wanted.made
+        states = rows.states if self.number is float else np.empty(rows.states.shape, self.number)
+        self.blocks.append(Block(rows.times, states, made, made[0]))
 
-    def take(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Take states of the present phase that were asked for."""
-        self.asked.append((self.track, self.whole, times, states))
+    def _counts(self) -> tuple[int, int, int]:
+        """Return the numbers of rows, passages and samples of this slice."""
+        rows = sum(block.made[0] - block.first for block in self.blocks)
+        return rows, self.counts[0][0], self.counts[1][0]
+
+    def _drive(self, most: int) -> int:
+        """Make at most `most` steps of the present phase and their rows.
+
+        Return the number of steps.
+        """
+        wanted, steps = self.wanted, 0
+        while True:
+            track, driver = self.track, self.track.driver
+            first = wanted.made[0]
+            left = most - steps if driver.status[0] == RUNNING else 0
+            if self.copies and self.copies.loop.kept and not (self.request.steps or track.sampler):
+                for one in self.tracks.values():
+                    one.driver.loop.fill(wanted.rows)
+                changes = PER_SLICE - 1 - self.changes % PER_SLICE
+                changes = min(changes, MOST_CHANGES - self.changes)
+                begun = track.place, self.began, self.whole
+                steps += self.copies.loop.drive(*begun, left, changes)
+                self._take_changes(self.copies)
+            else:
+                steps += driver.make(wanted.rows, left)
+            made = wanted.made[0]
+            if self.number is not float and made > first:
+                states = driver.states_of(wanted.rows, first).T
+                self.blocks[-1].states[: len(states), first:made] = states
+            if made == first or not wanted.is_made:
+                return steps
+            self._new_block()
+
+    def _take_changes(self, copies: Changes) -> None:
+        """Take the changes of phase that the loop has made."""
+        before = self._counts()[0] - self.wanted.made[0]
+        for time, n, exit, track, counts, whole, rows in copies.taken():
+            if n.cause != "":
+                self.tables.begin(track.name, track.phase, time, n.cause or exit)
+            self.tables.add(time, rows)
+            made, *others = map(int, counts)
+            self.spans.append((track, whole, (before + made, *others)))
+            self.track, self.whole, self.live, self.short = track, whole, track.live, 0
+            self.changes += 1
+            clock, self.began = copies.loop.record.clock, time
+            self.until = None if math.isnan(clock) else clock
+            self.clocked = clock < self.end
+
+    def _give(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Give rows that no step makes: times, and states of the present phase (k, variables)."""
+        block = self.blocks[-1]
+        made, block.made[0] = block.made[0], block.made[0] + len(times)
+        part = slice(made, block.made[0])
+        block.times[part], block.states[: states.shape[1], part] = times, states.T
+        if self.wanted.is_made:
+            self._new_block()
 
     def _note(self, name: str, time: Any, track: Track, state: np.ndarray, sign: int) -> None:
         """Log an event that no step has logged, in a state of a phase."""
@@ -602,14 +763,12 @@ class HybridDriver:
         """Give the rows that are wanted before a time, at which the present phase makes its first
         step.
         """
-        while not self.steps:
-            self.row_times.ask(self)
-            left = self.row_times.left
-            count = int(np.searchsorted(left, until))
+        while not self.request.steps:
+            times = self.wanted.rows.times[self.wanted.made[0] :]
+            count = int(np.searchsorted(times, until))
             if count:
-                self.take(left[:count], states_at(left[:count]))
-            self.row_times.made += count
-            if count < len(left) or not count:
+                self._give(times[:count], states_at(times[:count]))
+            if count < len(times) or not count:
                 break
 
     def _note_along(self, n: Next, track: Track, event: Event, known: float, now: Any) -> None:
@@ -625,73 +784,60 @@ class HybridDriver:
         self._note(event.name, now + t, track, self._series(n, np.array([t]))[0], -int(known))
 
     def _rows(
-        self, spans: Sequence[Span], states: Mapping[Track, Sequence[np.ndarray]]
+        self, phases: Sequence[tuple[Track, Sequence]], phase: np.ndarray, states: np.ndarray
     ) -> np.ndarray:
-        """Return the rows of spans, one after another, of states by phase."""
-        system, number = self.problem.system, self.number
-        counts = [span.size for span in spans]
-        rows = np.empty((self.variables, sum(counts)), number)
-        moving = self.variables - len(self.whole)
-        for track, pieces in states.items():
-            mine = [span.track is track for span in spans]
-            state = np.concatenate([piece.T[: track.width] for piece in pieces], axis=1)
-            wholes = np.array([span.whole for span in compress(spans, mine)])
-            whole = np.repeat(wholes.T, list(compress(counts, mine)), axis=1)
-            whole[track.integrals] = state[track.moving :]
-            q, carried = (
-                track.record(*state[: track.moving]),
-                self.carried(*(whole * number(1 / INTEGRAL_SCALE))),
+        """Return the rows of states (variables, k).
+
+        `phases` are tracks, and the scaled integrals before they moved some; `phase` (k,) is the
+        number of that of each state.
+        """
+        system, number, record = self.problem.system, self.number, self.carried
+        tracks, wholes = zip(*phases, strict=True)
+        owner, wholes = np.array([track.place for track in tracks])[phase], np.array(wholes).T
+        rows, places = np.empty((self.variables, len(phase)), number), np.empty(len(phase), int)
+        made, moving = 0, self.variables - len(wholes)
+        for track in (known := dict.fromkeys(tracks)):
+            mine = np.flatnonzero(owner == track.place)
+            part = slice(made, made := made + len(mine))
+            places[mine] = np.arange(part.start, part.stop)
+            state, whole = (
+                states[: track.width].take(mine, axis=1),
+                wholes.take(phase[mine], axis=1),
             )
-            record = (
-                system.row(track.phase, q, carried, self.body)
+            whole[track.integrals] = state[track.moving :]
+            q, carried = track.record(*state[: track.moving]), whole * number(1 / INTEGRAL_SCALE)
+            values = (
+                system.row(track.phase, q, record(*carried), self.body)
                 if system.row
                 else track.phase.leave(q, track.b)
             )
-            places = np.flatnonzero(np.repeat(mine, counts))
-            for k, value in enumerate((*record[:moving], *whole)):
-                rows[k, places] = value
-        return rows.T
+            for row, value in zip(rows, (*values[:moving], *whole), strict=True):
+                row[part] = value
+        return (rows if len(known) == 1 else rows.take(places, axis=1)).T
 
     def _slice(self, steps: int, when: Any, track: Track, status: Status | None) -> Slice:
         """Make rows of all that waits, give those that were asked for, and return the rest."""
-        asked = [Span(track, whole, len(times)) for track, whole, times, _ in self.asked]
-        samples, logged, ends = [], [], {track: track.counts for track in self.tracks.values()}
-        for of, whole, *before in reversed(self.spans):
-            samples.append(Span(of, whole, ends[of][0] - before[0]))
-            logged.append(Span(of, whole, ends[of][1] - before[1]))
-            ends[of] = before[0], before[1]
-        groups = asked, samples[::-1], logged[::-1], [Span(track, self.whole, 1)]
-        passages_of: dict[Track, Passages] = {}
-        states: dict[Track, list[np.ndarray]] = {}
-        for one in self.tracks.values():
-            passages, own = (
-                one.driver.passages(),
-                [states for of, _, _, states in self.asked if of is one],
-            )
-            pieces = [
-                *own,
-                one.driver.sampled(),
-                passages.states,
-                *([self.last[None]] if one is track else []),
-            ]
-            states |= {one: pieces} if any(map(len, pieces)) else {}
-            passages_of[one] = passages
-        rows = self._rows([span for group in groups for span in group], states)
-        parts = np.split(
-            rows, np.cumsum([sum(span.size for span in group) for group in groups])[:-1]
+        driver, n = self.track.driver, self.wanted.variables
+        *columns, logged = driver.passages()
+        times, asked = zip(
+            *(
+                (block.times[block.first : made], block.states[:, block.first : made])
+                for block in self.blocks
+                for made in block.made
+            ),
+            strict=True,
         )
-        if asked:
-            self.request.take(np.concatenate([times for _, _, times, _ in self.asked]), parts[0])
-        owners = [
-            list(passages_of).index(span.track) for span in groups[2] for _ in range(span.size)
-        ]
-        order = np.argsort(np.argsort(owners, kind="stable"))
-        columns = [
-            np.concatenate(column)[order]
-            for column in zip(*(p[:-1] for p in passages_of.values()), strict=True)
-        ]
-        passages = Passages._make([*columns, parts[2]])
-        return Slice(steps, when, parts[3], parts[1], passages, status, self.tables.take())
+        others = logged, driver.sampled(), np.resize(self.last, (1, n))
+        states = np.concatenate([*asked, *(one[:, :n].T for one in others)], axis=1)
+        tracks, wholes, counts = zip(*self.spans, (track, self.whole, self._counts()), strict=True)
+        sizes = np.append(np.diff(counts, axis=0), [[0, 0, 1]], axis=0)
+        phase = np.repeat(np.tile(np.arange(len(sizes)), 3), sizes.T.ravel())
+        rows = self._rows([*zip(tracks, wholes, strict=True)], phase, states)
+        asked, logged, samples, last = np.split(rows, np.cumsum(counts[-1]))
+        if len(asked):
+            self.request.take(np.concatenate(times), asked)
+        passages = Passages._make([*(column.copy() for column in columns), logged])
+        return Slice(steps, when, last, samples, passages, status, self.tables.take())
 
     # --- where the run is ------------------------------------------------------------------------
 
@@ -722,7 +868,7 @@ class HybridDriver:
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        return self._rows([Span(self.track, self.whole, 1)], {self.track: [self.state[None]]})
+        return self._rows([(self.track, self.whole)], np.zeros(1, int), self.state[:, None])
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units."""
@@ -753,7 +899,7 @@ class HybridDriver:
         phase += [self.until is not None, self.waits]
         return {
             **self.track.driver.snapshot(),
-            "phase": [*phase, *under_way, *(name in self.live for name in self.numbers)],
+            "phase": [*phase, *under_way, *(k in self.live for k in self.numbers.values())],
             "carried": [*self.whole, self.number(0) if self.until is None else self.until],
         }
 
@@ -763,10 +909,10 @@ class HybridDriver:
         count = 1 + len(self.tables.tables["phases"])
         under_way, live = rest[:count], rest[count:]
         self.track = track = self.track_of(list(self.phases)[int(phase)])
-        self.world.phase = track.phase
-        *self.whole, until = kept["carried"].tolist()
+        *whole, until = kept["carried"].tolist()
+        self.whole = tuple(whole)
         track.driver.restore(kept, state[: len(track.driver.state)], clock)
-        self.live = {name for name, is_live in zip(self.numbers, live, strict=True) if is_live}
+        self.live = {number for number, is_live in enumerate(live) if is_live}
         self._set_clock(until if has_clock else None)
         self.tables = PhaseTables(self.problem)
         self.tables.under_way = (

@@ -1,27 +1,23 @@
-"""Impacts of a run: under a law that is smooth in the sliding velocity as motions, others in closed
-form and by series.
-
-A motion is executed like any other, in the precision of the run, and compiled once for a law.
+"""Impacts of a run, as motions: executed like any other, in the precision of the run, and compiled
+once for a law.
 """
 
 import threading
-from collections.abc import Iterator
-from functools import lru_cache
-from typing import Any
+from collections.abc import Callable, Iterator
+from functools import lru_cache, partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..mechanics.contact import impact_motion as motion
-from ..mechanics.contact.body import Touch, angular_velocity
-from ..mechanics.contact.impact import Struck, after_impact, arrival, to_frame
-from ..mechanics.contact.impact_motion import CLOCK_RATE, unit_of
-from ..mechanics.contact.response import Mobility
+from ..mechanics.contact.body import Touch, angular_velocity, contact_velocity
+from ..mechanics.contact.impact_motion import CLOCK_RATE, Struck, after_impact
 from ..mechanics.contact.state import Moving
-from ..mechanics.contact.struck import Impact, struck
-from ..mechanics.friction import PARTS, Frictionless, has_parts
-from ..mechanics.operand import Vector, refill, times
+from ..mechanics.friction import PARTS, has_parts
+from ..mechanics.lines import unit_of
+from ..mechanics.operand import Vector, leaves, refill, times
 from ..problem import PRECISIONS, Problem
-from .driver import NO_ROWS, STATUSES, Driver
+from .driver import NO_ROWS, Driver
 from .expressions import Formulas
 from .status import Status
 from .tallies import ON_ZERO, SIGN
@@ -35,6 +31,7 @@ MOST_STEPS = 200_000
 UNSOLVED = "friction jams the contact within an impact, or is not finite: it has no solution"
 STIFF = "friction within an impact is too stiff to be followed"
 ENDLESS = "the impact of a patch did not end: one that hardly turns takes too many steps"
+ENDED, NON_FINITE, STALLED = Status.ENDED.code, Status.NON_FINITE.code, Status.STALLED.code
 ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
 
 
@@ -51,9 +48,8 @@ def formulas_of_impact(friction: Any, name: str, has_torques: bool) -> Formulas:
     """
     stage = motion.stages(friction)[name]
     touch = Touch(*(1.0,) * 6, friction._make(friction._fields))
-    template = motion.Blow(
-        *(1.0,) * 4, Mobility(*(1.0,) * 4), *(1.0,) * 6, Vector(1.0, 1.0, 1.0), touch
-    )
+    axis = Vector(1.0, 1.0, 1.0)
+    template = motion.Blow(*(1.0,) * 8, axis, axis, touch)
     none = {} if has_torques else {name: 0.0 for name in PARTS if name in friction._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
@@ -76,17 +72,70 @@ def driver_of(formulas: Formulas, precision: str, stop: threading.Event | None) 
     return (WideDriver if wide else Driver)(code, code.rows, pars, start, functions, 0.0)
 
 
-def piece_of(driver: Driver, q: Any, signs: list, zeros: list, end: Any, most: int) -> int:
-    """Follow a motion from q until its clock reaches `end` or an event happens, and return the
-    number of steps.
+class Pieces:
+    """Follows the pieces of motions, each with an integrator that is compiled once.
+
+    Parameters
+    ----------
+    law, has_torques, precision
+        As of `ImpactMotions`.
+    stop
+        Set it to give up while a motion is being compiled.
     """
-    known, none = driver.tallies.functions, driver.number(0)
-    known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
-    driver.begin()
-    driver.put([*q, *[none] * (driver.width - len(q))], (none, none))
-    driver.end_at(end)
-    driver.forget()
-    return driver.make(NO_ROWS, most)
+
+    def __init__(
+        self, law: Any, has_torques: bool, precision: str, stop: threading.Event | None = None
+    ):
+        self.given, self.precision, self.stop = (law, has_torques), precision, stop
+        self.stages = motion.stages(law)
+        self.drivers: dict[str, Driver] = {}
+
+    def driver(self, region: str) -> Driver:
+        """Return what executes the motion in a region."""
+        if region not in self.drivers:
+            law, has_torques = self.given
+            formulas = formulas_of_impact(law, region, has_torques)
+            self.drivers[region] = driver_of(formulas, self.precision, self.stop)
+        return self.drivers[region]
+
+    def __call__(
+        self, region: str, end: Any, most: int, signs: tuple, zeros: tuple, pars: tuple, q: Any
+    ) -> tuple:
+        """Follow a motion from q until its clock reaches `end` or an event happens.
+
+        Return the code of its status, the number of steps and of the event, -1 without one, and the
+        state.
+        """
+        driver = self.driver(region)
+        known, none = driver.tallies.functions, driver.number(0)
+        known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
+        driver.take(pars[: len(driver.motion.pars)])
+        driver.begin()
+        directed = motion.stages(self.given[0])[region].is_directed
+        driver.put(motion.directed(q) if directed else q, (none, none))
+        driver.end_at(end)
+        driver.forget()
+        steps, code = driver.make(NO_ROWS, int(most)), driver.status[0]
+        event = int(driver.log.event[driver.logged[0] - 1]) if code == ENDED else -1
+        after = motion.Motion(*driver.reached()[1][: len(q)].tolist())
+        return code, steps, event, motion.undirected(after) if directed else after
+
+
+class Impact(NamedTuple):
+    """An impact of a ball."""
+
+    after: Struck
+    mode: str  # "slip": it never stopped; "stick" or "reverse": what followed the stop
+    work_n: Any  # of the normal impulse [J]
+    work_t: Any  # of friction and torques [J]
+    compression: Any  # work of the normal impulse until v_n = 0 [J]
+
+    @property
+    def makes_energy(self) -> Any:
+        """Return whether it adds more than rounding does; only restitution = newton can, and that
+        is no model of an impact.
+        """
+        return self.work_n + self.work_t > 1e-12 * abs(self.compression)
 
 
 class ImpactMotions:
@@ -99,11 +148,11 @@ class ImpactMotions:
     has_torques
         Whether rolling resistance or a drilling torque acts besides the torque of a disc.
     restitution
-        As of `contact.struck.struck`.
+        One of `contact.restitution.RESTITUTIONS`.
     precision
         Of the numbers: "double", "longdouble" or "quad".
-    stop
-        Set it to give up while a motion is being compiled.
+    piece
+        What follows a motion: see `Pieces`; None: new ones.
     """
 
     def __init__(
@@ -112,81 +161,45 @@ class ImpactMotions:
         has_torques: bool,
         restitution: str,
         precision: str = "double",
-        stop: threading.Event | None = None,
+        piece: Any = None,
     ):
         self.law, self.has_torques, self.restitution = law, has_torques, restitution
-        self.precision, self.stop = precision, stop
-        self.number: Any = (
-            float if precision == "double" else PRECISIONS[precision]
-        )  # floats are faster than NumPy's
-        self.stages, self.drivers = motion.stages(law), dict[str, Driver]()
+        self.precision, self.stages = precision, motion.stages(law)
+        self.piece = Pieces(law, has_torques, precision) if piece is None else piece
 
-    def struck(
-        self, v: tuple, K: Mobility, s: Any, z: Any, L: Vector, b: Touch, e_n: Any
-    ) -> Impact:
-        """Return the impact of a contact that arrives with v = (v_e, v_2, v_n), v_n < 0.
-
-        Parameters
-        ----------
-        v, L
-            Velocity of the contact and angular momentum before it, along e, 2hat, zhat.
-        K, s, z
-            Mobility; sin(theta), cos(theta).
-        b
-            The body.
-        e_n
-            Coefficient of restitution.
+    def struck(self, x: Moving, b: Touch, e_n: Any) -> Impact:
+        """Return the impact of a ball whose lowest point moves down.
 
         Raises
         ------
         ArithmeticError
             If friction jams the contact, or is too stiff.
         """
-        number, none = self.number, 0 * v[2]
-        turn = (
-            b.friction.patch * angular_velocity(Vector(s, none, z), L, b).z
-            if self.law.regions
-            else none
-        )
-        speed, unit = number(unit_of(*v, turn)), number(unit_of(v[2]))
-        slip = v[0] / speed, v[1] / speed, turn / speed
-        rest = (
-            motion.RESTS_AT * ROUNDING[self.precision] * (abs(v[2]) / speed + sum(map(abs, slip)))
-        )
+        v, law = contact_velocity(x.u, x.L, x.velocity, b), self.law
+        none, turn = 0 * v.z, 0 * v.z
+        if law.regions:
+            turn = b.friction.patch * angular_velocity(x.u, x.L, b).z
+        speed, unit = none + unit_of(*v, turn), none + unit_of(v.z)
+        slip = v.x / speed, v.y / speed, turn / speed
+        rests_at = motion.STOPS_AT if law.set_valued else motion.RESTS_AT
+        rest = rests_at * ROUNDING[self.precision] * (abs(v.z) / speed + sum(map(abs, slip)))
         begins = 2 * rest
         if self.has_torques:
             begins = max(
-                begins, (motion.DISC_BEGINS_AT if self.law.regions else motion.BEGINS_AT) / speed
+                begins, (motion.DISC_BEGINS_AT if law.regions else motion.BEGINS_AT) / speed
             )
         self.b = motion.Blow(
-            none + 1, none, none, none, K, s, z, speed, unit / speed, rest, begins, L, b
+            none + 1, none, none, none, speed, unit / speed, rest, begins, x.u, x.L, b
         )
-        self.pars = [*self.b[:4], *K, *self.b[5:11], *L, *b[:6], *b.friction]
-        q = motion.Motion(*slip, v[2] / unit, *(none,) * 8)
-        self.mode, self.region, self.left = (
-            "slip",
-            motion.region_at(self.law, q, self.b),
-            MOST_STEPS,
-        )
+        q = motion.Motion(*slip, v.z / unit, *(none,) * 8)
+        self.mode, self.region, self.left = "slip", motion.region_at(law, q, self.b), MOST_STEPS
         q = pressed = self._followed(q)._replace(v_n=none)
         if e_n > 0:
-            q = self._restored(q, e_n, v[2] / unit)
-        turn = q.turn * speed / b.friction.patch if self.law.regions else none
-        twist = times(unit, Vector(q.t_e, q.t_2, q.t_n))
-        return Impact(
-            q.p_e * unit,
-            q.p_2 * unit,
-            q.p_n * unit,
-            q.v_e * speed,
-            q.v_2 * speed,
-            q.v_n * unit,
-            q.work_n * unit**2,
-            q.work_t * unit * speed,
-            pressed.work_n * unit**2,
-            self.mode,
-            twist,
-            turn,
-        )
+            q = self._restored(q, e_n, v.z / unit)
+        p, twist = Vector(q.p_x, q.p_y, q.p_n), Vector(q.t_x, q.t_y, q.t_n)
+        after = after_impact(x.u, x.L, x.velocity, times(unit, p), times(unit, twist), b)
+        works = unit**2 * q.work_n, unit * speed * q.work_t, unit**2 * pressed.work_n
+        return Impact(after, self.mode, *works)
 
     def _restored(self, q: Any, e_n: Any, v_n: Any) -> Any:
         """Return the motion at the end of restitution, from the end of compression."""
@@ -198,7 +211,6 @@ class ImpactMotions:
         if field == "work_n":  # it rises to zero: so a small one keeps its digits
             q = q._replace(work_n=e_n**2 * q.work_n)
         self.b = self.b._replace(**{"by_v_n": 0 * v_n, f"by_{field}": 0 * v_n + 1, "goal": goal})
-        self.pars[:4] = self.b[:4]
         return self._followed(q)._replace(**{field: end})
 
     def _followed(self, q: Any) -> Any:
@@ -217,16 +229,24 @@ class ImpactMotions:
             lift, growth = stage.slope(q, b)
             if not 0 < lift < np.inf:
                 raise ArithmeticError(UNSOLVED)
-            driver, steps = self._piece(stage, q, growth, passed, span if rests else LONGEST)
-            after, passed = motion.Motion(*driver.reached()[1][: len(q)].tolist()), ""
-            status = STATUSES[int(driver.status[0])]
+            signs = []
+            for event in stage.events:
+                is_beyond = event.name == passed if event.name in ("stops", "slowest") else False
+                grows = event.name == "slowest" and growth >= 0
+                signs.append(event.direction if is_beyond or grows else -event.direction)
+            zeros = tuple(-float(event.name == passed) for event in stage.events)
+            end = CLOCK_RATE * (span if rests else LONGEST)
+            status, steps, k, after = self.piece(
+                self.region, end, self.left, tuple(signs), zeros, tuple(leaves(b)), q
+            )
+            passed = ""
             self.left -= steps + 1
             if rests and motion.left(law, stage.acts(after, b), b) < 0:  # it gives way on the way
                 span /= 2
                 q = q if span > SHORTEST else self._slid(after, stage.acts(after, b))
                 continue
-            if status is Status.ENDED:
-                passed = stage.events[int(driver.log.event[driver.log.filled[0] - 1])].name
+            if status == ENDED:
+                passed = next(event.name for e, event in enumerate(stage.events) if k == e)
                 if passed == "reached":
                     return after
                 if passed in stage.follows:
@@ -236,9 +256,9 @@ class ImpactMotions:
                         for way in law.regions[self.region].borders
                         if way.follows == before
                     )
-            elif status is Status.NON_FINITE:
+            elif status == NON_FINITE:
                 raise ArithmeticError(UNSOLVED)
-            elif status is Status.STALLED and not self._slows(q, after):
+            elif status == STALLED and not self._slows(q, after):
                 break
             q = after
         raise ArithmeticError(ENDLESS if law.regions else STIFF)
@@ -253,30 +273,26 @@ class ImpactMotions:
     def _slid(self, q: Any, by: Any) -> Any:
         """Return the motion where friction can no longer hold the contact."""
         q = motion.slide(self.law, q, by, self.b)
-        self.region, self.mode = motion.region_at(self.law, q, self.b), "slip"
+        self.region = motion.region_at(self.law, q, self.b)
+        self.mode = "reverse" if self.law.set_valued else "slip"
         return q
 
-    def _piece(self, stage: Any, q: Any, growth: Any, passed: str, end: Any) -> tuple:
-        """Follow the motion until its clock reaches `end` or an event happens.
 
-        Return its driver and the number of steps.
-        """
-        if self.region not in self.drivers:
-            formulas = formulas_of_impact(self.law, self.region, self.has_torques)
-            self.drivers[self.region] = driver_of(formulas, self.precision, self.stop)
-        driver, signs = self.drivers[self.region], []
-        for event in stage.events:
-            is_beyond = event.name == passed if event.name in ("stops", "slowest") else False
-            grows = event.name == "slowest" and growth >= 0
-            signs.append(event.direction if is_beyond or grows else -event.direction)
-        zeros = [-float(event.name == passed) for event in stage.events]
-        driver.take(self.pars[: len(driver.motion.pars)])
-        return driver, piece_of(driver, q, signs, zeros, CLOCK_RATE * end, self.left)
+class Kind(NamedTuple):
+    """What the motions of impacts depend on besides their numbers."""
+
+    law: Any
+    has_torques: bool
+    restitution: str
+    precision: str
+
+    def struck(self, piece: Callable, x: Moving, b: Touch, e_n: Any) -> Impact:
+        """Return the impact of a ball."""
+        return ImpactMotions(*self, piece).struck(x, b, e_n)
 
 
 class Impacts:
-    """What `world` has of impacts: in closed form and by series under Coulomb's law without
-    torques, or as motions.
+    """The impacts of a run.
 
     Parameters
     ----------
@@ -290,21 +306,7 @@ class Impacts:
 
     def __init__(self, problem: Problem, friction: Any, stop: threading.Event | None = None):
         rules: Any = problem.contact
-        law: Any = type(friction)
-        has_torques = has_parts(friction)
-        self.restitution = rules.restitution
-        self.is_closed = (law.set_valued or law is Frictionless) and not has_torques
-        self.motions = ImpactMotions(law, has_torques, rules.restitution, problem.precision, stop)
-
-    def struck(self, x: Moving, b: Touch, e_n: Any) -> tuple[Vector, Impact, Struck]:
-        """Return the velocity of the lowest point of a ball before its impact, the impact, and the
-        body after it.
-        """
-        a = arrival(x.u, x.L, x.velocity, b)
-        v, L = (a.along, a.sideways, a.v.z), to_frame(a.e, x.L)
-        if self.is_closed:
-            impact = struck(*v, a.K, getattr(b.friction, "mu", 0 * b.m), e_n, self.restitution)
-        else:
-            impact = self.motions.struck(v, a.K, a.s, x.u.z, L, b, e_n)
-        p = Vector(*impact[:3])
-        return a.v, impact, after_impact(x.u, x.L, x.velocity, a, p, impact.twist, b)
+        law, has_torques, precision = type(friction), has_parts(friction), problem.precision
+        self.kind = Kind(law, has_torques, rules.restitution, precision)
+        self.piece = Pieces(law, has_torques, precision, stop)
+        self.struck = partial(self.kind.struck, self.piece)

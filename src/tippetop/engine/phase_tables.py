@@ -1,6 +1,6 @@
 """Tables of the phases of a run and of occurrences between them: groups of its store."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,29 +23,21 @@ class PhaseTables:
     """
 
     def __init__(self, problem: Problem):
-        self.tables = problem.system.tables
+        self.tables, self.scales = problem.system.tables, problem.scales
         self.second = float(problem.scales.of(SECOND))
-        self.factors = {
-            name: [
-                None if isinstance(kind, tuple) else float(problem.scales.of(kind))
-                for kind in kinds.values()
-            ]
-            for name, kinds in self.tables.items()
-        }
         self.under_way: list[Any] | None = None
-        self.rows: dict[str, list[list[Any]]] = {name: [] for name in self.tables}
+        self.rows: dict[str, list[Sequence[Any]]] = {name: [] for name in self.tables}
+        self.numbers: dict[tuple[str, str], list[Any]] = {}  # of a phase and a cause
 
     def begin(self, name: str, phase: Phase, time: float, cause: str) -> None:
         """Begin a phase of this name at an internal time."""
         self.end(time)
-        if "phases" not in self.tables:
-            return
-        words = self.tables["phases"]
-        row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
-        numbers = [
-            words[key].index(row[key]) if isinstance(row[key], str) else row[key] for key in words
-        ]
-        self.under_way = [time * self.second, *numbers]
+        words = self.tables.get("phases")
+        if words and (name, cause) not in self.numbers:
+            row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
+            self.numbers[name, cause] = [_number(row[key], words[key]) for key in words]
+        if words:
+            self.under_way = [time * self.second, *self.numbers[name, cause]]
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""
@@ -54,25 +46,23 @@ class PhaseTables:
             self.rows["phases"].append([start, time * self.second, *rest])
             self.under_way = None
 
-    def add(self, time: float, rows: Mapping[str, tuple]) -> None:
+    def add(self, time: float, rows: Sequence[tuple[str, tuple]]) -> None:
         """Add rows of other tables at an internal time."""
-        for name, some in rows.items():
-            kinds = self.tables[name].values()
-            for row in some:
-                values = [
-                    value * factor
-                    if factor is not None
-                    else kind.index(value)
-                    if isinstance(value, str)
-                    else value
-                    for value, factor, kind in zip(row, self.factors[name], kinds, strict=True)
-                ]
-                self.rows[name].append([time * self.second, *values])
+        for name, some in rows:
+            self.rows[name] += [(time * self.second, *row) for row in some]
 
     def take(self) -> dict[str, Table]:
         """Return the rows that came since the last call, by table."""
         rows, self.rows = self.rows, {name: [] for name in self.tables}
-        return {name: as_table(name, self.tables[name], some) for name, some in rows.items()}
+        return {
+            name: as_table(name, kinds, rows[name], self.scales)
+            for name, kinds in self.tables.items()
+        }
+
+
+def _number(value: Any, words: Any) -> Any:
+    """Return the place of a word; a number as it is."""
+    return words.index(value) if isinstance(value, str) else value
 
 
 def columns_of(name: str, kinds: Mapping[str, Any]) -> tuple[str, ...]:
@@ -80,11 +70,16 @@ def columns_of(name: str, kinds: Mapping[str, Any]) -> tuple[str, ...]:
     return (*(("start", "end") if name == "phases" else ("time",)), *kinds)
 
 
-def as_table(name: str, kinds: Mapping[str, Any], rows: list[list[Any]]) -> Table:
-    """Return rows as columns."""
-    return {
-        column: np.array(
-            [row[k] for row in rows], np.int8 if isinstance(kinds.get(column), tuple) else float
-        )
-        for k, column in enumerate(columns_of(name, kinds))
-    }
+def as_table(
+    name: str, kinds: Mapping[str, Any], rows: Sequence[Sequence[Any]], scales: Any = None
+) -> Table:
+    """Return rows, in internal units but for times, as columns in SI; words as their places."""
+    table = {}
+    for k, column in enumerate(columns_of(name, kinds)):
+        values, kind = [row[k] for row in rows], kinds.get(column)
+        if isinstance(kind, tuple):
+            table[column] = np.array([_number(value, kind) for value in values], np.int8)
+        else:
+            unit = float(scales.of(kind)) if kind and rows else 1.0
+            table[column] = (np.array(values) * unit).astype(float)
+    return table

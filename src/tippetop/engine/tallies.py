@@ -193,7 +193,7 @@ class PassageLog(NamedTuple):
 def new_log(length: int, variables: int) -> PassageLog:
     """Return an empty log with room for `length` passages."""
     event, sign = np.zeros((2, length), np.int64)
-    at_pole, states = np.zeros(length, np.bool_), np.zeros((length, variables))
+    at_pole, states = np.zeros(length, np.bool_), np.empty((length, variables))
     return PassageLog(np.zeros(1, np.int64), np.zeros(length), event, sign, at_pole, states)
 
 
@@ -209,4 +209,4 @@ class Samples(NamedTuple):
 def new_samples(length: int, variables: int, lanes: int = 1) -> Samples:
     """Return empty samples with room for `length` states."""
     filled, in_lane, top = (np.zeros(n, np.int64) for n in (1, lanes, length))
-    return Samples(filled, in_lane, top, np.zeros((length, variables)))
+    return Samples(filled, in_lane, top, np.empty((length, variables)))

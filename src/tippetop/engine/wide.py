@@ -34,9 +34,12 @@ class WideSteps(Called):
     """
 
     end: Any = None  # internal time of the end of the run
-    samples: list[np.ndarray]
-    times: list[Any]  # of the log, and states there
-    states: list[np.ndarray]
+
+    def __init__(self, integrator: Any):
+        super().__init__(integrator)
+        # the samples; times of the log, and states there
+        self.kept: tuple[list, list, list] = [], [], []
+        self.samples, self.times, self.states = self.kept
 
     def begin(self) -> None:
         """Forget the rows that were kept."""
@@ -123,22 +126,30 @@ class WideDriver(Driver):
             self.stepper.follow()
         return steps
 
-    def _states(self, rows: Rows, first: int) -> np.ndarray:
+    def states_of(self, rows: Rows, first: int) -> np.ndarray:
         return np.array(self.stepper.rows)[:, : self.variables]
 
     def forget(self) -> None:
         super().forget()
-        self.stepper.samples, self.stepper.times, self.stepper.states = [], [], []
+        for kept in self.stepper.kept:
+            kept.clear()
+
+    def share(self, other: Driver) -> None:
+        """Keep what happens where another phase of the run keeps it."""
+        mine, theirs = self.stepper, cast(WideDriver, other).stepper
+        mine.kept = mine.samples, mine.times, mine.states = theirs.kept
+
+    def _wide(self, states: list[np.ndarray]) -> np.ndarray:
+        """Return states as wide as the widest phase."""
+        width = self.log.states.shape[1]
+        return np.array([np.resize(one, width) for one in states], self.number).reshape(-1, width)
 
     def sampled(self) -> np.ndarray:
-        return np.array(self.stepper.samples, self.number).reshape(-1, len(self.state))
+        return self._wide(self.stepper.samples)
 
     def passages(self) -> Passages:
-        times, states = (
-            np.array(kept, self.number) for kept in (self.stepper.times, self.stepper.states)
-        )
-        states = states.reshape(len(times), len(self.state))
-        return super().passages()._replace(times=times, states=states[:, : self.variables])
+        times = np.array(self.stepper.times, self.number)
+        return super().passages()._replace(times=times, states=self._wide(self.stepper.states))
 
     def drop(self) -> None:
         super().drop()
@@ -148,7 +159,7 @@ class WideDriver(Driver):
     def note(self, time: Any, number: int, sign: int, state: np.ndarray) -> None:
         super().note(float(time), number, sign, state.astype(float))
         self.stepper.times.append(time)
-        self.stepper.states.append(np.concatenate([state, self.state[len(state) :]]))
+        self.stepper.states.append(state)
 
     def reached(self) -> tuple[Any, np.ndarray]:
         within = self.upto[0] < 1.0
@@ -168,7 +179,8 @@ class WideDriver(Driver):
     def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
         """Put state and time in place."""
         ta = self.stepper.integrator
-        ta.state[:], ta.dtime = state, clock
+        ta.state[:] = 0
+        ta.state[: len(state)], ta.dtime = state, clock
 
     def end_at(self, end: Any) -> None:
         """Put the end of the run at an internal time."""

@@ -73,9 +73,10 @@ def axes_of(
     attrs = with_records(attrs) | {"handed_over": handed_over(groups)}
     given: Any = (groups["trajectory"], groups["events"], attrs)
     if kind == "film":
-        from ..runs.shape import with_shape
+        from ..runs import shape as bodies
 
-        given = with_shape(*given)
+        body = bodies.shape(attrs) | {"axes": bodies.rotation}
+        given = groups["trajectory"], attrs, body
     elif chosen.in_landscape:
         from ..landscape import along_run
 

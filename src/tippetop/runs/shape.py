@@ -94,13 +94,6 @@ def sizes(b: Touch, *, heavy: bool) -> tuple[Any, ...]:
     return b.c, b.R, b.m * b.g, size * across, size * along
 
 
-def with_shape(
-    trajectory: Any, events: Any, attrs: dict[str, Any]
-) -> tuple[Any, dict[str, Any], dict[str, Any]]:
-    """Return rows, attributes and body of a film strip, with the function of the body's axes."""
-    return trajectory, attrs, shape(attrs) | {"axes": axes_of}
-
-
-def axes_of(quaternion: np.ndarray) -> np.ndarray:
+def rotation(quaternion: np.ndarray) -> np.ndarray:
     """Return the rotation matrix of a unit quaternion: its columns are the axes of the body."""
     return np.array(axes(Quaternion(*quaternion))).T
