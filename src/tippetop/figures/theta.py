@@ -33,7 +33,9 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     colours = ink()
     inclined = "inclination" in trajectory["theta"].attrs.get("long_name", "inclination")
     for when, bottom, top in pieces:
-        ax.fill_between(when, bottom, top, color=colours.upper, alpha=0.22, lw=0, label="nutational band")
+        ax.fill_between(
+            when, bottom, top, color=colours.upper, alpha=0.22, lw=0, label="nutational band"
+        )
     ax.plot(*thinned(t, angle), color=colours.run, lw=0.7, label="θ(t)")
     size = 5 if len(low[0]) + len(high[0]) < 1000 else 1.5
     for (when, where), color, name in (
