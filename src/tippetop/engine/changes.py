@@ -51,9 +51,9 @@ class Changes:
         if number in self.known or exit not in run.numbers or jump.calls < PATIENCE:
             return
         self.known[number] = None
-        state, whole, left, signs, piece, body = given
+        state, whole, left, piece, body = given
         state += (0.0,) * (track.driver.width - len(state))
-        numbers = state, whole, (left,), signs, body
+        numbers = state, whole, (left,), tuple(run.signs.tolist()), body
         if not hasattr(jump, "program"):
             jump.program = self._traced(jump, numbers, piece)
         if jump.program is None:
@@ -98,18 +98,24 @@ class Changes:
 
         state, whole, (left,), signs, body = program.inputs
         try:
-            begun = jump(state, whole, left, signs, followed, body)
+            begun = jump(state, whole, left, followed, body)
         except Exception:  # whatever a jump does that is no line
             return None
-        n, (delay, logged_after, lasts) = begun.n, begun.times
-        rows = [one for one in leaves(begun.rows) if isinstance(one, Number | float)]
-        is_plain = begun.keeps and (delay, logged_after) == (0, 0) and n.series is None
-        to = self.run.track_of(n.phase)
-        is_plain = is_plain and len(n.logged) == 1 and len(rows) <= NUMBERS
-        if not is_plain or n.logged[0] in self.run.lasting:
+        n, to = begun.n, self.run.track_of(begun.n.phase)
+        rows = [one for one in leaves(tuple(n.rows.values())) if isinstance(one, Number | float)]
+        goes_on = [(k, v) for k, v in zip(to.numbers, begun.values, strict=True) if k in to.live]
+        is_plain = (
+            (n.ends, n.delay, n.logged_after, n.series) == ("", 0, 0, None)
+            and len(n.logged) == 1
+            and n.logged[0] not in self.run.lasting
+            and len(rows) <= NUMBERS
+            and to.live <= self.run.track.live
+            and all((value > 0) == (signs[k] > 0) for k, value in goes_on)
+        )
+        if not is_plain:
             return None
         pad, none = [0.0] * (to.driver.width - len(begun.state)), [0.0] * (NUMBERS - len(rows))
-        lasts = math.nan if lasts is None else lasts
+        lasts = math.nan if n.lasts is None else n.lasts
         results = *begun.state, *pad, *begun.whole, lasts, *rows, *none
         program.joined(results)
         return begun, regions, program.code(), program.constants, len(results)
@@ -129,7 +135,8 @@ class Changes:
         at = 5 + len(self.run.whole)
         for row in self.loop.taken():
             begun, exit, to = self.known[int(row[1])]
-            rows = _with(begun.rows, iter(row[at + 1 :]))
+            numbers = iter(row[at + 1 :])
+            rows = {name: _with(some, numbers) for name, some in begun.n.rows.items()}
             yield row[0], begun.n, exit, to, row[2:5], tuple(row[5:at]), rows
 
 
