@@ -47,7 +47,8 @@ class Changes:
         """
         run, track = self.run, self.run.track
         jump, number = track.exits[exit], track.place * self.events + run.numbers.get(exit, -1)
-        if number in self.known or exit not in run.numbers or track.sampler:
+        is_sampled = track.sampler or track.driver.is_called  # Python makes its steps
+        if number in self.known or exit not in run.numbers or is_sampled:
             return
         state, whole, left, piece, body = given
         state += (0.0,) * (track.driver.width - len(state))
