@@ -3,9 +3,16 @@
 import json
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+
+from tippetop.engine.impacts import ImpactMotions
+from tippetop.mechanics.contact.body import angular_velocity, centre_velocity
+from tippetop.mechanics.contact.state import Moving
+from tippetop.mechanics.friction import named
+from tippetop.mechanics.operand import Vector
 
 
 NAMES = {"thetadot": "theta_dot", "phidot": "phi_dot"}  # of the reference, and ours
@@ -88,3 +95,49 @@ def table_of(solution: Any, name: str) -> dict[str, np.ndarray]:
     """A table of a run, which came in parts, slice by slice."""
     parts = solution.others[name]
     return {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+
+
+def mobility(s: Any, z: Any, b: Any) -> SimpleNamespace:
+    """What impulses along e, 2hat, zhat add to the velocity of the contact."""
+    H, lever = b.R - b.c * z, b.c * s
+    return SimpleNamespace(
+        ee=1 / b.m + H**2 / b.I1,
+        zz=1 / b.m + lever**2 / b.I1,
+        ez=lever * H / b.I1,
+        tt=1 / b.m + (b.c - b.R * z) ** 2 / b.I1 + (b.R * s) ** 2 / b.I3,
+    )
+
+
+_motions: dict[tuple, ImpactMotions] = {}
+
+
+def struck(
+    v: Any,
+    s: Any,
+    z: Any,
+    b: Any,
+    e_n: Any = 0.0,
+    restitution: str = "energetic",
+    Omega_z: Any = 0.0,
+    precision: str = "double",
+) -> SimpleNamespace:
+    """The impact of a body that arrives with v = (v_e, v_2, v_n) and turns about the vertical, and
+    whose axis lies in the x-z plane."""
+    key = type(b.friction), restitution, precision
+    if key not in _motions:
+        _motions[key] = ImpactMotions(named(key[0]), False, restitution, precision)
+    if precision == "double":
+        s, z, *v = map(float, (s, z, *v))
+    none = 0 * s
+    along = (b.I3 - b.I1) * (Omega_z * z)
+    u, L = Vector(s, none, z), Vector(along * s, none, along * z + b.I1 * Omega_z)
+    made = _motions[key].struck(Moving(u, L, centre_velocity(u, L, Vector(*v), b), none), b, e_n)
+    after = made.after
+    return SimpleNamespace(
+        **made._asdict(),
+        **dict(zip(("v_e", "v_2", "v_n", "p_e", "p_2", "p_z"), (*after.v, *after.p), strict=True)),
+        energy=made.work_n + made.work_t,
+        twist=after.twist,
+        Omega_z=angular_velocity(u, after.L, b).z,
+        makes_energy=made.makes_energy,
+    )

@@ -1,7 +1,5 @@
-"""Impacts of a run: under a law that is smooth in the sliding velocity as motions, others in closed
-form and by series.
-
-A motion is executed like any other, in the precision of the run, and compiled once for a law.
+"""Impacts of a run, as motions: executed like any other, in the precision of the run, and compiled
+once for a law.
 """
 
 import threading
@@ -12,13 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..mechanics.contact import impact_motion as motion
-from ..mechanics.contact.body import Touch, angular_velocity
-from ..mechanics.contact.impact import Struck, after_impact, arrival, to_frame
-from ..mechanics.contact.impact_motion import CLOCK_RATE
-from ..mechanics.contact.response import Mobility
+from ..mechanics.contact.body import Touch, angular_velocity, contact_velocity
+from ..mechanics.contact.impact_motion import CLOCK_RATE, Struck, after_impact
 from ..mechanics.contact.state import Moving
-from ..mechanics.contact.struck import Impact, struck
-from ..mechanics.friction import PARTS, Frictionless, has_parts
+from ..mechanics.friction import PARTS, has_parts
 from ..mechanics.lines import unit_of
 from ..mechanics.operand import Vector, leaves, refill, times
 from ..problem import PRECISIONS, Problem
@@ -53,9 +48,8 @@ def formulas_of_impact(friction: Any, name: str, has_torques: bool) -> Formulas:
     """
     stage = motion.stages(friction)[name]
     touch = Touch(*(1.0,) * 6, friction._make(friction._fields))
-    template = motion.Blow(
-        *(1.0,) * 4, Mobility(*(1.0,) * 4), *(1.0,) * 6, Vector(1.0, 1.0, 1.0), touch
-    )
+    axis = Vector(1.0, 1.0, 1.0)
+    template = motion.Blow(*(1.0,) * 8, axis, axis, touch)
     none = {} if has_torques else {name: 0.0 for name in PARTS if name in friction._fields}
 
     def functions(q: Any, carried: Any, b: Any) -> list:
@@ -117,12 +111,31 @@ class Pieces:
         known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
         driver.take(pars[: len(driver.motion.pars)])
         driver.begin()
-        driver.put(q, (none, none))
+        directed = motion.stages(self.given[0])[region].is_directed
+        driver.put(motion.directed(q) if directed else q, (none, none))
         driver.end_at(end)
         driver.forget()
         steps, code = driver.make(NO_ROWS, int(most)), driver.status[0]
         event = int(driver.log.event[driver.logged[0] - 1]) if code == ENDED else -1
-        return code, steps, event, motion.Motion(*driver.reached()[1][: len(q)].tolist())
+        after = motion.Motion(*driver.reached()[1][: len(q)].tolist())
+        return code, steps, event, motion.undirected(after) if directed else after
+
+
+class Impact(NamedTuple):
+    """An impact of a ball."""
+
+    after: Struck
+    mode: str  # "slip": it never stopped; "stick" or "reverse": what followed the stop
+    work_n: Any  # of the normal impulse [J]
+    work_t: Any  # of friction and torques [J]
+    compression: Any  # work of the normal impulse until v_n = 0 [J]
+
+    @property
+    def makes_energy(self) -> Any:
+        """Return whether it adds more than rounding does; only restitution = newton can, and that
+        is no model of an impact.
+        """
+        return self.work_n + self.work_t > 1e-12 * abs(self.compression)
 
 
 class ImpactMotions:
@@ -135,7 +148,7 @@ class ImpactMotions:
     has_torques
         Whether rolling resistance or a drilling torque acts besides the torque of a disc.
     restitution
-        As of `contact.struck.struck`.
+        One of `contact.restitution.RESTITUTIONS`.
     precision
         Of the numbers: "double", "longdouble" or "quad".
     piece
@@ -154,71 +167,39 @@ class ImpactMotions:
         self.precision, self.stages = precision, motion.stages(law)
         self.piece = Pieces(law, has_torques, precision) if piece is None else piece
 
-    def struck(
-        self, v: tuple, K: Mobility, s: Any, z: Any, L: Vector, b: Touch, e_n: Any
-    ) -> Impact:
-        """Return the impact of a contact that arrives with v = (v_e, v_2, v_n), v_n < 0.
-
-        Parameters
-        ----------
-        v, L
-            Velocity of the contact and angular momentum before it, along e, 2hat, zhat.
-        K, s, z
-            Mobility; sin(theta), cos(theta).
-        b
-            The body.
-        e_n
-            Coefficient of restitution.
+    def struck(self, x: Moving, b: Touch, e_n: Any) -> Impact:
+        """Return the impact of a ball whose lowest point moves down.
 
         Raises
         ------
         ArithmeticError
             If friction jams the contact, or is too stiff.
         """
-        none = 0 * v[2]
-        turn = (
-            b.friction.patch * angular_velocity(Vector(s, none, z), L, b).z
-            if self.law.regions
-            else none
-        )
-        speed, unit = none + unit_of(*v, turn), none + unit_of(v[2])
-        slip = v[0] / speed, v[1] / speed, turn / speed
-        rest = (
-            motion.RESTS_AT * ROUNDING[self.precision] * (abs(v[2]) / speed + sum(map(abs, slip)))
-        )
+        v, law = contact_velocity(x.u, x.L, x.velocity, b), self.law
+        none, turn = 0 * v.z, 0 * v.z
+        if law.regions:
+            turn = b.friction.patch * angular_velocity(x.u, x.L, b).z
+        speed, unit = none + unit_of(*v, turn), none + unit_of(v.z)
+        slip = v.x / speed, v.y / speed, turn / speed
+        rests_at = motion.STOPS_AT if law.set_valued else motion.RESTS_AT
+        rest = rests_at * ROUNDING[self.precision] * (abs(v.z) / speed + sum(map(abs, slip)))
         begins = 2 * rest
         if self.has_torques:
             begins = max(
-                begins, (motion.DISC_BEGINS_AT if self.law.regions else motion.BEGINS_AT) / speed
+                begins, (motion.DISC_BEGINS_AT if law.regions else motion.BEGINS_AT) / speed
             )
         self.b = motion.Blow(
-            none + 1, none, none, none, K, s, z, speed, unit / speed, rest, begins, L, b
+            none + 1, none, none, none, speed, unit / speed, rest, begins, x.u, x.L, b
         )
-        q = motion.Motion(*slip, v[2] / unit, *(none,) * 8)
-        self.mode, self.region, self.left = (
-            "slip",
-            motion.region_at(self.law, q, self.b),
-            MOST_STEPS,
-        )
+        q = motion.Motion(*slip, v.z / unit, *(none,) * 8)
+        self.mode, self.region, self.left = "slip", motion.region_at(law, q, self.b), MOST_STEPS
         q = pressed = self._followed(q)._replace(v_n=none)
         if e_n > 0:
-            q = self._restored(q, e_n, v[2] / unit)
-        turn = q.turn * speed / b.friction.patch if self.law.regions else none
-        twist = times(unit, Vector(q.t_e, q.t_2, q.t_n))
-        return Impact(
-            q.p_e * unit,
-            q.p_2 * unit,
-            q.p_n * unit,
-            q.v_e * speed,
-            q.v_2 * speed,
-            q.v_n * unit,
-            q.work_n * unit**2,
-            q.work_t * unit * speed,
-            pressed.work_n * unit**2,
-            self.mode,
-            twist,
-            turn,
-        )
+            q = self._restored(q, e_n, v.z / unit)
+        p, twist = Vector(q.p_x, q.p_y, q.p_n), Vector(q.t_x, q.t_y, q.t_n)
+        after = after_impact(x.u, x.L, x.velocity, times(unit, p), times(unit, twist), b)
+        works = unit**2 * q.work_n, unit * speed * q.work_t, unit**2 * pressed.work_n
+        return Impact(after, self.mode, *works)
 
     def _restored(self, q: Any, e_n: Any, v_n: Any) -> Any:
         """Return the motion at the end of restitution, from the end of compression."""
@@ -292,7 +273,8 @@ class ImpactMotions:
     def _slid(self, q: Any, by: Any) -> Any:
         """Return the motion where friction can no longer hold the contact."""
         q = motion.slide(self.law, q, by, self.b)
-        self.region, self.mode = motion.region_at(self.law, q, self.b), "slip"
+        self.region = motion.region_at(self.law, q, self.b)
+        self.mode = "reverse" if self.law.set_valued else "slip"
         return q
 
 
@@ -304,23 +286,9 @@ class Kind(NamedTuple):
     restitution: str
     precision: str
 
-    def struck(
-        self, piece: Callable, x: Moving, b: Touch, e_n: Any
-    ) -> tuple[Vector, Impact, Struck]:
-        """Return the velocity of the lowest point of a ball before its impact, the impact, and the
-        body after it.
-
-        In closed form and by series under Coulomb's law without torques, otherwise as a motion.
-        """
-        a = arrival(x.u, x.L, x.velocity, b)
-        v, L = (a.along, a.sideways, a.v.z), to_frame(a.e, x.L)
-        if (self.law.set_valued or self.law is Frictionless) and not self.has_torques:
-            mu = getattr(b.friction, "mu", 0 * b.m)
-            impact = struck(*v, a.K, mu, e_n, self.restitution)
-        else:
-            impact = ImpactMotions(*self, piece).struck(v, a.K, a.s, x.u.z, L, b, e_n)
-        p = Vector(*impact[:3])
-        return a.v, impact, after_impact(x.u, x.L, x.velocity, a, p, impact.twist, b)
+    def struck(self, piece: Callable, x: Moving, b: Touch, e_n: Any) -> Impact:
+        """Return the impact of a ball."""
+        return ImpactMotions(*self, piece).struck(x, b, e_n)
 
 
 class Impacts:

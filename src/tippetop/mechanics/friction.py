@@ -76,12 +76,9 @@ def has_parts(law: Any) -> bool:
     return any(np.any(getattr(law, name, 0.0)) for name in PARTS)
 
 
-def load(omega: Vector, law: Any) -> Vector | None:
-    """Return the torque of a law without regions per normal force, (3,) [m].
-
-    Return None for a law without parts.
-    """
-    return torque_of_parts(None, omega, law) if "mu_d" in law._fields else None
+def load(omega: Vector, law: Any) -> Vector:
+    """Return the torque of a law without regions per normal force, (3,) [m]."""
+    return torque_of_parts(None, omega, law) if "mu_d" in law._fields else Vector(0.0, 0.0, 0.0)
 
 
 class FrictionLaw(Record, abstract=True):
@@ -402,11 +399,6 @@ def is_frictionless(law: Any) -> bool:
 def nowhere_vanishes(law: Any) -> bool:
     """Return whether k > 0 wherever on the body the contact lies, at rest and in fast sliding."""
     return all(k > 0 for k in _coefficients(law, REST2, FAST2))
-
-
-def is_linear(law: Any) -> bool:
-    """Return whether k depends neither on the sliding speed nor on the place of the contact."""
-    return len(set(map(float, _coefficients(law, REST2, FAST2)))) == 1
 
 
 def add(law: type[FrictionLaw]) -> None:

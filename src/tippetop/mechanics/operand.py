@@ -64,18 +64,8 @@ def _lift(name: str) -> Callable:
     return lifted
 
 
-sqrt, sin, cos, exp, atan2 = _lift("sqrt"), _lift("sin"), _lift("cos"), _lift("exp"), _lift("atan2")
-
-
-def rounding(x: Any) -> float:
-    """Return the machine precision of the type of a number.
-
-    Known are double, 80-bit and heyoka's 128-bit numbers, and those of mpmath.
-    """
-    context = getattr(x, "context", None)  # of mpmath
-    if context is not None:
-        return float(context.eps)
-    return float(np.finfo(type(x)).eps) if isinstance(x, float | np.floating) else 2.0**-112
+sqrt, sin, cos = _lift("sqrt"), _lift("sin"), _lift("cos")
+exp, log, atan2 = _lift("exp"), _lift("log"), _lift("atan2")
 
 
 def product_error(x: Operand, y: Operand) -> Operand:
@@ -248,7 +238,7 @@ def teach_numba() -> None:
         return lambda x, y: fma(x, y, -(x * y))  # type: ignore[call-arg]
 
     _teach = teach
-    for lifted in (sqrt, sin, cos, exp, atan2):
+    for lifted in (sqrt, sin, cos, exp, log, atan2):
         teach_lifted(lifted)
     for function in _untaught:
         teach(function)

@@ -9,8 +9,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import PydanticCustomError
 
-from ..mechanics.contact.restitution import CONTACT, STEM
-from ..mechanics.contact.struck import RESTITUTIONS
+from ..mechanics.contact.restitution import CONTACT, RESTITUTIONS, STEM
 from ..mechanics.system import Number, System
 from ..problem import AUTO
 from ..problem.options import HINTS, OPTIONS

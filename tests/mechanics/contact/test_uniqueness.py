@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from touching import mobility
 
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.contact.response import mobility
 from tippetop.mechanics.contact.uniqueness import painleve_bound
 
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from ..disc_friction import drag
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from .body import angular_velocity, arm, axis_rate, contact_velocity
-from .response import bias_vector, other_mobility_inverse_times, spin_mobility, torque_acceleration
+from .response import bias_vector, other_mobility_inverse_times, torque_acceleration
 
 
 class Turning(NamedTuple):
@@ -35,11 +35,11 @@ class Held(NamedTuple):
 @formula
 def turning(u, b):
     """k, t, k_zz; t is along zhat x 3hat."""
-    more = (1 / b.I3 - 1 / b.I1) * u.z
+    more = 1 / b.I3 - 1 / b.I1
     own = (u.x * u.x + u.y * u.y) / b.I1 + u.z * u.z / b.I3  # regular at the poles
-    lever = spin_mobility(1, u.z, b).across
-    turn = Vector(more * u.x, more * u.y, own)
-    excess = b.R**2 * (1 / b.I3 - 1 / b.I1) - lever**2 / own
+    lever = b.c / b.I1 + b.R * u.z * more
+    turn = Vector(more * u.z * u.x, more * u.z * u.y, own)
+    excess = b.R**2 * more - lever**2 / own
     return Turning(turn, Vector(-(lever * u.y), lever * u.x, 0 * u.z), own, excess)
 
 

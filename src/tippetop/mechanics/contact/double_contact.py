@@ -12,30 +12,20 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ..disc_friction import Region
-from ..event import Event
 from ..form import Phase
 from ..operand import Operand, Vector, cross, dot, plus, times
 from ..units import METRE_PER_SECOND
 from .body import Touch, angular_velocity, arm, arm_velocity, height, seen_from_other
 from .gliding.vector import axis, axis_rate, momentum
-from .single_contact import (
-    Speeds,
-    borders,
-    disc_friction,
-    ending,
-    force_of,
-    patch_speed2,
-    phase_of,
-    smooth_friction,
-)
+from .single_contact import borders, disc_friction, ending, force_of, phase_of, smooth_friction
 from .state import Moving, Reaction, gained, state
 
 
 STATE = state(rx_dot=METRE_PER_SECOND, ry_dot=METRE_PER_SECOND)
 """Horizontal velocity of the centre of mass."""
 
-Scalars: Any = namedtuple("Scalars", "z force stem_force v2 stem_v2 U2")
-"""Normal forces of sphere and stem, |v|^2 of their lowest points, (patch Omega_z)^2."""
+Scalars: Any = namedtuple("Scalars", "z force stem_force by stem")
+"""Normal forces of sphere and stem, and what the plane does to each."""
 
 
 class Side(NamedTuple):
@@ -45,6 +35,7 @@ class Side(NamedTuple):
     force: Vector
     torque: Vector
     velocity: Vector
+    omega: Vector
     turn: Vector  # torque of both about the centre of mass
     lean: Operand  # (L' x 3hat)_z that it gives
     N: Operand = 0  # normal force
@@ -82,16 +73,6 @@ LEAVES = (
 )
 
 
-def of_stem(event: Event) -> Event:
-    """Return an end of a region, of the stem's contact."""
-    return ending(
-        f"stem-{event.name}",
-        event.long_name,
-        lambda s, b: event.formula(Speeds(s.stem_v2, s.U2), b),
-        event.direction,
-    )
-
-
 class Double(NamedTuple):
     """A phase on both balls, and its contacts."""
 
@@ -115,7 +96,7 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
                 push, twist = smooth_friction(omega, v, x.u.z, ball)
             force = Vector(-push.x, -push.y, 1 + none)
             turn = plus(cross(a, force), twist)
-            sides.append(Side(a, force, twist, v, turn, turn.x * x.u.y - turn.y * x.u.x))
+            sides.append(Side(a, force, twist, v, omega, turn, turn.x * x.u.y - turn.y * x.u.x))
         return sides
 
     def pair(q, b):
@@ -124,10 +105,7 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
 
     def scalars(q, b):
         one, two = pair(q, b)
-        v2, stem_v2 = dot(one.velocity, one.velocity), dot(two.velocity, two.velocity)
-        omega = angular_velocity(axis(q), momentum(q), b)
-        U2 = patch_speed2(omega, b) if regions else 0 * q.uz
-        return Scalars(q.uz, one.N, two.N, v2, stem_v2, U2)
+        return Scalars(q.uz, one.N, two.N, one, two)
 
     def rates(q, b):
         both = pair(q, b)
@@ -135,8 +113,9 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
         return type(STATE)(*axis_rate(q, b), *sum_of(both, "turn"), F.x / b.m, F.y / b.m)
 
     def power(q, b):
-        omega = angular_velocity(axis(q), momentum(q), b)
-        one, two = (-(s.N * (dot(s.force, s.velocity) + dot(s.torque, omega))) for s in pair(q, b))
+        one, two = (
+            -(s.N * (dot(s.force, s.velocity) + dot(s.torque, s.omega))) for s in pair(q, b)
+        )
         return one + two
 
     def reaction(q, b):
@@ -144,8 +123,7 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
         F = sum_of(both, "force")
         return Reaction(F, power(q, b) + dot(F, both[0].velocity))
 
-    ends = (*borders(regions[0]), *map(of_stem, borders(regions[1]))) if regions else ()
-    lost = {"jellett_lost": lambda q, b: jellett_lost(pair(q, b))} if torque else {}
+    ends = (*borders(regions[0]), *borders(regions[1], "stem", "stem-")) if regions else ()
     phase = phase_of(
         "both",
         STATE,
@@ -153,7 +131,7 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
         (rates, scalars, lambda x, b: type(STATE)(*x.u, *x.L, *x.velocity[:2]), leave, reaction),
         work=power,
         impulse=lambda q, b: b.m * b.g + 0 * q.uz,
-        **lost,
+        jellett_lost=lambda q, b: jellett_lost(pair(q, b)),
     )
     return Double(replace(phase, axis_stays=True), sides)
 

@@ -2,8 +2,7 @@
 the common state.
 
 `world` is that of `form.Exit`, of which `body` is the body seen from each ball; in addition it has
-landing(x, b, zeros), the time to the landing of a ball, and struck(x, b, e_n), the velocity of its
-lowest point, an impact and the body after it. [contact 2, 3, 4, 6]
+struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 """
 
 from collections.abc import Callable
@@ -17,13 +16,12 @@ from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from . import body as contact
 from .body import Touch
-from .coulomb import cone, slip_motion, sticking
+from .coulomb import cone, sticking
 from .disc_at_rest import Held, direction, impulses, jumped, margin, stopping, turning
 from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
-from .planar import signed_slide
 from .response import bias_vector, jumps, mobility_inverse_times
-from .single_contact import RESTS, STOPS_AT, directed, regions_of, rest_speed2
+from .single_contact import DIRECTED, DIRECTED_SLIP, RESTS, STOPS_AT, regions_of, rest_speed2
 from .state import LOST, Moving, gained
 
 
@@ -201,7 +199,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
     none = 0 * b.m
     x = x._replace(velocity=contact.centre_velocity(x.u, x.L, Vector(none, none, none), b))
     F = sticking(x.u, x.L, b)[0]
-    if F.z > 0 and cone(F.x, F.y, F.z, b.friction.mu) >= 0:
+    if F.z > 0 and cone(F, b) >= 0:
         return Next(phase_name("roll", ball), x, cause, zeros=zeros)
     beta = first_directions(lambda beta: pushed(x.u, x.L, beta, b))
     if not len(beta):
@@ -284,7 +282,8 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool
     plane, and whether the impact made energy. Raises ArithmeticError if it has no solution."""
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
-    v, impact, after = world.struck(x, b, e_n)
+    v, impact = point(x, b), world.struck(x, b, e_n)
+    after = impact.after
     x = gained(x, work=-after.gained, impulse=after.p.z)
     if any(after.twist):
         x = gained(x, jellett_lost=dot(after.twist, contact.arm(x.u, b)))
@@ -299,15 +298,17 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool
 # --- slides that begin and end ------------------------------------------------------------------
 
 
-def along(beta: Any) -> Vector:
-    """Return a horizontal unit vector."""
-    return Vector(np.cos(beta), np.sin(beta), 0 * beta)
+def directed(u: Vector, L: Vector, w: Any, beta: Any) -> Any:
+    """Return the state of sliding with the speed w in the direction beta."""
+    return type(DIRECTED)(*u, *L, beta, w)
 
 
 def pushed(u: Vector, L: Vector, beta: Any, b: Touch) -> tuple[Any, Any, Any]:
-    """Return P, Q and the normal force of sliding in the direction beta."""
-    by = slip_motion(u, L, along(beta), b)
-    return by.P, by.Q, by.force.z
+    """Return the rate P of the speed of sliding in the direction beta, Q, which is the speed times
+    the turn of the direction, and the normal force."""
+    q = directed(u, L, 1 + 0 * beta, beta)
+    rates = DIRECTED_SLIP.form.rates(q, b)
+    return rates.w, rates.beta, DIRECTED_SLIP.reaction(q, b).force.z
 
 
 def moved(record: Any, rates: Any, time: Any) -> Any:
@@ -318,27 +319,25 @@ def moved(record: Any, rates: Any, time: Any) -> Any:
 def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
     """Return the first of a slide from rest, so short that its rates stay; and the time that it
     takes."""
-    phase, b, n = world.phases[phase_name("slip", ball)], world.body[ball], along(beta)
-    if world.system.opening.planar:
-        n = Vector(np.sign(n.x), 0 * b.m, 0 * b.m)
-    by = slip_motion(x.u, x.L, n, b)
-    speed = min(type(by.P)(BEGINS_AT), by.P * world.left)
-    delay = speed / by.P
-    u = plus(x.u, times(delay, contact.axis_rate(x.u, x.L, b)))
-    L = plus(x.L, times(delay, by.turn))
-    end = Moving(u, L, contact.centre_velocity(u, L, times(speed, n), b), contact.height(u.z, b))
-    rates = world.rates(phase, phase.enter(end, b), x.carried)
-    return end._replace(carried=moved(x.carried, rates, delay)), delay
+    phase, b = world.phases[phase_name("slip", ball)], world.body[ball]
+    q = directed(x.u, x.L, 1 + 0 * beta, beta)
+    rates = phase.form.rates(q, b)
+    speed = min(type(rates.w)(BEGINS_AT), rates.w * world.left)
+    delay = speed / rates.w
+    q = moved(q, rates, delay)._replace(beta=beta, w=speed)
+    carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
+    return phase.leave(q, b)._replace(carried=carried), delay
 
 
-def run_out(x: Moving, world: Any, v: Vector) -> tuple[Moving, Any]:
+def run_out(x: Moving, world: Any) -> tuple[Moving, Any]:
     """Return the last of a slide, which is so slow that its rates stay; and the time that it
     takes."""
-    phase, b, w = world.phase, world.body[world.phase.ball], size(v)
-    by = slip_motion(x.u, x.L, Vector(v.x / w, v.y / w, 0 * w), b)
-    delay, q = -w / by.P, phase.enter(x, b)
+    phase, b = world.phase, world.body[world.phase.ball]
+    q = phase.enter(x, b)
+    rates = phase.form.rates(q, b)
+    delay = -q.w / rates.w
     carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
-    x = phase.leave(moved(q, phase.form.rates(q, b), delay), b)._replace(carried=carried)
+    x = phase.leave(moved(q, rates, delay), b)._replace(carried=carried)
     v = point(x, b)
     p = mobility_inverse_times(x.u, times(-1, v), b)  # of rounding
     velocity, L = map(plus, (x.velocity, x.L), jumps(x.u, p, b))
@@ -363,21 +362,16 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     cone, and its series: of times (n,), states and integrals. Wider numbers are rounded to 80 bits.
     """
     x = Moving(*(rounded(v) if isinstance(v, tuple) else eighty_bits(v) for v in x))
-    b, sliding = (
-        rounded(world.body[phase.ball]),
-        signed_slide if world.system.opening.planar else directed,
-    )
+    b = rounded(world.body[phase.ball])
 
-    def read(state: np.ndarray, w: Any, beta: Any) -> tuple[Vector, Vector, Any, Any]:
-        u, L = Vector(*state[:3]), Vector(*state[3:6])
-        return u, L, sliding(u, L, w, beta, b), x.carried._make(state[6:])
+    def read(state: np.ndarray, w: Any, beta: Any) -> tuple[Any, Any]:
+        return type(DIRECTED)(*state[:6], beta, w), x.carried._make(state[6:])
 
-    def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any, Any]:
-        u, L, q, carried = read(state, w, beta)
-        by = slip_motion(u, L, along(beta), b)
-        turn = (*contact.axis_rate(u, L, b), *by.turn)
-        every = (*turn, *world.rates(phase, q, carried, b))
-        return np.array([np.broadcast_to(rate, w.shape) for rate in every]), by.P, by.Q
+    def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
+        q, carried = read(state, w, beta)
+        by = phase.form.rates(q._replace(w=1 + 0 * w), b)
+        every = (*by[:6], *world.rates(phase, q, carried, b))
+        return np.array([np.broadcast_to(rate, w.shape) for rate in every]), by.w
 
     def turning(state: np.ndarray, beta: np.ndarray) -> Any:
         return pushed(Vector(*state[:3]), Vector(*state[3:6]), beta, b)[1]
@@ -388,14 +382,14 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     state = np.array([*x.u, *x.L, *x.carried])
     for _ in range(MOST_HALVINGS):  # short enough for nothing else to happen to the contact
         first = first_slip(rates, turning, state, np.arctan2(-F.y, -F.x), span)
-        q = read(*first.at(first.time[-1:]))[2]
+        q = read(*first.at(first.time[-1:]))[0]
         if phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * phase.leave(q, b).u.z > 0:
             break
         span = span / 2
 
     def series(t: np.ndarray) -> tuple[Any, Any]:
         t = np.array([eighty_bits(one) for one in t])
-        _, _, q, carried = read(*first.at(t))
+        q, carried = read(*first.at(t))
         return q, carried._replace(jellett_reference=x.carried.jellett_reference + 0 * t)
 
     return first.time[-1], series
@@ -435,7 +429,7 @@ def stick(x: Moving, world: Any) -> Next:
     v = point(x, world.body[world.phase.ball])
     delay = 0 * v.x
     if size(v) > 0:
-        x, delay = run_out(x, world, v)
+        x, delay = run_out(x, world)
     n = on_plane(x, world, world.phase.ball, "stick")
     n.logged = ("stick" if world.phases[n.phase].label == "roll" else "reversal",)
     n.logged_after, n.delay = delay, delay + n.delay

@@ -37,10 +37,10 @@ def first_slip(
     Parameters
     ----------
     rates
-        rates(state, w, beta) -> (the state's rate, P, Q) of slip in the direction beta, an angle
-        from a fixed axis; of arrays (k, n), (n,), (n,).
+        rates(state, w, beta) -> (the state's rate, P) of slip in the direction beta, an angle from
+        a fixed axis; of arrays (k, n), (n,), (n,).
     turning
-        turning(state, beta) -> Q alone.
+        turning(state, beta) -> Q.
     state
         At the edge, (k,).
     beta
@@ -92,10 +92,10 @@ def _swept(
                 excess = turning(state, beta) - turn
                 steep = (turning(state, beta + 1e-5) - turning(state, beta - 1e-5)) / 2e-5
                 beta = beta - excess / steep
-            state_rate, P, _ = rates(state, w, beta)
+            state_rate, P = rates(state, w, beta)
             state, w = start[:, None] + state_rate @ integral.T, integral @ P
             newer = np.max(np.abs(w - old_w)) / np.max(np.abs(w)) + np.max(np.abs(beta - old_beta))
-            if not np.isfinite(newer) or (sweep > 6 and newer >= change):
+            if sweep > 6 and not newer < change:  # at first w may be zero by rounding
                 break
             change = newer
     return FirstSlip(time, state, w, beta), float(change)

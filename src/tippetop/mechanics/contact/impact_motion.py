@@ -1,38 +1,37 @@
 """An impact as a motion: the forces and torques of sliding, rolling or resting, per normal impulse.
 
 dv_A = (K F + (I^-1 T) x a) dp and dL = (a x F + T) dp, F = zhat - push; push and T are those of the
-same law in the phases of contact. The clock is v_n, which rises; under a set-valued law that slides
-it is sigma, dp = |v_A| dsigma, in which nothing is singular where sliding stops. Components are
-along e, 2hat, zhat, in internal units. The units of slip and of v_n are powers of two near them, so
-that steps are as exact for slow impacts as for fast ones. [contact 3.2, 3.3]
+same law in the phases of contact, and the axis stays. The clock is v_n, which rises; under a
+set-valued law that slides it is sigma, dp = |v_A| dsigma, and the slip is its direction and the
+logarithm of its speed, in which nothing is singular where sliding stops. The units of slip and of
+v_n are powers of two near them, so that steps are as exact for slow impacts as for fast ones.
+[contact 3.2, 3.3]
 """
 
 from collections import namedtuple
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from ..disc_friction import Drag, rolling
 from ..event import Event
 from ..form import Form
 from ..friction import load
 from ..inlining import inlined
-from ..operand import Vector, cross, dot, plus, sqrt, times
+from ..operand import Operand, Vector, cross, dot, exp, formula, log, plus, sqrt, times
 from ..units import ONE
-from .body import angular_velocity, arm
-from .coulomb import along_and_across, held_point
+from .body import angular_velocity, arm, contact_velocity
+from .coulomb import across_and_along, held_point
 from .disc_at_rest import Held, direction, held_disc, impulses, margin
-from .first_slip import first_directions
-from .response import mobility_inverse_times, torque_acceleration
+from .response import jumps, mobility_inverse_times, mobility_times, torque_acceleration
 from .single_contact import Acts, Speeds, disc_friction, region_of, smooth_friction
 
 
 CLOCK_RATE = 2.0**10
 """Of the time of a motion, relative to v_n: a step that leads nowhere takes 1e-10 of this time."""
 
-RESTS_AT = 450
-"""Slip at which a contact neither slides nor turns, in rounding errors."""
+RESTS_AT, STOPS_AT = 450, 1e-3
+"""Slip at which a disc neither slides nor turns, and at which a point stops, in rounding errors."""
 
 BEGINS_AT, DISC_BEGINS_AT = 1e-10, 2e-8
 """Slip with which sliding of a point and of a disc begins within an impact with torques: the error
@@ -40,17 +39,47 @@ of the motion after it. A smaller one takes more steps where torques turn the fo
 contact.
 """
 
-Blow: Any = namedtuple("Blow", "by_v_n by_work_n by_p_n goal K s z speed ratio rest begins L touch")
+Blow: Any = namedtuple("Blow", "by_v_n by_work_n by_p_n goal speed ratio rest begins u L touch")
 """The parameters of an impact.
 
-A stage ends where by_v_n v_n + by_work_n work_n + by_p_n p_n = goal. Then mobility; sin(theta),
-cos(theta); the unit of slip; the unit of v_n by it; the slip of a contact at rest, and that with
-which it begins to slide; L before the impact; the body.
+A stage ends where by_v_n v_n + by_work_n work_n + by_p_n p_n = goal. Then the unit of slip; the
+unit of v_n by it; the slip of a contact at rest, and that with which it begins to slide; 3hat; L
+before the impact; the body.
 """
 
-Motion: Any = namedtuple("Motion", "v_e v_2 turn v_n p_e p_2 p_n t_e t_2 t_n work_n work_t")
-"""Slip along e and 2hat, and of the edge of a disc; v_n; impulses of the force and of the torque;
-works of the normal force and of friction."""
+Motion: Any = namedtuple("Motion", "v_x v_y turn v_n p_x p_y p_n t_x t_y t_n work_n work_t")
+"""Slip, and that of the edge of a disc; v_n; impulses of the force and of the torque; works of the
+normal force and of friction.
+
+Of a point that slides under a set-valued law, equations have the direction of the slip and, as
+`turn`, the logarithm of its speed.
+"""
+
+
+class Struck(NamedTuple):
+    """A body after an impact: impulses of force and torque, L, velocities of the centre of mass and
+    of the contact point, energy gained.
+    """
+
+    p: Vector
+    twist: Vector
+    L: Vector
+    velocity: Vector
+    v: Vector
+    gained: Operand
+
+
+@formula
+@inlined
+def after_impact(u, L, velocity, p, twist, b):
+    """The body after an impulse at its contact and one of a torque."""
+    pushed, turned = jumps(u, p, b)
+    after, newer = plus(velocity, pushed), plus(plus(L, turned), twist)
+    v = contact_velocity(u, newer, after, b)
+    drilled = dot(twist, plus(angular_velocity(u, L, b), angular_velocity(u, newer, b)))
+    worked = dot(p, contact_velocity(u, L, velocity, b)) + dot(p, v)
+    return Struck(p, twist, newer, after, v, (worked + drilled) / 2)
+
 
 REACHED = Event(
     "reached",
@@ -58,6 +87,13 @@ REACHED = Event(
     lambda q, by, b: b.by_v_n * q.v_n + b.by_work_n * q.work_n + b.by_p_n * q.p_n - b.goal,
     1,
     "reached",
+)
+STOPS = Event(
+    "stops",
+    "the contact neither slides nor turns",
+    lambda q, by, b: sum(speeds(q)) - b.rest**2,
+    -1,
+    "stops",
 )
 REST = "rest"
 FLAT_BIAS = Vector(0.0, 0.0, -1.0)
@@ -72,29 +108,37 @@ class Stage(NamedTuple):
     slope: Callable  # slope(q, b) -> v_n per normal impulse, and growth
     events: tuple[Event, ...]  # formula(q, acts, b)
     follows: dict[str, str]  # the next region, by the event of a border
-
-
-def axis(b: Any) -> Vector:
-    """Return 3hat."""
-    return Vector(b.s, 0.0, b.z)
+    is_directed: bool  # equations have the direction of the slip
 
 
 def speeds(q: Any) -> Speeds:
     """Return the squares of sliding and turning."""
-    return Speeds(q.v_e * q.v_e + q.v_2 * q.v_2, q.turn * q.turn)
+    return Speeds(q.v_x * q.v_x + q.v_y * q.v_y, q.turn * q.turn)
+
+
+def directed(q: Any) -> Any:
+    """Return a motion by the direction and the logarithm of its slip."""
+    w = sqrt(speeds(q).v2)
+    return q._replace(v_x=q.v_x / w, v_y=q.v_y / w, turn=log(w))
+
+
+def undirected(q: Any) -> Any:
+    """Return a motion by its slip."""
+    w = exp(q.turn)
+    return q._replace(v_x=w * q.v_x, v_y=w * q.v_y, turn=0 * w)
 
 
 def gains(by: Acts, b: Any) -> Vector:
     """Return dv_A/dp."""
-    K, F, turned = b.K, by.force, torque_acceleration(axis(b), by.torque, b.touch)
-    pushed = Vector(K.ez * F.z + K.ee * F.x, K.tt * F.y, K.zz * F.z + K.ez * F.x)
-    return plus(pushed, turned)
+    return plus(
+        mobility_times(b.u, by.force, b.touch), torque_acceleration(b.u, by.torque, b.touch)
+    )
 
 
 def spun(by: Acts, b: Any) -> Any:
     """Return the rate of the velocity of a disc's edge by the normal impulse."""
-    turned = plus(cross(arm(axis(b), b.touch), by.force), by.torque)
-    return b.touch.friction.patch * angular_velocity(axis(b), turned, b.touch).z
+    turned = plus(cross(arm(b.u, b.touch), by.force), by.torque)
+    return b.touch.friction.patch * angular_velocity(b.u, turned, b.touch).z
 
 
 def held(law: Any, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
@@ -123,46 +167,45 @@ def new_stages(law: Any) -> dict[str, Stage]:
     torque = law.torque
 
     def stage(
-        friction: Callable | None, events: tuple = (), follows: Any = None, by_slip: bool = False
+        friction: Any, events: tuple = (), follows: Any = None, is_directed: bool = False
     ) -> Stage:
         def acts(q, b):
-            none, u = 0 * q.v_n, axis(b)
-            v = Vector(b.speed * q.v_e, b.speed * q.v_2, none)
-            p, twist = Vector(q.p_e, q.p_2, q.p_n), Vector(q.t_e, q.t_2, q.t_n)
-            gained = times(b.speed * b.ratio, plus(cross(arm(u, b.touch), p), twist))
-            omega = angular_velocity(u, plus(b.L, gained), b.touch)
+            none = 0 * q.v_n
+            v = Vector(q.v_x, q.v_y, none)
+            if not is_directed:
+                v = times(b.speed, v)
+            p, twist = Vector(q.p_x, q.p_y, q.p_n), Vector(q.t_x, q.t_y, q.t_n)
+            gained = times(b.speed * b.ratio, plus(cross(arm(b.u, b.touch), p), twist))
+            omega = angular_velocity(b.u, plus(b.L, gained), b.touch)
             if law.regions:
                 omega = omega._replace(z=b.speed * q.turn / b.touch.friction.patch)
             if friction is None:
-                force, twist = held(law, u, omega, b.touch)
+                force, twist = held(law, b.u, omega, b.touch)
                 force, twist = times(1 / force.z, force), times(1 / force.z, twist)
             else:
-                push, twist = friction(omega, v, u.z, b.touch)
+                push, twist = friction(omega, v, b.u.z, b.touch)
                 force = Vector(-push.x, -push.y, 1 + none)
             return Acts(force, twist, v, omega)
 
         def growth(q, by, b):
             across = gains(by, b)
             turning = q.turn * spun(by, b) if law.regions else 0 * q.turn
-            return q.v_e * across.x + q.v_2 * across.y + turning
+            return q.v_x * across.x + q.v_y * across.y + turning
 
         def rates(q, b):
             by = acts(q, b)
-            across = gains(by, b)
-            per = (sqrt(speeds(q).v2) if by_slip else 1 / across.z) / CLOCK_RATE
-            slips: Any = (0 * q.turn,) * 3
-            if friction is not None:
-                slips = across.x, across.y, spun(by, b) if law.regions else 0 * q.turn
-            power = by.force.x * q.v_e + by.force.y * q.v_2 + dot(by.torque, by.omega) / b.speed
-            every = (
-                *(b.ratio * rate for rate in slips),
-                across.z,
-                *by.force,
-                *by.torque,
-                q.v_n,
-                power,
-            )
-            return Motion._make(per * rate for rate in every)
+            across, none = gains(by, b), 0 * q.turn
+            slides: Any = across.x, across.y, spun(by, b) if law.regions else none
+            pace, w = 1 / across.z, 1
+            if is_directed:
+                turns, along = across_and_along(across, Vector(q.v_x, q.v_y, none))
+                slides, pace, w = (-(turns * q.v_y), turns * q.v_x, along), 1, exp(q.turn)
+            slips = (b.ratio * pace * one if friction else none for one in slides)
+            power = w * (by.force.x * q.v_x + by.force.y * q.v_y)
+            power = power + dot(by.torque, by.omega) / b.speed
+            works = across.z, *by.force, *by.torque, q.v_n, power
+            every = *slips, *(pace * w * one for one in works)
+            return Motion._make(one / CLOCK_RATE for one in every)
 
         @inlined
         def slope(q, b):
@@ -171,23 +214,23 @@ def new_stages(law: Any) -> dict[str, Stage]:
 
         slowest = (
             ()
-            if by_slip or friction is None
+            if is_directed or friction is None
             else (Event("slowest", "slip begins to grow", growth, 1, "slowest"),)
         )
         form = Form("impact", Motion._make((ONE,) * len(Motion._fields)), rates, lambda q, b: q)
-        return Stage(form, acts, slope, (REACHED, *slowest, *events), follows or {})
+        ends = (REACHED, *slowest, *events)
+        return Stage(form, acts, slope, ends, follows or {}, is_directed)
 
-    stops = Event("stops", "the contact neither slides nor turns", beyond_rest, -1, "stops")
     known = {REST: stage(None)}
     if not law.regions:
-        return known | {
-            "": stage(smooth_friction, (stops,) if law.set_valued else (), by_slip=law.set_valued)
-        }
+        stops = replace(STOPS, formula=lambda q, by, b: q.turn - log(b.rest))
+        ends = (stops,) if law.set_valued else ()
+        return known | {"": stage(smooth_friction, ends, is_directed=law.set_valued)}
     for name, region in law.regions.items():
         borders = [way for way in region.borders if way.event != "slow"]
         events = (Event(way.event, "", border(way), way.direction, way.event) for way in borders)
         friction = disc_friction(region.drag, torque, edge_speed2)
-        known[name] = stage(friction, (stops, *events), {way.event: way.follows for way in borders})
+        known[name] = stage(friction, (STOPS, *events), {way.event: way.follows for way in borders})
     return known | {"": stage(disc_friction(lambda v2, U2: Drag(0.0, 0.0), torque, edge_speed2))}
 
 
@@ -199,11 +242,6 @@ def edge_speed2(omega: Vector, b: Any) -> Any:
 def border(way: Any) -> Callable:
     """Return the function of an end of a region."""
     return lambda q, by, b: way.beyond(speeds(q), b.touch)
-
-
-def beyond_rest(q: Any, by: Any, b: Any) -> Any:
-    """Return the square of the slip beyond that of a contact at rest."""
-    return sum(speeds(q)) - b.rest**2
 
 
 def region_at(law: Any, q: Any, b: Any) -> str:
@@ -221,8 +259,9 @@ def can_rest(law: Any, b: Any) -> bool:
 
 def stopped(law: Any, q: Any, b: Any) -> Any:
     """Return the motion without the rest of sliding and turning, which an impulse takes."""
-    q = kicked(law, q, Vector(-q.v_e, -q.v_2, 0 * q.v_n), -q.turn, b)
-    return q._replace(v_e=0 * q.v_n, v_2=0 * q.v_n, turn=0 * q.v_n)
+    none = 0 * q.v_n
+    q = kicked(law, q, Vector(-q.v_x, -q.v_y, none), -q.turn, b)
+    return q._replace(v_x=none, v_y=none, turn=none)
 
 
 def left(law: Any, by: Acts, b: Any) -> Any:
@@ -242,25 +281,18 @@ def slide(law: Any, q: Any, by: Acts, b: Any) -> Any:
         v, edge = direction(by.force, by.torque.z, b.touch.friction)
         return kicked(law, q, times(speed, v), speed * edge, b)
 
-    def motion(beta):
-        n = Vector(np.cos(beta), np.sin(beta), 0 * beta)
-        across = gains(stages(law)[""].acts(q._replace(v_e=n.x, v_2=n.y), b), b)
-        return (*along_and_across(across, n), 1 + 0 * beta)
-
-    directions = first_directions(motion)
-    beta = directions[0] if len(directions) else np.arctan2(-by.force.y, -by.force.x)
-    return kicked(law, q, Vector(speed * np.cos(beta), speed * np.sin(beta), 0.0), 0.0, b)
+    F = Vector(by.force.x, by.force.y, 0 * q.v_n)
+    return kicked(law, q, times(-speed / sqrt(dot(F, F)), F), 0.0, b)
 
 
 def kicked(law: Any, q: Any, v: Vector, turn: Any, b: Any) -> Any:
     """Return the motion after impulses that add v to the slip and `turn` to that of the edge."""
-    u = axis(b)
     if law.regions:
-        p, twist = impulses(u, v, turn / b.touch.friction.patch, b.touch)
+        p, twist = impulses(b.u, v, turn / b.touch.friction.patch, b.touch)
     else:
-        p, twist = Held(mobility_inverse_times(u, v, b.touch), 0.0)
+        p, twist = Held(mobility_inverse_times(b.u, v, b.touch), 0.0)
     omega = (2 * q.turn + turn) / getattr(b.touch.friction, "patch", 1.0)
-    work = p.x * (q.v_e + v.x / 2) + p.y * (q.v_2 + v.y / 2) + twist * omega / 2
+    work = p.x * (q.v_x + v.x / 2) + p.y * (q.v_y + v.y / 2) + twist * omega / 2
     p, twist = times(1 / b.ratio, p), twist / b.ratio
     added = (v.x, v.y, turn, 0.0, *p, 0.0, 0.0, twist, p.z * q.v_n, work / b.ratio)
     return Motion._make(one + more for one, more in zip(q, added, strict=True))

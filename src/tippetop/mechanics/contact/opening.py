@@ -9,7 +9,7 @@ from operator import itemgetter
 from typing import Any
 
 from ..event import Event
-from ..form import CLOCK, Exit, Phase
+from ..form import CLOCK, Exit, Form, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
 from ..inlining import inlined
 from ..number import Number
@@ -20,17 +20,17 @@ from .body import Touch, seen_from_balls
 from .double_contact import double_contact
 from .exits import JUMPS, Impact, begin, come_to_rest, go_on, land, phase_name
 from .gliding import catalogue as gliding
-from .planar import IN_PLANE, SIGNED_SLIP
+from .planar import in_plane
 from .single_contact import (
     CONE,
     DIRECTED_SLIP,
     FLIGHT,
+    LOADED_SLIP,
     REST,
     RESTS,
     ROLL,
     SLIP,
     STICK,
-    WITH_PARTS,
     disc_slip,
 )
 from .state import (
@@ -123,44 +123,47 @@ def kind_of(law: Any) -> tuple:
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 
+def row_of(planar: bool, law: Any) -> Form:
+    """Return the form of the rows of runs."""
+    return PLANAR_ROW if planar else DISC_ROW if law.torque else ROW
+
+
 # --- phases and exits ---------------------------------------------------------------------------
 
 
 def phases_of(planar: bool, law: Any, balls: int) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name."""
-    of_any = IN_PLANE if planar else {phase.label: phase for phase in (SLIP, ROLL, FLIGHT)}
-    if law.torque:
-        of_any = of_any | WITH_PARTS
     bare: dict[str, Bare] = {}
 
     def place(phase: Phase, ball: int, *regions: str) -> None:
         bare[phase_name(phase.label, ball, *regions)] = phase, ball, regions
 
+    if law.set_valued:
+        on_ball = [DIRECTED_SLIP, ROLL, FLIGHT]
+    elif law.regions:
+        on_ball = [REST, FLIGHT]
+    else:
+        on_ball = [LOADED_SLIP if law.torque else SLIP, FLIGHT]
     for ball in range(balls):
         for name, region in law.regions.items():
             place(disc_slip(region, law.torque), ball, name)
-        if law.regions:
-            place(REST, ball)
-        if law.set_valued:
-            directed = WITH_PARTS["directed"] if law.torque else DIRECTED_SLIP
-            place(SIGNED_SLIP if planar else directed, ball)
-            place(of_any["roll"], ball)
-        elif not law.regions:
-            place(of_any["slip"], ball)
-        place(of_any["flight"], ball)
+        for phase in on_ball:
+            place(in_plane(phase) if planar else phase, ball)
     if balls > 1 and not law.set_valued:
         for names in product(law.regions, repeat=2) if law.regions else ((),):
             regions = tuple(law.regions[name] for name in names)
             place(double_contact(regions, law.torque).phase, 0, *names)
-    return {name: with_exits(name, bare, law) for name in bare}
+    row = row_of(planar, law)
+    integrals = {one.name for one in row.integrals}
+    return {name: with_exits(name, bare, law, integrals) for name in bare}
 
 
 Bare = tuple[Phase, int, tuple[str, ...]]
 """A phase without exits, its ball, and the regions of the law on each ball in contact."""
 
 
-def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
-    """Return a phase as its body and its law have it."""
+def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) -> Phase:
+    """Return a phase as its body and its law have it, which moves these integrals."""
     phase, ball, regions = bare[name]
     near = {other: its.label for other, (its, k, _) in bare.items() if k == ball}
     on_disc = tuple(other for other, label in near.items() if label in ("slip", "rest"))
@@ -192,9 +195,10 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
         *((CLOCK,) if phase.label == "flight" else ()),
     )
     exits = tuple(map(way_out, names))
-    forms = {key: replace(form, not_normalised=("R", "c")) for key, form in phase.forms.items()}
+    carried = tuple(one for one in phase.form.integrals if one.name in integrals)
+    form = replace(phase.form, integrals=carried, not_normalised=("R", "c"))
     fast = {name: inlined(getattr(phase, name)) for name in ("enter", "leave", "reaction")}
-    return replace(phase, forms=forms, exits=exits, parameters=itemgetter(ball), ball=ball, **fast)
+    return replace(phase, forms=form, exits=exits, parameters=itemgetter(ball), ball=ball, **fast)
 
 
 # --- systems ------------------------------------------------------------------------------------
@@ -225,7 +229,7 @@ def open_contact(system: System, law: Any, balls: int) -> System:
     """Return a new system whose contact may open."""
     opening: Any = system.opening
     angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
-    form = DISC_ROW if law.torque else PLANAR_ROW if opening.planar else ROW
+    form = row_of(opening.planar, law)
     of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
     quantities = columns(opening.planar, opening.routh, balls > 1)
     known = {*opening.without, *(quantity.name for quantity in quantities)}

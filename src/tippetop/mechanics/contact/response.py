@@ -1,54 +1,8 @@
-"""The response of a body to forces, torques and impulses at its contact.
-
-Components along e, 2hat, zhat (names without `vector`) are singular at the poles, vectors of space
-are not.
-"""
-
-from typing import NamedTuple
+"""The response of a body to forces, torques and impulses at its contact."""
 
 from ..inlining import inlined
-from ..operand import Operand, Vector, cross, dot, formula, plus, times
-from .body import angular_velocity, arm, arm2, axis_rate, height
-
-
-class Mobility(NamedTuple):
-    """K: acceleration of the contact point per force there, velocity per impulse [1/kg]; K_e2 =
-    K_2z = 0.
-    """
-
-    ee: Operand
-    zz: Operand
-    ez: Operand
-    tt: Operand  # K_22
-
-
-@formula
-@inlined
-def mobility(s, z, b):
-    """K by sin(theta), cos(theta). [contact 1]"""
-    H, lever = height(z, b), b.c * s
-    return Mobility(
-        1 / b.m + H**2 / b.I1,
-        1 / b.m + lever**2 / b.I1,
-        lever * H / b.I1,
-        1 / b.m + (b.c - b.R * z) ** 2 / b.I1 + (b.R * s) ** 2 / b.I3,
-    )
-
-
-class Spin(NamedTuple):
-    """What a torque about the vertical does: to v_2 and to Omega_z [1/(kg m), 1/(kg m^2)]."""
-
-    across: Operand
-    about: Operand
-
-
-@formula
-def spin_mobility(s, z, b):
-    """By sin(theta), cos(theta); an impulse along 2hat gives Omega_z as much as the torque gives
-    v_2.
-    """
-    excess = 1 / b.I3 - 1 / b.I1
-    return Spin(s * (b.c / b.I1 + b.R * z * excess), s**2 / b.I1 + z**2 / b.I3)
+from ..operand import Vector, cross, dot, formula, plus, times
+from .body import angular_velocity, arm, arm2, axis_rate
 
 
 @formula
@@ -61,7 +15,9 @@ def torque_acceleration(u, tau, b):
 
 @formula
 def mobility_times(u, x, b):
-    """K x, (3,): x/m + (I^-1 (a x x)) x a."""
+    """K x, (3,): x/m + (I^-1 (a x x)) x a; K is acceleration of the contact point per force there,
+    or velocity per impulse [1/kg].
+    """
     return plus(times(1 / b.m, x), torque_acceleration(u, cross(arm(u, b), x), b))
 
 
@@ -103,12 +59,6 @@ def bias_vector(u, L, b):
         spin * turn.y + b.c * (w3 * precession.y - swing * u.y),
         spin * turn.z + b.c * (w3 * precession.z - swing * u.z) - b.g,
     )
-
-
-@formula
-def contact_acceleration_vector(u, b, F, body):
-    """b + K F, (3,) [m/s^2]."""
-    return plus(b, mobility_times(u, F, body))
 
 
 @formula

@@ -7,6 +7,11 @@ from ..number import Number
 from ..units import METRE, ONE
 
 
+RESTITUTIONS = ("energetic", "poisson", "newton")
+"""Laws of impact: the work of restitution is e_n^2 that of compression (Stronge); the impulse is
+e_n that of compression; or so is the normal velocity, which can make energy.
+"""
+
 LEAST_RADIUS, LONGEST = (
     1e-9,
     1e6,
@@ -19,7 +24,7 @@ class ContactLaw(NamedTuple):
     Parameters
     ----------
     restitution
-        The law of impact, one of `struck.RESTITUTIONS`.
+        The law of impact, one of RESTITUTIONS.
     e_n
         Its coefficient.
     r, h

@@ -15,18 +15,15 @@ from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
 from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height
-from .coulomb import loaded_normal_force, slip_motion, sticking
+from .coulomb import across_and_along, cone, contact_acceleration, sliding, sliding_along, sticking
 from .disc_at_rest import holding, margin
 from .gliding import catalogue as gliding
 from .gliding import vector as gliding_vector
 from .gliding.vector import VectorState, axis, axis_rate, momentum
 from .integrals import NAMED
 from .orientation import carried_along
-from .response import bias_vector, contact_acceleration_vector, torque_acceleration
-from .rolling import catalogue
-from .rolling import vector as rolling_vector
-from .rolling.reaction import Kinematics, kinematics, normal_force, reaction
-from .state import LOST, VELOCITY, Moving, Reaction, filled, state
+from .rolling.vector import spin
+from .state import LOST, VELOCITY, Moving, Reaction, state
 
 
 def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
@@ -43,9 +40,9 @@ def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Ca
 
     place = {name: lambda q, b, k=k: leave(q, b).velocity[k] for k, name in enumerate("xy")}
     integrals = tuple(carried(*item) for item in {**place, **rates}.items())
-    turn = carried_along(axis, axis_rate, rolling_vector.spin)
+    turn = carried_along(axis, axis_rate, spin)
     form = Form("vector", units, moved, scalars, integrals=integrals, orientation=turn)
-    return Phase({"vector": form}, (), events, (), enter, leave, reaction, label=label)
+    return Phase(form, (), events, (), enter, leave, reaction, label=label)
 
 
 class Acts(NamedTuple):
@@ -57,29 +54,76 @@ class Acts(NamedTuple):
     omega: Vector
 
 
-def loaded_phase(label: str, units: Any, events: tuple, formulas: tuple, acts: Callable) -> Phase:
-    """Return a phase of a contact with a torque.
+Contact: Any = namedtuple("Contact", "z z_dot force by q")
+"""`force` is the normal force, `by` what the plane does, `q` the state."""
 
-    `formulas` are those of `phase_of` without `reaction`; acts(q, b) -> Acts.
+
+def on_ball(
+    label: str,
+    units: Any,
+    events: tuple,
+    forces: Callable,
+    velocity: Callable,
+    enter: Callable,
+    changes: Callable,
+) -> Phase:
+    """Return a phase on one ball.
+
+    Parameters
+    ----------
+    forces
+        forces(u, L, q, b) -> force and torque of the plane.
+    velocity
+        velocity(q) -> v_A.
+    enter
+        enter(v) -> what the state has besides axis and momentum, of v_A.
+    changes
+        changes(q, G) -> the rates of that, of the acceleration G of the contact point.
     """
 
-    def power(q, b):
-        F, torque, v, omega = acts(q, b)
-        return -(F.x * v.x + F.y * v.y + dot(torque, omega))
+    def acts(q, b):
+        u, L = axis(q), momentum(q)
+        force, torque = forces(u, L, q, b)
+        return Acts(force, torque, velocity(q), angular_velocity(u, L, b))
 
-    def reaction(q, b):
+    def rates(q, b):
+        u, by = axis(q), acts(q, b)
+        turn = plus(cross(arm(u, b), by.force), by.torque)
+        G = contact_acceleration(u, momentum(q), by.force, by.torque, b)
+        return type(units)(*axis_rate(q, b), *turn, *changes(q, G))
+
+    def scalars(q, b):
+        by = acts(q, b)
+        return Contact(q.uz, axis_rate(q, b).z, by.force.z, by, q)
+
+    def entered(x, b):
+        return type(units)(*x.u, *x.L, *enter(contact_velocity(x.u, x.L, x.velocity, b)))
+
+    def leave(q, b):
+        return on_plane(axis(q), momentum(q), velocity(q), b)
+
+    def drilled(q, b):
         by = acts(q, b)
         return Reaction(by.force, -dot(by.torque, by.omega))
+
+    def power(q, b):
+        by = acts(q, b)
+        return -(dot(by.force, by.velocity) + dot(by.torque, by.omega))
 
     return phase_of(
         label,
         units,
         events,
-        (*formulas, reaction),
+        (rates, scalars, entered, leave, drilled),
         work=power,
         impulse=lambda q, b: acts(q, b).force.z,
         jellett_lost=lambda q, b: dot(acts(q, b).torque, arm(axis(q), b)),
     )
+
+
+def on_plane(u, L, v, b):
+    """The common state of a body whose lowest point has the velocity v."""
+    return Moving(u, L, centre_velocity(u, L, v, b), height(u.z, b))
 
 
 def ending(name: str, long_name: str, function: Callable, direction: int = -1) -> Event:
@@ -105,7 +149,7 @@ LIFTOFF = replace(gliding.LIFTOFF, formula=force_of)
 
 
 FREE = state(**VELOCITY, height=METRE)
-Free: Any = type(filled(**dict.fromkeys((*Kinematics._fields, "height"))))
+Free: Any = namedtuple("Free", "z z_dot height")
 
 
 def free_rates(q, b):
@@ -126,7 +170,7 @@ FLIGHT = phase_of(
     (LAND, replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b))),
     (
         free_rates,
-        lambda q, b: Free(*kinematics(axis(q), momentum(q), axis_rate(q, b), b), q.height),
+        lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
         lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
         lambda q, b: Moving(axis(q), momentum(q), Vector(*q[6:9]), q.height),
         lambda q, b: Reaction(Vector(*(0 * q.uz,) * 3)),
@@ -152,7 +196,7 @@ def slip_reaction(q, b):
 
 
 SLIP = Phase(
-    {"vector": gliding.VECTOR},
+    gliding.VECTOR,
     (),
     (gliding.LIFTOFF, TOUCH),
     enter=lambda x, b: VectorState._make((*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2])),
@@ -162,41 +206,26 @@ SLIP = Phase(
 )
 
 
-# --- rolling ------------------------------------------------------------------------------------
+# --- rolling, and sliding under a set-valued law -----------------------------------------------
 
 
-def roll_leave(q, b):
-    """The common state of a body that rolls."""
-    u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
-    v = rolling_vector.centre_velocity(u, u_dot, dot(L, u) / b.I3, b)
-    return Moving(u, L, v._replace(z=-(b.c * u_dot.z)), height(u.z, b))
+def still(q: Any) -> Vector:
+    """Return no velocity."""
+    return Vector(*(0 * q.uz,) * 3)
 
 
-def roll_reaction(q, b):
-    """The force on a body that rolls. [contact 2.3]"""
-    u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
-    return Reaction(reaction(u, L, u_dot, kinematics(u, L, u_dot, b), b))
+def without_slip(label: str, events: tuple, holds: Callable) -> Phase:
+    """Return a phase in which the contact point stays at rest: holds(u, L, b) -> force, torque."""
+    forces = lambda u, L, q, b: holds(u, L, b)  # noqa: E731
+    return on_ball(label, state(), events, forces, still, lambda v: (), lambda q, G: ())
 
 
-def cone(s, b):
-    """mu^2 N^2 - |F_h|^2: margin of the friction cone in rolling. [contact 2.3]"""
-    return (b.friction.mu * normal_force(s, b)) ** 2 - s.friction_force2
-
-
-CONE = ending("slip", "rolling needs more friction than there is: the contact slides", cone)
-ROLL = Phase(
-    {"vector": replace(catalogue.VECTOR, domains=())},
-    (),
-    (catalogue.LIFTOFF, TOUCH, CONE),
-    enter=lambda x, b: rolling_vector.VectorState(*x.u, *x.L),
-    leave=roll_leave,
-    reaction=roll_reaction,
-    label="roll",
+CONE = ending(
+    "slip",
+    "rolling needs more friction than there is: the contact slides",
+    lambda s, b: cone(s.by.force, b),
 )
-
-
-# --- sliding under a set-valued law -------------------------------------------------------------
-
+ROLL = without_slip("roll", (LIFTOFF, TOUCH, CONE), sticking)
 
 STOPS_AT = 2.0**-43
 """|v_A| at which a sliding contact stops, internal units: 1.1e-13. An impulse takes the rest."""
@@ -205,69 +234,31 @@ DIRECTED = state(beta=RADIAN, w=METRE_PER_SECOND)
 """v_A = w (cos(beta), sin(beta)) in space axes: so |v_A| keeps its digits, and its direction its
 length, where sliding stops."""
 
-Directed: Any = namedtuple("Directed", "z z_dot w force")
-
 
 def direction(q):
     """n = v_A/|v_A|, (3,)."""
     return Vector(cos(q.beta), sin(q.beta), 0 * q.w)
 
 
-def directed_slide(q, b):
-    """Force and torque of sliding, and what they do. [contact 2.1]"""
-    return slip_motion(axis(q), momentum(q), direction(q), b)
-
-
-def directed_force(q, b):
-    """F = N (zhat - mu v_A/|v_A|), (3,) [N]."""
-    return directed_slide(q, b).force
-
-
-def directed_rates(q, b):
-    """3hat' = L x 3hat/I1, L' = a x F, and w', w beta' of v_A' = b + K F. [contact 1, 2.1]"""
-    by = directed_slide(q, b)
-    return type(DIRECTED)(*axis_rate(q, b), *by.turn, by.Q / q.w, by.P)
-
-
-def on_plane(u, L, v, b):
-    """The common state of a body whose lowest point has the velocity v."""
-    return Moving(u, L, centre_velocity(u, L, v, b), height(u.z, b))
-
-
-def directed(u: Vector, L: Vector, w: Any, beta: Any, b: Touch) -> Any:
-    """Return the state of sliding with the speed w in the direction beta."""
-    return type(DIRECTED)(*u, *L, beta, w)
-
-
-def directed_enter(x, b):
-    """The state of a body that slides."""
-    v = contact_velocity(x.u, x.L, x.velocity, b)
-    return directed(x.u, x.L, sqrt(v.x * v.x + v.y * v.y), atan2(v.y, v.x), b)
-
-
-def directed_leave(q, b):
-    """The common state of a body that slides."""
-    return on_plane(axis(q), momentum(q), times(q.w, direction(q)), b)
+def directed_changes(q, G):
+    """beta' and w' of v_A' = b + K F. [contact 1, 2.1]"""
+    across, along = across_and_along(G, direction(q))
+    return across / q.w, along
 
 
 STICK = ending(
     "stick",
     "sliding stops, v_A = 0: the contact rolls, if the friction cone allows",
-    lambda s, b: s.w - STOPS_AT,  # transversal, as |v_A|^2 is not [contact 2.2]
+    lambda s, b: s.q.w - STOPS_AT,  # transversal, as |v_A|^2 is not [contact 2.2]
 )
-SLIDES = (
-    directed_rates,
-    lambda q, b: Directed(q.uz, axis_rate(q, b).z, q.w, directed_force(q, b).z),
-    directed_enter,
-    directed_leave,
-)
-DIRECTED_SLIP = phase_of(
+DIRECTED_SLIP = on_ball(
     "slip",
     DIRECTED,
     (LIFTOFF, TOUCH, STICK),
-    (*SLIDES, lambda q, b: Reaction(directed_force(q, b))),
-    work=lambda q, b: -(q.w * dot(direction(q), directed_force(q, b))),
-    impulse=lambda q, b: directed_force(q, b).z,
+    lambda u, L, q, b: sliding_along(u, L, direction(q), b),
+    lambda q: times(q.w, direction(q)),
+    lambda v: (atan2(v.y, v.x), sqrt(v.x * v.x + v.y * v.y)),
+    directed_changes,
 )
 
 
@@ -290,9 +281,6 @@ STILL, where smooth friction lets it creep: it would never come to rest."""
 
 DISC = state(vx=METRE_PER_SECOND, vy=METRE_PER_SECOND)
 """v_A."""
-
-Disc: Any = namedtuple("Disc", "z z_dot force v2 U2")
-"""v2 is |v_A|^2, U2 is (patch Omega_z)^2."""
 
 Speeds: Any = namedtuple("Speeds", "v2 U2")
 
@@ -322,7 +310,7 @@ def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, V
     velocity."""
     none = 0 * z
     push = times(slip_coefficient(v.x * v.x + v.y * v.y, z, b.friction), v)
-    return push._replace(z=none), load(omega, b.friction) or Vector(none, none, none)
+    return push._replace(z=none), load(omega, b.friction)
 
 
 def rest_speed2(b):
@@ -330,60 +318,49 @@ def rest_speed2(b):
     return STILL**2 + (b.friction.patch * RESTS_BELOW) ** 2
 
 
-RESTS = ending(
-    "rests",
-    "the contact's disc neither slides nor turns",
-    lambda s, b: s.v2 + s.U2 - STILL**2 - rest_speed2(b),
-)
+def speeds(by: Any, b: Touch) -> Speeds:
+    """Return the squares of the speeds of a contact."""
+    v = by.velocity
+    return Speeds(v.x * v.x + v.y * v.y, patch_speed2(by.omega, b))
 
 
-def borders(region: Region) -> list[Event]:
-    """Return the events in which a region ends."""
-    text = "sliding against turning"
-    return [ending(way.event, text, way.beyond, way.direction) for way in region.borders]
+def beyond_rest(s, b):
+    """Square of the speeds beyond those of a disc at rest."""
+    return sum(speeds(s.by, b)) - STILL**2 - rest_speed2(b)
 
 
-def disc_enter(x, b):
-    """The state of a body that slides."""
-    v = contact_velocity(x.u, x.L, x.velocity, b)
-    return type(DISC)(*x.u, *x.L, v.x, v.y)
+RESTS = ending("rests", "the contact's disc neither slides nor turns", beyond_rest)
 
 
-def slip_under(friction: Callable, events: tuple, edge_speed2: Callable) -> Phase:
-    """Return the phase of sliding under a law with a torque; edge_speed2(omega, b) -> U^2."""
+def borders(region: Region, field: str = "by", prefix: str = "") -> list[Event]:
+    """Return the events in which a region ends, of the contact in a field of the scalars."""
 
-    def acts(q, b):
-        u, L, v = axis(q), momentum(q), Vector(q.vx, q.vy, 0 * q.uz)
-        omega = angular_velocity(u, L, b)
-        push, torque = friction(omega, v, u.z, b)
-        N = loaded_normal_force(u, bias_vector(u, L, b), push, torque, b)
-        return Acts(Vector(-(N * push.x), -(N * push.y), N), times(N, torque), v, omega)
+    def end(way: Any) -> Event:
+        beyond = lambda s, b: way.beyond(speeds(getattr(s, field), b), b)  # noqa: E731
+        return ending(prefix + way.event, "sliding against turning", beyond, way.direction)
 
-    def scalars(q, b):
-        by = acts(q, b)
-        U2 = edge_speed2(by.omega, b)
-        return Disc(q.uz, axis_rate(q, b).z, by.force.z, q.vx * q.vx + q.vy * q.vy, U2)
+    return [end(way) for way in region.borders]
 
-    def rates(q, b):
-        u, by = axis(q), acts(q, b)
-        G = plus(
-            contact_acceleration_vector(u, bias_vector(u, momentum(q), b), by.force, b),
-            torque_acceleration(u, by.torque, b),
-        )
-        turn = plus(cross(arm(u, b), by.force), by.torque)
-        return type(DISC)(*axis_rate(q, b), *turn, G.x, G.y)
 
-    def leave(q, b):
-        return on_plane(axis(q), momentum(q), Vector(q.vx, q.vy, 0 * q.uz), b)
+def slip_under(friction: Callable, events: tuple) -> Phase:
+    """Return the phase of sliding under friction(omega, v, z, b), with a torque."""
 
-    return loaded_phase("slip", DISC, events, (rates, scalars, disc_enter, leave), acts)
+    def velocity(q):
+        return Vector(q.vx, q.vy, 0 * q.uz)
+
+    def forces(u, L, q, b):
+        push, per_force = friction(angular_velocity(u, L, b), velocity(q), u.z, b)
+        return sliding(u, L, push, per_force, b)
+
+    enter, changes = lambda v: v[:2], lambda q, G: G[:2]
+    return on_ball("slip", DISC, events, forces, velocity, enter, changes)
 
 
 @lru_cache
 def disc_slip(region: Region, torque: Callable) -> Phase:
     """Return the phase of sliding in a region of a law."""
     events = (LIFTOFF, TOUCH, RESTS, *borders(region))
-    return slip_under(disc_friction(region.drag, torque), events, patch_speed2)
+    return slip_under(disc_friction(region.drag, torque), events)
 
 
 def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tuple[str, ...]:
@@ -391,8 +368,7 @@ def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tupl
     names = []
     for b in bodies if regions else ():
         v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
-        s = Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
-        names.append(region_of(s, regions, b))
+        names.append(region_of(speeds(Acts(v, v, v, omega), b), regions, b))
     return tuple(names)
 
 
@@ -408,40 +384,12 @@ def region_of(s: Any, regions: Mapping[str, Region], b: Touch) -> str:
 # --- a disc at rest, which rolls without turning ------------------------------------------------
 
 
-Resting: Any = namedtuple("Resting", "z z_dot force by")
-"""`by` is what the plane does."""
-
 GIVES = ending(
     "gives",
     "friction can no longer hold the contact's disc: it slides and turns",
     lambda s, b: margin(s.by.force, s.by.torque.z, b.friction),
 )
 GIVES = replace(GIVES, sampled=True)
-ROLLING = state()
-
-
-def without_slip(label: str, events: tuple, holds: Callable) -> Phase:
-    """Return a phase in which the contact point stays at rest, under a law with a torque:
-    holds(u, L, b) -> force and torque."""
-
-    def acts(q, b):
-        u, L, none = axis(q), momentum(q), 0 * q.uz
-        force, torque = holds(u, L, b)
-        return Acts(force, torque, Vector(none, none, none), angular_velocity(u, L, b))
-
-    def rates(q, b):
-        by = acts(q, b)
-        turn = plus(cross(arm(axis(q), b), by.force), by.torque)
-        return type(ROLLING)(*axis_rate(q, b), *turn)
-
-    def scalars(q, b):
-        by = acts(q, b)
-        return Resting(q.uz, axis_rate(q, b).z, by.force.z, by)
-
-    def enter(x, b):
-        return type(ROLLING)(*x.u, *x.L)
-
-    return loaded_phase(label, ROLLING, events, (rates, scalars, enter, roll_leave), acts)
 
 
 def disc_held(u: Vector, L: Vector, b: Touch) -> tuple[Vector, Vector]:
@@ -455,25 +403,5 @@ def disc_held(u: Vector, L: Vector, b: Touch) -> tuple[Vector, Vector]:
 REST = without_slip("rest", (LIFTOFF, TOUCH, GIVES), disc_held)
 
 
-# --- laws with rolling resistance and a drilling torque -----------------------------------------
-
-
-def loaded_cone(s, b):
-    """mu^2 N^2 - |F_h|^2."""
-    F = s.by.force
-    return (b.friction.mu * F.z) ** 2 - F.x * F.x - F.y * F.y
-
-
-def directed_acts(q, b):
-    """What the plane does to a body that slides under a set-valued law."""
-    by = directed_slide(q, b)
-    omega = angular_velocity(axis(q), momentum(q), b)
-    return Acts(by.force, by.torque, times(q.w, direction(q)), omega)
-
-
-WITH_PARTS = {
-    "slip": slip_under(smooth_friction, (LIFTOFF, TOUCH), lambda omega, b: 0 * omega.z),
-    "directed": loaded_phase("slip", DIRECTED, (LIFTOFF, TOUCH, STICK), SLIDES, directed_acts),
-    "roll": without_slip("roll", (LIFTOFF, TOUCH, replace(CONE, formula=loaded_cone)), sticking),
-}
-"""The phases of contacts under laws with parts, apart from those of discs."""
+LOADED_SLIP = slip_under(smooth_friction, (LIFTOFF, TOUCH))
+"""Sliding under a law that is smooth in the velocity and has a torque."""
