@@ -32,9 +32,10 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     ax, below = panels_over_time(ax, 1.2 if pieces else 0)
     colours = ink()
     inclined = "inclination" in trajectory["theta"].attrs.get("long_name", "inclination")
-    words = "nutational band" if inclined else "band between the turnings"
     for when, bottom, top in pieces:
-        ax.fill_between(when, bottom, top, color=colours.upper, alpha=0.22, lw=0, label=words)
+        ax.fill_between(
+            when, bottom, top, color=colours.upper, alpha=0.22, lw=0, label="nutational band"
+        )
     ax.plot(*thinned(t, angle), color=colours.run, lw=0.7, label="θ(t)")
     size = 5 if len(low[0]) + len(high[0]) < 1000 else 1.5
     for (when, where), color, name in (
@@ -68,12 +69,8 @@ def _width(ax: Axes, pieces: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) ->
     for when, low, high in pieces:
         width = np.where(high > low, high - low, np.nan)
         ax.plot(*thinned(when, width), color=ink().upper, lw=0.9, marker=".", ms=2)
-    ax.set_ylabel("width (rad)")
-    if ax.dataLim.y1 > 10 * ax.dataLim.minposy:
-        ax.set_yscale("log")
-        ax.yaxis.set_minor_formatter(NullFormatter())
-    else:
-        ax.set_ylim(bottom=0)
+    ax.set(ylabel="width (rad)", yscale="log")
+    ax.yaxis.set_minor_formatter(NullFormatter())
 
 
 def bands(

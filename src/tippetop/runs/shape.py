@@ -9,6 +9,7 @@ from ..mechanics.contact.body import Touch
 from ..mechanics.friction import Frictionless
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
+from ..problem import column_names
 
 
 # Longest half axis of the ellipsoid of a heavy top, as a part of the distance from the tip.
@@ -34,6 +35,13 @@ def body_of(attrs: dict[str, Any]) -> Touch:
         what = f"a body that is shown must have {', '.join(needed)}"
         raise InputError([f"{what}, but that of {a_system(attrs['system'])} has no {missing[0]}."])
     return Touch(*(getattr(body, name) for name in needed))
+
+
+def columns_of(attrs: dict[str, Any]) -> set[str]:
+    """Return the names of the columns that a run of a known system can have."""
+    system: Any = find(attrs["system"])
+    of_contact = {"phase", "ball"} if "contact" in attrs else set()
+    return {*column_names(system, system.forms[attrs["form"]], True, "double"), *of_contact}
 
 
 def is_planar(attrs: dict[str, Any]) -> bool:
