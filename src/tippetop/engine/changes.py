@@ -13,7 +13,7 @@ from .loop import Change, PhaseLoop
 
 
 PATIENCE = 16
-"""Changes before a jump is written down as a program."""
+"""Changes before a jump is written down as a program; then after twice as many, until it is one."""
 NUMBERS = 24
 """Of a change for tables."""
 
@@ -33,7 +33,7 @@ class Changes:
     Attributes
     ----------
     known
-        Of each change, by its number, what follows; None where the loop cannot make it.
+        Of each change, by its number, what follows.
     """
 
     def __init__(self, run: Any, chatter: float, most: int):
@@ -47,20 +47,20 @@ class Changes:
         """
         run, track = self.run, self.run.track
         jump, number = track.exits[exit], track.place * self.events + run.numbers.get(exit, -1)
-        jump.calls = getattr(jump, "calls", 0) + 1
-        if number in self.known or exit not in run.numbers or jump.calls < PATIENCE:
+        is_sampled = track.sampler or track.driver.is_called  # Python makes its steps
+        if number in self.known or exit not in run.numbers or is_sampled:
             return
-        self.known[number] = None
         state, whole, left, piece, body = given
         state += (0.0,) * (track.driver.width - len(state))
         numbers = state, whole, (left,), tuple(run.signs.tolist()), body
-        if not hasattr(jump, "program"):
+        jump.calls += 1
+        if jump.program is None and jump.calls >= PATIENCE and not jump.calls & (jump.calls - 1):
             jump.program = self._traced(jump, numbers, piece)
         if jump.program is None:
             return
         begun, regions, code, constants, count = jump.program
         to, (logged,) = run.track_of(begun.n.phase), begun.n.logged
-        if track.sampler or to.sampler:
+        if to.sampler:
             return
         for region in regions:
             self._motion(region)

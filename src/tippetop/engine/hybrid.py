@@ -165,6 +165,7 @@ def jump_of(
             raise InputError([f"{where_of(exit.event, name, system)} must {fault}."])
         return Begun(n) if n.ends else begun(n, carried, world)
 
+    jump.calls, jump.program = 0, None  # type: ignore[attr-defined]
     return jump
 
 
@@ -424,7 +425,7 @@ class HybridDriver:
     def _enter(self, begun: Begun, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
         n, state, whole, values = begun
-        if before and not math.isfinite(sum(state)):
+        if before and not math.isfinite(self._called(sum, state)):
             raise ArithmeticError(
                 f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
             )
@@ -517,7 +518,10 @@ class HybridDriver:
             if self.waits:
                 self.waits = False
                 self._fill(
-                    self.began, lambda times: np.repeat(self.state[None], len(times), axis=0)
+                    self.began,
+                    lambda times: np.repeat(
+                        self.state[None, : self.track.width], len(times), axis=0
+                    ),
                 )
             sampled, logged = self._sample(), self.counts[0][0]
             steps += self._drive(1 if self.track.sampler else most - steps)
