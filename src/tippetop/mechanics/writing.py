@@ -94,9 +94,7 @@ class Program:
 
     def lines(self, results: Sequence[Any]) -> list[str]:
         """Return the lines that the results need, in order; each ends with a semicolon."""
-        return [
-            f"{self.language.begin}{name} = {text};" for text, name in self.needed(results)
-        ]
+        return [f"{self.language.begin}{name} = {text};" for text, name in self.needed(results)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..engine.expressions import component, observed
-from ..mechanics.contact.body import Touch, angular_velocity, tip_inertia
+from ..mechanics.contact.body import Touch, angular_velocity, kinematics, tip_inertia
 from ..mechanics.contact.gliding.catalogue import COS_INVERTED
 from ..mechanics.contact.gliding.vector import axis, sliding_velocity
-from ..mechanics.contact.rolling.reaction import kinematics, reaction
+from ..mechanics.contact.rolling.reaction import reaction
 from ..mechanics.friction import FrictionLaw, slip_coefficient
 from ..mechanics.operand import Vector, atan2, cross, leaves, refill, sqrt, times
 from ..mechanics.system import Form, System

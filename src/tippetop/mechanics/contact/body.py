@@ -3,6 +3,7 @@
 Vectors are those of space: regular everywhere.
 """
 
+from collections import namedtuple
 from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
@@ -10,8 +11,8 @@ from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
 from ..inlining import inlined
 from ..number import Record
-from ..operand import Operand, Vector, cross, dot, formula, plus, times
-from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2
+from ..operand import Operand, Vector, cos, cross, dot, formula, plus, sin, times
+from ..units import ANGULAR_MOMENTUM, INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE
 
 
 class Touch(NamedTuple):
@@ -78,6 +79,17 @@ class Top(Record, abstract=True):
 def body_units(friction: Any) -> Touch:
     """Return the units of a Touch of a body with one ball."""
     return Touch(KILOGRAM, METRE, METRE, INERTIA, INERTIA, METRE_PER_SECOND2, friction)
+
+
+def filled(**units: Any) -> Any:
+    """Return a record of a new type, filled with units."""
+    return namedtuple("State", units)(**units)
+
+
+def state(**units: Any) -> Any:
+    """Return a state filled with units: 3hat, L about the centre of mass, and more."""
+    turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
+    return filled(**dict.fromkeys(("ux", "uy", "uz"), ONE), **turning, **units)
 
 
 # --- geometry and velocities --------------------------------------------------------------------
@@ -153,6 +165,13 @@ def centre_velocity(u, L, v, b):
 
 
 @formula
+def of_azimuth(along_e, along_2, phi):
+    """The horizontal components in space of a vector along e and 2hat."""
+    ex, ey = cos(phi), sin(phi)
+    return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
+
+
+@formula
 def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
     """-(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
 
@@ -175,23 +194,46 @@ def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
     return []
 
 
-class Scalars(NamedTuple):
-    """Functions of the state that do not depend on the form; all are smooth at the poles (section
-    3.4).
-    """
+Kinematics: Any = namedtuple(
+    "Kinematics", ["z", "s2", "z_dot", "z_ddot_free", "phi_dot_s2", "axis_speed2", "L3", "Lz"]
+)
+"""How the axis moves, and L: functions of the state that do not depend on the form; all are smooth
+at the poles (section 3.4).
 
-    z: Operand  # cos(theta)
-    s2: Operand  # sin(theta)^2
-    z_dot: Operand  # -theta' sin(theta)
-    z_ddot_free: Operand  # z'' of the axis if no torque acted
-    phi_dot_s2: Operand  # phi' sin(theta)^2
-    axis_speed2: Operand  # |3hat'|^2 = theta'^2 + phi'^2 sin(theta)^2
-    L3: Operand  # L.3hat
-    Lz: Operand  # L.zhat, about the centre of mass
-    v_u: Operand  # v_A.3hat = nu_x sin(theta)
-    v_n: Operand  # (3hat x v_A).zhat = nu_y sin(theta)
-    v2: Operand  # |v_A|^2
-    speed2: Operand  # |r'|^2, horizontal velocity of the centre of mass
+z is cos(theta), s2 is sin(theta)^2, z_dot is -theta' sin(theta), z_ddot_free is z'' of the axis if
+no torque about the centre of mass acted, phi_dot_s2 is phi' sin(theta)^2, axis_speed2 is |3hat'|^2
+= theta'^2 + phi'^2 sin(theta)^2, L3 is L.3hat, and Lz is L.zhat, about the centre of mass.
+"""
+
+Scalars: Any = namedtuple("Scalars", (*Kinematics._fields, "v_u", "v_n", "v2", "speed2"))
+"""The kinematics of a body that glides, v_A.3hat = nu_x sin(theta), (3hat x v_A).zhat = nu_y
+sin(theta), |v_A|^2, and |r'|^2 of the horizontal velocity of the centre of mass.
+"""
+
+
+@formula
+def kinematics(u, L, u_dot, b):
+    """The kinematics of an axis u, its rate and the momentum L about the centre of mass."""
+    return Kinematics(
+        u.z,
+        u.x * u.x + u.y * u.y,
+        u_dot.z,
+        (L.x * u_dot.y - L.y * u_dot.x) / b.I1,
+        u.x * u_dot.y - u.y * u_dot.x,
+        dot(u_dot, u_dot),
+        dot(L, u),
+        L.z,
+    )
+
+
+@formula
+def kinematics_of_angles(e, s, z, b):
+    """The kinematics of Euler angles with the rates theta', phi', omega_3."""
+    L3, phi_dot_s2 = b.I3 * e.omega3, e.phi_dot * s**2
+    axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
+    free = torque_free(L3, phi_dot_s2, axis_speed2, z, b)
+    Lz = b.I1 * phi_dot_s2 + L3 * z
+    return Kinematics(z, s**2, -(e.theta_dot * s), free, phi_dot_s2, axis_speed2, L3, Lz)
 
 
 @formula

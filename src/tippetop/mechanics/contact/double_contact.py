@@ -15,10 +15,10 @@ from ..disc_friction import Region
 from ..form import Phase
 from ..operand import Operand, Vector, cross, dot, plus, times
 from ..units import METRE_PER_SECOND
-from .body import Touch, angular_velocity, arm, arm_velocity, height, seen_from_other
+from .body import Touch, angular_velocity, arm, arm_velocity, height, seen_from_other, state
 from .gliding.vector import axis, axis_rate, momentum
 from .single_contact import borders, disc_friction, ending, force_of, phase_of, smooth_friction
-from .state import Moving, Reaction, gained, state
+from .state import Moving, Reaction, gained
 
 
 STATE = state(rx_dot=METRE_PER_SECOND, ry_dot=METRE_PER_SECOND)

@@ -14,7 +14,7 @@ from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
-from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height
+from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height, state
 from .coulomb import across_and_along, cone, contact_acceleration, sliding, sliding_along, sticking
 from .disc_at_rest import holding, margin
 from .gliding import catalogue as gliding
@@ -23,7 +23,7 @@ from .gliding.vector import VectorState, axis, axis_rate, momentum
 from .integrals import NAMED
 from .orientation import carried_along
 from .rolling.vector import spin
-from .state import LOST, VELOCITY, Moving, Reaction, state
+from .state import LOST, VELOCITY, Moving, Reaction
 
 
 def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
@@ -198,7 +198,7 @@ SLIP = Phase(
     gliding.VECTOR,
     (),
     (gliding.LIFTOFF, TOUCH),
-    enter=lambda x, b: VectorState._make((*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2])),
+    enter=lambda x, b: VectorState(*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2]),
     leave=slip_leave,
     reaction=slip_reaction,
     label="slip",

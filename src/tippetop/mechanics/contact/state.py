@@ -6,14 +6,13 @@ functions of the `Scalars` of a row.
 """
 
 import math
-from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from ..form import Form, Integral, Phase, Quantity
-from ..operand import Operand, Vector, cos, dot, sin, sqrt
+from ..operand import Operand, Vector, dot, sqrt
 from ..units import (
     ANGULAR_MOMENTUM,
     JELLETT,
@@ -28,11 +27,11 @@ from ..units import (
     WATT,
 )
 from . import body as contact
+from .body import filled, kinematics, of_azimuth, state
 from .gliding.chart import axis_and_momentum, axis_angles
 from .gliding.vector import axis, axis_rate, momentum
 from .integrals import NAMED
 from .orientation import carried_along, planar
-from .rolling.reaction import Kinematics, kinematics
 from .rolling.vector import spin
 
 
@@ -68,17 +67,6 @@ class Reaction(NamedTuple):
 
     force: Vector
     drilled: Operand = 0  # power that torques of the contact take
-
-
-def filled(**units: Any) -> Any:
-    """Return a record of a new type, filled with units."""
-    return namedtuple("State", units)(**units)
-
-
-def state(**units: Any) -> Any:
-    """Return a state filled with units: 3hat, L about the centre of mass, and more."""
-    turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
-    return filled(**dict.fromkeys(("ux", "uy", "uz"), ONE), **turning, **units)
 
 
 ROW_UNITS = state(
@@ -145,7 +133,7 @@ KNOWN = (
     "power",  # that friction takes
     "gap",  # of the ball that is in contact, or was last
 )
-FIELDS = (*Kinematics._fields, *KNOWN, *Row._fields[9:])
+FIELDS = (*contact.Kinematics._fields, *KNOWN, *Row._fields[9:])
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, and what else a row contains."""
 
@@ -206,8 +194,7 @@ def row_of_angles(e, s, z, b):
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     b = b._replace(R=b.R + none, c=b.c + none)
     v = contact.contact_velocity(u, L, Vector(none, none, none), b)
-    ex, ey = cos(e.phi), sin(e.phi)
-    along_x, along_y = e.nu_x * ex - e.nu_y * ey, e.nu_x * ey + e.nu_y * ex
+    along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
     velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
     height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(L.z, b.I3 * e.omega3, b)
     zeros = (none,) * 3

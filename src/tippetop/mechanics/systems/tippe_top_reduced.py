@@ -56,7 +56,7 @@ def reduced_kinematics(q, b):
     phi_dot_s2 = (Lz - L3 * z) / b.I1
     axis_speed2 = (q.z_dot * q.z_dot + phi_dot_s2 * phi_dot_s2) / s2
     z_ddot_free = contact.torque_free(L3, phi_dot_s2, axis_speed2, z, b)
-    return reaction.Kinematics(z, s2, q.z_dot, z_ddot_free, phi_dot_s2, axis_speed2, L3, Lz)
+    return contact.Kinematics(z, s2, q.z_dot, z_ddot_free, phi_dot_s2, axis_speed2, L3, Lz)
 
 
 @formula

@@ -69,7 +69,7 @@ def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
     return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
     """The angles of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
     e = given_angles(Angles, data, z)
     if data.get("centre_at_rest"):

@@ -1,6 +1,7 @@
 """The chart between Euler angles and vectors. [T 3.20-3.22; section 3.4 of the derivation]"""
 
 from ...operand import Vector, atan2, cos, formula, sin, sqrt
+from ..body import of_azimuth
 from .euler import Angles, EulerState, centre_velocity
 from .vector import VectorState, axis, vector_scalars
 
@@ -26,18 +27,8 @@ def vector_of_angles(e, s, z, b):
     """
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     along_e, along_2 = centre_velocity(e, s, z, b)
-    ex, ey = cos(e.phi), sin(e.phi)
-    return VectorState(
-        u.x,
-        u.y,
-        u.z,
-        L.x,
-        L.y,
-        L.z,
-        b.I3 * e.omega3,
-        along_e * ex - along_2 * ey,
-        along_e * ey + along_2 * ex,
-    )
+    velocity = of_azimuth(along_e, along_2, e.phi)
+    return VectorState(*u, *L, b.I3 * e.omega3, *velocity)
 
 
 @formula
@@ -69,12 +60,11 @@ def angles_of_vector(q, carried, b):
 @formula
 def euler_of_angles(e, s, z, b):
     """The Euler-angle state of the angles."""
-    return EulerState(e.theta, e.theta_dot, e.phi_dot, e.omega3, e.nu_x, e.nu_y)
+    return EulerState(*e[:6])
 
 
 @formula
 def angles_of_euler(q, carried, b):
     """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
-    moving = (q.theta, q.theta_dot, q.phi_dot, q.omega3, q.nu_x, q.nu_y)
-    e = Angles(*moving, carried.phi, carried.x, carried.y, carried.work, carried.impulse)
+    e = Angles(*q, carried.phi, carried.x, carried.y, carried.work, carried.impulse)
     return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)

@@ -24,7 +24,7 @@ from .vector import VECTOR_UNITS, vector_rates, vector_scalars
 INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith("nu_")}
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
     """The angle record of the given initial values."""
     return given_angles(Angles, data, z)
 

@@ -6,40 +6,17 @@ c = alpha*R is the rolling tippe top; R = 0, c = -l a top with its tip fixed. Th
 parameters as a `contact.body.Touch`.
 """
 
-from typing import NamedTuple
+from collections import namedtuple
+from typing import Any
 
-from ...operand import Operand, Vector, cross, dot, formula, plus, sqrt, times
+from ...operand import Vector, cross, formula, plus, sqrt, times
 from .. import body as contact
 
 
-class Kinematics(NamedTuple):
-    """How the axis moves, and L: functions of the state that do not depend on the form; smooth at
-    the poles. The names are those of the scalars of a gliding body.
-    """
-
-    z: Operand  # cos(theta)
-    s2: Operand  # sin(theta)^2
-    z_dot: Operand  # -theta' sin(theta)
-    z_ddot_free: Operand  # z'' of the axis if no torque about the centre of mass acted
-    phi_dot_s2: Operand  # phi' sin(theta)^2
-    axis_speed2: Operand  # |3hat'|^2
-    L3: Operand  # L.3hat
-    Lz: Operand  # L.zhat, about the centre of mass
-
-
-class Scalars(NamedTuple):
-    """The kinematics, field by field, and what follows from v_A = 0."""
-
-    z: Operand
-    s2: Operand
-    z_dot: Operand
-    z_ddot_free: Operand
-    phi_dot_s2: Operand
-    axis_speed2: Operand
-    L3: Operand
-    Lz: Operand
-    speed2: Operand  # |r'|^2, horizontal velocity of the centre of mass
-    friction_force2: Operand  # |F_h|^2, horizontal part of the reaction
+Scalars: Any = namedtuple("Scalars", (*contact.Kinematics._fields, "speed2", "friction_force2"))
+"""The kinematics, |r'|^2 of the horizontal velocity of the centre of mass, and |F_h|^2 of the
+horizontal part of the reaction.
+"""
 
 
 # --- the reaction -------------------------------------------------------------------------------
@@ -100,21 +77,6 @@ def friction_needed(s, b):
 
 
 @formula
-def kinematics(u, L, u_dot, b):
-    """The kinematics of an axis u, its rate and the momentum L about the centre of mass."""
-    return Kinematics(
-        z=u.z,
-        s2=u.x * u.x + u.y * u.y,
-        z_dot=u_dot.z,
-        z_ddot_free=(L.x * u_dot.y - L.y * u_dot.x) / b.I1,
-        phi_dot_s2=u.x * u_dot.y - u.y * u_dot.x,
-        axis_speed2=dot(u_dot, u_dot),
-        L3=dot(L, u),
-        Lz=L.z,
-    )
-
-
-@formula
 def reaction(u, L, u_dot, s, b):
     """The reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]; s are the
     kinematics.
@@ -136,15 +98,4 @@ def reaction(u, L, u_dot, s, b):
 @formula
 def completed(s, v, F):
     """The scalars of kinematics s, velocity v of the centre of mass and horizontal force F."""
-    return Scalars(
-        s.z,
-        s.s2,
-        s.z_dot,
-        s.z_ddot_free,
-        s.phi_dot_s2,
-        s.axis_speed2,
-        s.L3,
-        s.Lz,
-        v.x**2 + v.y**2,
-        F.x**2 + F.y**2,
-    )
+    return Scalars(*s, v.x**2 + v.y**2, F.x**2 + F.y**2)

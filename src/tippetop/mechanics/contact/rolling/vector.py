@@ -1,29 +1,18 @@
 """The rolling body in vector form: regular everywhere."""
 
-from typing import NamedTuple
-
-from ...operand import Operand, Vector, dot, formula
-from ...units import ANGULAR_MOMENTUM, ONE
-from ..body import height
+from ...operand import Vector, dot, formula
+from ..body import height, kinematics, state
 from ..gliding.vector import axis, axis_rate, momentum
-from .reaction import completed, kinematics, normal_force, reaction
+from .reaction import completed, normal_force, reaction
 
 
 # --- vector form: regular everywhere ------------------------------------------------------------
 
 
-class VectorState(NamedTuple):
-    """3hat, and L about the centre of mass. The velocity of the centre of mass is -omega x a."""
+VECTOR_UNITS = state()
+"""3hat, and L about the centre of mass. The velocity of the centre of mass is -omega x a."""
 
-    ux: Operand
-    uy: Operand
-    uz: Operand
-    Lx: Operand
-    Ly: Operand
-    Lz: Operand
-
-
-VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
+VectorState = type(VECTOR_UNITS)
 
 
 @formula
@@ -55,9 +44,7 @@ def vector_rates(q, b):
     F = reaction(u, L, u_dot, s, b)
     h = height(u.z, b)
     return VectorState(
-        u_dot.x,
-        u_dot.y,
-        u_dot.z,
+        *u_dot,
         b.c * (u.y * F.z) + h * F.y,
         -(b.c * (u.x * F.z)) - h * F.x,
         b.c * (u.x * F.y - u.y * F.x),
