@@ -250,12 +250,8 @@ class ImpactMotions:
                 if passed == "reached":
                     return after
                 if passed in stage.follows:
-                    before, self.region = self.region, stage.follows[passed]
-                    passed = next(
-                        way.event
-                        for way in law.regions[self.region].borders
-                        if way.follows == before
-                    )
+                    way = stage.follows[passed]
+                    self.region, passed = way.follows, way.back
             elif status == NON_FINITE:
                 raise ArithmeticError(UNSOLVED)
             elif status == STALLED and not self._slows(q, after):

@@ -7,13 +7,14 @@ struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..form import Next
 from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
+from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
 from .body import Touch
 from .coulomb import cone, sticking
@@ -22,7 +23,7 @@ from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
 from .response import bias_vector, jumps, mobility_inverse_times
 from .single_contact import DIRECTED, DIRECTED_SLIP, RESTS, STOPS_AT, regions_of, rest_speed2
-from .state import LOST, Moving, gained
+from .state import BALLS, LOST, Moving, gained
 
 
 BEGINS_AT = 1e-8
@@ -63,18 +64,21 @@ BOTH = (
 )
 
 
-class Impact(NamedTuple):
-    """A row of the table of impacts, internal units."""
+IMPACT = contact.filled(
+    ball=BALLS,
+    v_n_before=METRE_PER_SECOND,
+    v_n_after=METRE_PER_SECOND,
+    speed_before=METRE_PER_SECOND,
+    speed_after=METRE_PER_SECOND,
+    impulse=NEWTON_SECOND,
+    friction_impulse=NEWTON_SECOND,
+    work=JOULE,
+    mode=("slip", "stick", "reverse"),
+)
+"""A row of the table of impacts, filled with units: normal velocity, tangential speed, normal
+impulse, that of friction, energy that the body gained, and how friction ended."""
 
-    ball: Any
-    v_n_before: Any  # normal velocity
-    v_n_after: Any
-    speed_before: Any  # tangential speed
-    speed_after: Any
-    impulse: Any  # normal
-    friction_impulse: Any
-    work: Any  # energy that the body gained
-    mode: Any  # how friction ended
+Impact = type(IMPACT)
 
 
 # --- the balls ----------------------------------------------------------------------------------
@@ -254,7 +258,7 @@ def left_alone(n: Next, world: Any, zeros: int) -> Next:
 def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
     """Return what follows an impact of a ball, and of the other one, should that be pressed into
     the plane."""
-    hits: list[Impact] = []
+    hits: list[Any] = []
     bounces = makes_energy = False
     pressed = [ball] if rise(x, world.body[ball]) < 0 and not both_rest(x, world) else []
     while pressed and not makes_energy and len(hits) < MOST_STRIKES:
@@ -277,7 +281,7 @@ def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
     return first_touch(n, world)
 
 
-def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool]:
+def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
     """Return the body after an impact of a ball, the row of the impact, whether the ball leaves the
     plane, and whether the impact made energy. Raises ArithmeticError if it has no solution."""
     b = world.body[ball]
@@ -478,11 +482,8 @@ def on_disc(n: Next, world: Any) -> Next:
         return n
     b = world.body[phase.ball]
     s = phase.form.scalars(phase.enter(n.x, b), b)
-    staying = [
-        way.event for way in phase.exits if getattr(way.jump, "keywords", {}).get("to") == n.phase
-    ]
     for event in phase.events:
-        if event.name in (*staying, RESTS.name) and event.direction * event.formula(s, b) > 0:
+        if event.name in ("slow", RESTS.name) and event.direction * event.formula(s, b) > 0:
             n.sides = {event.name: event.direction, **n.sides}
     return at_rest(n, world, phase.ball) if RESTS.name in n.sides else n
 

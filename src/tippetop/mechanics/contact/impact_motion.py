@@ -11,6 +11,7 @@ v_n are powers of two near them, so that steps are as exact for slow impacts as 
 from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import Any, NamedTuple
 
 from ..disc_friction import Drag, rolling
@@ -107,7 +108,7 @@ class Stage(NamedTuple):
     acts: Callable  # acts(q, b) -> Acts, per normal impulse
     slope: Callable  # slope(q, b) -> v_n per normal impulse, and growth
     events: tuple[Event, ...]  # formula(q, acts, b)
-    follows: dict[str, str]  # the next region, by the event of a border
+    follows: dict[str, Any]  # the border that is reached, by its event
     is_directed: bool  # equations have the direction of the slip
 
 
@@ -150,19 +151,11 @@ def held(law: Any, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
     return held_point(u, FLAT_BIAS, load(omega, b.friction), b)
 
 
-_stages: dict[type, dict[str, Stage]] = {}
-
-
+@cache
 def stages(law: Any) -> dict[str, Stage]:
-    """Return the motions of impacts under a law; the same ones for a law's record."""
-    if law not in _stages:
-        _stages[law] = new_stages(law)
-    return _stages[law]
+    """Return the motions of impacts under a law, by its regions and REST.
 
-
-def new_stages(law: Any) -> dict[str, Stage]:
-    """Return the motions of impacts under a law, by its regions and REST; "" is that without
-    regions, or of a disc without friction.
+    "" is that without regions, or of a disc without friction.
     """
     torque = law.torque
 
@@ -230,7 +223,7 @@ def new_stages(law: Any) -> dict[str, Stage]:
         borders = [way for way in region.borders if way.event != "slow"]
         events = (Event(way.event, "", border(way), way.direction, way.event) for way in borders)
         friction = disc_friction(region.drag, torque, edge_speed2)
-        known[name] = stage(friction, (STOPS, *events), {way.event: way.follows for way in borders})
+        known[name] = stage(friction, (STOPS, *events), {way.event: way for way in borders})
     return known | {"": stage(disc_friction(lambda v2, U2: Drag(0.0, 0.0), torque, edge_speed2))}
 
 

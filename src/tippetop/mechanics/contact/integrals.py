@@ -23,3 +23,11 @@ def integral(name: str, rate: Callable) -> Integral:
     return Integral(
         name, unit, long_name, formula(rate), of="normal_force" if name == "impulse" else ""
     )
+
+
+def place(velocity: Callable) -> tuple[Integral, Integral]:
+    """The integrals x and y of a body with velocity(q, carried, b) of the centre of mass."""
+    return (
+        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
+        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
+    )

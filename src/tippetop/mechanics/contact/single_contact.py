@@ -234,8 +234,8 @@ DIRECTED = state(beta=RADIAN, w=METRE_PER_SECOND)
 length, where sliding stops."""
 
 
-def direction(q):
-    """n = v_A/|v_A|, (3,)."""
+def direction(q: Any) -> Vector:
+    """Return n = v_A/|v_A|, (3,)."""
     return Vector(cos(q.beta), sin(q.beta), 0 * q.w)
 
 

@@ -23,12 +23,13 @@ from ..units import (
     NEWTON_SECOND,
     ONE,
     RADIAN,
-    RADIAN_PER_SECOND,
     WATT,
 )
 from . import body as contact
 from .body import filled, kinematics, of_azimuth, state
+from .gliding import catalogue as gliding
 from .gliding.chart import axis_and_momentum, axis_angles
+from .gliding.euler import EULER_UNITS
 from .gliding.vector import axis, axis_rate, momentum
 from .integrals import NAMED
 from .orientation import carried_along, planar
@@ -164,12 +165,7 @@ def row_scalars(q, b):
 
 
 ANGLES = filled(
-    theta=RADIAN,
-    theta_dot=RADIAN_PER_SECOND,
-    phi_dot=RADIAN_PER_SECOND,
-    omega3=RADIAN_PER_SECOND,
-    nu_x=METRE_PER_SECOND,
-    nu_y=METRE_PER_SECOND,
+    **EULER_UNITS._asdict(),
     nu_z=METRE_PER_SECOND,
     gap=METRE,
     phi=RADIAN,
@@ -271,7 +267,7 @@ def energy(s, b):
 def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
     """Return the columns of rows; `routh`: Routh's function of a gliding body, if its system has
     one."""
-    modified, lambda_ = of_ball(contact.modified_energy), of_ball(contact.jellett)
+    lambda_ = of_ball(contact.jellett)
     text = "Jellett's integral of the ball in contact"
     quantities = [
         Quantity("jellett", "lambda", JELLETT, text, lambda_),
@@ -289,16 +285,18 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
         quantities = []
     if routh is not None:
         quantities.append(Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
-    text = "modified (rolling) energy of the ball in contact"
-    words = "power dissipated by friction", "what touches the plane, or did last"
+    formulas = {
+        "energy": energy,
+        "modified_energy": of_ball(contact.modified_energy),
+        "normal_force": lambda s, b: s.force,
+        "friction_power": lambda s, b: s.power,
+    }
+    text = "what touches the plane, or did last"
     quantities += [
-        Quantity("energy", "E", JOULE, "energy", energy),
-        Quantity("modified_energy", "E~", JOULE, text, modified),
-        Quantity("normal_force", "g_n", NEWTON, "normal force", lambda s, b: s.force),
-        Quantity("friction_power", "-E'", WATT, words[0], lambda s, b: s.power),
+        *(replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES),
         Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
         Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
-        Quantity("ball", "ball", ONE, words[1], lambda s, b: s.ball, BALLS),
+        Quantity("ball", "ball", ONE, text, lambda s, b: s.ball, BALLS),
     ]
     if stem:
         text = "height of the stem's ball"

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ..contact import body as contact
 from ..contact.gliding.catalogue import AWAY_FROM_POLE
-from ..contact.integrals import integral
+from ..contact.integrals import integral, place
 from ..contact.orientation import by_angles
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
@@ -147,8 +147,7 @@ REDUCED = Form(
     angles_of_reduced,
     integrals=(
         integral("phi", phi_rate),
-        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
-        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
+        *place(velocity),
         integral(
             "impulse", lambda q, carried, b: reaction.normal_force(reduced_kinematics(q, b), b)
         ),

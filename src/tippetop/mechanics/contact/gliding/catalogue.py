@@ -26,7 +26,7 @@ from ..body import (
     jellett,
     modified_energy,
 )
-from ..integrals import integral
+from ..integrals import integral, place
 from ..orientation import by_angles, carried_along
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
 from .euler import (
@@ -125,8 +125,7 @@ EULER = Form(
     angles_of_euler,
     integrals=(
         integral("phi", lambda q, carried, b: q.phi_dot),
-        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
-        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
+        *place(velocity),
         *work_and_impulse(euler_scalars),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),
