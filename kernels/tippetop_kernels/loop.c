@@ -1018,29 +1018,28 @@ typedef struct {
     integer what, a, b;
 } Line;
 
-/* Operations, in the order of `engine.changes`. A miss ends a program: a comparison is not as
-   expected. A MOTION is that of loop b; its inputs begin at register a, and its results are the
-   following lines. */
+/* Operations, in the order of `mechanics.lines`. A program ends where a comparison is not as
+   expected. MOTION follows that of loop b; its inputs begin at register a, and its results are this
+   and the following lines. */
 enum {
     ADD,
     SUBTRACT,
     MULTIPLY,
     DIVIDE,
     POWER,
+    NEGATE,
+    ROOT,
+    SIZE,
+    LARGER,
     LESS,
     AT_MOST,
     GREATER,
     AT_LEAST,
     EQUAL,
     UNEQUAL,
-    NEGATE,
-    ROOT,
-    SIZE,
-    LARGER,
     UNIT,
     EXPECT,
     EXPECT_NOT,
-    COPY,
     MOTION,
     RESULT
 };
@@ -1115,7 +1114,7 @@ static bool execute(const Change *c, const Loop *const *loops) {
         case NEGATE: *to = -a; break;
         case ROOT: *to = sqrt(a); break;
         case SIZE: *to = fabs(a); break;
-        case LARGER: *to = MAX(fabs(a), fabs(b)); break;
+        case LARGER: *to = MAX(a, b); break;
         case UNIT:
             frexp(a, &exponent);
             *to = ldexp(1, exponent);
@@ -1128,8 +1127,7 @@ static bool execute(const Change *c, const Loop *const *loops) {
             if (a != 0)
                 return false;
             break;
-        case COPY: *to = a; break;
-        case MOTION: follow_motion(loops[line->b], r + line->a, to); break;
+        case MOTION: follow_motion(loops[(integer)b], r + line->a, to); break;
         }
     }
     return true;

@@ -38,10 +38,11 @@ from .driver import (
     Slice,
     Wanted,
     extremes_of,
+    view,
 )
 from .expressions import Formulas
-from .phase_tables import PhaseTables
 from .loop import MOST_COEFFICIENTS
+from .phase_tables import PhaseTables
 from .sampled import Sampler, zero_of
 from .status import Status
 from .tallies import (
@@ -110,7 +111,7 @@ class World(NamedTuple):
     phase: Phase | None
     left: Any
     variables: Variables  # of the rows of the run
-    struck: Callable | None  # of a body whose contact may open: see `exits`
+    struck: Any  # of a body whose contact may open: see `exits`
 
     def rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
         """Return the rates of the integrals of the run in a state of a phase; 0 for those that it
@@ -141,13 +142,13 @@ def jump_of(
     name: str,
     exit: Exit,
     variables: Variables,
+    rules: Any,
     impacts: Any,
     *_: type,
 ) -> Callable:
     """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals
-    when the phase began, the time that is left, the signs of event functions, the rules of the
-    contact, what follows the motion of an impact, and the body, whose types tell apart what this
-    function keeps.
+    when the phase began, the time that is left, the signs of event functions, what follows the
+    motion of an impact, and the body, whose types tell apart what this function keeps.
     """
     known, phase = dict(phases), dict(phases)[name]
     numbers = {event: k for k, event in enumerate(events_of(system, known))}
@@ -156,12 +157,12 @@ def jump_of(
     live -= {numbers[one.event] for one in phase.exits if one.event in numbers}
 
     def jump(
-        state: tuple, whole: tuple, left: Any, signs: tuple, rules: Any, piece: Any, body: Any
+        state: Sequence, whole: tuple, left: Any, signs: Sequence, piece: Any, body: Any
     ) -> Begun:
         struck = partial(impacts.struck, piece) if impacts else None
         world = World(body, system, rules, known, phase, left, variables, struck)
         x = phase.leave(record(*state[: of_phase.moving]), phase.parameters(body))
-        own = zip(of_phase.integrals, state[of_phase.moving :], strict=True)
+        own = zip(of_phase.integrals, state[of_phase.moving :], strict=False)
         now = variables.carried(*whole)._replace(**{one.name: value for one, value in own})
         carried = now._make(value / INTEGRAL_SCALE for value in now)
         if hasattr(x, "carried"):
@@ -182,7 +183,7 @@ def jump_of(
         keeps = all(k in live and (value > 0) == (signs[k] > 0) for k, value in going_on)
         return made._replace(keeps=keeps)
 
-    return inlined(jump) if exit.is_pure else jump
+    return jump
 
 
 def begun(n: Next, carried: Any, world: World) -> Begun:
@@ -190,7 +191,8 @@ def begun(n: Next, carried: Any, world: World) -> Begun:
     to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
     b = to.parameters(world.body)
     q = type(to.form.units)(*to.enter(n.x, b))
-    functions = formulas_of_phase(world.system, to, type(b), type(b.friction)).functions
+    kinds: Any = type(b), type(b.friction)
+    functions = formulas_of_phase(world.system, to, *kinds).functions
     moved = Variables(to.form, world.variables.orientation).integrals
     state = *q, *(getattr(carried, one.name) * INTEGRAL_SCALE for one in moved)
     whole = tuple(value * INTEGRAL_SCALE for value in carried)
@@ -243,11 +245,12 @@ class Track:
         phase = self.phase
         self.b = phase.parameters(run.body)
         kinds = self.b.__class__, self.b.friction.__class__
-        given = problem.variables, run.impacts and run.impacts.kind, *kinds
+        given = problem.variables, problem.contact, run.impacts and run.impacts.kind, *kinds
         phases = tuple(run.phases.items())
         self.exits = {
             exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
         }
+        self.pure = {exit.event: exit.is_pure for exit in phase.exits}
         self.formulas = formulas_of_phase(problem.system, phase, *kinds)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
@@ -280,7 +283,7 @@ class Track:
         )
         self.place = list(run.phases).index(name)
         if run.copies:
-            run.copies.follow(self.place, self.driver.loop)
+            run.copies.loop.follow(self.place, self.driver.loop)
         if run.tracks:
             self.driver.share(next(iter(run.tracks.values())).driver)
         sampled = [event for event in phase.events if event.sampled]
@@ -324,7 +327,7 @@ class Block(NamedTuple):
 
     times: np.ndarray
     states: np.ndarray  # (variables, rows) in the precision of the run
-    made: memoryview  # the number of rows that exist
+    made: Any  # the number of rows that exist
     first: int  # of the present slice
 
 
@@ -385,13 +388,13 @@ class HybridDriver:
         )
         self.tallies = self.shared.tallies
         self.tallies.functions[SIGN] = 0.0  # not known
-        self.counts = [memoryview(one.filled) for one in self.shared[1:]]
+        self.counts = [view(one.filled) for one in self.shared[1:]]
         self.wanted, self.tables = Wanted(width - len(self.rows.events)), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         self.live: set[int] = set()
         self.signs, self.zeros = (
-            memoryview(self.tallies.functions[kind, :, 0]) for kind in (SIGN, ON_ZERO)
+            view(self.tallies.functions[kind, :, 0]) for kind in (SIGN, ON_ZERO)
         )
         self.rooted: set[tuple] = (
             set()
@@ -521,8 +524,8 @@ class HybridDriver:
             missed = not abs(ahead - values[k]) < SLOPE * NEAR
         if missed:
             there = (
-                f"in `zeros`, but {track.events[k].name!r} has no root of multiplicity {count} where phase "
-                f"`{track.name}` begins"
+                f"in `zeros`, but {track.events[k].name!r} has no root of multiplicity {count} "
+                f"where phase `{track.name}` begins"
             )
             raise InputError([f"{self._where()} must give multiplicities of roots {there}."])
 
@@ -604,23 +607,16 @@ class HybridDriver:
         self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, state = self.number(when), self.track, self.last
+        signs, piece = tuple(self.signs.tolist()), self.impacts and self.impacts.piece
+        given = tuple(state.tolist()), self.whole, self.end - now, signs, piece, self.body
         try:
-            begun = self._called(
-                track.exits[ending],
-                tuple(state.tolist()),
-                self.whole,
-                self.end - now,
-                tuple(self.signs.tolist()),
-                self.problem.contact,
-                self.impacts and self.impacts.piece,
-                self.body,
-            )
+            begun = self._called(track.exits[ending], *given)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
         stops = ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop"
-        if self.copies and not stops and (copy := getattr(track.exits[ending], "used", None)):
-            self.copies.teach(copy, ending)
+        if self.copies and track.pure[ending] and not stops:
+            self.copies.teach(ending, given)
         n, *_, (_, logged_after, _), rows = begun
         for name in n.logged:
             self._note(name, now + logged_after, track, state, 1)
@@ -696,12 +692,14 @@ class HybridDriver:
             track, driver = self.track, self.track.driver
             first = wanted.made[0]
             left = most - steps if driver.status[0] == RUNNING else 0
-            if self.copies and self.copies.kept and not (self.request.steps or track.sampler):
+            if self.copies and self.copies.loop.kept and not (self.request.steps or track.sampler):
                 for one in self.tracks.values():
                     one.driver.loop.fill(wanted.rows)
-                most_changes = PER_SLICE - 1 - self.changes % PER_SLICE
-                steps += self.copies.make(left, min(most_changes, MOST_CHANGES - self.changes))
-                self._take_changes()
+                changes = PER_SLICE - 1 - self.changes % PER_SLICE
+                changes = min(changes, MOST_CHANGES - self.changes)
+                begun = track.place, self.began, self.whole
+                steps += self.copies.loop.drive(*begun, left, changes)
+                self._take_changes(self.copies)
             else:
                 steps += driver.make(wanted.rows, left)
             made = wanted.made[0]
@@ -712,10 +710,10 @@ class HybridDriver:
                 return steps
             self._new_block()
 
-    def _take_changes(self) -> None:
+    def _take_changes(self, copies: Changes) -> None:
         """Take the changes of phase that the loop has made."""
         before = self._counts()[0] - self.wanted.made[0]
-        for time, n, exit, track, counts, whole, rows in self.copies.taken():
+        for time, n, exit, track, counts, whole, rows in copies.taken():
             if n.cause != "":
                 self.tables.begin(track.name, track.phase, time, n.cause or exit)
             self.tables.add(time, rows)
@@ -723,7 +721,7 @@ class HybridDriver:
             self.spans.append((track, whole, (before + made, *others)))
             self.track, self.whole, self.live, self.short = track, whole, track.live, 0
             self.changes += 1
-            clock, self.began = self.copies.record.clock, time
+            clock, self.began = copies.loop.record.clock, time
             self.until = None if math.isnan(clock) else clock
             self.clocked = clock < self.end
 
@@ -802,7 +800,10 @@ class HybridDriver:
             mine = np.flatnonzero(owner == track.place)
             part = slice(made, made := made + len(mine))
             places[mine] = np.arange(part.start, part.stop)
-            state, whole = states[: track.width].take(mine, axis=1), wholes.take(phase[mine], axis=1)
+            state, whole = (
+                states[: track.width].take(mine, axis=1),
+                wholes.take(phase[mine], axis=1),
+            )
             whole[track.integrals] = state[track.moving :]
             q, carried = track.record(*state[: track.moving]), whole * number(1 / INTEGRAL_SCALE)
             values = (
@@ -835,7 +836,7 @@ class HybridDriver:
         asked, logged, samples, last = np.split(rows, np.cumsum(counts[-1]))
         if len(asked):
             self.request.take(np.concatenate(times), asked)
-        passages = Passages(*(column.copy() for column in columns), logged)
+        passages = Passages._make([*(column.copy() for column in columns), logged])
         return Slice(steps, when, last, samples, passages, status, self.tables.take())
 
     # --- where the run is ------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from ..mechanics.contact.body import Touch, angular_velocity, contact_velocity
 from ..mechanics.contact.impact_motion import CLOCK_RATE, Struck, after_impact
 from ..mechanics.contact.state import Moving
 from ..mechanics.friction import PARTS, has_parts
-from ..mechanics.inlining import unit_of
+from ..mechanics.lines import unit_of
 from ..mechanics.operand import Vector, leaves, refill, times
 from ..problem import PRECISIONS, Problem
 from .driver import NO_ROWS, Driver

@@ -54,12 +54,10 @@ class PhaseTables:
     def take(self) -> dict[str, Table]:
         """Return the rows that came since the last call, by table."""
         rows, self.rows = self.rows, {name: [] for name in self.tables}
-        tables = {name: as_table(name, self.tables[name], some) for name, some in rows.items()}
-        for name, kinds in self.tables.items():
-            for column, unit in kinds.items():
-                if not isinstance(unit, tuple):
-                    tables[name][column] *= float(self.scales.of(unit))
-        return tables
+        return {
+            name: as_table(name, kinds, rows[name], self.scales)
+            for name, kinds in self.tables.items()
+        }
 
 
 def _number(value: Any, words: Any) -> Any:
@@ -72,13 +70,16 @@ def columns_of(name: str, kinds: Mapping[str, Any]) -> tuple[str, ...]:
     return (*(("start", "end") if name == "phases" else ("time",)), *kinds)
 
 
-def as_table(name: str, kinds: Mapping[str, Any], rows: Sequence[Sequence[Any]]) -> Table:
-    """Return rows as columns, words as their places."""
-    columns = columns_of(name, kinds)
+def as_table(
+    name: str, kinds: Mapping[str, Any], rows: Sequence[Sequence[Any]], scales: Any = None
+) -> Table:
+    """Return rows, in internal units but for times, as columns in SI; words as their places."""
     table = {}
-    for column, values in zip(columns, zip(*rows) if rows else [()] * len(columns), strict=True):
-        words = kinds.get(column)
-        is_word = isinstance(words, tuple)
-        numbers = [_number(value, words) for value in values] if is_word else values
-        table[column] = np.array(numbers, np.int8 if is_word else float)
+    for k, column in enumerate(columns_of(name, kinds)):
+        values, kind = [row[k] for row in rows], kinds.get(column)
+        if isinstance(kind, tuple):
+            table[column] = np.array([_number(value, kind) for value in values], np.int8)
+        else:
+            unit = float(scales.of(kind)) if kind and rows else 1.0
+            table[column] = (np.array(values) * unit).astype(float)
     return table

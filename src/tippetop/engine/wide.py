@@ -38,7 +38,8 @@ class WideSteps(Called):
     def __init__(self, integrator: Any):
         super().__init__(integrator)
         # the samples; times of the log, and states there
-        self.kept = self.samples, self.times, self.states = [], [], []
+        self.kept: tuple[list, list, list] = [], [], []
+        self.samples, self.times, self.states = self.kept
 
     def begin(self) -> None:
         """Forget the rows that were kept."""

@@ -73,16 +73,8 @@ class Program:
             return value
         return Symbol(self, self.language.number(float(value)), float(value))
 
-    def branch(self, symbol: "Symbol") -> bool:
-        """Return whether a comparison is true."""
-        raise TypeError("a formula must not branch")
-
-    def call(self, name: str, arguments: tuple) -> Any:
-        """Return what a function of this name returns."""
-        raise TypeError("a formula must not call other functions")
-
-    def needed(self, results: Sequence[Any]) -> list[tuple[str, str]]:
-        """Return the expressions that the results need, and their names, in order."""
+    def lines(self, results: Sequence[Any]) -> list[str]:
+        """Return the lines that the results need, in order; each ends with a semicolon."""
         wanted = [self.of(result).name for result in results]
         alive: set[str] = set()
         while wanted:
@@ -90,11 +82,11 @@ class Program:
             if name in self.needs and name not in alive:
                 alive.add(name)
                 wanted += self.needs[name]
-        return [(text, name) for text, name in self.names.items() if name in alive]
-
-    def lines(self, results: Sequence[Any]) -> list[str]:
-        """Return the lines that the results need, in order; each ends with a semicolon."""
-        return [f"{self.language.begin}{name} = {text};" for text, name in self.needed(results)]
+        return [
+            f"{self.language.begin}{name} = {text};"
+            for text, name in self.names.items()
+            if name in alive
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,24 +130,8 @@ class Symbol:
             return self.program.of(-self.number)
         return self.program.new(f"-{self.name}", (self.name,))
 
-    def _compared(self, sign: str, other: Any) -> "Symbol":
-        other = self.program.of(other)
-        return self.program.new(f"{self.name} {sign} {other.name}", (self.name, other.name))
-
-    __lt__, __le__ = partialmethod(_compared, "<"), partialmethod(_compared, "<=")
-    __gt__, __ge__ = partialmethod(_compared, ">"), partialmethod(_compared, ">=")
-    __eq__, __ne__ = partialmethod(_compared, "=="), partialmethod(_compared, "!=")
-    __hash__ = object.__hash__
-
     def __bool__(self) -> bool:
-        return self.program.branch(self)
-
-    def __abs__(self) -> "Symbol":
-        return self._called("absolute")
-
-    def __call__(self, *arguments: Any) -> Any:
-        """Call a function that is an argument of a program."""
-        return self.program.call(self.name, arguments)
+        raise TypeError("a formula must not branch")
 
     def __pow__(self, power: float) -> "Symbol":
         if self.program.language.powers:

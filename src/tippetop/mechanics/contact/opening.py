@@ -179,8 +179,8 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) 
             return Exit(event, on_disc, partial(come_to_rest, slides=name), True)
         if event in ways:
             to, passed, side = ways[event]
-            jump = partial(go_on, to=to, passed=passed, side=side)
-            return Exit(event, (to, *on_disc), jump, True)
+            on = partial(go_on, to=to, passed=passed, side=side)
+            return Exit(event, (to, *on_disc), on, True)
         jump, labels = JUMPS[event]
         following = tuple(other for other, label in near.items() if label in labels)
         return Exit(event, following or tuple(bare), jump, True)

@@ -1,0 +1,102 @@
+"""Programs: the operations of one run of a function of numbers, one after another.
+
+A program repeats the run for other numbers, as long as every comparison turns out as it did.
+"""
+
+import math
+from collections.abc import Sequence
+from functools import reduce
+from typing import Any
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
+from .operand import leaves, refill
+
+
+OPERATIONS = (
+    *("add", "subtract", "multiply", "divide", "power", "negative", "sqrt", "absolute", "maximum"),
+    *("less", "less_equal", "greater", "greater_equal", "equal", "not_equal"),
+    *("unit", "expect", "expect not", "motion", "result"),
+)
+"""As in the loop; the first ones are functions of NumPy."""
+
+
+class Number(NDArrayOperatorsMixin):
+    """A number of a run, whose operations become lines of its program.
+
+    Parameters
+    ----------
+    program
+        The program.
+    place
+        Of its register: see `Program`.
+    value
+        Its value in the run.
+    """
+
+    def __init__(self, program: "Program", place: int, value: Any):
+        self.program, self.place, self.value = program, place, value
+
+    def __array_ufunc__(self, function: Any, method: str, *inputs: Any) -> Any:
+        """Apply a function of NumPy."""
+        values = (one.value if isinstance(one, Number) else one for one in inputs)
+        a, *others = inputs
+        b = others[0] if others else a
+        return self.program.line(function.__name__, a, b, function(*values))
+
+    def __bool__(self) -> bool:
+        is_true = bool(self.value)
+        self.program.line("expect" if is_true else "expect not", self)
+        return is_true
+
+
+class Program:
+    """A program: its lines are an operation and the places of two operands.
+
+    A place is that of an input, then those of lines; negative: -1 minus that of a constant.
+
+    Parameters
+    ----------
+    inputs
+        Records of numbers.
+    """
+
+    def __init__(self, *inputs: tuple):
+        values = leaves(inputs)
+        numbers = (Number(self, k, value) for k, value in enumerate(values))
+        self.lines, self.constants, self.count = list[tuple](), list[float](), len(values)
+        self.inputs = refill(inputs, numbers)
+
+    def place(self, value: Any) -> int:
+        """Return the place of a number."""
+        if isinstance(value, Number):
+            return value.place
+        self.constants.append(float(value))
+        return -len(self.constants)
+
+    def line(self, what: str, a: Any, b: Any = 0.0, value: Any = None) -> Number:
+        """Add a line, and return its result."""
+        self.lines.append((OPERATIONS.index(what), self.place(a), self.place(b)))
+        return Number(self, self.count + len(self.lines) - 1, value)
+
+    def joined(self, values: Sequence) -> Number:
+        """Give lines one after another to values, and return the first one."""
+        first, *_ = [self.line("multiply", value, 1.0) for value in values]
+        return first
+
+    def code(self) -> np.ndarray:
+        """Return the lines (k, 3) with numbers of registers: of inputs, constants and lines."""
+        code, constants = np.array(self.lines, np.int64), len(self.constants)
+        places = code[:, 1:]
+        places[places >= self.count] += constants
+        places[places < 0] = self.count - 1 - places[places < 0]
+        return code
+
+
+def unit_of(*values: Any) -> Any:
+    """Return a power of two near the largest of some numbers."""
+    if isinstance(values[0], Number):
+        largest = reduce(np.maximum, map(abs, values))
+        return values[0].program.line("unit", largest, 0.0, unit_of(largest.value))
+    return math.ldexp(1.0, math.frexp(max(map(abs, map(float, values))))[1])
