@@ -11,8 +11,8 @@ import math
 from typing import Any, NamedTuple
 
 from ..disc_friction import drag
-from ..operand import Operand, Vector, cross, dot, formula, plus, times
-from .body import angular_velocity, arm, axis_rate, contact_velocity
+from ..operand import Operand, Vector, dot, formula, plus, times
+from .body import angular_velocity, axis_rate, contact_velocity
 from .response import bias_vector, other_mobility_inverse_times, torque_acceleration
 
 
@@ -59,13 +59,6 @@ def stopping(u, L, V, b):
     instant.
     """
     return impulses(u, times(-1, contact_velocity(u, L, V, b)), -angular_velocity(u, L, b).z, b)
-
-
-@formula
-def jumped(u, L, V, by, b):
-    """L and the velocity of the centre of mass after impulses."""
-    turn = cross(arm(u, b), by.force)
-    return plus(L, Vector(turn.x, turn.y, turn.z + by.torque)), plus(V, times(1 / b.m, by.force))
 
 
 @formula

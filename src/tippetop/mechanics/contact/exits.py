@@ -18,10 +18,10 @@ from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
 from .body import Touch
 from .coulomb import cone, sticking
-from .disc_at_rest import Held, direction, impulses, jumped, margin, stopping, turning
+from .disc_at_rest import Held, direction, impulses, margin, stopping, turning
 from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
-from .response import bias_vector, jumps, mobility_inverse_times
+from .response import Struck, after_impact, bias_vector, mobility_inverse_times
 from .single_contact import DIRECTED, DIRECTED_SLIP, RESTS, STOPS_AT, regions_of, rest_speed2
 from .state import BALLS, LOST, Moving, gained
 
@@ -288,15 +288,20 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
     v, impact = point(x, b), world.struck(x, b, e_n)
     after = impact.after
-    x = gained(x, work=-after.gained, impulse=after.p.z)
-    if any(after.twist):
-        x = gained(x, jellett_lost=dot(after.twist, contact.arm(x.u, b)))
-    velocity, v_n = after.velocity, after.v.z
-    if e_n == 0:
-        velocity, v_n = velocity._replace(z=velocity.z - v_n), 0.0  # it does not rise by rounding
+    x, v_n = pushed_by(x, after, b), after.v.z
+    if e_n == 0:  # it does not rise by rounding
+        x, v_n = x._replace(velocity=x.velocity._replace(z=x.velocity.z - v_n)), 0.0
     slides, pushes = (size(v), size(after.v)), (after.p.z, size(after.p))
     hit = Impact(ball, v.z, v_n, *slides, *pushes, after.gained, impact.mode)
-    return x._replace(L=after.L, velocity=velocity), hit, e_n != 0, impact.makes_energy
+    return x, hit, e_n != 0, impact.makes_energy
+
+
+def pushed_by(x: Moving, after: Struck, b: Touch) -> Moving:
+    """Return the body after impulses at its contact."""
+    has_lost = hasattr(x.carried, LOST[0])
+    lost = {LOST[0]: dot(after.twist, contact.arm(x.u, b))} if has_lost else {}
+    x = gained(x, work=-after.gained, impulse=after.p.z, **lost)
+    return x._replace(L=after.L, velocity=after.velocity)
 
 
 # --- slides that begin and end ------------------------------------------------------------------
@@ -342,10 +347,8 @@ def run_out(x: Moving, world: Any) -> tuple[Moving, Any]:
     delay = -q.w / rates.w
     carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
     x = phase.leave(moved(q, rates, delay), b)._replace(carried=carried)
-    v = point(x, b)
-    p = mobility_inverse_times(x.u, times(-1, v), b)  # of rounding
-    velocity, L = map(plus, (x.velocity, x.L), jumps(x.u, p, b))
-    return gained(x._replace(velocity=velocity, L=L), work=-(dot(p, v) / 2)), delay
+    p = mobility_inverse_times(x.u, times(-1, point(x, b)), b)  # of rounding
+    return kicked(x, Held(p, 0 * delay), b), delay
 
 
 def eighty_bits(value: Any) -> Any:
@@ -365,8 +368,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     """Return how long the first moments last of a slide that begins at the edge of the friction
     cone, and its series: of times (n,), states and integrals. Wider numbers are rounded to 80 bits.
     """
-    x = Moving(*(rounded(v) if isinstance(v, tuple) else eighty_bits(v) for v in x))
-    b = rounded(world.body[phase.ball])
+    x, b = rounded(x), rounded(world.body[phase.ball])
 
     def read(state: np.ndarray, w: Any, beta: Any) -> tuple[Any, Any]:
         return type(DIRECTED)(*state[:6], beta, w), x.carried._make(state[6:])
@@ -522,12 +524,8 @@ def slide_from_rest(x: Moving, world: Any, ball: int, cause: str) -> Next:
 
 def kicked(x: Moving, by: Held, b: Touch) -> Moving:
     """Return the body after impulses on its disc."""
-    L, velocity = jumped(x.u, x.L, x.velocity, by, b)
-    after = x._replace(L=L, velocity=velocity)
-    turns = (contact.angular_velocity(x.u, one, b).z for one in (x.L, L))
-    work = -(dot(by.force, plus(point(x, b), point(after, b))) + by.torque * sum(turns)) / 2
-    lost = by.torque * contact.arm(x.u, b).z
-    return gained(after, work=work, impulse=by.force.z, jellett_lost=lost)
+    twist = Vector(0 * by.torque, 0 * by.torque, by.torque)
+    return pushed_by(x, after_impact(x.u, x.L, x.velocity, by.force, twist, b), b)
 
 
 JUMPS: dict[str, tuple[Callable, tuple[str, ...]]] = {

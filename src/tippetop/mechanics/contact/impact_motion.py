@@ -19,12 +19,12 @@ from ..event import Event
 from ..form import Form
 from ..friction import load
 from ..inlining import inlined
-from ..operand import Operand, Vector, cross, dot, exp, formula, log, plus, sqrt, times
+from ..operand import Vector, cross, dot, exp, log, plus, sqrt, times
 from ..units import ONE
-from .body import angular_velocity, arm, contact_velocity
+from .body import angular_velocity, arm
 from .coulomb import across_and_along, held_point
 from .disc_at_rest import Held, direction, held_disc, impulses, margin
-from .response import jumps, mobility_inverse_times, mobility_times, torque_acceleration
+from .response import mobility_inverse_times, mobility_times, torque_acceleration
 from .single_contact import Acts, Speeds, disc_friction, region_of, smooth_friction
 
 
@@ -55,31 +55,6 @@ normal force and of friction.
 Of a point that slides under a set-valued law, equations have the direction of the slip and, as
 `turn`, the logarithm of its speed.
 """
-
-
-class Struck(NamedTuple):
-    """A body after an impact: impulses of force and torque, L, velocities of the centre of mass and
-    of the contact point, energy gained.
-    """
-
-    p: Vector
-    twist: Vector
-    L: Vector
-    velocity: Vector
-    v: Vector
-    gained: Operand
-
-
-@formula
-@inlined
-def after_impact(u, L, velocity, p, twist, b):
-    """The body after an impulse at its contact and one of a torque."""
-    pushed, turned = jumps(u, p, b)
-    after, newer = plus(velocity, pushed), plus(plus(L, turned), twist)
-    v = contact_velocity(u, newer, after, b)
-    drilled = dot(twist, plus(angular_velocity(u, L, b), angular_velocity(u, newer, b)))
-    worked = dot(p, contact_velocity(u, L, velocity, b)) + dot(p, v)
-    return Struck(p, twist, newer, after, v, (worked + drilled) / 2)
 
 
 REACHED = Event(

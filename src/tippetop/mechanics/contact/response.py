@@ -1,8 +1,10 @@
 """The response of a body to forces, torques and impulses at its contact."""
 
+from typing import NamedTuple
+
 from ..inlining import inlined
-from ..operand import Vector, cross, dot, formula, plus, times
-from .body import angular_velocity, arm, arm2, axis_rate
+from ..operand import Operand, Vector, cross, dot, formula, plus, times
+from .body import angular_velocity, arm, arm2, axis_rate, contact_velocity
 
 
 @formula
@@ -61,10 +63,25 @@ def bias_vector(u, L, b):
     )
 
 
+class Struck(NamedTuple):
+    """A body after an impact: impulses of force and torque, L, velocities of the centre of mass and
+    of the contact point, energy gained.
+    """
+
+    p: Vector
+    twist: Vector
+    L: Vector
+    velocity: Vector
+    v: Vector
+    gained: Operand
+
+
 @formula
 @inlined
-def jumps(u, p, b):
-    """What the impulse p, (3,), adds to the velocity of the centre of mass and to L:
-    p/m and a x p.
-    """
-    return times(1 / b.m, p), cross(arm(u, b), p)
+def after_impact(u, L, velocity, p, twist, b):
+    """The body after an impulse at its contact and one of a torque."""
+    after, newer = plus(velocity, times(1 / b.m, p)), plus(plus(L, cross(arm(u, b), p)), twist)
+    v = contact_velocity(u, newer, after, b)
+    drilled = dot(twist, plus(angular_velocity(u, L, b), angular_velocity(u, newer, b)))
+    worked = dot(p, contact_velocity(u, L, velocity, b)) + dot(p, v)
+    return Struck(p, twist, newer, after, v, (worked + drilled) / 2)
