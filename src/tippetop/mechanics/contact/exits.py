@@ -22,7 +22,15 @@ from .disc_at_rest import Held, direction, impulses, margin, stopping, turning
 from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
 from .response import Struck, after_impact, bias_vector, mobility_inverse_times
-from .single_contact import DIRECTED, DIRECTED_SLIP, RESTS, STOPS_AT, regions_of, rest_speed2
+from .single_contact import (
+    DIRECTED,
+    DIRECTED_SLIP,
+    RESTS,
+    STOPS_AT,
+    disc_held,
+    regions_of,
+    rest_speed2,
+)
 from .state import BALLS, LOST, Moving, gained
 
 
@@ -496,14 +504,14 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
     A disc that friction cannot hold passes its rest if it soon leaves it again; otherwise it begins
     to slide with a small speed, so that its next rest is detected.
     """
-    b, rest = world.body[ball], phase_name("rest", ball)
+    b = world.body[ball]
     x = kicked(n.x, stopping(n.x.u, n.x.L, n.x.velocity, b), b)
-    s = world.phases[rest].form.scalars(world.phases[rest].enter(x, b), b)
-    left = margin(s.by.force, s.by.torque.z, b.friction)
+    F, torque = disc_held(x.u, x.L, b)
+    left = margin(F, torque.z, b.friction)
     if left > 0:
-        return Next(rest, x, n.cause or "rests", zeros=n.zeros)
-    limit = b.friction.mu * s.force
-    gains = 1 / b.m if size(s.by.force) > limit else turning(x.u, b).own * b.friction.patch**2
+        return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=n.zeros)
+    limit = b.friction.mu * F.z
+    gains = 1 / b.m if size(F) > limit else turning(x.u, b).own * b.friction.patch**2
     if limit == 0 or sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives")
@@ -513,9 +521,8 @@ def slide_from_rest(x: Moving, world: Any, ball: int, cause: str) -> Next:
     """Return the slide of a disc at rest that friction cannot hold; it begins at twice the speed
     below which it rests."""
     b = world.body[ball]
-    rest = world.phases[phase_name("rest", ball)]
-    s = rest.form.scalars(rest.enter(x, b), b)
-    v, edge = direction(s.by.force, s.by.torque.z, b.friction)
+    F, torque = disc_held(x.u, x.L, b)
+    v, edge = direction(F, torque.z, b.friction)
     speed = 2 * sqrt(rest_speed2(b))
     x = kicked(x, impulses(x.u, times(speed, v), speed * edge / b.friction.patch, b), b)
     names = regions_of(x, law_of(world).regions, b)
@@ -528,13 +535,13 @@ def kicked(x: Moving, by: Held, b: Touch) -> Moving:
     return pushed_by(x, after_impact(x.u, x.L, x.velocity, by.force, twist, b), b)
 
 
-JUMPS: dict[str, tuple[Callable, tuple[str, ...]]] = {
-    "liftoff": (lift_off, ("flight",)),
-    "stick": (stick, ("roll", "slip", "flight")),
-    "slip": (begin_slip, ("slip",)),
-    "gives": (give_way, ("slip", "rest")),
-    "touch": (change_ball, ()),
-    "sphere-leaves": (partial(stay_on, ball=1), ()),
-    "stem-leaves": (partial(stay_on, ball=0), ()),
+JUMPS: dict[str, Callable] = {
+    "liftoff": lift_off,
+    "stick": stick,
+    "slip": begin_slip,
+    "gives": give_way,
+    "touch": change_ball,
+    "sphere-leaves": partial(stay_on, ball=1),
+    "stem-leaves": partial(stay_on, ball=0),
 }
-"""The jump at an event, and the labels of phases on the same ball that may follow; empty: all."""
+"""The jump at an event of a phase in contact."""

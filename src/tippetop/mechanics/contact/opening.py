@@ -162,31 +162,18 @@ Bare = tuple[Phase, int, tuple[str, ...]]
 def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) -> Phase:
     """Return a phase as its body and its law have it, which moves these integrals."""
     phase, ball, regions = bare[name]
-    near = {other: its.label for other, (its, k, _) in bare.items() if k == ball}
-    on_disc = tuple(other for other, label in near.items() if label in ("slip", "rest"))
-    ways = {}
+    jumps = JUMPS | {RESTS.name: partial(come_to_rest, slides=name)}
     for at, region in enumerate(regions):
         for border in law.regions[region].borders:
             to = phase_name(phase.label, ball, *regions[:at], border.follows, *regions[at + 1 :])
             stays = border.direction if border.follows == region else 0
             of_ball = "stem-" * at
-            ways[of_ball + border.event] = to, of_ball + border.back, stays
-
-    def way_out(event: str) -> Exit:
-        if phase.label == "flight":
-            return Exit(event, tuple(bare), land, True)
-        if event == RESTS.name:
-            return Exit(event, on_disc, partial(come_to_rest, slides=name), True)
-        if event in ways:
-            to, passed, side = ways[event]
-            on = partial(go_on, to=to, passed=passed, side=side)
-            return Exit(event, (to, *on_disc), on, True)
-        jump, labels = JUMPS[event]
-        following = tuple(other for other, label in near.items() if label in labels)
-        return Exit(event, following or tuple(bare), jump, True)
-
-    names = [event.name for event in phase.events] + [CLOCK] * (phase.label == "flight")
-    exits = tuple(map(way_out, names))
+            jumps[of_ball + border.event] = partial(
+                go_on, to=to, passed=of_ball + border.back, side=stays
+            )
+    flies = phase.label == "flight"
+    names = [event.name for event in phase.events] + [CLOCK] * flies
+    exits = tuple(Exit(one, tuple(bare), land if flies else jumps[one], True) for one in names)
     carried = tuple(one for one in phase.form.integrals if one.name in integrals)
     form = replace(phase.form, integrals=carried, not_normalised=("R", "c"))
     fast = {name: inlined(getattr(phase, name)) for name in ("enter", "leave", "reaction")}
