@@ -388,7 +388,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         return np.array([np.broadcast_to(rate, w.shape) for rate in every]), by.w
 
     def turning(state: np.ndarray, beta: np.ndarray) -> Any:
-        return pushed(Vector(*state[:3]), Vector(*state[3:6]), beta, b)[1]
+        return phase.form.rates(read(state, 1 + 0 * beta, beta)[0], b).beta
 
     F = sticking(x.u, x.L, b)[0]
     omega = contact.angular_velocity(x.u, x.L, b)
