@@ -253,7 +253,7 @@ def whole(result: dict[str, Any]) -> str:
 
 
 def sweep(result: dict[str, Any]) -> str:
-    """What the store and dask add."""
+    """Return the table of what the store adds, and a sentence on the efficiency of two workers."""
     rows = [
         [way, number(w["seconds"]), f"{w['wall']:.3f}", f"{w['processor']:.3f}"]
         for way, w in result["ways"].items()

@@ -129,12 +129,8 @@ class StoreError(OSError):
 
 class _Sentences(Exception):
     def __init__(self, sentences: str | list[str]):
-        super().__init__(sentences if isinstance(sentences, str) else "\n".join(sentences))
-
-    @property
-    def sentences(self) -> list[str]:
-        """Return the faults, a sentence each."""
-        return str(self).split("\n")
+        self.sentences = [sentences] if isinstance(sentences, str) else sentences
+        super().__init__("\n".join(self.sentences))
 
 
 class InputError(_Sentences, ValueError):

@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -53,10 +54,6 @@ def make(kind: str, store: Path, progress: Any = None) -> None:
         surfaces.write(store, surfaces.Surface.over(CANONICAL, *axes, chunk=16), progress=progress)
 
 
-class Stopped(Exception):
-    """Ends a writer."""
-
-
 @pytest.fixture(scope="module")
 def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A folder with a finished and an interrupted store of each kind."""
@@ -64,14 +61,9 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         short_slices(patch)
         for kind in ("run", "sweep", "surface"):
-            calls = iter(range(3))
-
-            def stop(*_: object, calls: Iterator[int] = calls) -> None:
-                if next(calls, None) is None:
-                    raise Stopped
-
             make(kind, folder / f"{kind}.zarr")
-            with contextlib.suppress(Stopped):
+            with contextlib.suppress(KeyboardInterrupt):
+                stop = Mock(side_effect=[None, None, None, KeyboardInterrupt])
                 make(kind, folder / f"half-{kind}.zarr", stop)
         yield folder
 

@@ -117,6 +117,7 @@ def test_files_outside_a_case_folder(tmp_path, capsys):
     assert "`--case CASE` is required" in capsys.readouterr().err
     assert cli.outcome(["benchmark", "score", str(tmp_path / "no.csv")]) == 2
     assert "no such file" in capsys.readouterr().err
+    assert cli.outcome(f"benchmark score {path} --case joint --figures {tmp_path}".split()) == 0
     [only] = benchmark.score(path, "joint").results
     assert (only.engine, only.setting) == ("mine", "-")
     assert "nan" not in str(benchmark.score(path, "joint"))

@@ -62,29 +62,3 @@ def test_a_run_without_a_store_says_that_it_has_no_orientation(said: Callable) -
     found = json.loads(said("run inverting --until 0.1 --json")[0])
     assert found["run"]["orientation"] is False
     assert found["t_end"] == 0.1
-
-
-def test_an_existing_store_is_refused_and_overwritten_only_when_said(
-    tmp_path: Path, said: Callable
-) -> None:
-    path = tmp_path / "a.zarr"
-    arguments = f"run inverting --until 0.1 --out {path}"
-    said(arguments)
-    assert "must not exist yet" in said(arguments, code=5)[1]
-    said(f"{arguments} --overwrite")
-    other = tmp_path / "mine"
-    other.mkdir()
-    (other / "precious").write_text("x")
-    arguments = f"run inverting --until 0.1 --out {other} --overwrite"
-    assert "must be a store of tippetop" in said(arguments, code=5)[1]
-    assert (other / "precious").exists()
-
-
-def test_a_place_that_cannot_be_written_is_said_before_the_run(
-    tmp_path: Path, said: Callable
-) -> None:
-    (tmp_path / "file").write_text("")
-    for place in (tmp_path / "file" / "a.zarr", tmp_path / "nowhere" / "a.zarr"):
-        err = said(f"run inverting --out {place}", code=5)[1]
-        assert err.count("\n") == 1
-        assert "must be writable" in err

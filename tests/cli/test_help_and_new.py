@@ -24,11 +24,6 @@ def test_exit_codes_are_those_that_are_documented() -> None:
     assert list(EXIT_CODES) == [*range(7), cli.INTERRUPTED, cli.TERMINATED]
 
 
-def test_an_unknown_topic_is_a_sentence(capsys: pytest.CaptureFixture[str]) -> None:
-    assert typed("help scenaro") == 2
-    assert "Did you mean `scenario`?" in capsys.readouterr().err
-
-
 def test_new_writes_a_scenario_that_checks_and_replaces_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -77,18 +77,6 @@ def test_deep_nesting_is_refused(text: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "code"),
-    [
-        ("info {}", 5),
-        ("check {}", 2),
-        (f"{RUN} --figure {{}}.png", 5),
-    ],
-)
-def test_a_name_that_is_too_long_is_a_sentence(words: str, code: int, said: Callable) -> None:
-    assert "File name too long" in said(words.format("n" * 300), code)[1]
-
-
-@pytest.mark.parametrize(
     ("key", "value", "code"),
     [
         ("parameters.m", "5e-324", 2),

@@ -18,104 +18,12 @@ from tippetop.mechanics.systems import SYSTEMS
 from tippetop.store import root
 
 
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (
-            "check inverting 0.4",
-            "unexpected argument `0.4`. Numbers of a scenario are changed by --set",
-        ),
-        (
-            "sweep x.toml --out x --workers 1.5",
-            "`--workers` must be a whole number, at least 1, but is 1.5.",
-        ),
-        ("run", "SCENARIO must be given, with a value. See tippetop run --help."),
-        ("run inverting --theta 0.2", "such as --set initial.theta=0.2."),
-        (
-            "run inverting --figur x.png",
-            "Unknown option: --figur. Did you mean --figure?",
-        ),
-        ("plot a.zarr", "--out must be given, with a value."),
-        (
-            "plot a.zarr --out f.jpg",
-            "--out must end with .png, .svg or .pdf, but is `f.jpg`.",
-        ),
-        (
-            "completion foo",
-            'Invalid value "foo" for SHELL. Choose from: "bash", "zsh", "fish".',
-        ),
-        ("run inverting --until 1 --until 2", "--until specified multiple times."),
-        ("run inverting --out ''", "`--out` must be a path, but is ''."),
-        ("run inverting --columns ,", "but has ''."),
-        (
-            "run inverting --until '2 m'",
-            '`--until` must be in s or what can be converted to it, but is "2 m".',
-        ),
-        (
-            "run inverting --certify --window=-1",
-            "--window must be greater than 0 and finite, but is -1.",
-        ),
-        ("run inverting --window 1", "`--window` requires `--certify`."),
-        ("run inverting --until --json", "`--until` must be a number"),
-        ("rum inverting", 'Unknown command "rum". Did you mean "run"?'),
-        (
-            "run invertin",
-            "`invertin` is neither a TOML file nor a preset. Did you mean `inverting`?",
-        ),
-        (
-            "potential rolling-cylinder --D 1 --lambda 2",
-            "tippe tops only; this is a rolling cylinder.",
-        ),
-        ("sweep inverting --out s.zarr", "this is a scenario, not a plan"),
-        ("export inverting --to mjcf --group events --out a", "must be left out with --to mjcf"),
-        ("surface inverting --D -1:1:1000000000000 --out f.zarr", "at most 10000000 points"),
-        (
-            "surface inverting --D 0:1e300:5 --out f.zarr",
-            "`--D` and `--lambda` must leave V within",
-        ),
-        (
-            "surface inverting",
-            "nothing is to be done: give --out F.zarr, --figure F.png, or both.",
-        ),
-    ],
-)
-def test_wrong_words_get_the_right_ones(arguments: str, sentence: str, said: Callable) -> None:
-    out, err = said(arguments, code=2)
-    assert sentence in err
-    assert err.count("\n") == 1
-    assert out == ""
-
-
 def test_a_time_may_have_a_unit(tmp_path: Path, said: Callable) -> None:
     a, b = tmp_path / "a.zarr", tmp_path / "b.zarr"
     said(f"run inverting --until '1/1200 min' --out {a}")
     assert root.attributes(a)["run"]["until"] == 0.05
     said(f"replay {a} --from '10 ms' --until 0.02 --step '1e3 us' --out {b}")
     np.testing.assert_array_equal(tt.open(b).trajectory.time, 0.01 + np.arange(11) * 0.001)
-
-
-def test_a_plan_is_no_scenario(file: Path, said: Callable) -> None:
-    """Of PLAN.toml, whose `[[axis]]` and `chunk` were unknown keys."""
-    sentence = (
-        f"tippetop: `{file}` must be a scenario, but is the plan of a sweep: tippetop "
-        "sweep runs it.\n"
-    )
-    assert said(f"run {file}", code=2)[1] == sentence
-
-
-@pytest.mark.parametrize(
-    ("preset", "kind", "words"),
-    [
-        ("gliding-heavy-top", "surface", "only; this is a gliding heavy top.\n"),
-        ("rolling-cylinder", "sphere", "for tops only; this is a rolling cylinder."),
-        ("inverting", "spere", "Did you mean `sphere`?"),
-    ],
-)
-def test_a_figure_says_for_which_systems_it_is(
-    preset: str, kind: str, words: str, said: Callable, tmp_path: Path
-) -> None:
-    said(f"run {preset} --until 0.1 --out {tmp_path}/a.zarr")
-    assert words in said(f"plot {tmp_path}/a.zarr {kind} --out {tmp_path}/f.png", code=2)[1]
 
 
 def test_help_of_plot_lists_every_kind(said: Callable) -> None:
@@ -188,13 +96,6 @@ def test_a_finished_surface_has_nothing_to_do(tmp_path: Path, said: Callable) ->
     err = said(f"{command} 0:1e-4:3 --out {tmp_path}/mine --overwrite", code=5)[1]
     assert "must be a store of tippetop" in err
     assert {p.name for p in tmp_path.rglob("m*")} == {"mine"}
-
-
-def test_errors_are_those_of_a_run(tmp_path: Path, said: Callable) -> None:
-    store = tmp_path / "V.zarr"
-    said(f"potential inverting --D 0 --lambda 4e-6 --out {store}")
-    err = said(f"info {store} --errors", code=2)[1]
-    assert err == f"tippetop: `--errors` requires a run, but `{store}` is a potential.\n"
 
 
 def test_warnings_are_lines_of_ours_on_stderr() -> None:

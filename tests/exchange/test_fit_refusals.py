@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop import cli
 from tippetop.errors import InputError
 from tippetop.exchange import measured
 
@@ -18,43 +17,6 @@ def film(tmp_path: Path) -> Path:
     path = tmp_path / "film.csv"
     path.write_text("t [s],theta [deg]\n0,5.7\n0.1,5.6\n0.2,5.8\n0.3,5.6\n", encoding="utf-8")
     return path
-
-
-@pytest.mark.parametrize(
-    ("more", "code", "words"),
-    [
-        (
-            ["--out", "film.csv", "--overwrite"],
-            2,
-            "--out must end with .toml, but is",
-        ),
-        (["--out", "./film.csv"], 2, "--out must end with .toml, but is"),
-        (["--out", "x.png", "--figure", "x.png"], 2, "--out must end with .toml, but is"),
-        (["--out", "there.toml"], 5, "`there.toml` must not exist yet"),
-        (["--starts", "1.5"], 2, "`--starts` must be a whole number, at least 1, but is 1.5"),
-        (["--quaternion", "zyxw"], 2, "must be wxyz or xyzw, but is 'zyxw'"),
-        (
-            ["--quaternion", "wxyz"],
-            2,
-            "must have the columns q_0 ... q_3 for --quaternion, but has none",
-        ),
-    ],
-)
-def test_wrong_words_are_refused_before_a_fit(
-    film: Path,
-    more: list[str],
-    code: int,
-    words: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture,
-) -> None:
-    before = film.read_bytes()
-    monkeypatch.chdir(film.parent)
-    Path("there.toml").touch()
-    monkeypatch.setattr(measured, "fitted", lambda *_: pytest.fail("it is fitted"))
-    assert cli.outcome(["fit", "film.csv", "inverting", "--free", "friction.mu", *more]) == code
-    assert words in capsys.readouterr().err
-    assert film.read_bytes() == before
 
 
 @pytest.mark.parametrize(

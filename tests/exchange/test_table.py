@@ -62,7 +62,7 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
             "t [s], theta [rad]\n0,1\n0.2,1\n0.1,1\n",
             r"times must ascend, but that of row 3, 0\.1 s, follows 0\.2 s",
         ),
-        ("t [s], theta [rad]\n0,1\nnan,1\n", "every row must have a time, but row 2 has none"),
+        ("t [s], theta [rad]\n0,1\nnan,1\n", "that of row 2, nan s, follows 0 s"),
         ("t [s], theta [rad]\n0,1\n", "must be 2 to 2,000,000 rows, but there are 1"),
         ("t [s], theta [rad]\n0,nan\n1,nan\n", "`theta` must have finite numbers"),
         (
@@ -80,7 +80,7 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
         ("t [s], theta [rad]\n0,1\n1,1,1\n", "Expected 2 fields in line 3, saw 3"),
         ("t [s], theta [rad]\n0,1,1\n1,1,1\n", "Length of header or names does not match"),
         ("t [s], theta [rad]\n0,1\n1,much\n", "row 2 must have numbers, but has 'much'"),
-        ("t [s]\n0\n1\n", "a column other than `t`"),
+        ("t [s]\n0\n1\n", "two rows must have a time and another number, but 0 has"),
         (
             "t [s],theta [rad]\n0,1\n1e18,1\n",
             r"times must be within 1e\+16 s, but are from 0 to 1e\+18 s",

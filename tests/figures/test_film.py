@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from tippetop.figures import film
-from tippetop.runs.shape import axes_of, with_shape
+from tippetop.runs.shape import rotation, shape
 
 
 BALL = {
@@ -16,7 +16,7 @@ BALL = {
     "balls": [{"offset": 0.006, "radius": 0.02}],
     "ellipsoid": [0.02, 0.02],
     "fixed": False,
-    "axes": axes_of,
+    "axes": rotation,
 }
 ATTRS = {"title": "a top", "initial": {"theta": 0.1}, "units": {"theta": "rad"}}
 
@@ -69,7 +69,7 @@ def test_every_kind_of_body_has_a_picture() -> None:
         "parameters": {"m": 0.02, "R": 0.02, "alpha": 0.3, "I": 4e-6, "g": 9.82},
     }
     for attrs in (heavy, cylinder):
-        _, _, body = with_shape(None, None, attrs)
+        body = shape(attrs) | {"axes": rotation}
         facets, _, colours, _ = posed(1.0, 0, 0, 0, body=body)
         assert len(facets) == len(colours) > 50
         assert np.isfinite(facets).all()

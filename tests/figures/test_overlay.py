@@ -98,14 +98,3 @@ def test_a_picture_that_is_there_stays(tmp_path: Path, capsys: pytest.CaptureFix
         save(figure(), path)
     save(figure(1, 1), path, overwrite=True)
     assert path.read_bytes().startswith(b"\x89PNG")
-
-
-@pytest.mark.parametrize(
-    "words", [["--size", "big"], ["--dpi", "1"], ["--size", "0x5"], ["--out", "a.jpg"]]
-)
-def test_a_look_that_cannot_be_is_said(
-    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    given = words if "--out" in words else [*words, "--out", str(tmp_path / "a.png")]
-    assert outcome(["plot", "none.zarr", *given]) == 2
-    assert capsys.readouterr().err.count("\n") == 1

@@ -1,6 +1,4 @@
-"""F, its minimiser and its gradient against 60 digits: at random, next to the marked lines, for
-extreme bodies.
-"""
+"""Test F, its minimiser and its gradient against 60 digits, at random and near marked lines."""
 
 import landscape_oracle as oracle
 import mpmath as mp
@@ -84,9 +82,7 @@ def slopes_at(z, D, lam, b):
 @few_or_many
 @pytest.mark.parametrize("points", [oracle.boxed, oracle.scattered, oracle.marked])
 def test_gradient_is_that_of_the_exact_surface(points, count):
-    """To a few roundings, also where X of the minimum is 1e-12 of its terms; by the envelope
-    theorem.
-    """
+    """Agree to a few roundings, also where X of the minimum is 1e-12 of its terms."""
     for parameters in (
         oracle.FIGURE,
         *(oracle.parameters(*numbers) for numbers in EXTREME.values()),
@@ -128,9 +124,7 @@ def test_two_minima_and_the_lower_of_them():
 
 @numba.njit
 def minima_along(D, lam, r):
-    """The largest number of minima of V found on 400 values of q, e^-40 to e^40, at the points (D,
-    lam).
-    """
+    """Return the largest number of minima of V on 400 values of q at the points (D, lam)."""
     worst = 0
     for i in range(D.size):
         p, count, before = formulas.at_momenta(D[i], lam[i], r), 0, -1.0
@@ -144,9 +138,7 @@ def minima_along(D, lam, r):
 
 @pytest.mark.slow
 def test_no_second_minimum_below_gamma_star():
-    """1500 bodies in and out of the inverting class, at points around the marked lines: what
-    `two_wells` rests on.
-    """
+    """Try 1500 bodies, inverting or not, around the marked lines: `two_wells` rests on it."""
     rng, found = np.random.default_rng(8), 0
     for _ in range(1500):
         alpha, sigma = rng.uniform(0.001, 0.999), 10 ** rng.uniform(-2, 3)

@@ -1,6 +1,4 @@
-"""What a system says of its potential: coefficients that give V, interval of each parameter,
-momenta by name.
-"""
+"""Test the potential's coefficients, intervals of parameters, and momenta by name."""
 
 import dataclasses
 
@@ -22,9 +20,7 @@ def numbers(name: str) -> dict[str, float]:
 
 @pytest.mark.parametrize("name", KNOWN)
 def test_coefficients_give_the_potential_of_the_system(name: str, rng: np.random.Generator) -> None:
-    """The law of `Landscape`, for every system that has one, momenta matched by the names of a
-    run's columns.
-    """
+    """Test the law of `Landscape`, for every system, momenta matched by the names of columns."""
     t = body.top(numbers(name), name)
     scale = np.sqrt(t.body.m * t.body.g * max(t.body.R, -t.body.c) * t.body.I3)
     q = np.exp(rng.uniform(-6, 6, 50))

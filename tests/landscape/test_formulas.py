@@ -1,6 +1,4 @@
-"""The landscape's formulas in plain floats, without kernels, against the published ones in 60
-digits, at any q.
-"""
+"""Test the formulas of the landscape in plain floats against those published, in 60 digits."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -18,9 +16,7 @@ from tippetop.landscape import formulas
 
 
 class At(NamedTuple):
-    """A point, a q, the exact potential as a function of q and the two momenta, and its value in 60
-    digits.
-    """
+    """A point, a q, the exact potential over q and the momenta, and its value in 60 digits."""
 
     q: float
     momenta: tuple[float, float]
@@ -94,9 +90,7 @@ every_body = pytest.mark.parametrize("name", BODIES)
 
 @every_body
 def test_potential_is_rounded_once(name: str) -> None:
-    """Half a unit in the last place, and a little: the double-double has 25 digits next to the
-    marked lines.
-    """
+    """Err by half a unit in the last place: next to the marked lines there are 25 digits."""
     for at in cases(name):
         assert abs(mp.mpf(formulas.value(at.q, at.p, at.c)) - at.exact) <= 0.51 * math.ulp(
             float(at.exact)

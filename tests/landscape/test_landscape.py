@@ -1,6 +1,4 @@
-"""The landscape against published numbers, laws and 60 digits: potential, surface, turning angles,
-periods, bands.
-"""
+"""Test potential, surface, turning angles and bands against 60 digits and known numbers."""
 
 import landscape_oracle as oracle
 import mpmath as mp
@@ -23,9 +21,7 @@ from tippetop_kernels.minimise import Status
 @pytest.mark.parametrize("z", [-0.7, 0.1, 1 - 1e-6, 1 - 1e-12, 1e-9 - 1, 1e-15 - 1])
 @pytest.mark.parametrize("line", [1, -1, 0])
 def test_potential_keeps_its_digits(z, line):
-    """Near the poles, on and off the marked lines, against the longer form of the source in 60
-    digits.
-    """
+    """Compare near the poles, on and off the marked lines, with the source's form in 60 digits."""
     b, lam = oracle.body(oracle.FIGURE), 4e-6
     for away in (0.0, 1e-13, 1e-7, 0.3):
         D = 2.2e-4 if line == 0 else float(spinning.slope(line, b)) * lam * (1 + away)
@@ -87,9 +83,7 @@ def test_upright_line_lies_on_the_surface():
 
 
 def test_inverted_line_lies_on_the_surface_from_lambda_pi():
-    """D = rho_- lambda: V(-1) = F iff |lambda| >= lambda_pi; below, F is attained and strictly
-    lower. (5.1)
-    """
+    """D = rho_- lambda: V(-1) = F iff |lambda| >= lambda_pi; below, F is strictly lower. (5.1)"""
     lam_pi = marked_lines.marked_lines(CANONICAL, 0.0).lambda_pi
     assert lam_pi == pytest.approx(1.70683e-6, rel=1e-5)  # section 14
     lam = lam_pi * np.array([0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 3.0, 10.0])
@@ -220,9 +214,7 @@ def test_sleeping_top_lies_on_the_surface_when_it_is_stable():
 
 
 def test_rolling_top_swings_as_its_reference_run():
-    """Reference case 6: period and band of a rolling tippe top integrated with 200 bits (section
-    14).
-    """
+    """Reproduce reference case 6: a rolling tippe top integrated with 200 bits (section 14)."""
     found = turning.turning_angles(
         CANONICAL,
         3.176113719312522795797e-4,

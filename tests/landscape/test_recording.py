@@ -1,6 +1,4 @@
-"""Surfaces on disk: chunk by chunk, resumable, the same as in memory; and the commands that write
-and draw them.
-"""
+"""Test surfaces on disk: written by chunks, resumable, equal to those in memory; and commands."""
 
 import json
 

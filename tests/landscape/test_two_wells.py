@@ -1,6 +1,4 @@
-"""Bodies whose potential has two wells: the band is that of the well where the body is, and the
-other one is named.
-"""
+"""Test bodies with two wells: the band is that of the body's well, the other one is named."""
 
 import functools
 

@@ -82,6 +82,7 @@ def test_so_does_pyright(tmp_path: Path) -> None:
     assert [each["range"]["start"]["line"] + 1 for each in found] == WRONG
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("typed", "known"),
     [

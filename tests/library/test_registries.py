@@ -29,7 +29,7 @@ def law(name: str, coefficient: Callable) -> Any:
 
 def test_of_many_tops_those_whose_law_feeds_energy_are_invalid() -> None:
     mine = law("mine", lambda v2, z, law: law.mu)
-    base = tt.load("inverting", ["friction.law=mine"])
+    base = tt.load("inverting", ["friction.law=mine", "friction.mu=0.3"])
     from tippetop.problem import Problems
 
     valid, faults = Problems.vary(base, {"friction.mu": np.array([0.3, -0.3])}).check()

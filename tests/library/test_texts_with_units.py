@@ -12,7 +12,7 @@ import tippetop as tt
 
 
 def test_a_text_stands_for_its_number() -> None:
-    """In modes, regimes, accelerations and nutation, as in scenarios."""
+    """In modes, regimes and accelerations, as in scenarios."""
     spin = 1480 * 2 * math.pi / 60
     np.testing.assert_array_equal(
         tt.theory.linear_modes("inverting", omega3="1480 rpm"),

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.contact.single_contact import FLIGHT
 from tippetop.mechanics.friction import LAWS, Mixed
 from tippetop.mechanics.operand import atan2, exp, formula, leaves, sqrt
-from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.theory.thresholds import thresholds
 from tippetop.mechanics.writing import CPP, JAVASCRIPT, function
-from tippetop.views import formulas
+from tippetop.views import phase_formulas
+from tippetop.views.phase_formulas import TOP
 
 
 NODE = shutil.which("node")
@@ -59,17 +60,16 @@ def test_javascript_computes_what_python_does() -> None:
 
 @pytest.mark.skipif(NODE is None, reason="no node")
 def test_the_right_hand_side_and_the_thresholds_of_a_top_survive_the_journey() -> None:
-    system, law = SYSTEMS["tippe-top"], LAWS["mixed"]
-    form = system.forms["vector"]
+    law, form = LAWS["mixed"], FLIGHT.forms["vector"]
     numbers = [0.02, 0.021, 0.3, 3e-6, 3.2e-6, 9.82, 0.3, 0.2, 1e-2]
-    b = system.body_of(dict(zip(system.parameters, numbers, strict=False)), Mixed(*numbers[6:]))
+    b = TOP.body_of(dict(zip(TOP.parameters, numbers, strict=False)), Mixed(*numbers[6:]))
     assert isinstance(b, Touch)
-    q = np.random.default_rng(4).normal(size=9)
-    module = formulas.motions(system, form, {"mixed": law}).replace("export ", "")
+    q = np.random.default_rng(4).normal(size=10)
+    module = phase_formulas.contacts({"mixed": law})["phases.js"].replace("export ", "")
     found = run(
-        f"{module} const f = formulas.mixed, b = f.body({numbers}), out = new Float64Array(17);"
-        f"f.rates([...{q.tolist()}, 0, 0, 0, 0, 1, 0, 0, 0], b, out);"
-        "console.log(JSON.stringify([b, [...out].slice(0, 9), f.thresholds(b).map(t => t.value)]))"
+        f"{module} const f = formulas.mixed, b = f.body({numbers}), out = new Float64Array(16);"
+        f"f.rates([...{q.tolist()}, 0, 0, 1, 0, 0, 0], b, out);"
+        "console.log(JSON.stringify([b, [...out].slice(0, 10), f.thresholds(b).map(t => t.value)]))"
     )
     np.testing.assert_allclose(found[0], leaves(b), rtol=1e-15)
     np.testing.assert_allclose(found[1], form.rates(type(form.units)(*q), b), rtol=1e-13)

@@ -5,6 +5,7 @@ stops when asked.
 import signal
 import threading
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -42,22 +43,9 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory, short_slices: None) ->
 
 
 def elsewhere(work: Callable[[], Any]) -> Any:
-    """What work gives in another thread; raises what it raises there."""
-    outcome: list[Any] = []
-
-    def run() -> None:
-        try:
-            outcome.append((work(), None))
-        except BaseException as error:
-            outcome.append((None, error))
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    thread.join()
-    result, error = outcome[0]
-    if error is not None:
-        raise error
-    return result
+    """Return what work returns in another thread, or raise what it raises there."""
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(work).result()
 
 
 def after(slices: int, work: Callable[[], Any]) -> Callable[[object], None]:

@@ -99,24 +99,6 @@ def test_a_replay_has_the_columns_of_its_run(tmp_path: Path) -> None:
     np.testing.assert_array_equal(rows.theta, whole.trajectory.theta)
 
 
-def test_a_column_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert typed("run inverting --columns 'theta, phi_dott'") == 2
-    said = capsys.readouterr().err
-    assert "`run.columns` must be of theta, theta_dot" in said
-    assert "has 'phi_dott'. Did you mean `phi_dot`?" in said
-    assert (
-        outcome(["run", "inverting", "--set", asked("psi"), "--set", "run.orientation=false"]) == 2
-    )
-    assert (
-        "`run.orientation` must be true where `run.columns` has 'psi', but is false."
-        in capsys.readouterr().err
-    )
-    with pytest.raises(
-        InputError, match=r"`columns` must be of theta, theta_dot.* but has 'friction_power'"
-    ):
-        tt.run("heavy-top", columns=["friction_power"])
-
-
 def test_columns_of_ones_own_are_kept_beside_those_that_are_named() -> None:
     own = tt.extending.Quantity("height", "h", tt.extending.Unit("m"), "height", lambda s, b: s.z)
 

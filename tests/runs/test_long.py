@@ -77,19 +77,6 @@ def test_an_export_of_events_names_their_kinds(store: Path, tmp_path: Path) -> N
     assert set(pd.read_csv(out)["kind"]) == {"turning", "equator", "inverted"}
 
 
-def test_a_bad_export_is_said(
-    store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "a"
-    assert typed(f"export {store} --to pdf --out {out}") == 2
-    out.write_text("mine")
-    assert typed(f"export {store} --to csv --out {out}") == 5
-    assert out.read_text() == "mine"
-    assert "must not exist" in capsys.readouterr().err
-    assert typed(f"export {store} --to csv --out {out} --overwrite") == 0
-    assert out.read_text().startswith("time [s],")
-
-
 def test_a_run_without_rows_is_exported_by_its_other_tables(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

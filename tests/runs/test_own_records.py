@@ -75,9 +75,9 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("others", OTHERS)
 def test_other_records_under_the_same_names_are_refused(store: Path, others: dict) -> None:
     """Continued with them, one column was of two formulas, and a certificate was of another run."""
-    with pytest.raises(tt.InputError, match=r"must be (the record|one) that the run was made with"):
+    with pytest.raises(tt.InputError, match=r"must be one that the run was made with"):
         tt.open(store, **others).certify()
-    with pytest.raises(tt.InputError, match=r"must be (the record|one) that the run was made with"):
+    with pytest.raises(tt.InputError, match=r"must be one that the run was made with"):
         tt.open(store, **others).replay(0.0, 1e-3, 1e-3)
 
 
@@ -90,7 +90,7 @@ def test_a_run_is_continued_with_its_own_records_only(tmp_path: Path) -> None:
         [dataclasses.replace(HEIGHT, formula=seven), columns[1]],
         [HEIGHT, dataclasses.replace(columns[1], formula=unwritten_otherwise)],
     ):
-        with pytest.raises(tt.InputError, match="must be the record that the run was made with"):
+        with pytest.raises(tt.InputError, match="must be one that the run was made with"):
             tt.resume(place, until=0.2, columns=other)
     assert before == {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
     assert tt.resume(place, until=0.2, columns=columns).trajectory.height.size == 5

@@ -5,6 +5,7 @@ is made.
 import json
 import shutil
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -29,12 +30,7 @@ UNTIL = 30.0
 def half(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A store that was interrupted after some chunks."""
     store = tmp_path_factory.mktemp("half") / "run.zarr"
-    slices = iter(range(4))
-
-    def stop(_: object) -> None:
-        if next(slices) == 3:
-            raise errors.Interrupted
-
+    stop = Mock(side_effect=[None, None, None, errors.Interrupted])
     with pytest.MonkeyPatch.context() as patch:
         short_slices(patch)
         with pytest.raises(errors.Interrupted):

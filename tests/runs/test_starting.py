@@ -2,6 +2,7 @@
 
 import shutil
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -156,7 +157,7 @@ def test_a_run_that_has_not_ended_or_is_none_is_refused(before: Path, tmp_path: 
         recording.record(
             build.load("inverting", ["initial.phi_dot=10.0", "friction.mu=0.0"], 4000.0),
             before,
-            progress=lambda _: (_ for _ in ()).throw(KeyboardInterrupt),
+            progress=Mock(side_effect=KeyboardInterrupt),
         )
     with pytest.raises(StoreError, match="must have come to its end to start from"):
         starting.load(tmp_path / "NEXT.toml")

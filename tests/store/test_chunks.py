@@ -1,6 +1,4 @@
-"""Columns that grow in chunks: whatever pieces the rows come in, the files are the same; damage is
-told.
-"""
+"""Test that growing columns make the same files in any pieces, and that damage is reported."""
 
 from pathlib import Path
 from typing import Any

@@ -44,6 +44,22 @@ def store(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "run.zarr"))
 
 
+def test_a_changed_byte_of_a_chunk_is_found_when_its_numbers_are_read(
+    store: Path, tmp_path: Path
+) -> None:
+    """A lazy Dataset raises what zarr raises; a command names the column."""
+    chunk = store / "trajectory/theta/c.0"
+    data = bytearray(chunk.read_bytes())
+    data[30] ^= 1
+    chunk.write_bytes(data)
+    table = tippetop.open(store).trajectory
+    with pytest.raises(ValueError, match="checksum"):
+        table["theta"].values  # noqa: B018
+    with pytest.raises(StoreError, match="readable column `theta`"):
+        root.loaded(table, store)
+    assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 5
+
+
 def of_theta(edit: Callable[[dict[str, Any]], Any]) -> Callable[[list[dict[str, Any]]], Any]:
     return lambda records: edit(records[0]["members"]["trajectory/theta"])
 

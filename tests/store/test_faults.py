@@ -1,6 +1,4 @@
-"""Every operation on the disk fails, or is the last one: what was acknowledged is there, and can be
-continued.
-"""
+"""Test that acknowledged data survive a fault at every operation on the disk."""
 
 import contextlib
 import shutil
@@ -130,9 +128,7 @@ def extent(state: Any) -> int:
 
 @contextlib.contextmanager
 def quietly() -> Iterator[None]:
-    """A block in which scratch folders of killed processes are removed without a warning that fails
-    the test.
-    """
+    """Ignore warnings of removed scratch folders in this block."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*a killed run")
         yield

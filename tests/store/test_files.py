@@ -1,19 +1,18 @@
-"""Files and folders appear whole or not at all; nothing is replaced that nobody asked
-to replace.
-"""
+"""Test that files and folders appear whole or not at all, and replace nothing unasked."""
 
 import contextlib
 import errno
 import os
 import signal
 import stat
+import warnings
 from pathlib import Path
 
 import pytest
 from forked import Forked
 
 from tippetop.errors import StoreError
-from tippetop.store import files, ledger, provenance
+from tippetop.store import files, ledger, provenance, root
 from tippetop.store.ledger import LEDGER, Ledger
 from tippetop.store.root import new_store
 
@@ -22,9 +21,9 @@ class Stop(Exception):
     """Something ends the block."""
 
 
-def made_store(path: Path, title: str = "old") -> Path:
+def made_store(path: Path, title: str = "old", **how: bool) -> Path:
     """A store of ours with nothing in it."""
-    with new_store(path) as scratch:
+    with new_store(path, **how) as scratch:
         Ledger.created(
             scratch, ledger.header({**provenance.provenance(), "title": title}, {})
         ).release()
@@ -149,6 +148,35 @@ def test_what_a_killed_overwrite_leaves_beside_a_store_goes_with_the_next(tmp_pa
         (scratch / "new").write_text("")
     assert [str(w.message) for w in warned] == [f"`{stale}` is removed: a killed run left it."]
     assert sorted(tmp_path.iterdir()) == sorted([path, *others])
+
+
+KILLED_AT = """
+import os, shutil
+from pathlib import Path
+from test_files import made_store
+from tippetop.store import files
+{place} = lambda *_, **__: os.kill(os.getpid(), 9)
+made_store(Path({path!r}), "new", overwrite=True)
+"""
+
+
+@pytest.mark.parametrize(
+    ("place", "remains"), [("files.rename_new", "old"), ("shutil.rmtree", "new")]
+)
+def test_an_overwrite_that_is_killed_leaves_one_store_whole(
+    place: str, remains: str, tmp_path: Path
+) -> None:
+    """Between its two renames the old one, which is put back, and after them the new one."""
+    path = made_store(tmp_path / "S.zarr")
+    assert killed(KILLED_AT.format(place=place, path=str(path)))
+    assert len(content(tmp_path)) > 1
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "`.*S.zarr.*` is (put back|removed): a killed run")
+        with pytest.raises(StoreError, match="must not exist yet"):
+            made_store(path)
+        assert root.attributes(path)["title"] == remains
+        made_store(path, "newest", overwrite=True)
+    assert content(tmp_path) == ["S.zarr"]
 
 
 def test_what_another_process_is_making_is_not_stale(tmp_path: Path) -> None:

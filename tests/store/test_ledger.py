@@ -1,6 +1,4 @@
-"""The ledger under faults: what was acknowledged is found again, and finished stores are those of
-undisturbed runs.
-"""
+"""Test the ledger under faults: acknowledged data are kept, finished stores are equal."""
 
 import json
 import random
@@ -94,9 +92,7 @@ class Toy:
 def go(
     folder: Folder, place: Path, chance: random.Random, note: Callable[[int], None] = lambda _: None
 ) -> None:
-    """Begin or continue a toy run, and finish it; `note` is called with the steps that are
-    acknowledged.
-    """
+    """Begin or continue a toy run, and finish it; call `note` with the acknowledged steps."""
     try:
         store = Ledger.opened(place, folder)
     except FileNotFoundError:
@@ -132,9 +128,7 @@ def undisturbed() -> ModelFolder:
 
 
 def disturbed(kind: str, at: int, seed: int, wanted: dict[str, bytes]) -> None:
-    """A run with a fault at one operation, continued, perhaps with more faults, until it is
-    finished.
-    """
+    """Continue a run with a fault at one operation, perhaps with more, until it is finished."""
     chance, folder, known = random.Random(1000 * at + seed), ModelFolder(), [0]
     folder.random, folder.fault = chance, (kind, at)
     for attempt in range(40):

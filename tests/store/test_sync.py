@@ -1,6 +1,4 @@
-"""What a power failure may not undo: in which order things reach the disk, and what a failing disk
-leaves.
-"""
+"""Test the order in which data reach the disk, and a disk that fails."""
 
 import errno
 import os

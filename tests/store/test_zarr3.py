@@ -1,6 +1,4 @@
-"""Zarr v3 written directly: what zarr writes from the same columns is the same, and each reads what
-the other wrote.
-"""
+"""Compare zarr v3 written directly with zarr: equal files, and each reads the other's."""
 
 import json
 from pathlib import Path
@@ -22,9 +20,7 @@ KINDS = ("float64", "bool", "int8", "int16", "int32", "int64")
 
 
 def columns(rng: np.random.Generator) -> dict[str, Column]:
-    """Columns of every type that a store has, of one to three dimensions, transposed ones among
-    them.
-    """
+    """Return columns of every type, of one to three dimensions, some of them transposed."""
     words = {"units": "kg m2", "long_name": "θ of a row", "flag_values": [0, 1], "weight": 0.1}
     table = {
         kind: Column(("time",), rng.integers(0, 2, ROWS).astype(kind), words) for kind in KINDS

@@ -1,6 +1,4 @@
-"""The tops of a sweep as numbers: the product of the grid's axes, and of the sample, which is
-fastest.
-"""
+"""Test the numbers of the tops of a sweep: the product of the grid, and the sample, fastest."""
 
 import itertools
 
@@ -56,9 +54,7 @@ def test_some_tops_are_those_of_all(method: str, rng: np.random.Generator) -> No
 
 @pytest.mark.parametrize("method", METHODS)
 def test_points_lie_in_the_range_and_spread_over_it(method: str) -> None:
-    """Means and variances of uniform numbers, in the logarithm where that is asked; six standard
-    deviations.
-    """
+    """Compare means and variances with those of uniform numbers, within six standard deviations."""
     n = 1024
     numbers = Design((EVEN, LOG), Sample(method=method, n=n, seed=2)).numbers(np.arange(n))
     for axis, unit in (

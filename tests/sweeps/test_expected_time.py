@@ -1,6 +1,4 @@
-"""The time that a sweep will take is measured: tops of it are run, and what they made stands for
-the rest.
-"""
+"""Test the expected time of a sweep, which is measured on some of its tops."""
 
 from typing import Any
 
@@ -52,9 +50,7 @@ class Steps:
 def test_the_steps_of_some_stand_for_those_of_all(
     until: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """On a clock that counts steps, a short sweep is measured whole and a long one by its
-    beginning.
-    """
+    """Count steps as time: a short sweep is measured whole, a long one by its beginning."""
     plan = lanes(24, until)
     whole = ensemble.measure(ensemble.vary(plan.base, plan.columns(np.arange(24)))).steps_made
     clock = Steps(monkeypatch)

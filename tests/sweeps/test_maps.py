@@ -181,9 +181,7 @@ def test_what_cannot_be_drawn_is_said(
 
 
 def test_ends_change_at_the_analytic_thresholds(tmp_path: Path) -> None:
-    """Upright below lambda_u, inverted above lambda_s, neither between: within 2 %, after 200 s
-    from a small tilt.
-    """
+    """End upright below lambda_u, inverted above lambda_s, neither between, within 2 %."""
     body = build.load("inverting").body()
     upright = thresholds.lambda_u(body) / thresholds.lambda_s(body)
     values = [*(upright * np.array([0.95, 0.98, 1.04])), 0.5, 0.98, 1.02, 1.05]

@@ -1,6 +1,4 @@
-"""A plan is the tops that it says: axes, draws and derived numbers keep their laws; bad plans are
-said in sentences.
-"""
+"""Test the axes, draws and derived numbers of plans, and messages about bad plans."""
 
 import itertools
 import json
@@ -88,9 +86,7 @@ def test_sigma_alone_keeps_gamma() -> None:
 
 
 def test_a_document_is_the_whole_plan(tmp_path: Path) -> None:
-    """Through JSON, as the store keeps it: the same numbers, whatever became of the scenario's
-    file.
-    """
+    """Read a document back from JSON: the same numbers, without the scenario's file."""
     (tmp_path / "mine.toml").write_text(reading.presets()["cohen"])
     axes = [{"of": "initial.omega3", "values": [1.0, float("nan"), 3.0, float("inf")]}, GRID[1]]
     one = Plan.from_tables(
@@ -233,9 +229,7 @@ def test_all_that_is_wrong_is_said_at_once() -> None:
 
 
 def test_a_top_of_a_plan_stands_as_it_would_alone() -> None:
-    """The base begins on its stem, a larger sphere on itself: no gap of the base is
-    left under it.
-    """
+    """Begin on the stem; a larger sphere begins on itself, without the gap of the base."""
     base = ["stem.r=3e-3", "stem.h=2.45e-2", "initial.theta=2.06", "parameters.R=1.3e-2"]
     tables = reading.override(reading.read("wooden-toy"), base)
     document = {"scenario": tables, "axis": [{"of": "parameters.R", "values": [1.2e-2, 1.55e-2]}]}

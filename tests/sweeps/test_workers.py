@@ -29,9 +29,7 @@ def test_dask_makes_the_same_store(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """Its scheduler and two workers, as threads of this process; a chunk that fails,
-    and then all.
-    """
+    """Use a scheduler and two workers in threads; a chunk fails, then all succeed."""
     from distributed import LocalCluster
 
     store = tmp_path / "S.zarr"

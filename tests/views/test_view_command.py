@@ -42,47 +42,6 @@ def test_a_run_in_memory_and_its_store_have_the_same_page(store: Path) -> None:
     assert "srcdoc" in stored.view()._repr_html_()
 
 
-@pytest.mark.parametrize(
-    ("arguments", "code", "sentence"),
-    [
-        (["{out}"], 5, "must not exist yet"),
-        (["{folder}"], 5, "is a folder"),
-        (["new.html", "--from", "3"], 2, "rows between 3 and inf s"),
-        (
-            ["new.html", "--from", "0.2", "--until", "0.1"],
-            2,
-            "must have rows between",
-        ),
-        (["new.html", "--from", "nan"], 2, "`--from` must be a number"),
-        (["new.pdf"], 2, "--out must end with .html"),
-    ],
-)
-def test_what_is_wrong_is_a_sentence(
-    arguments: list[str],
-    code: int,
-    sentence: str,
-    store: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "there.html").write_text("precious", encoding="utf-8")
-    given = [a.format(out="there.html", folder=tmp_path) for a in arguments]
-    assert outcome(["view", str(store), "--out", *given]) == code
-    assert sentence in capsys.readouterr().err
-    assert (tmp_path / "there.html").read_text(encoding="utf-8") == "precious"
-    assert [path.name for path in tmp_path.iterdir()] == ["there.html"]
-
-
-def test_a_part_of_what_has_no_time_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture
-) -> None:
-    assert outcome(f"view --playground --until 3 --out {tmp_path / 'P.html'}".split()) == 2
-    assert "`--from` and `--until` cannot be used with `--playground`" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
-
-
 def test_an_unfinished_run_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     class Soon(threading.Event):
         looks = 0

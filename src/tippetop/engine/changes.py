@@ -13,7 +13,7 @@ from .loop import Change, PhaseLoop
 
 
 PATIENCE = 16
-"""Changes before a jump is written down as a program."""
+"""Changes before a jump is written down as a program; then after twice as many, until it is one."""
 NUMBERS = 24
 """Of a change for tables."""
 
@@ -33,7 +33,7 @@ class Changes:
     Attributes
     ----------
     known
-        Of each change, by its number, what follows; None where the loop cannot make it.
+        Of each change, by its number, what follows.
     """
 
     def __init__(self, run: Any, chatter: float, most: int):
@@ -47,20 +47,20 @@ class Changes:
         """
         run, track = self.run, self.run.track
         jump, number = track.exits[exit], track.place * self.events + run.numbers.get(exit, -1)
-        jump.calls = getattr(jump, "calls", 0) + 1
-        if number in self.known or exit not in run.numbers or jump.calls < PATIENCE:
+        is_sampled = track.sampler or track.driver.is_called  # Python makes its steps
+        if number in self.known or exit not in run.numbers or is_sampled:
             return
-        self.known[number] = None
-        state, whole, left, signs, piece, body = given
+        state, whole, left, piece, body = given
         state += (0.0,) * (track.driver.width - len(state))
-        numbers = state, whole, (left,), signs, body
-        if not hasattr(jump, "program"):
+        numbers = state, whole, (left,), tuple(run.signs.tolist()), body
+        jump.calls += 1
+        if jump.program is None and jump.calls >= PATIENCE and not jump.calls & (jump.calls - 1):
             jump.program = self._traced(jump, numbers, piece)
         if jump.program is None:
             return
         begun, regions, code, constants, count = jump.program
         to, (logged,) = run.track_of(begun.n.phase), begun.n.logged
-        if track.sampler or to.sampler:
+        if to.sampler:
             return
         for region in regions:
             self._motion(region)
@@ -98,18 +98,24 @@ class Changes:
 
         state, whole, (left,), signs, body = program.inputs
         try:
-            begun = jump(state, whole, left, signs, followed, body)
+            begun = jump(state, whole, left, followed, body)
         except Exception:  # whatever a jump does that is no line
             return None
-        n, (delay, logged_after, lasts) = begun.n, begun.times
-        rows = [one for one in leaves(begun.rows) if isinstance(one, Number | float)]
-        is_plain = begun.keeps and (delay, logged_after) == (0, 0) and n.series is None
-        to = self.run.track_of(n.phase)
-        is_plain = is_plain and len(n.logged) == 1 and len(rows) <= NUMBERS
-        if not is_plain or n.logged[0] in self.run.lasting:
+        n, to = begun.n, self.run.track_of(begun.n.phase)
+        rows = [one for one in leaves(tuple(n.rows.values())) if isinstance(one, Number | float)]
+        goes_on = [(k, v) for k, v in zip(to.numbers, begun.values, strict=True) if k in to.live]
+        is_plain = (
+            (n.ends, n.delay, n.logged_after, n.series) == ("", 0, 0, None)
+            and len(n.logged) == 1
+            and n.logged[0] not in self.run.lasting
+            and len(rows) <= NUMBERS
+            and to.live <= self.run.track.live
+            and all((value > 0) == (signs[k] > 0) for k, value in goes_on)
+        )
+        if not is_plain:
             return None
         pad, none = [0.0] * (to.driver.width - len(begun.state)), [0.0] * (NUMBERS - len(rows))
-        lasts = math.nan if lasts is None else lasts
+        lasts = math.nan if n.lasts is None else n.lasts
         results = *begun.state, *pad, *begun.whole, lasts, *rows, *none
         program.joined(results)
         return begun, regions, program.code(), program.constants, len(results)
@@ -129,7 +135,8 @@ class Changes:
         at = 5 + len(self.run.whole)
         for row in self.loop.taken():
             begun, exit, to = self.known[int(row[1])]
-            rows = _with(begun.rows, iter(row[at + 1 :]))
+            numbers = iter(row[at + 1 :])
+            rows = {name: _with(some, numbers) for name, some in begun.n.rows.items()}
             yield row[0], begun.n, exit, to, row[2:5], tuple(row[5:at]), rows
 
 

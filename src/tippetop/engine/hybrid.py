@@ -126,13 +126,10 @@ class World(NamedTuple):
 class Begun(NamedTuple):
     """How a phase begins: what a jump returns, and what follows from it."""
 
-    n: Next  # of which numbers stand here
+    n: Next
     state: tuple = ()  # of the phase: its variables
     whole: tuple = ()  # the integrals of the run, scaled
     values: tuple = ()  # of the event functions
-    keeps: bool = False  # whether event functions that go on have the signs that they had
-    times: tuple = ()  # `delay`, `logged_after` and `lasts` of `n`
-    rows: tuple = ()  # of tables: pairs of a name and rows
 
 
 @lru_cache(maxsize=256)
@@ -147,18 +144,14 @@ def jump_of(
     *_: type,
 ) -> Callable:
     """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals
-    when the phase began, the time that is left, the signs of event functions, what follows the
-    motion of an impact, and the body, whose types tell apart what this function keeps.
+    when the phase began, the time that is left, what follows the motion of an impact, and the body,
+    whose types tell apart what this function keeps.
     """
     known, phase = dict(phases), dict(phases)[name]
-    numbers = {event: k for k, event in enumerate(events_of(system, known))}
-    of_phase, record = Variables(phase.form, variables.orientation), type(phase.form.units)
-    live = {numbers[event.name] for event in events_of_phase(system, phase)}
-    live -= {numbers[one.event] for one in phase.exits if one.event in numbers}
+    events, of_phase = events_of(system, known), Variables(phase.form, variables.orientation)
+    record = type(phase.form.units)
 
-    def jump(
-        state: Sequence, whole: tuple, left: Any, signs: Sequence, piece: Any, body: Any
-    ) -> Begun:
+    def jump(state: Sequence, whole: tuple, left: Any, piece: Any, body: Any) -> Begun:
         struck = partial(impacts.struck, piece) if impacts else None
         world = World(body, system, rules, known, phase, left, variables, struck)
         x = phase.leave(record(*state[: of_phase.moving]), phase.parameters(body))
@@ -168,21 +161,11 @@ def jump_of(
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
         n = exit.jump(x, world)
-        if fault := fault_of(n, exit, x, numbers):
+        if fault := fault_of(n, exit, x, events):
             raise InputError([f"{where_of(exit.event, name, system)} must {fault}."])
-        if n.ends:
-            return Begun(n, whole=tuple(now), times=times_of(n), rows=tuple(n.rows.items()))
-        made = begun(n, carried, world)
-        names = (event.name for event in events_of_phase(system, known[n.phase]))
-        leaving = [one.event for one in known[n.phase].exits]
-        going_on = [
-            (numbers[event], value)
-            for event, value in zip(names, made.values, strict=True)
-            if event not in leaving
-        ]
-        keeps = all(k in live and (value > 0) == (signs[k] > 0) for k, value in going_on)
-        return made._replace(keeps=keeps)
+        return Begun(n) if n.ends else begun(n, carried, world)
 
+    jump.calls, jump.program = 0, None  # type: ignore[attr-defined]
     return jump
 
 
@@ -196,13 +179,7 @@ def begun(n: Next, carried: Any, world: World) -> Begun:
     moved = Variables(to.form, world.variables.orientation).integrals
     state = *q, *(getattr(carried, one.name) * INTEGRAL_SCALE for one in moved)
     whole = tuple(value * INTEGRAL_SCALE for value in carried)
-    values = tuple(functions(q, carried, b))
-    return Begun(n, state, whole, values, False, times_of(n), tuple(n.rows.items()))
-
-
-def times_of(n: Next) -> tuple:
-    """Return the times of a jump, which are numbers of its copies."""
-    return n.delay, n.logged_after, n.lasts
+    return Begun(n, state, whole, tuple(functions(q, carried, b)))
 
 
 def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
@@ -250,7 +227,7 @@ class Track:
         self.exits = {
             exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
         }
-        self.pure = {exit.event: exit.is_pure for exit in phase.exits}
+        self.pure = {exit.event for exit in phase.exits if exit.is_pure}
         self.formulas = formulas_of_phase(problem.system, phase, *kinds)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
@@ -447,28 +424,26 @@ class HybridDriver:
 
     def _enter(self, begun: Begun, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
-        n, state, whole, values, _, (delay, logged_after, lasts), rows = begun
-        if before and not math.isfinite(sum(state)):
+        n, state, whole, values = begun
+        if before and not math.isfinite(self._called(sum, state)):
             raise ArithmeticError(
                 f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
             )
         self.track = track = self.tracks.get(n.phase) or self.track_of(n.phase)
-        driver, time = track.driver, now
+        driver = track.driver
         if n.cause != "":
             cause = n.cause or self.way[0]
-            self.tables.begin(track.name, track.phase, float(now + logged_after), cause)
-        if rows:
-            self.tables.add(float(now), rows)
-        if delay:
-            time = min(now + self.number(delay), self.end)
+            self.tables.begin(track.name, track.phase, float(now + n.logged_after), cause)
+        self.tables.add(float(now), n.rows)
+        time = min(now + self.number(n.delay), self.end)
         driver.put(state, (time, 0 * time))
-        self.whole, self.waits, self.began = whole, delay > 0 and n.series is None, float(time)
+        self.whole, self.waits, self.began = whole, n.delay > 0 and n.series is None, float(time)
         counts = self._counts()
         self._begin_events(n, state, values, now, before)
         self.spans.append((track, whole, counts))
         driver.begin()
         driver.time[0] = self.began
-        self._set_clock(None if lasts is None else time + self.number(lasts))
+        self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
 
     def _set_clock(self, clock: Any) -> None:
         """Set the end of the phase."""
@@ -543,7 +518,10 @@ class HybridDriver:
             if self.waits:
                 self.waits = False
                 self._fill(
-                    self.began, lambda times: np.repeat(self.state[None], len(times), axis=0)
+                    self.began,
+                    lambda times: np.repeat(
+                        self.state[None, : self.track.width], len(times), axis=0
+                    ),
                 )
             sampled, logged = self._sample(), self.counts[0][0]
             steps += self._drive(1 if self.track.sampler else most - steps)
@@ -607,22 +585,22 @@ class HybridDriver:
         self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, state = self.number(when), self.track, self.last
-        signs, piece = tuple(self.signs.tolist()), self.impacts and self.impacts.piece
-        given = tuple(state.tolist()), self.whole, self.end - now, signs, piece, self.body
+        piece = self.impacts and self.impacts.piece
+        given = tuple(state.tolist()), self.whole, self.end - now, piece, self.body
         try:
             begun = self._called(track.exits[ending], *given)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
         stops = ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop"
-        if self.copies and track.pure[ending] and not stops:
+        if self.copies and ending in track.pure and not stops:
             self.copies.teach(ending, given)
-        n, *_, (_, logged_after, _), rows = begun
+        n = begun.n
         for name in n.logged:
-            self._note(name, now + logged_after, track, state, 1)
+            self._note(name, now + n.logged_after, track, state, 1)
         if n.ends:
             self.sentence = n.message or f"{self._where()} ends the run"
-            self.tables.add(float(when), rows)
+            self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
         if stops:
             return Status.LIFTOFF

@@ -46,9 +46,9 @@ class PhaseTables:
             self.rows["phases"].append([start, time * self.second, *rest])
             self.under_way = None
 
-    def add(self, time: float, rows: Sequence[tuple[str, tuple]]) -> None:
+    def add(self, time: float, rows: Mapping[str, tuple]) -> None:
         """Add rows of other tables at an internal time."""
-        for name, some in rows:
+        for name, some in rows.items():
             self.rows[name] += [(time * self.second, *row) for row in some]
 
     def take(self) -> dict[str, Table]:

@@ -96,7 +96,8 @@ def compiled_when(key: tuple, stop: threading.Event | None = None) -> Compiled:
 
 def fingerprint(driver: Driver) -> str:
     """Return a digest of the equations of a driver and of the compiler options."""
-    known, level = _fingerprints.setdefault(driver, {}), opt_level()
+    code: Any = driver.compiled.places if isinstance(driver, Driver) else driver
+    known, level = _fingerprints.setdefault(code, {}), opt_level()
     if level not in known:  # 1 ms, and there is one in every keyframe
         lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())
         if level != DEFAULT:
@@ -105,4 +106,4 @@ def fingerprint(driver: Driver) -> str:
     return known[level]
 
 
-_fingerprints: weakref.WeakKeyDictionary[Driver, dict[int, str]] = weakref.WeakKeyDictionary()
+_fingerprints: weakref.WeakKeyDictionary[Any, dict[int, str]] = weakref.WeakKeyDictionary()

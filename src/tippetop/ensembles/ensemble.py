@@ -19,7 +19,7 @@ from ..engine.status import Status
 from ..engine.stepper import Called
 from ..engine.tallies import EventRows, signs_of
 from ..errors import InputError
-from ..problem import Problem, Problems, derivative_faults, variation_faults
+from ..problem import Problem, Problems, derivative_faults
 from ..progress import reporting
 from .hybrid_tops import problem_of, run_each
 from .lanes import LANES, SWINGS, Lanes, new_tops
@@ -241,7 +241,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     InputError
         If the problem cannot run in lanes, or a key or a shape is wrong.
     """
-    sentences = [*base_faults(base), *variation_faults(base, variations)]
+    sentences = base_faults(base)
     if orientation and base.form.orientation is None:
         sentences.append("`orientation` must be false, of a form that does not know it.")
     if sentences:

@@ -268,35 +268,3 @@ def main_quantity(numbers: dict[str, Any]) -> tuple[str, str]:
     """Return the quantity by which motions are judged, and its unit."""
     name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in numbers)
     return name, {"place": "m", "omega3": "rad/s"}.get(name, "rad")
-
-
-def verdict(compared: Compared) -> list[str]:
-    """Return the result of a comparison in sentences."""
-    numbers, sentences = compared.numbers, []
-    name, unit = main_quantity(numbers)
-    leaves = [(level, t) for level, t in numbers[name]["leaves"].items() if t is not None]
-    until = f"to t = {numbers['until']:.6g} s"
-    most = numbers[name]["max"]
-    if leaves:
-        text = ", ".join(f"{level} {unit} at t = {t:.6g} s" for level, t in leaves)
-        sentences.append(
-            f"its {name} leaves the reference by {text}; at most {most:.3g} {unit} {until}."
-        )
-    else:
-        sentences.append(f"its {name} stays within {most:.2g} {unit} of the reference {until}.")
-    for key, words in (("energy", "energy"), ("jellett", "Jellett's integral")):
-        if (error := numbers.get(f"{key}_error")) is not None:
-            sentences.append(
-                f"its {words} differs from the exact one by up to {error:.2g} of its first value."
-            )
-    if "contact" in numbers:
-        c = numbers["contact"]
-        inside = f"up to {c['penetration']:.2g} m" if c["penetration"] else "never"
-        times = "once" if c["times_off"] == 1 else f"{c['times_off']} times"
-        off = (
-            f"leaves it {times}, by up to {c['gap']:.2g} m" if c["times_off"] else "never leaves it"
-        )
-        sentences.append(f"it is {inside} in the floor, and {off}.")
-    if "reference_ended" in numbers:
-        sentences.append(f"the reference ended before: {numbers['reference_ended']}.")
-    return sentences

@@ -8,6 +8,7 @@ import numpy as np
 from ..engine.observables import Observables
 from ..errors import InputError, a_system
 from ..mechanics.contact import body as contact
+from ..mechanics.contact.state import moving, row_of_angles
 from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
@@ -80,27 +81,18 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
 
 def _gliding_start(problem: Problem) -> tuple[np.ndarray, ...]:
     """Return the same, without the force, of a start on a plane that is never left."""
-    columns = {
-        k: c.values[0]
-        for k, c in Observables(problem).columns(np.zeros(1), problem.start()[None, :]).items()
-    }
-    body = problem.body()
-    u, L = np.asarray(columns["axis"]), np.asarray(columns["L"])
-    w = np.array(contact.angular_velocity_of(Vector(*u), Vector(*L), float(L @ u), body))
-    arm = np.array(contact.arm(Vector(*u), body))
-    slip = np.zeros(3)
-    if "nu_x" in columns:
-        phi, along, across = (  # at a pole the columns are NaN
-            float(value) if math.isfinite(value) else problem.initial.get(name, 0.0)
-            for name, value in ((name, columns[name]) for name in ("phi", "nu_x", "nu_y"))
-        )
-        e, f = math.cos(phi), math.sin(phi)
-        slip = np.array([along * e - across * f, along * f + across * e, 0.0])
-    velocity = slip - np.cross(w, arm)
-    if problem.initial.get("centre_at_rest"):
+    data, body = problem.initial, problem.body()
+    theta = data.get("theta", 0.0)
+    s, z = math.sin(theta), math.cos(theta)
+    row = row_of_angles(problem.system.start(data, s, z, body), s, z, body)
+    x = moving(row, ())
+    velocity = np.array(x.velocity)
+    if data.get("centre_at_rest"):
         velocity[:2] = 0.0
-    place = np.array([columns["x"], columns["y"], contact.height(u[2], body)])
-    return place, np.asarray(columns["orientation"]), velocity, w
+    w = np.array(contact.angular_velocity(x.u, x.L, body))
+    columns = Observables(problem).columns(np.zeros(1), problem.start()[None, :])
+    place = np.array([data.get("x", 0.0), data.get("y", 0.0), x.height])
+    return place, columns["orientation"].values[0], velocity, w
 
 
 def text_of(problem: Problem, to: str) -> str:

@@ -114,7 +114,9 @@ def read(
         raise InputError([f"`{path}`: {sentence}" for sentence in error.sentences]) from None
     kept = np.any([np.isfinite(v) for name, v in columns.items() if name != "t"], axis=0)
     if kept.sum() < 2:
-        raise InputError(f"`{path}`: two rows must have numbers, but {kept.sum()} has.")
+        raise InputError(
+            f"`{path}`: two rows must have a time and another number, but {kept.sum()} has."
+        )
     return Table(path, {name: v[kept] for name, v in columns.items()})
 
 
@@ -144,10 +146,8 @@ def _check(columns: dict[str, np.ndarray], wrapped: bool, noise: float | None) -
     t = columns["t"]
     if not 2 <= len(t) <= MOST_ROWS:
         raise InputError(f"there must be 2 to {MOST_ROWS:,} rows, but there are {len(t):,}.")
-    if (lacks := ~np.isfinite(t)).any():
-        raise InputError(f"every row must have a time, but row {lacks.argmax() + 1} has none.")
-    if (falls := np.diff(t) <= 0).any():
-        row = falls.argmax() + 1
+    if not (rises := np.diff(t) > 0).all():
+        row = rises.argmin() + 1
         raise InputError(
             f"times must ascend, but that of row {row + 1}, {t[row]:.9g} s, follows "
             f"{t[row - 1]:.9g} s."
@@ -156,8 +156,6 @@ def _check(columns: dict[str, np.ndarray], wrapped: bool, noise: float | None) -
         raise InputError(
             f"times must be within {UNTIL.most:g} s, but are from {t[0]:g} to {t[-1]:g} s."
         )
-    if len(columns) == 1:
-        raise InputError("there must be a column other than `t`, but it is missing.")
     for name, values in columns.items():
         if not np.isfinite(values).any() or np.isinf(values).any():
             raise InputError(f"the column `{name}` must have finite numbers, but has not.")

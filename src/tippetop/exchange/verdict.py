@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..problem import Problem
-from .comparison import Compared, compare, main_quantity, orders, verdict
+from .comparison import Compared, compare, main_quantity, orders
 from .motion import Convention
 
 
@@ -24,10 +24,8 @@ class Verdict:
 
     def __init__(self, problem: Problem, files: Sequence[Path], convention: Convention):
         self.motions = tuple(compare(problem, file, convention) for file in files)
-        self.orders, self.title = (
-            orders(self.motions),
-            f"{problem.system.title}, {problem.form.name} form",
-        )
+        self.orders = orders(self.motions)
+        self.title = f"{problem.system.title}, {problem.form.name} form"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain data, as `tippetop compare --json` prints it."""
@@ -36,13 +34,12 @@ class Verdict:
         return plain | {"orders": self.orders} if self.orders else plain
 
     def __str__(self) -> str:
-        if len(self.motions) > 1:
-            lines = _table(self.motions)
-        else:
-            lines = [f"{m.path}: {sentence}" for m in self.motions for sentence in verdict(m)]
-        lines += [
-            f"{m.path}: {m.numbers['suspicion']}" for m in self.motions if "suspicion" in m.numbers
-        ]
+        lines = _table(self.motions)
+        for m in self.motions:
+            if "reference_ended" in m.numbers:
+                lines.append(f"{m.path}: the reference ended: {m.numbers['reference_ended']}.")
+            if "suspicion" in m.numbers:
+                lines.append(f"{m.path}: {m.numbers['suspicion']}")
         for pair in self.orders:
             values = ", ".join(
                 f"{name} {value:.2f}" for name, value in pair.items() if name != "steps"
@@ -55,21 +52,24 @@ class Verdict:
         return "\n".join(lines)
 
     def __repr__(self) -> str:
-        return (
-            f"<{type(self).__name__} of {', '.join(str(m.path) for m in self.motions)} with "
-            f"{self.title}>"
-        )
+        return f"<Verdict of {', '.join(str(m.path) for m in self.motions)} with {self.title}>"
 
 
-HEAD = ("file", "largest error", "0.1 exceeded at", "until", "energy", "Jellett", "in the floor")
+HEAD = (
+    *("file", "largest error", "0.1 exceeded at", "until"),
+    *("error of energy", "error of Jellett", "in the floor"),
+)
 
 
 def _table(motions: Sequence[Compared]) -> list[str]:
-    """Return a table of several motions, the best first, as lines."""
+    """Return a table of motions, the best first, as lines; one motion is a column."""
+    from pandas import DataFrame
+
     ordered = sorted(motions, key=lambda m: m.numbers[main_quantity(m.numbers)[0]]["max"])
-    rows = [HEAD, *map(_row, ordered)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    rows = DataFrame(map(_row, ordered), columns=HEAD)
+    one = len(rows) == 1
+    text = rows.T.to_string(header=False) if one else rows.to_string(index=False)
+    return text.splitlines()
 
 
 def _row(motion: Compared) -> tuple[str, ...]:
@@ -84,4 +84,4 @@ def _row(motion: Compared) -> tuple[str, ...]:
     contact = f"{numbers['contact']['penetration']:.2g} m" if "contact" in numbers else "-"
     error = f"{name} {numbers[name]['max']:.2g} {unit}"
     beyond = "never" if left is None else f"{left:.4g} s"
-    return (str(motion.path), error, beyond, f"{numbers['until']:.4g} s", *changes, contact)
+    return (motion.path.name, error, beyond, f"{numbers['until']:.4g} s", *changes, contact)

@@ -118,7 +118,6 @@ FIGURES: dict[str, RunFigure] = {
     "potential": RunFigure(
         "the effective potential V(z) at six times", uses=OF_LANDSCAPES, in_landscape=True
     ),
-    "inversion": _of_tippe_tops("the run on the section of F at its lambda"),
 }
 """The figures of a run, by name."""
 

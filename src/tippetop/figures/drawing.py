@@ -28,7 +28,6 @@ def _drawings() -> dict[str, Callable]:
         "band": landscape.band,
         "surface": landscape.surface,
         "potential": well.potential,
-        "inversion": landscape.inversion,
     }
 
 
@@ -74,9 +73,10 @@ def axes_of(
     attrs = with_records(attrs) | {"handed_over": handed_over(groups)}
     given: Any = (groups["trajectory"], groups["events"], attrs)
     if kind == "film":
-        from ..runs.shape import with_shape
+        from ..runs import shape as bodies
 
-        given = with_shape(*given)
+        body = bodies.shape(attrs) | {"axes": bodies.rotation}
+        given = groups["trajectory"], attrs, body
     elif chosen.in_landscape:
         from ..landscape import along_run
 
@@ -95,16 +95,14 @@ def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
     """Raise InputError if a run lacks rows or columns that a figure uses."""
     from ..columns import require
     from ..mechanics.systems import find
-    from ..problem import column_names
+    from ..runs.shape import columns_of
 
     chosen, system = FIGURES[kind], find(attrs["system"])
     if "columns" in attrs["run"] and system is not None:
-        has = {*column_names(system, system.forms[attrs["form"]], True, "double")}
-        has |= {"phase", "ball"} if "contact" in attrs else set()
         uses = {*chosen.uses, *(system.integrals if "integrals" in chosen.uses else ())}
         if "landscape" in uses and system.landscape is not None:
             uses |= {*system.landscape.columns}
-        require(sorted(uses & has), trajectory, f"the figure `{kind}`")
+        require(sorted(uses & columns_of(attrs)), trajectory, f"the figure `{kind}`")
     if chosen.needs not in trajectory:
         raise InputError(
             f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."

@@ -12,7 +12,6 @@ from .thinning import span, thinned
 
 
 CONSTANT = 1e-9  # relative changes below this cannot be seen; `drift` shows them
-SLIGHT = 0.02  # below this relative change, energies are drawn less the initial energy
 
 
 def weight(attrs: dict[str, Any]) -> float:
@@ -48,15 +47,12 @@ def normal_force(
 
 
 def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
-    """Draw energy E, modified energy E~ and the energy taken by friction.
-
-    Slight changes of E and E~ are drawn less the initial energy.
-    """
+    """Draw energy E, modified energy E~ and the energy taken by friction."""
     ax = panel(ax, 10, 4.8)
     colours, t = ink(), trajectory["time"].values
     taken = "taken by friction and impacts" if "phase" in trajectory else "taken by friction"
     curves = {
-        f"{words}": (trajectory[name].values, color)
+        words: (trajectory[name].values, color)
         for name, words, color in (
             ("modified_energy", "modified energy Ẽ", colours.upper),
             ("energy", "energy E", colours.run),
@@ -72,13 +68,9 @@ def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     energies = trajectory["energy"].values
     change = max(np.nanmax(v) - np.nanmin(v) for v, _ in curves.values() if np.isfinite(v).any())
     level = np.abs(energies).max() or 1.0
-    slight = CONSTANT * level < change < SLIGHT * level
     for i, (words, (values, color)) in enumerate(curves.items()):
-        less = energies[0] if slight and words != taken else 0.0
-        label = f"{words}{' − E(0)' if less else ''}"
-        ax.plot(*thinned(t, values - less), color=color, ls=dashes(i), label=label)
-    words = f"change of energy, E(0) = {number(energies[0], 5)} J" if slight else "energy"
-    ax.set(xlabel="time t (s)", ylabel=words, title=title(attrs), xlim=span(t))
+        ax.plot(*thinned(t, values), color=color, ls=dashes(i), label=words)
+    ax.set(xlabel="time t (s)", ylabel="energy", title=title(attrs), xlim=span(t))
     ticks_in_joules(ax.yaxis)
     if change <= CONSTANT * level:
         ax.set_ylim(min(0, 1.3 * energies[0]), max(0, 1.3 * energies[0]))

@@ -38,15 +38,19 @@ def errors_by_step(title: str, results: Sequence[Any]) -> Figure:
         right.plot(finest.t, finest.theta, lw=1, **look)
     last = max((c for group in by_setting.values() for c in group), key=lambda c: c.t[-1])
     right.plot(last.t, last.reference, color=style.RUN, lw=1.6, zorder=0, label="reference")
-    left.set(
-        xscale="log", yscale="log", xlabel="step [s]", ylabel="largest error of attitude [rad]"
-    )
-    low, high = left.get_ylim()
-    left.set_ylim(10.0 ** np.floor(np.log10(low)), 10.0 ** np.ceil(np.log10(high)))
     steps = sorted({c.step for group in by_setting.values() for c in group if c.step})
-    left.set_xticks(steps, [f"{step:g}" for step in steps], rotation=45)
-    for axis in (left.xaxis, left.yaxis):
-        axis.set_minor_formatter(NullFormatter())
+    if steps:
+        left.set(
+            xscale="log", yscale="log", xlabel="step [s]", ylabel="largest error of attitude [rad]"
+        )
+        low, high = np.log10(left.get_ylim())
+        left.set_ylim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))
+        left.set_xticks(steps, [f"{step:g}" for step in steps], rotation=45)
+        for axis in (left.xaxis, left.yaxis):
+            axis.set_minor_formatter(NullFormatter())
+    else:
+        left.set_axis_off()
+        left.text(0.5, 0.5, "no file name contains dt=STEP", ha="center")
     right.set(xlabel="t [s]", ylabel="theta [rad]")
     figure.suptitle(title)
     figure.legend(*right.get_legend_handles_labels(), loc="outside right upper", fontsize="small")

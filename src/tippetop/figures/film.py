@@ -37,7 +37,7 @@ def film(
     """Draw eight poses of the body, evenly spread over the part of the run in which it turns over.
 
     `trajectory` has time, theta, orientation and, where the contact may open, z; `shape` is the
-    body as `runs.shape.with_shape` returns it.
+    body as `runs.shape.shape` returns it, and `axes`, the function of its rotation matrix.
     """
     t, theta = trajectory["time"].values, trajectory["theta"].values
     rows = np.searchsorted(t, np.linspace(*busy(theta, t), POSES))

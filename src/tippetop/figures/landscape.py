@@ -1,4 +1,4 @@
-"""Figures of the landscape: the minimal surface, the band and the inversion."""
+"""Figures of the landscape: the minimal surface and the band."""
 
 from typing import Any
 
@@ -14,7 +14,6 @@ from .style import (
     ink,
     legend,
     mark_ends,
-    panel,
     panels_over_time,
     ticks_of_pi,
 )
@@ -57,7 +56,7 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
         run = run.isel(time=every(run.sizes["time"]))
         x, y, z = run["routh"] / sizes[0], run["jellett"] / sizes[1], 1e3 * run["modified_energy"]
         axes.plot(x, y, z, color=ink().mark, lw=1.1, label="run", zorder=4)
-        mark_ends(axes, x.values, y.values, z.values, last=end_of(z.values), sizes=(6, 6))
+        mark_ends(axes, x.values, y.values, z.values, last=end_of(z.values))
         high = max(high, float(np.nanmax(z)))
     small = compact()
     for name, momentum, size in zip("xy", momenta, sizes, strict=True):
@@ -128,42 +127,6 @@ def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
         below.semilogy(when, shown, ".", ms=3, color=colours.run)
         below.set_ylabel("|logged − edge|\n(rad)")
     (below or ax).set_xlabel("time t (s)")
-    return ax
-
-
-def inversion(section: Any, lines: Any, run: Any, title: str = "", ax: Axes | None = None) -> Axes:
-    """Draw (D(t), E~(t)) of a run on the plane lambda = const, over the section of the surface.
-
-    `section`: F along D at that lambda; `lines`: the marked lines at that lambda.
-    """
-    colours = ink()
-    ax = panel(ax, 9, 5.8)
-    size = _size(section["D"].values)
-    D, F = section["D"].values / size, 1e3 * section["F"].values.ravel()
-    ax.fill_between(
-        D,
-        F,
-        F.min() - 10 * np.ptp(F),
-        color=colours.quiet,
-        alpha=0.22,
-        lw=0,
-        label="below F: no motion",
-    )
-    ax.plot(D, F, color=colours.quiet, lw=1.4, label="minimal surface F")
-    run = run.isel(time=every(run.sizes["time"]))
-    x, y = run["routh"].values / size, 1e3 * run["modified_energy"].values
-    ax.plot(x, y, color=colours.run, lw=0.8, label="run (D(t), Ẽ(t))")
-    mark_ends(ax, x, y)
-    states = lines["D"].values.ravel() / size, 1e3 * lines["E"].values.ravel()
-    ends = zip(*states, ("θ = 0", "θ = π"), (colours.lower, colours.upper), strict=True)
-    for where, height, words, color in ends:
-        ring: Any = {"facecolors": "none", "edgecolors": color, "lw": 1.6, "zorder": 5}
-        ax.scatter(where, height, s=90, label=f"spinning, {words}", **ring)
-    bottom, top = min(np.nanmin(y), F.min()), max(np.nanmax(y), states[1].max())
-    ax.set_ylim(bottom - 0.12 * (top - bottom), top + 0.12 * (top - bottom))
-    label = _label(section["D"], size)
-    ax.set(xlabel=label, ylabel="energy (mJ)", title=heading(title), xlim=(D[0], D[-1]))
-    legend(ax, "lower center", ncols=4)
     return ax
 
 

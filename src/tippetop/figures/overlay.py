@@ -44,9 +44,8 @@ def overlay(
     labels = differences(attrs, names)
     for i, ((trajectory, each), label) in enumerate(zip(runs, labels, strict=True)):
         t, values = _curve(kind, trajectory, each)
-        color = COLOURS[i % len(COLOURS)]
         width = 1.6 - 0.8 * i / len(runs)  # the first curves can be seen below the last
-        ax.plot(t, values, color=color, ls=dashes(i), lw=width, label=label)
+        ax.plot(t, values, color=COLOURS[i % len(COLOURS)], ls=dashes(i), lw=width, label=label)
     times = np.array([trajectory["time"].values[[0, -1]] for trajectory, _ in runs])
     words = SHOWN[kind].partition(" since")[0] if compact() else SHOWN[kind]
     ax.set(xlabel="time t (s)", ylabel=words, title=title(shared(attrs)))

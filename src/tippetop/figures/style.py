@@ -61,7 +61,7 @@ DARK = Ink(
     },
     "#c4a5ff",
 )  # fmt: skip
-RUN, UPPER, LOWER, QUIET, ALARM = LIGHT[:5]
+RUN, UPPER, LOWER, QUIET = LIGHT[:4]
 
 
 class Setting(NamedTuple):
@@ -160,24 +160,13 @@ def ticks_in_joules(axis: Any) -> None:
     axis.set_major_formatter(EngFormatter("J"))
 
 
-def mark_ends(
-    axes: Any, *path: np.ndarray, last: str = "its end", sizes: tuple[float, float] = (6, 5)
-) -> None:
+def mark_ends(axes: Any, *path: np.ndarray, last: str = "its end") -> None:
     """Draw the first and the last finite point of a path: a full circle, an open diamond."""
     colours, known = ink(), np.flatnonzero(np.isfinite(sum(path)))
-    faces = (colours.mark, colours.paper)
-    for at, style, words, face, size in zip(
-        (known[:1], known[-1:]), "oD", ("its start", last), faces, sizes, strict=True
-    ):
-        axes.plot(
-            *(part[at] for part in path),
-            style,
-            color=colours.mark,
-            mfc=face,
-            ms=size,
-            zorder=6,
-            label=words,
-        )
+    ends = (known[:1], "o", "its start", colours.mark), (known[-1:], "D", last, colours.paper)
+    for at, style, words, face in ends:
+        place = (part[at] for part in path)
+        axes.plot(*place, style, color=colours.mark, mfc=face, ms=6, zorder=6, label=words)
 
 
 def legend(ax: Axes, place: str, **options: Any) -> None:
@@ -191,8 +180,7 @@ def legend(ax: Axes, place: str, **options: Any) -> None:
     handles = options.pop("handles", None) or [
         handle for axes in shown for handle in axes.get_legend_handles_labels()[0]
     ]
-    entries = {str(handle.get_label()): handle for handle in reversed(handles)}
-    entries = dict(reversed(entries.items()))
+    entries = {str(handle.get_label()): handle for handle in handles}
     if not entries:
         return
     if not is_ours():

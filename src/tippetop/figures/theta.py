@@ -68,12 +68,8 @@ def _width(ax: Axes, pieces: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) ->
     for when, low, high in pieces:
         width = np.where(high > low, high - low, np.nan)
         ax.plot(*thinned(when, width), color=ink().upper, lw=0.9, marker=".", ms=2)
-    ax.set_ylabel("width (rad)")
-    if ax.dataLim.y1 > 10 * ax.dataLim.minposy:
-        ax.set_yscale("log")
-        ax.yaxis.set_minor_formatter(NullFormatter())
-    else:
-        ax.set_ylim(bottom=0)
+    ax.set(ylabel="width (rad)", yscale="log")
+    ax.yaxis.set_minor_formatter(NullFormatter())
 
 
 def bands(

@@ -92,25 +92,6 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
     return curves, f"{heading(attrs)}: effective potential V(z)"
 
 
-def inversion(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
-    """Return the section of the surface at the run's lambda, the spinning states, and the run.
-
-    Raises InputError where lambda is 0 or not constant.
-    """
-    parameters, lam = _spinning(attrs, trajectory, "the inversion is drawn of a run")
-    if np.ptp(trajectory["jellett"].values) > KEPT * abs(lam):
-        raise InputError(
-            "`inversion` is drawn of a run that keeps lambda; this one does not (drilling, "
-            "or another ball)."
-        )
-    lines = marked_lines(parameters, lam)
-    ends = np.append(lines["D"].values, trajectory["routh"].values)
-    margin = 0.12 * np.ptp(ends) or 1e-9
-    span = np.linspace(ends.min() - margin, ends.max() + margin, 801)
-    section = minimal_surface(parameters, span, lam)
-    return section, lines, trajectory, f"{heading(attrs)}: λ = {lam * 1e6:.6g} × 10⁻⁶ kg m³ s⁻¹"
-
-
 def states(
     trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]
 ) -> tuple[list[tumbling.Branch], dict[str, float], str, tuple[np.ndarray, np.ndarray]]:

@@ -98,6 +98,7 @@ def run(
     >>> tt.run(top, tt.friction.Viscous(mu=0.3), start=dict(theta=0.1, omega3=155.0), until=8.0)
     >>> tt.run("inverting", friction=dict(mu=0.2), until=8.0)
     """
+    flag("overwrite", overwrite)
     flag("progress", progress)
     problem = problem_of(source, friction, **scenario)
     instance("stop", stop, threading.Event | None, "a threading.Event")

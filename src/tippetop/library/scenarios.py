@@ -55,7 +55,7 @@ def problem_of(
     with in_python():
         tables, chosen = _tables(source, system, friction)
         if isinstance(friction, Mapping):
-            _merge_friction(tables, plain(friction))
+            _merge(tables, "friction", plain(friction))
         elif friction is not None:
             tables["friction"] = plain(table_of(friction))
         for name, numbers in about.items():
@@ -137,17 +137,10 @@ def _named(argument: str, given: Any, kind: Any) -> tuple[list[str] | None, tupl
 
 
 def _merge(tables: dict[str, Any], name: str, given: dict[str, Any]) -> None:
-    """Add numbers to a table; the check of the scenario reports other values."""
+    """Add values to a table; the check of the scenario reports other values."""
     base = tables.get(name, {})
     if isinstance(base, dict):
-        tables[name] = {**base, **given}
-
-
-def _merge_friction(tables: dict[str, Any], given: dict[str, Any]) -> None:
-    """Add numbers to the friction law, or replace it by another."""
-    base = tables.get("friction", {})
-    base = base if isinstance(base, dict) else {}
-    tables["friction"] = reading.merged("friction", base, given)
+        tables[name] = reading.merged(name, base, given)
 
 
 def _start(tables: dict[str, Any], given: Any, system: System) -> None:
@@ -169,10 +162,7 @@ def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
     given = {key: plain(value) for key, value in run.items() if value is not None}
     if "output_times" in given:
         given["output_times"] = measured_values("output_times", given["output_times"], SECOND)
-    base = tables.get("run", {})
-    if not isinstance(base, dict):  # the check of the scenario reports it
-        return
-    tables["run"] = reading.merged("run", base, given)
+    _merge(tables, "run", given)
 
 
 def table_of(law: Any) -> dict[str, Any]:

@@ -138,15 +138,6 @@ def drilling_force(N, v, drag, mu):
     return Vector(-(mu * N * drag.k * v.x), -(mu * N * drag.k * v.y), N)
 
 
-@formula
-def drilling_torque(N, Omega_z, drag, mu, patch):
-    """Return the torque of a patch of this radius [m] about the vertical [N m].
-
-    L' = (0, 0, torque).
-    """
-    return -(mu * N * patch**2 * drag.twist * Omega_z)
-
-
 STOPS_ROLLING = 1e-6
 """Angular velocity, internal units, below which the direction of rolling is smooth."""
 
@@ -165,4 +156,5 @@ def rolling(omega, law):
 def torque(drag, omega, law):
     """Return the torque of drilling and of rolling resistance per normal force, (3,) [m]."""
     resisting = rolling(omega, law)
-    return Vector(resisting.x, resisting.y, drilling_torque(1, omega.z, drag, law.mu, law.patch))
+    drilling = -(law.mu * law.patch**2 * drag.twist * omega.z)
+    return Vector(resisting.x, resisting.y, drilling)

@@ -401,11 +401,6 @@ def nowhere_vanishes(law: Any) -> bool:
     return all(k > 0 for k in _coefficients(law, REST2, FAST2))
 
 
-def is_linear(law: Any) -> bool:
-    """Return whether k depends neither on the sliding speed nor on the place of the contact."""
-    return len(set(map(float, _coefficients(law, REST2, FAST2)))) == 1
-
-
 def add(law: type[FrictionLaw]) -> None:
     """Register a law under its key: every gliding system has it then. Raises InputError."""
     if faults := _faults(law):

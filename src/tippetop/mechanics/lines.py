@@ -38,8 +38,8 @@ class Number(NDArrayOperatorsMixin):
     def __init__(self, program: "Program", place: int, value: Any):
         self.program, self.place, self.value = program, place, value
 
-    def __array_ufunc__(self, function: Any, method: str, *inputs: Any) -> Any:
-        """Apply a function of NumPy."""
+    def __array_ufunc__(self, function: Any, method: str, *inputs: Any, out: Any = None) -> Any:
+        """Apply a function of NumPy; `out`, of an assignment such as +=, becomes another number."""
         values = (one.value if isinstance(one, Number) else one for one in inputs)
         a, *others = inputs
         b = others[0] if others else a

@@ -324,16 +324,6 @@ def _is_operand(value: Any) -> bool:
     return not plain and hasattr(value, "__sub__") and hasattr(value, "__mul__")
 
 
-def rules_faults(words: str, rules: Any) -> list[str]:
-    """Return a message if `rules` are not Number records by name.
-
-    `words` describe `rules`.
-    """
-    if isinstance(rules, Mapping) and all(isinstance(rule, Number) for rule in rules.values()):
-        return []
-    return [f"{words} must be Number records by name, but is {rules!r:.60}."]
-
-
 class Alternative(NamedTuple):
     """An initial datum that replaces `others`: it must be given without any of them."""
 

@@ -4,6 +4,7 @@ Fed symbols, a formula gives symbols, and `Program` has a line for each sub-expr
 the C++ of the benchmarks and the JavaScript of the pages are the formulas of this package.
 """
 
+import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -21,32 +22,21 @@ class Language(NamedTuple):
     powers: bool = False  # `**` is an operation, not a product
 
 
-NAMES = ("sqrt", "sin", "cos", "exp")
+def _functions(prefix: str, **others: str) -> dict[str, str]:
+    """Return the names of functions of NumPy in a library."""
+    names = {name: name for name in ("sqrt", "sin", "cos", "exp")} | {"arctan2": "atan2", **others}
+    return {name: prefix + word for name, word in names.items()}
+
+
 CPP = Language(
     "const double ",
-    lambda x: x.hex(),
-    {
-        **{name: f"std::{name}" for name in NAMES},
-        "arctan2": "std::atan2",
-        "rint": "std::rint",
-        "absolute": "std::fabs",
-        "maximum": "std::fmax",
-        "minimum": "std::fmin",
-    },
+    float.hex,
+    _functions("std::", rint="rint", absolute="fabs", maximum="fmax", minimum="fmin"),
 )
 JAVASCRIPT = Language(
     "const ",
-    lambda x: (
-        repr(x) if math.isfinite(x) else "Infinity" if x > 0 else "-Infinity" if x < 0 else "NaN"
-    ),
-    {
-        **{name: f"Math.{name}" for name in NAMES},
-        "arctan2": "Math.atan2",
-        "rint": "Math.round",
-        "absolute": "Math.abs",
-        "maximum": "Math.max",
-        "minimum": "Math.min",
-    },
+    json.dumps,  # with Infinity and NaN
+    _functions("Math.", rint="round", absolute="abs", maximum="max", minimum="min"),
 )
 SIGNS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "true_divide": "/"}
 

@@ -6,7 +6,7 @@ numbers of a single run are computed there, as the case n = 1.
 
 from .batch import Problems
 from .derivability import derivative_faults, refuse
-from .faults import key_faults, variation_faults
+from .faults import key_faults
 from .options import KEYFRAME_STEPS, ROUNDING, UNTIL
 from .problem import AUTO, PRECISIONS, Problem
 from .row_columns import ORIENTATION, PSI, TURN, column_faults, column_names
@@ -28,5 +28,4 @@ __all__ = [
     "derivative_faults",
     "key_faults",
     "refuse",
-    "variation_faults",
 ]

@@ -161,7 +161,7 @@ class Problems:
                     f"({', '.join(names)}), but has `{name}`."
                 )
             numbers = np.atleast_1d(getattr(body, name)).astype(float)
-            far = abs(numbers - value) > ROUNDING  # NaN is refused elsewhere
+            far = ~(abs(numbers - value) <= ROUNDING) & np.isfinite(numbers)
             if far.any():
                 raise InputError(
                     f"`normalised_to` of `{system.name}` must hold in its internal units "

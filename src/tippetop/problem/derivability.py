@@ -41,9 +41,7 @@ def derivative_faults(problem: "Problem") -> list[str]:
 
 def name_faults(problem: "Problem", wrt: Sequence[str]) -> list[str]:
     """Return sentences on the names of the numbers by which there are derivatives."""
-    twice = dict.fromkeys(name for name in wrt if list(wrt).count(name) > 1)
-    faults = [f"`{name}` must be named once, but is named twice." for name in twice]
-    faults += key_faults(problem, wrt, without=EXCLUDED)
+    faults = key_faults(problem, wrt, without=EXCLUDED)
     initial = [name.partition(".")[2] for name in wrt if name.startswith("initial.")]
     given = [name for name, value in problem.initial.items() if value is not False]
     return faults or problem.system.clashes([*given, *initial])

@@ -9,6 +9,7 @@ from ..mechanics.contact.body import Touch
 from ..mechanics.friction import Frictionless
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
+from ..problem import column_names
 
 
 # Longest half axis of the ellipsoid of a heavy top, as a part of the distance from the tip.
@@ -34,6 +35,13 @@ def body_of(attrs: dict[str, Any]) -> Touch:
         what = f"a body that is shown must have {', '.join(needed)}"
         raise InputError([f"{what}, but that of {a_system(attrs['system'])} has no {missing[0]}."])
     return Touch(*(getattr(body, name) for name in needed))
+
+
+def columns_of(attrs: dict[str, Any]) -> set[str]:
+    """Return the names of the columns that a run of a known system can have."""
+    system: Any = find(attrs["system"])
+    of_contact = {"phase", "ball"} if "contact" in attrs else set()
+    return {*column_names(system, system.forms[attrs["form"]], True, "double"), *of_contact}
 
 
 def is_planar(attrs: dict[str, Any]) -> bool:
@@ -86,13 +94,6 @@ def sizes(b: Touch, *, heavy: bool) -> tuple[Any, ...]:
     return b.c, b.R, b.m * b.g, size * across, size * along
 
 
-def with_shape(
-    trajectory: Any, events: Any, attrs: dict[str, Any]
-) -> tuple[Any, dict[str, Any], dict[str, Any]]:
-    """Return rows, attributes and body of a film strip, with the function of the body's axes."""
-    return trajectory, attrs, shape(attrs) | {"axes": axes_of}
-
-
-def axes_of(quaternion: np.ndarray) -> np.ndarray:
+def rotation(quaternion: np.ndarray) -> np.ndarray:
     """Return the rotation matrix of a unit quaternion: its columns are the axes of the body."""
     return np.array(axes(Quaternion(*quaternion))).T

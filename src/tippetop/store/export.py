@@ -76,9 +76,10 @@ def _csv(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: Any) -
         units = variable.attrs.get("units", "1")
         bare = units in ("", "1")
         heads |= {part: part if bare else f"{part} [{units}]" for part in _parts(name, variable)}
-    for i, frame in enumerate(frames):
-        header = False if i else [heads[name] for name in frame]
-        frame.to_csv(path, mode="a", header=header, index=False, float_format="%.17g")
+    with path.open("w") as file:
+        for i, frame in enumerate(frames):
+            named = frame.rename(columns=heads)
+            named.to_csv(file, header=not i, index=False, float_format="%.17g")
 
 
 def _parquet(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: Any) -> None:

@@ -5,7 +5,6 @@ replaces a link rather than its target.
 """
 
 import contextlib
-import errno
 import os
 import re
 import shutil
@@ -115,9 +114,9 @@ def remove_stale(path: Path) -> None:
     """
     start = f".{path.name}.part-"
     with contextlib.suppress(OSError):
-        for old in sorted(path.parent.iterdir()):
-            ours = old.name.startswith(start) and SCRATCH.fullmatch(old.name, len(start))
-            if ours and _removed(old):
+        for name in sorted(os.listdir(path.parent)):
+            ours = name.startswith(start) and SCRATCH.fullmatch(name, len(start))
+            if ours and _removed(old := path.with_name(name)):
                 warnings.warn(f"`{old}` is removed: a killed run left it.", stacklevel=2)
 
 
@@ -139,9 +138,8 @@ def rename_new(scratch: Path, path: Path) -> None:
     """Rename a folder to a name that only an empty folder may have. Raises StoreError, OSError."""
     try:
         scratch.rename(path)
-    except OSError as error:
-        if error.errno in (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR):
-            raise exists(path) from None
+    except OSError:
+        refuse_existing(path)
         raise
     synced(path.parent)
 
@@ -152,15 +150,10 @@ def write_text(path: Path, text: str, *, overwrite: bool) -> None:
         scratch.write_text(text, encoding="utf-8")
 
 
-def refuse_existing(path: Path, overwrite: bool) -> None:
+def refuse_existing(path: Path, overwrite: bool = False) -> None:
     """Raise StoreError if a path exists, unless it may be overwritten."""
     if not overwrite and os.path.lexists(path):
-        raise exists(path)
-
-
-def exists(path: Path) -> StoreError:
-    """Return the error that a path exists."""
-    return StoreError(f"`{path}` must not exist yet, but does: use --overwrite to replace it.")
+        raise StoreError(f"`{path}` must not exist yet, but does: use --overwrite to replace it.")
 
 
 def name_aside(path: Path) -> Path:

@@ -45,7 +45,6 @@ class Acknowledged:
     """The sum of the records of a ledger."""
 
     header: dict[str, Any]
-    attributes: dict[str, Any]  # of the root group
     chunks: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> mark
     failed: dict[str, str] = field(default_factory=dict)  # TABLE/INDEX -> why it failed
     rows: dict[str, int] = field(default_factory=dict)  # of the tables that grow
@@ -59,7 +58,7 @@ class Acknowledged:
     @classmethod
     def of(cls, records: list[dict[str, Any]]) -> "Acknowledged":
         """Add up the records of a ledger."""
-        state = cls(records[0], dict(records[0]["attributes"]))
+        state = cls(records[0])
         for record in records[1:]:
             state.add(record)
         return state
@@ -70,10 +69,14 @@ class Acknowledged:
         failed = self.failed | record.get("failed", {})
         self.failed = {key: why for key, why in failed.items() if key not in self.chunks}
         self.changed = ({} if "closing" in record else self.changed) | record.get("changed", {})
-        self.attributes = self.header["attributes"] | self.changed
         for name in ("rows", "tail", "end", "writer", "closing"):
             setattr(self, name, record.get(name, getattr(self, name)))
         self.seal = "seal" in record
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Those of the root group."""
+        return self.header["attributes"] | self.changed
 
     def record(self, *names: str) -> dict[str, Any]:
         """Return these fields as a record, without empty ones."""

@@ -157,8 +157,7 @@ def new_store(
         files.put_back(path)
         lock = None
         if path.exists():
-            if not overwrite:
-                raise files.exists(path)
+            files.refuse_existing(path, overwrite)
             refuse_foreign(path)
             lock = stack.enter_context(Ledger.locked(path))
         files.remove_stale(path)

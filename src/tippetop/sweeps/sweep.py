@@ -155,26 +155,15 @@ def _fill(
 
 
 def _run_alone(store: SweepStore, top: int, stop: threading.Event | None) -> None:
-    """Run one top of a plan into its store, or continue it, or check it."""
+    """Run one top of a plan into its store, or continue it; one that is damaged is run again."""
     place = files.own_folder(store.store.path / RUNS) / str(top)
     problem = store.plan.problem(top)
-    if not place.exists():
-        recording.record(problem, place, stop=stop, in_sweep=True)
-        return
-    attrs = root.root_of(place)
-    finished = attrs["status"] != "running"
-    try:
-        for name, value in root.finite(build.resolved(problem)).items():
-            if attrs.get(name) != value:
-                raise StoreError(
-                    f"`{place}` must be the run that the plan makes, but has another `{name}`."
-                )
-        if finished:
-            resuming.opened(place).release()
-    except StoreError as error:
-        raise StoreError(
-            f"`{place}` must be as it was made, but: {error} Remove it: the same command runs "
-            "that top again."
-        ) from None
-    if not finished:
-        resuming.resume(place, stop=stop)
+    with contextlib.suppress(StoreError):
+        attrs = root.root_of(place)
+        if root.finite(build.resolved(problem)).items() <= attrs.items():
+            if attrs["status"] == "running":
+                resuming.resume(place, stop=stop)
+            else:
+                resuming.opened(place).release()
+            return
+    recording.record(problem, place, overwrite=place.exists(), stop=stop, in_sweep=True)

@@ -2,52 +2,42 @@
 
 from typing import Any
 
-from ..errors import InputError
-from ..mechanics.systems import SYSTEMS
+from ..mechanics.friction import LAWS
 from ..scenario import build
 from ..scenario.reading import presets
-from . import formulas, pages
-from .encoding import problem_data
+from . import pages
+from .phase_formulas import TOP, contacts, given
 
 
 TITLE = "Tippe top playground"
 FIRST = "inverting"
+BY_NAME = {
+    "viscous": LAWS["viscous"],
+    "contensou": LAWS["contensou"],
+    "coulomb": LAWS["coulomb"].without,
+    "regularised": LAWS["coulomb"],
+    **{name: LAWS[name] for name in ("mixed", "stribeck", "latitude", "none")},
+}
+"""The laws of the page, by the name under which it offers them."""
+ABOUT = "Move a slider: this page integrates the motion with the equations of tippetop."
 
 
 def playground() -> str:
     """Return the text of its HTML file."""
-    system = SYSTEMS["tippe-top"]
-    laws = {name: law for name, law in system.laws.items() if law.coefficient is not None}
-    scripts = {"formulas.js": formulas.motions(system, system.forms["vector"], laws)}
-    data = {
-        "presets": sorted(
-            filter(None, map(_preset, presets())), key=lambda p: (p["name"] != FIRST, p["name"])
-        )
-    }
+    tops = filter(None, map(_preset, presets()))
+    data = {"presets": sorted(tops, key=lambda p: (p["name"] != FIRST, p["name"]))}
+    aside = pages.source("playground.html")
     return pages.page(
-        TITLE,
-        "page_playground.js",
-        data,
-        scripts,
-        aside=pages.source("playground.html"),
-        about=ABOUT,
+        TITLE, "page_playground.js", data, contacts(BY_NAME), aside=aside, about=ABOUT
     )
 
 
-ABOUT = "Move a slider: this page integrates the motion with the equations of tippetop."
-
-
 def _preset(name: str) -> dict[str, Any] | None:
-    """Return a preset as the page takes it; None for another system, or a contact that may open."""
-    try:
-        problem = build.load(name)
-    except InputError:
+    """Return a preset of a tippe top that slides as the page takes it; None for another system."""
+    problem = build.load(name)
+    if problem.system.name != TOP.name:
         return None
-    if problem.system is not SYSTEMS["tippe-top"]:
-        return None
-    return {
-        "name": name,
-        "words": problem.system.title,
-        **problem_data(problem),
-        "until": min(problem.until, 30.0),
-    }
+    law = next(law for law, record in BY_NAME.items() if record is type(problem.friction))
+    about = given(problem)
+    about |= {"name": name, "words": problem.system.title, "law": law}
+    return about | {"until": min(about["until"], 30.0)}

@@ -13,8 +13,9 @@ from ..mechanics.systems import find
 from ..runs.attributes import headline_of
 from ..runs.shape import body_of, is_planar, shape
 from ..store import chunks
-from . import formulas, pages, spacing
+from . import pages, spacing
 from .encoding import encode
+from .phase_formulas import potential
 from .samples import needed, samples, without
 
 
@@ -99,7 +100,7 @@ def page(
         "phases": phases,
     }
     system: Any = find(attrs["system"])
-    scripts = {"formulas.js": formulas.potential(system, body_of(attrs))}
+    scripts = potential(system, body_of(attrs))
     return pages.page(f"{attrs['title']} · tippetop", "page_run.js", data, scripts)
 
 

@@ -10,7 +10,7 @@ from ..mechanics.friction import SLIP, slip_coefficient
 from ..mechanics.operand import Vector, cross, times
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
-from ..runs.shape import body_of, is_fixed, is_planar
+from ..runs.shape import body_of, columns_of, is_fixed, is_planar
 
 
 Columns = Mapping[str, np.ndarray]
@@ -33,14 +33,7 @@ def without(attrs: dict[str, Any]) -> list[str]:
     if kept is None:
         return []
     system: Any = find(attrs["system"])
-    own = {
-        *system.angles._fields,
-        *system.vectors,
-        *(quantity.name for quantity in system.quantities),
-        "orientation",
-    }
-    own |= {"phase", "ball"} if "contact" in attrs else set()
-    own -= {"normal_force", *well_columns(attrs)[-1:], *kept}
+    own = columns_of(attrs) - {"normal_force", *well_columns(attrs)[-1:], *kept}
     own -= {"theta_dot"} if system.vectors else set()
     own -= set() if "nu_x" in system.angles._fields else {"phi"}
     return [name for name in needed(attrs) if name in own]
@@ -112,12 +105,9 @@ def _slip(columns: Columns, n: int) -> np.ndarray:
 
     It has no components at a pole: there that of the next row is taken.
     """
-    if "nu_x" not in columns:
-        return np.zeros((2, n))
-    along = columns["nu_x"]
-    if "nu_y" not in columns:
-        return np.stack([along, np.zeros(n)])
-    v = (along + 1j * columns["nu_y"]) * np.exp(1j * columns["phi"])
+    none = np.zeros(n)
+    along, across, phi = (columns.get(name, none) for name in ("nu_x", "nu_y", "phi"))
+    v = (along + 1j * across) * np.exp(1j * phi)
     known = np.flatnonzero(np.isfinite(v))
     if 0 < len(known) < n:
         v = np.interp(np.arange(n), known, v[known])

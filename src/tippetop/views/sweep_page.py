@@ -14,9 +14,10 @@ from ..sweeps import maps
 from ..sweeps.design import Axis
 from ..sweeps.plan import Plan
 from ..sweeps.summary import column, open_sweep
-from . import formulas, pages
+from . import pages
 from .borders import borders
-from .encoding import encode, problem_data
+from .encoding import encode
+from .phase_formulas import NO_PHASES, NO_POTENTIAL, TOP, contacts, given
 
 
 MOST = 100_000  # tops of a page
@@ -60,13 +61,15 @@ def page_of_sweep(path: Path) -> str:
     notes = (
         []
         if movable
-        else ["The contact of these tops is not integrated in the page: it shows their map alone."]
+        else [
+            "The page integrates tippe tops that slide; of these bodies it shows their map alone."
+        ]
     )
     if table.attrs["status"] != "finished":
         notes.append("This sweep is not finished.")
     title = table.attrs["title"].partition(": ")[2]
     data = {
-        "given": _base(plan.base) if movable else None,
+        "given": given(plan.base) | {"stops": plan.base.contact is None} if movable else None,
         "body": shape(build.resolved(plan.base)),
         "axes": [_axis(axis, numbers[axis.key], table[axis.key].attrs) for axis in axes],
         "columns": [_column(name, _values(path, table, name), table[name].attrs) for name in names],
@@ -77,7 +80,8 @@ def page_of_sweep(path: Path) -> str:
     about = f"{plan.n} tops; point at one for its line" + (
         ", click it for its motion" if movable else ""
     )
-    scripts = {"formulas.js": _formulas(plan.base) if movable else formulas.NOTHING}
+    law = {plan.base.law.key: type(plan.base.friction)}
+    scripts = NO_POTENTIAL | (contacts(law) if movable else NO_PHASES)
     heading = f"A sweep: {title}"
     return pages.page(
         heading, "page_sweep.js", data, scripts, aside=pages.source("sweep.html"), about=about
@@ -89,23 +93,13 @@ def _varies(axis: Axis) -> bool:
 
 
 def is_movable(base: Problem) -> bool:
-    """Return whether a page can integrate a problem: one phase, friction a multiple of v_A."""
-    return base.contact is None and (not base.system.frictional or base.law.coefficient is not None)
-
-
-def _formulas(base: Problem) -> str:
-    """Return the module of the system of a sweep, in vector form if there is one."""
-    forms = base.system.forms
-    return formulas.motions(
-        base.system, forms.get("vector", next(iter(forms.values()))), {base.law.key: base.law}
+    """Return whether a page can integrate a problem: a sliding tippe top, restitution by energy."""
+    law, contact = type(base.friction), base.contact
+    return (
+        base.system.name == TOP.name
+        and law.with_parts is not None
+        and (contact is None or contact.restitution == "energetic")
     )
-
-
-def _base(base: Problem) -> dict[str, Any]:
-    """Return the common numbers of all tops."""
-    about = problem_data(base)
-    about["parameters"] |= about.pop("friction")
-    return about | {"until": base.until}
 
 
 def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:

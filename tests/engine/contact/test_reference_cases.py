@@ -4,7 +4,7 @@ within 1e-11 s.
 
 import numpy as np
 import pytest
-from touching import BOUNCE, reference
+from touching import reference
 
 from tippetop.mechanics.contact.state import PHASES
 from tippetop.runs.run import solve
@@ -54,20 +54,3 @@ def test_a_run_is_that_of_the_reference(name: str) -> None:
         if event["kind"] != "touch-body"
     ]
     assert ours == expected
-
-
-def test_phases_follow_each_other_without_a_gap() -> None:
-    solution = solve(build.problem(BOUNCE))
-    parts = solution.others["phases"]
-    assert solution.report["drift"]["energy_balance"] <= 1e-12
-    assert solution.report["drift"]["jellett"] <= 1e-13
-    start, end, phase = (
-        np.concatenate([part[key] for part in parts]) for key in ("start", "end", "phase")
-    )
-    assert start[0] == 0
-    assert end[-1] == BOUNCE["run"]["until"]
-    np.testing.assert_array_equal(start[1:], end[:-1])
-    assert {PHASES[p] for p in phase} >= {"flight", "roll"}
-    assert solution.report["contact_phases"]["impacts"] == sum(
-        len(part["time"]) for part in solution.others["impacts"]
-    )

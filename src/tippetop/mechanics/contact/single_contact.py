@@ -83,7 +83,8 @@ def on_ball(
 
     def acts(q, b):
         u, L = axis(q), momentum(q)
-        return Acts(*forces(u, L, q, b), velocity(q), angular_velocity(u, L, b))
+        force, torque = forces(u, L, q, b)
+        return Acts(force, torque, velocity(q), angular_velocity(u, L, b))
 
     def rates(q, b):
         u, by = axis(q), acts(q, b)
@@ -348,7 +349,8 @@ def slip_under(friction: Callable, events: tuple) -> Phase:
         return Vector(q.vx, q.vy, 0 * q.uz)
 
     def forces(u, L, q, b):
-        return sliding(u, L, *friction(angular_velocity(u, L, b), velocity(q), u.z, b), b)
+        push, per_force = friction(angular_velocity(u, L, b), velocity(q), u.z, b)
+        return sliding(u, L, push, per_force, b)
 
     enter, changes = lambda v: v[:2], lambda q, G: G[:2]
     return on_ball("slip", DISC, events, forces, velocity, enter, changes)

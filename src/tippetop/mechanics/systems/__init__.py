@@ -59,9 +59,14 @@ def add(system: System) -> None:
 
 def check(system: System) -> None:
     """Raise InputError for a system whose records contradict one another, or that cannot be run."""
-    if faults := inconsistencies(system) or unmet_requirements(system):
-        raise InputError(faults)
-    check_answers(system)
+    try:
+        if faults := inconsistencies(system) or unmet_requirements(system):
+            raise InputError(faults)
+        check_answers(system)
+    except (AttributeError, TypeError) as error:
+        raise InputError(
+            f"the records of `{system.name}` must be of the kinds that `System` has, but: {error}."
+        ) from error
 
 
 def add_law(law: type[FrictionLaw]) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..contact.body import Touch, tip_inertia
 from ..contact.restitution import ContactLaw
-from ..friction import has_parts, is_frictionless, is_linear, named, nowhere_vanishes
+from ..friction import has_parts, is_frictionless, named, nowhere_vanishes
 from ..system import Outlook
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
@@ -197,15 +197,9 @@ def gliding_cylinder(b: Touch, start: Start) -> Outlook:
 
 
 def _round(law: Any) -> str:
-    """Describe how a round cylinder glides.
-
-    v_A' = -k(v_A) g (I + m R^2)/I v_A, or less where k is modified. [T 6.7]
-    """
-    if named(type(law)) is not None:
-        if is_linear(law):
-            return "a round cylinder: gliding decays exponentially to rolling"
-        if not nowhere_vanishes(law):
-            return "a round cylinder: its friction vanishes somewhere, so it may glide on"
+    """Describe how a round cylinder glides: v_A' = -k(v_A) g (I + m R^2)/I v_A. [T 6.7]"""
+    if named(type(law)) is not None and not nowhere_vanishes(law):
+        return "a round cylinder: its friction vanishes somewhere, so it may glide on"
     return "a round cylinder: gliding decays to rolling"
 
 

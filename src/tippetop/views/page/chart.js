@@ -180,7 +180,7 @@ export class Chart {
   }
 
   /**
-   * What is the same from picture to picture is drawn once and copied: a hundred thousand samples would take all the time
+   * Draws the constant parts once and copies them to each picture: a hundred thousand samples would take all the time
    * that there is for a picture.
    * @param {any[] | undefined} key what it depends on, besides the chart; undefined: it is another one each time
    * @param {() => void} draw

@@ -40,7 +40,16 @@ export class Extrapolation {
    * @param {number} end
    */
   to(end) {
-    while (this.time < end) {
+    while (this.time < end) if (!this.once(end)) return false;
+    return true;
+  }
+
+  /**
+   * Makes one step, at most up to a time; false where none is short enough.
+   * @param {number} end
+   */
+  once(end) {
+    for (;;) {
       const last = this.time + 1.000001 * this.step >= end;
       const wanted = this.step;
       if (last) this.step = end - this.time;
@@ -49,12 +58,13 @@ export class Extrapolation {
         this.time = last ? end : this.time + taken;
         if (last) this.step = Math.max(this.step, wanted);
         this.steps += 1;
-      } else if (!(this.step > 1e-13)) return false;
+        return true;
+      }
+      if (!(this.step > 1e-13)) return false;
     }
-    return true;
   }
 
-  /** Makes one step, if its error allows it, and says whether; sets the length of the next. */
+  /** Makes one step if its error allows it; returns whether, and sets the length of the next. */
   advances() {
     const { y, row, error } = this;
     const n = y.length;

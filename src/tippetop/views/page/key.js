@@ -19,7 +19,7 @@ export class Key {
   }
 
   /**
-   * Writes it, unless it stands there already.
+   * Writes the legend if it has changed.
    * @param {Log} log
    * @param {[number, number]} span the whole motion
    * @param {Palette} colours

@@ -97,7 +97,7 @@ export class ThetaPanel {
   }
 
   /**
-   * The least and the largest inclination of what is shown.
+   * The least and the largest inclination in the window.
    * @param {Motion} motion
    * @param {Log} log
    * @param {Span} span

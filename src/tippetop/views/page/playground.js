@@ -1,6 +1,6 @@
-/** The playground: a tippe top of one's own, integrated in the page while its numbers are changed. */
+/** The playground: a tippe top that is integrated in the page while its numbers are changed. */
 import { turns } from "./chart.js";
-import { facts } from "./formulas.js";
+import { facts } from "./phases.js";
 import { sampling, simulated } from "./simulation.js";
 import { Sliders, subscript } from "./sliders.js";
 import { part } from "./part.js";
@@ -15,10 +15,11 @@ import { part } from "./part.js";
  * @property {string} words
  * @property {Record<string, number>} parameters
  * @property {string} law
- * @property {Record<string, number>} friction
  * @property {Record<string, number>} initial
  * @property {boolean} atRest
  * @property {number} until
+ * @property {number} e_n
+ * @property {{r: number, h: number} | null} stem
  */
 
 const DEGREE = 180 / Math.PI;
@@ -36,6 +37,21 @@ const START = [
   { name: "theta", words: "tilt θ(0)", unit: "°", least: 0, most: Math.PI, shown: (x) => x * DEGREE },
   { name: "until", words: "how long", unit: "s", least: 1, most: 30 },
 ];
+/** @type {Slider[]} */
+const CONTACT = [
+  { name: "e_n", words: "restitution e_n", unit: "", least: 0, most: 0.9 },
+  {
+    name: "r",
+    words: "radius of the stem's ball",
+    unit: "mm",
+    least: 1e-3,
+    most: 0.02,
+    log: true,
+    shown: (x) => 1e3 * x,
+  },
+  { name: "h", words: "its height above the centre", unit: "mm", least: 5e-3, most: 0.06, shown: (x) => 1e3 * x },
+];
+const STEM = { r: 0.003, h: 0.0245 };
 /** @type {Record<string, Slider>} */
 const FRICTION = {
   mu: { name: "mu", words: "friction μ", unit: "s/m", least: 0.003, most: 10, log: true },
@@ -44,17 +60,32 @@ const FRICTION = {
   mu_static: { name: "mu_static", words: "μ at rest", unit: "", least: 0.01, most: 1.5, log: true },
   eps: { name: "eps", words: "ε", unit: "m/s", least: 1e-4, most: 0.1, log: true },
   v_s: { name: "v_s", words: "v_s", unit: "m/s", least: 1e-3, most: 1, log: true },
+  patch: {
+    name: "patch",
+    words: "radius of the disc",
+    unit: "mm",
+    least: 5e-5,
+    most: 2e-3,
+    log: true,
+    shown: (x) => 1e3 * x,
+  },
+  mu_r: { name: "mu_r", words: "rolling resistance", unit: "mm", least: 0, most: 2e-4, shown: (x) => 1e3 * x },
 };
+const PURE = ["coulomb", "regularised", "stribeck", "contensou"]; // laws whose mu has no unit
 const USUAL = /** @type {Record<string, number>} */ ({
   mu_stem: 0.3,
   mu_coulomb: 0.1,
   mu_static: 0.4,
   eps: 1e-2,
   v_s: 0.1,
+  patch: 2e-4,
+  mu_r: 0,
 });
 const LAWS = /** @type {Record<string, string>} */ ({
   viscous: "viscous: −μ gₙ v",
-  coulomb: "Coulomb, regularised",
+  contensou: "Coulomb that drills",
+  coulomb: "Coulomb: slides or sticks",
+  regularised: "Coulomb, regularised",
   mixed: "viscous and Coulomb",
   stribeck: "Stribeck",
   latitude: "viscous, by latitude",
@@ -74,8 +105,13 @@ export class Playground {
     this.body = new Sliders(part("body-sliders"), later);
     this.friction = new Sliders(part("friction-sliders"), later);
     this.start = new Sliders(part("start-sliders"), later);
+    this.contact = new Sliders(part("contact-sliders"), later);
     for (const slider of BODY) this.body.add(slider);
     for (const slider of START) this.start.add(slider);
+    part("stem").addEventListener("change", () => {
+      this.stemChanged();
+      this.soon();
+    });
     for (const { name, words } of presets) {
       const option = new Option(name, name);
       option.title = words;
@@ -98,8 +134,11 @@ export class Playground {
     const { m, R, alpha, I1, I3 } = preset.parameters;
     this.body.set({ m, R, alpha, gamma: I1 / I3, inertia: I3 / (m * R * R), g: preset.parameters.g });
     part("law").value = preset.law;
-    this.friction.values = { ...USUAL, mu: 0.3, ...preset.friction };
+    this.friction.values = { ...USUAL, mu: 0.3, ...preset.parameters };
     this.lawChanged();
+    this.contact.values = { e_n: preset.e_n, ...STEM, ...preset.stem };
+    part("stem").checked = !!preset.stem;
+    this.stemChanged();
     this.start.set({ omega3: preset.initial.omega3 ?? 0, theta: preset.initial.theta ?? 0, until: preset.until });
     part("preset").value = preset.name;
     this.show(false);
@@ -110,19 +149,28 @@ export class Playground {
     const law = part("law").value;
     this.friction.clear();
     for (const name of facts.laws[law]) {
-      const unit = name === "mu" && (law === "coulomb" || law === "stribeck") ? "" : FRICTION[name].unit;
+      const unit = name === "mu" && PURE.includes(law) ? "" : FRICTION[name].unit;
       this.friction.add({ ...FRICTION[name], unit });
     }
     const values = this.friction.values;
     this.friction.set(Object.fromEntries(facts.laws[law].map((name) => [name, values[name]])));
   }
 
-  /** What is given now. @returns {Given} */
+  /** The sliders of a ball with or without a stem. */
+  stemChanged() {
+    const shown = part("stem").checked ? CONTACT : CONTACT.slice(0, 1);
+    this.contact.clear();
+    for (const slider of shown) this.contact.add(slider);
+    this.contact.set(this.contact.values);
+  }
+
+  /** Returns the numbers of all controls. @returns {Given} */
   given() {
     const { m, R, alpha, gamma, inertia, g } = this.body.values;
     const { until, omega3, theta } = this.start.values;
     const I3 = rounded(inertia * m * R * R);
     const law = part("law").value;
+    const { e_n, r, h } = this.contact.values;
     const numbers = Object.fromEntries(facts.laws[law].map((name) => [name, this.friction.values[name]]));
     return {
       law,
@@ -131,6 +179,8 @@ export class Playground {
       atRest: this.preset.atRest,
       until,
       step: sampling(omega3, until),
+      e_n,
+      stem: part("stem").checked ? { r, h } : null,
     };
   }
 
@@ -198,20 +248,21 @@ function verdict({ motion, log, end }) {
   const when = motion.end.toFixed(2);
   const passed = log.marks.find((m) => m.kind === "equator");
   const turned = passed ? `, passed 90° at ${passed.time.toFixed(2)} s` : "";
-  if (end === "lifts off") return `Lifts off at ${when} s, at θ = ${theta.toFixed(1)}°: the model ends here.`;
-  if (end) return `The integration ends at ${when} s.`;
+  const impacts = log.marks.filter((m) => m.kind === "impact").length;
+  const hits = impacts ? `, ${impacts} impact${impacts > 1 ? "s" : ""}` : "";
+  if (end) return `The page follows it to ${when} s and θ = ${theta.toFixed(1)}°: ${end}.`;
   const near = DEGREE * facts.near;
   const pole = theta > 90 ? "inverted" : "upright";
   const off = Math.min(theta, 180 - theta);
   const where = off < near ? pole : off < 4 * near ? `nearly ${pole}` : "tilted";
-  return `After ${when} s it is ${where}, at θ = ${theta.toFixed(1)}°${turned}.`;
+  return `After ${when} s it is ${where}, at θ = ${theta.toFixed(1)}°${turned}${hits}.`;
 }
 
 /**
  * The same top as a scenario of the engine.
  * @param {Given} given
  */
-function scenario({ law, parameters, initial, atRest, until }) {
+function scenario({ law, parameters, initial, atRest, until, e_n, stem }) {
   const written = (/** @type {number} */ value) => {
     if (Number.isInteger(value)) return value.toFixed(1);
     return Math.abs(value) < 1e-3 ? value.toExponential() : value;
@@ -225,12 +276,15 @@ function scenario({ law, parameters, initial, atRest, until }) {
 ${table(facts.parameters, parameters)}
 
 [friction]
-law = "${law}"
+law = "${facts.keys[law]}"
 ${table(facts.laws[law], parameters)}
 
 [initial]
 ${table(start, initial)}${atRest ? "\ncentre_at_rest = true" : ""}
 
+[contact]
+e_n = ${written(e_n)}
+${stem ? `\n[stem]\n${table(["r", "h"], stem)}\n` : ""}
 [run]
 until = ${until.toFixed(3)}
 output_step = 0.001

@@ -43,7 +43,7 @@ export class Scene {
     this.ribbons = gl && new Program(gl, RIBBON, INK);
     this.screen = gl && triangle(gl);
     this.camera = new Camera();
-    /** What is shown besides the body. */
+    /** The optional parts of the picture. */
     this.shown = /** @type {Record<string, boolean>} */ ({
       momentum: true,
       omega: true,

@@ -1,13 +1,10 @@
-/** A motion that is integrated in the page, by the formulas that Python has written down. */
-import { Extrapolation } from "./extrapolation.js";
-import { facts, formulas } from "./formulas.js";
+/** A tippe top that is integrated in the page, as the page shows it. */
+import { Contact } from "./contact.js";
 import { Log } from "./log.js";
 import { Motion, STRIDE } from "./motion.js";
 import { ofAxes } from "./vector.js";
 
-export const TOLERANCE = 1e-13;
-const FORCE = 12; // where the normal force stands in a sample, and theta
-const THETA = 19;
+const THETA = 19; // its place in a sample
 const [SHORTEST, LONGEST] = [5e-4, 0.002]; // seconds between samples
 const MOST = 20_000; // samples
 
@@ -15,110 +12,75 @@ const MOST = 20_000; // samples
  * @typedef {object} Given
  * @property {string} law
  * @property {Record<string, number>} parameters and numbers of the law, by name
- * @property {Record<string, number>} initial by name; what is not given is 0
+ * @property {Record<string, number>} initial by name; missing ones are 0
  * @property {boolean} atRest whether the centre of mass starts at rest
  * @property {number} until [s]
  * @property {number} step of the samples [s]
+ * @property {number} e_n restitution
+ * @property {{r: number, h: number} | null} stem
+ * @property {boolean} [stops] whether it ends where it lifts off
  */
 
 /**
- * A start, its body, and the integrator that is there.
+ * Integrates, and returns what the page shows.
  * @param {Given} given
- * @param {number} tolerance
  */
-export function begun(given, tolerance = TOLERANCE) {
-  const known = formulas[given.law];
-  const p = [...facts.parameters, ...facts.laws[given.law]].map((name) => given.parameters[name]);
-  const b = known.body(p);
-  const d = facts.initial.map((name) => given.initial[name] ?? 0);
-  const theta = given.initial.theta ?? 0;
-  const [sine, z] = [Math.sin(theta), Math.cos(theta)];
-  const y = known.start(sine, z, d, b);
-  if (given.atRest) for (const name of ["rx_dot", "ry_dot"]) y[facts.variables.indexOf(name)] = 0;
-  const rates = (/** @type {Float64Array} */ at, /** @type {Float64Array} */ out) => known.rates(at, b, out);
-  return { known, b, solver: new Extrapolation(rates, y, known.weights(b), facts.moving, tolerance) };
-}
-
-/**
- * Integrates, and gives what the page shows. Stops where the normal force falls to zero: the model ends there.
- * @param {Given} given
- * @param {number} tolerance
- */
-export function simulated(given, tolerance = TOLERANCE) {
-  const { known, b, solver } = begun(given, tolerance);
+export function simulated(given) {
+  const top = new Contact(given);
+  const { known, balls, solver } = top;
   const count = Math.max(1, Math.round(given.until / given.step));
   const times = new Float64Array(count + 1);
   const samples = new Float32Array((count + 1) * STRIDE);
-  const seen = new Float64Array(STRIDE + 2);
-  const force = () => {
-    known.seen(solver.y, b, seen);
-    return seen[2 + FORCE];
-  };
-  const last = solver.y.slice();
-  let end = "";
   let n = 0;
-  for (; n <= count && !end; n++) {
-    times[n] = (n / count) * given.until;
-    if (!solver.to(times[n])) {
-      end = "stalled";
-      break;
-    }
-    if (force() < 0) {
-      end = "lifts off";
-      if (n) times[n] = liftoff(solver, times[n - 1], last, force);
-    }
-    last.set(solver.y);
+  for (; n <= count && !top.end; n++) {
+    top.to((n / count) * given.until);
+    times[n] = solver.time;
+    const acts = top.acts(solver.y);
+    const force = [0, 1, 2].map((k) => acts.reduce((sum, [, by]) => sum + by[k], 0));
+    const seen = new Float64Array(STRIDE + 2);
+    known.seen(solver.y, force, balls[top.phase.ball], seen);
     samples.set(ofAxes([seen[0], seen[1], seen[2]], [seen[3], seen[4], seen[5]]), n * STRIDE);
     samples.set(seen.subarray(6), n * STRIDE + 4);
   }
-  const motion = new Motion(times.slice(0, n), samples.slice(0, n * STRIDE), facts.planar);
-  const log = new Log(turnings(motion, end), [], motion, facts.planar);
-  const potential = known.potential;
+  top.close();
+  const motion = new Motion(times.slice(0, n), samples.slice(0, n * STRIDE), false);
+  const theta = (/** @type {number} */ time) => motion.pose(time).theta;
+  const changes = top.events.map((event) => ({ ...event, theta: theta(event.time) }));
+  const events = [...turnings(motion), ...changes].sort((a, b) => a.time - b.time);
+  const [body] = balls;
   return {
     motion,
-    log,
-    end,
+    log: new Log(events, top.phases, motion, false),
+    end: top.end,
     steps: solver.steps,
-    sizes: drawn(known.sizes(b)),
-    thresholds: known.thresholds(b),
-    potential: potential
-      ? (/** @type {number} */ z, /** @type {number} */ one, /** @type {number} */ two) => potential(z, one, two, b)
-      : undefined,
+    sizes: drawn(known.sizes(body), given.stem),
+    thresholds: known.thresholds(body),
+    potential: (/** @type {[number, number, number]} */ ...z) => known.potential(...z, body),
   };
 }
 
 /**
- * Takes a motion back to the last moment at which the force is not negative; returns its time.
- * @param {Extrapolation} solver
- * @param {number} start time of the sample before [s]
- * @param {Float64Array} state of the sample before
- * @param {() => number} force of the state of the solver
+ * theta at some times and the phases, from the variables themselves: for comparing with the engine.
+ * @param {Given} given
+ * @param {number[]} times
  */
-function liftoff(solver, start, state, force) {
-  let [held, lifted] = [start, solver.time];
-  const at = (/** @type {number} */ time) => {
-    solver.y.set(state);
-    solver.time = start;
-    solver.to(time);
-    return force();
-  };
-  for (let k = 0; k < 40; k++) {
-    const middle = (held + lifted) / 2;
-    if (at(middle) < 0) lifted = middle;
-    else held = middle;
-  }
-  at(held);
-  return held;
+export function followed(given, times) {
+  const top = new Contact(given);
+  const thetas = times.map((t) => (top.to(t) ? Math.atan2(Math.hypot(top.y[0], top.y[1]), top.y[2]) : NaN));
+  return { thetas, phases: top.phases, events: top.events, end: top.end };
 }
 
 /**
  * The sizes of a body as the picture takes them.
  * @param {number[]} sizes
+ * @param {{r: number, h: number} | null} stem
  */
-function drawn([offset, radius, weight, across, along]) {
+function drawn([offset, radius, weight, across, along], stem) {
   /** @type {[number, number]} */
   const ellipsoid = [across, along];
-  return { unit: radius || -offset, balls: [{ offset, radius }], ellipsoid, weight };
+  const balls = [{ offset, radius }];
+  if (stem) balls.push({ offset: offset + stem.h, radius: stem.r });
+  return { unit: radius || -offset, balls, ellipsoid, weight };
 }
 
 /**
@@ -133,9 +95,8 @@ export function sampling(spin, until) {
 /**
  * The turning angles of a motion between its samples, by parabolas, and passages of pi/2.
  * @param {Motion} motion
- * @param {string} end
  */
-function turnings(motion, end) {
+function turnings(motion) {
   const { times, samples } = motion;
   const theta = (/** @type {number} */ i) => samples[i * STRIDE + THETA];
   /** @type {{time: number, kind: string, theta: number, least?: boolean}[]} */
@@ -153,23 +114,5 @@ function turnings(motion, end) {
       events.push({ time: times[i] - h + s * h, kind: "equator", theta: Math.PI / 2 });
     }
   }
-  const last = times.length - 1;
-  if (end === "lifts off") events.push({ time: times[last], kind: "liftoff", theta: theta(last) });
   return events;
-}
-
-/**
- * theta at some times, from the variables themselves: for comparing with the engine.
- * @param {Given} given
- * @param {number[]} times
- * @param {number} tolerance
- */
-export function thetas(given, times, tolerance = TOLERANCE) {
-  const { known, b, solver } = begun(given, tolerance);
-  const seen = new Float64Array(STRIDE + 2);
-  return times.map((t) => {
-    if (!solver.to(t)) return NaN;
-    known.seen(solver.y, b, seen);
-    return seen[2 + THETA];
-  });
 }

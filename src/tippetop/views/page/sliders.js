@@ -16,7 +16,7 @@ export const subscript = (element, name) => {
  * @property {number} least
  * @property {number} most
  * @property {boolean} [log] whether it is even in the logarithm
- * @property {(value: number) => number} [shown] what is written, of the value
+ * @property {(value: number) => number} [shown] the displayed number of a value
  * @property {(value: number) => string} [also] the value in another unit
  */
 
@@ -78,7 +78,7 @@ export class Sliders {
   }
 
   /**
-   * Sets values without telling anybody.
+   * Sets values without calling `changed`.
    * @param {Record<string, number>} values
    */
   set(values) {

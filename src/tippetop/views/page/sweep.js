@@ -142,14 +142,14 @@ export class SweepPage {
   }
 
   /**
-   * What is given of a top. @param {number} top
+   * Returns the numbers of a top. @param {number} top
    * @returns {import("./simulation.js").Given}
    */
   of(top) {
     const given = structuredClone(this.given);
     for (const [key, values] of Object.entries(this.changes)) {
       const [table, name] = key.split(".");
-      if (table === "run") given[name] = values[top];
+      if (table === "run" || table === "contact") given[name] = values[top];
       else given[table === "friction" ? "parameters" : table][name] = values[top];
     }
     given.step = sampling(given.initial.omega3 ?? 0, given.until);
@@ -163,8 +163,8 @@ export class SweepPage {
   integrate(top, keep) {
     const { motion, log, potential, end, sizes } = simulated(this.of(top));
     const body = { ...this.body, ...sizes };
-    this.stage.take({ body, motion, log, potential, wound: this.body.kind === "cylinder" }, keep);
-    part("said").textContent = end ? `${end} at ${motion.end.toFixed(3)} s` : "";
+    this.stage.take({ body, motion, log, potential, wound: false }, keep);
+    part("said").textContent = end ? `until ${motion.end.toFixed(3)} s: ${end}` : "";
   }
 
   /** Which choice of the further axes is shown, the last fastest. */

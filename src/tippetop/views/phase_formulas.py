@@ -1,0 +1,188 @@
+"""The formulas of pages, as JavaScript: potentials, and a tippe top that slips, rolls and flies.
+
+The page has one state in all phases, that of flight; what the plane does is added to its rates.
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..mechanics.contact.body import Touch, angular_velocity, contact_velocity
+from ..mechanics.contact.coulomb import sliding, sticking
+from ..mechanics.contact.gliding.catalogue import COS_INVERTED
+from ..mechanics.contact.gliding.vector import axis, momentum
+from ..mechanics.contact.response import jumps, mobility_inverse_times
+from ..mechanics.contact.single_contact import (
+    FLIGHT,
+    disc_friction,
+    patch_speed2,
+    smooth_friction,
+)
+from ..mechanics.contact.state import moving, row_of_angles
+from ..mechanics.operand import Vector, atan2, leaves, plus, refill, sqrt
+from ..mechanics.system import System
+from ..mechanics.systems import SYSTEMS
+from ..mechanics.theory.thresholds import poles, thresholds
+from ..mechanics.variables import Variables
+from ..problem import Problem
+from ..runs.shape import sizes
+from .javascript import arrow
+from .samples import well_quantities
+
+
+TOP = SYSTEMS["tippe-top"]
+FORM = FLIGHT.forms["vector"]
+VARIABLES = Variables(FORM)
+OTHERS = {alternative.name for alternative in TOP.alternatives}
+INITIAL = [*(name for name in TOP.initial if name not in OTHERS), "gap", "nu_z"]
+WELL_QUANTITIES = [q for name in well_quantities(TOP) for q in TOP.quantities if q.name == name]
+
+WELL = dict.fromkeys(("z", "first", "second"))
+NO_POTENTIAL = {"formulas.js": "export const potential = null;\n"}
+NO_PHASES = {"phases.js": "export const facts = {};\nexport const formulas = {};\n"}
+
+
+def potential(system: System, b: Touch) -> dict[str, str]:
+    """Return the module `formulas.js` of the page of a run: V of the system for this body."""
+    potential = system.potential
+    if potential is None:
+        return NO_POTENTIAL
+    numbers = refill(b, map(float, leaves(b)))
+    well = arrow(WELL, lambda *z: [potential(*z[: 1 + len(system.momenta)], numbers)])
+    return {"formulas.js": f"export const potential = {well};\n"}
+
+
+def given(problem: Problem) -> dict[str, Any]:
+    """Return the numbers of a tippe top: its parameters with those of the law, and its start."""
+    data, contact = dict(problem.initial), problem.contact
+    theta = data.get("theta", 0.0)
+    angles = problem.system.start(data, math.sin(theta), math.cos(theta), problem.body())
+    initial = {name: float(getattr(angles, name, data.get(name, 0.0))) for name in INITIAL}
+    if data.get("centre_at_rest"):
+        initial |= {"nu_x": 0.0, "nu_y": 0.0}
+    return {
+        "parameters": {**problem.parameters, **problem.friction._asdict()},
+        "law": problem.law.key,
+        "initial": {name: value for name, value in initial.items() if value},
+        "atRest": bool(data.get("centre_at_rest")),
+        "until": problem.until,
+        "e_n": contact.e_n if contact else 0.0,
+        "stem": {"r": contact.r, "h": contact.h} if contact and contact.stem else None,
+    }
+
+
+def contacts(laws: Mapping[str, Any]) -> dict[str, str]:
+    """Return the module `phases.js`, with the functions of each law by name; see `phases.d.ts`."""
+    facts = {
+        "variables": list(VARIABLES.names),
+        "moving": VARIABLES.moving,
+        "parameters": list(TOP.parameters),
+        "initial": INITIAL,
+        "laws": {name: list(law.parameters) for name, law in laws.items()},
+        "keys": {name: law.key for name, law in laws.items()},
+        "exact": [name for name, law in laws.items() if law.set_valued],
+        "near": math.acos(COS_INVERTED),
+    }
+    by_law = ",\n".join(f"{json.dumps(name)}: {_of_law(law)}" for name, law in laws.items())
+    text = f"export const facts = {json.dumps(facts)};\nexport const formulas = {{{by_law}}};\n"
+    return {"phases.js": text}
+
+
+def _of_law(law: Any) -> str:
+    """Return the functions of one friction law, as an object."""
+    names = [*TOP.parameters, *law.parameters]
+    b = TOP.body_of(dict.fromkeys(TOP.parameters, 1.0), law._make(1.0 for _ in law.parameters))
+    y = (FORM.units, VARIABLES.carried(*VARIABLES.names[VARIABLES.moving :]))
+    potential_of: Any = TOP.potential
+    force, per = Vector(*"xyz"), (Vector(*"xyz"), Vector(*"xyz"))
+    frictions = [disc_friction(region.drag, law.torque) for region in law.regions.values()]
+
+    def body(p: Sequence[Any]) -> Any:
+        by_name = dict(zip(names, p, strict=True))
+        return TOP.body_of(by_name, law._make(by_name[name] for name in law.parameters))
+
+    def start(s: Any, z: Any, d: Sequence[Any], b: Any) -> list:
+        data = dict(zip(INITIAL, d, strict=True))
+        angles: Any = row_of_angles(TOP.start(data, s, z, b), s, z, b)
+        lifted = angles._replace(
+            height=angles.height + data["gap"], rz_dot=angles.rz_dot + data["nu_z"]
+        )
+        carried = [i.start(data, s, z) if i.start else 0 * z for i in VARIABLES.integrals]
+        return [*FLIGHT.enter(moving(lifted, ()), b), *carried]
+
+    def rates(y: Any, b: Any) -> list:
+        q, carried = y
+        return [*FORM.rates(q, b), *(one.rate(q, carried, b) for one in VARIABLES.integrals)]
+
+    def point(y: Any, b: Any) -> list:
+        x = FLIGHT.leave(y[0], b)
+        v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
+        return [*v, patch_speed2(omega, b) if law.regions else 0 * v.x]
+
+    def friction(of: Any) -> Any:
+        def per_force(y: Any, b: Any) -> list:
+            x = FLIGHT.leave(y[0], b)
+            v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
+            push, torque = of(omega, v._replace(z=0 * v.z), x.u.z, b)
+            return [-push.x, -push.y, 1 + 0 * push.x, *torque]
+
+        return arrow({"y": y, "b": b}, per_force)
+
+    def normal(y: Any, per: Any, b: Any) -> list:
+        u, (force, torque) = axis(y[0]), per
+        push = Vector(-force.x, -force.y, 0 * force.z)
+        return [sliding(u, momentum(y[0]), push, torque, b)[0].z]
+
+    def turn(y: Any, per: Any, b: Any) -> list:
+        return [*plus(jumps(axis(y[0]), per[0], b)[1], per[1])]
+
+    parts = {
+        "body": arrow({"p": tuple(names)}, body),
+        "start": arrow({"sine": None, "z": None, "d": tuple(INITIAL), "b": b}, start),
+        "rates": arrow({"y": y, "b": b}, rates, fills=True),
+        "point": arrow({"y": y, "b": b}, point),
+        "frictions": f"[{', '.join(map(friction, frictions or [smooth_friction]))}]",
+        "normal": arrow({"y": y, "per": per, "b": b}, normal),
+        "turn": arrow({"y": y, "per": per, "b": b}, turn),
+        "held": arrow({"y": y, "b": b}, lambda y, b: [*sticking(axis(y[0]), momentum(y[0]), b)[0]]),
+        "pinned": arrow(
+            {"y": y, "x": force, "b": b},
+            lambda y, x, b: [*mobility_inverse_times(axis(y[0]), x, b)],
+        ),
+        "seen": arrow({"y": y, "force": force, "b": b}, channels, fills=True),
+        "sizes": arrow({"b": b}, lambda b: sizes(b, heavy=False)),
+        "thresholds": _thresholds(b),
+        "potential": arrow(WELL | {"b": b}, lambda *z: [potential_of(*z)]),
+    }
+    return "{\n" + ",\n".join(f"{name}: {text}" for name, text in parts.items()) + "\n}"
+
+
+def channels(y: Any, force: Vector, b: Any) -> list:
+    """Return axes 1 and 3 of a state, then the channels of a sample from omega on: motion.js."""
+    q, carried = y
+    u, L, velocity, height, _ = FLIGHT.leave(q, b)
+    assert FORM.orientation is not None
+    first, third = FORM.orientation.axes(q, carried, b)
+    slip, s = contact_velocity(u, L, velocity, b), FORM.scalars(q, b)
+    well = [quantity.formula(s, b) for quantity in WELL_QUANTITIES]
+    omega = angular_velocity(u, L, b)
+    theta = atan2(sqrt(s.s2), s.z)
+    place = carried.x, carried.y, height
+    return [*first, *third, *omega, *place, *force, slip.x, slip.y, 0, *L, theta, *well]
+
+
+def _thresholds(b: Touch) -> str:
+    """Return the thresholds of a tippe top, as a list of records."""
+    known: dict[str, Any] = {}
+
+    def values(symbols: Touch) -> list:
+        known.update(thresholds(symbols, poles(b)))
+        return [t.value for t in known.values()]
+
+    of_body = arrow({"b": b}, values)
+    records = []
+    for i, (name, t) in enumerate(known.items()):
+        about = {"name": name, "unit": t.unit.symbol, "words": t.long_name}
+        records.append(f"{{...{json.dumps(about)}, value: v[{i}]}}")
+    return f"(b) => {{ const v = ({of_body})(b); return [{', '.join(records)}]; }}"
