@@ -93,8 +93,7 @@ Impact = type(IMPACT)
 
 
 def phase_name(label: str, ball: int = 0, *regions: str) -> str:
-    """Return the name of a phase, by its label, the ball and the regions of the law on each ball in
-    contact."""
+    """Return the name of a phase on a ball, in regions of the law on each ball in contact."""
     return "-".join((*("stem",) * ball, label, *regions))
 
 
@@ -132,8 +131,10 @@ def both_rest(x: Moving, world: Any) -> bool:
 
 
 def first_touch(n: Next, world: Any) -> Next:
-    """Return what follows where a ball comes into contact: from here on Jellett's integral is
-    compared with its."""
+    """Return what follows where a ball comes into contact.
+
+    From here on Jellett's integral is compared with that of this ball.
+    """
     x = n.x
     now = contact.jellett_of(x.L.z, dot(x.L, x.u), world.body[world.phases[n.phase].ball])
     lost = getattr(x.carried, LOST[0], 0)
@@ -166,8 +167,10 @@ def ended(x: Moving, ball: int, cause: str, status: str, message: str) -> Next:
 
 
 def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
-    """Return free flight until the first ball lands; `zeros` of the gap of a ball and its
-    derivatives vanish now."""
+    """Return free flight until the first ball lands.
+
+    `zeros` of the gap of a ball and its derivatives vanish now.
+    """
     roots = {}
     for k in touching(x, world):
         count = zeros if k == ball else 1
@@ -181,8 +184,10 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
 
 
 def longest_flight(x: Moving, b: Touch) -> Any:
-    """Return a time before which a ball lands, however the body turns: a step that goes far beyond
-    it would find the landing less exactly."""
+    """Return a time before which a ball lands, however the body turns.
+
+    A step that goes far beyond it would find the landing less exactly.
+    """
     v, highest = x.velocity.z, abs(contact.gap(x.height, x.u.z, b)) + 2 * abs(b.c)
     return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
 
@@ -197,8 +202,10 @@ def gap_rate(x: Moving, b: Touch, order: int) -> Any:
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return what follows where a ball touches the plane and its lowest point does not rise: the
-    body slides, rolls or leaves."""
+    """Return what follows where a ball touches the plane and its lowest point does not rise.
+
+    The body slides, rolls or leaves.
+    """
     b, law = world.body[ball], law_of(world)
     others = [k for k in touching(x, world) if k != ball] if len(world.body) > 1 else []
     zeros = {"touch": 1} if others else {}  # the other ball leaves
@@ -221,8 +228,10 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
 
 
 def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
-    """Return what follows where both balls touch and neither rises: the body stays on both, if both
-    press, or on the one that does."""
+    """Return what follows where both balls touch and neither rises.
+
+    The body stays on both, if both press, or on the one that does.
+    """
     law, b = law_of(world), world.body[0]
     if not law.set_valued:
         names = regions_of(x, law.regions, *world.body)
@@ -243,8 +252,10 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
 
 
 def opens(n: Next, world: Any) -> bool:
-    """Return whether the other ball, which touches too, leaves the plane in a phase that begins: by
-    its gap''."""
+    """Return whether the other ball, which touches too, leaves the plane in a phase that begins.
+
+    The second derivative of its gap decides.
+    """
     phase, x = world.phases[n.phase], n.x
     b = world.body[phase.ball]
     rate = phase.form.rates(phase.enter(x, b), b)
@@ -253,8 +264,10 @@ def opens(n: Next, world: Any) -> bool:
 
 
 def left_alone(n: Next, world: Any, zeros: int) -> Next:
-    """Return a phase on one ball where the other has just left: the gap of that one is a root of
-    multiplicity `zeros`."""
+    """Return a phase on one ball where the other has just left.
+
+    The gap of that one is a root of multiplicity `zeros`.
+    """
     if world.phases[n.phase].label != "flight":
         n.zeros = {**n.zeros, "touch": zeros}
     return n
@@ -264,8 +277,10 @@ def left_alone(n: Next, world: Any, zeros: int) -> Next:
 
 
 def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return what follows an impact of a ball, and of the other one, should that be pressed into
-    the plane."""
+    """Return what follows an impact of a ball.
+
+    The other one strikes too, should it be pressed into the plane.
+    """
     hits: list[Any] = []
     bounces = makes_energy = False
     pressed = [ball] if rise(x, world.body[ball]) < 0 and not both_rest(x, world) else []
@@ -290,8 +305,11 @@ def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
 
 
 def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
-    """Return the body after an impact of a ball, the row of the impact, whether the ball leaves the
-    plane, and whether the impact made energy. Raises ArithmeticError if it has no solution."""
+    """Return the body after an impact of a ball, and the row of the impact.
+
+    Return also whether the ball leaves the plane, and whether the impact made energy. Raises
+    ArithmeticError if it has no solution.
+    """
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
     v, impact = point(x, b), world.struck(x, b, e_n)
@@ -321,8 +339,10 @@ def directed(u: Vector, L: Vector, w: Any, beta: Any) -> Any:
 
 
 def pushed(u: Vector, L: Vector, beta: Any, b: Touch) -> tuple[Any, Any, Any]:
-    """Return the rate P of the speed of sliding in the direction beta, Q, which is the speed times
-    the turn of the direction, and the normal force."""
+    """Return P, Q and the normal force of sliding in the direction beta.
+
+    P is the rate of the speed, and Q the speed times the turn of the direction.
+    """
     q = directed(u, L, 1 + 0 * beta, beta)
     rates = DIRECTED_SLIP.form.rates(q, b)
     return rates.w, rates.beta, DIRECTED_SLIP.reaction(q, b).force.z
@@ -334,8 +354,7 @@ def moved(record: Any, rates: Any, time: Any) -> Any:
 
 
 def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
-    """Return the first of a slide from rest, so short that its rates stay; and the time that it
-    takes."""
+    """Return the first of a slide from rest, so short that its rates stay, and its time."""
     phase, b = world.phases[phase_name("slip", ball)], world.body[ball]
     q = directed(x.u, x.L, 1 + 0 * beta, beta)
     rates = phase.form.rates(q, b)
@@ -347,8 +366,7 @@ def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
 
 
 def run_out(x: Moving, world: Any) -> tuple[Moving, Any]:
-    """Return the last of a slide, which is so slow that its rates stay; and the time that it
-    takes."""
+    """Return the last of a slide, which is so slow that its rates stay, and its time."""
     phase, b = world.phase, world.body[world.phase.ball]
     q = phase.enter(x, b)
     rates = phase.form.rates(q, b)
@@ -373,8 +391,9 @@ def rounded(record: Any) -> Any:
 
 
 def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
-    """Return how long the first moments last of a slide that begins at the edge of the friction
-    cone, and its series: of times (n,), states and integrals. Wider numbers are rounded to 80 bits.
+    """Return how long a slide from the edge of the friction cone is a series, and the series.
+
+    It gives states and integrals of times (n,). Wider numbers are rounded to 80 bits.
     """
     x, b = rounded(x), rounded(world.body[phase.ball])
 
@@ -420,8 +439,10 @@ def lift_off(x: Moving, world: Any) -> Next:
 
 
 def land(x: Moving, world: Any) -> Next:
-    """Return what follows a flight: of the balls on the plane, the one that falls fastest
-    strikes."""
+    """Return what follows a flight.
+
+    Of the balls on the plane, the one that falls fastest strikes.
+    """
     there = touching(x, world) or [
         min(range(len(world.body)), key=lambda k: contact.gap(x.height, x.u.z, world.body[k]))
     ]
@@ -464,8 +485,10 @@ def begin_slip(x: Moving, world: Any) -> Next:
 
 
 def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Next:
-    """Return the same motion in other words, or in the same: the event function `passed` has its
-    root here, and goes to this side of it."""
+    """Return the same motion in other words, or in the same.
+
+    The event function `passed` has its root here, and goes to this side of it.
+    """
     sides = {passed: side} if side else {}
     return on_disc(Next(to, x, "", zeros={passed: 1} if passed else {}, sides=sides), world)
 
@@ -485,8 +508,11 @@ def give_way(x: Moving, world: Any) -> Next:
 
 
 def on_disc(n: Next, world: Any) -> Next:
-    """Return a phase that begins, under a law with regions: where sliding and turning have stopped
-    together, the disc rests, passes its rest, or begins to slide."""
+    """Return a phase that begins, under a law with regions.
+
+    Where sliding and turning have stopped together, the disc rests, passes its rest, or begins to
+    slide.
+    """
     phase = world.phases[n.phase]
     if phase.label != "slip" or not law_of(world).regions:
         return n
@@ -518,8 +544,10 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
 
 
 def slide_from_rest(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return the slide of a disc at rest that friction cannot hold; it begins at twice the speed
-    below which it rests."""
+    """Return the slide of a disc at rest that friction cannot hold.
+
+    It begins at twice the speed below which it rests.
+    """
     b = world.body[ball]
     F, torque = disc_held(x.u, x.L, b)
     v, edge = direction(F, torque.z, b.friction)

@@ -233,8 +233,9 @@ def stopped(law: Any, q: Any, b: Any) -> Any:
 
 
 def left(law: Any, by: Acts, b: Any) -> Any:
-    """Return by how much friction can give more, of a contact at rest; negative where it cannot
-    hold it.
+    """Return by how much friction can give more, of a contact at rest.
+
+    The value is negative where it cannot hold the contact.
     """
     friction = b.touch.friction
     if law.regions:

@@ -213,8 +213,9 @@ def opened(system: System, law: Any, balls: int) -> System:
         return type(angles)(*(getattr(e, n, data.get(n, 0)) for n in angles._fields))
 
     def assembled(b: Touch, rules: Any, internal: Callable) -> tuple[Any, Mapping[str, Phase]]:
-        """Return the body seen from each of its balls and the phases; internal(value, unit) of SI
-        values.
+        """Return the body seen from each of its balls and the phases.
+
+        internal(value, unit) converts SI values.
         """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
 

@@ -108,8 +108,10 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
 def row_within(
     phase: Phase, q: Any, carried: Any, b: contact.Touch, two: bool
 ) -> tuple[Any, contact.Touch]:
-    """Return the row of a state of a phase and the body seen from its first ball, of a body seen
-    from the ball of the phase; the reference of Jellett's integral is not known there.
+    """Return the row of a state of a phase and the body seen from its first ball.
+
+    b is the body seen from the ball of the phase; the reference of Jellett's integral is not known
+    there.
     """
     other = contact.seen_from_other(b)
     bodies = (b,) if not two else (b, other) if phase.ball == 0 else (other, b)
@@ -140,13 +142,13 @@ Scalars = type(filled(**dict.fromkeys(FIELDS)))
 
 
 def lowest_velocity(q, b):
-    """Velocity of the lowest point of the ball of a row, (3,) [m/s]."""
+    """Return the velocity of the lowest point of the ball of a row, (3,) [m/s]."""
     b = b._replace(R=q.radius, c=q.offset)
     return contact.contact_velocity(axis(q), momentum(q), Vector(*q[6:9]), b)
 
 
 def row_scalars(q, b):
-    """The scalars of a row."""
+    """Return the scalars of a row."""
     u, v = axis(q), lowest_velocity(q, b)
     return Scalars(
         *kinematics(u, momentum(q), axis_rate(q, b), b),
@@ -183,8 +185,10 @@ PLANAR_ANGLES = filled(**{n: unit for n, unit in ANGLES._asdict().items() if n n
 
 
 def row_of_angles(e, s, z, b):
-    """The row of the angles, its reaction not yet known; s, z are sin(theta), cos(theta), exact at
-    the poles."""
+    """Return the row of the angles, its reaction not yet known.
+
+    s, z are sin(theta), cos(theta), exact at the poles.
+    """
     none = 0 * z
     e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
@@ -198,8 +202,10 @@ def row_of_angles(e, s, z, b):
 
 
 def angles_of_row(q, carried, b):
-    """The angles of a row; 0/0 exactly at a pole, where phi and
-    components along it are undefined."""
+    """Return the angles of a row.
+
+    They are 0/0 exactly at a pole, where phi and components along it are undefined.
+    """
     c = row_scalars(q, b)
     theta, theta_dot, phi_dot, phi = axis_angles(c, axis(q))
     s = sqrt(c.s2)
@@ -209,14 +215,14 @@ def angles_of_row(q, carried, b):
 
 
 def planar_angles_of_row(q, carried, b):
-    """The angles of a row of a motion in a plane."""
+    """Return the angles of a row of a motion in a plane."""
     v, gap = lowest_velocity(q, b), row_scalars(q, b).gap
     theta, *others = carried[:4]
     return type(PLANAR_ANGLES)(theta, planar_theta_dot(q, b), v.x, v.z, gap, *others)
 
 
 def planar_theta_dot(q, b):
-    """theta' [rad/s] of an axis in the x-z plane."""
+    """Return theta' [rad/s] of an axis in the x-z plane."""
     u_dot = axis_rate(q, b)
     return q.uz * u_dot.x - q.ux * u_dot.z
 
@@ -254,19 +260,23 @@ PLANAR_ROW = replace(
 
 
 def of_ball(function: Callable) -> Callable:
-    """Return a formula of a gliding body for the ball in contact: its R and c are those of the
-    row."""
+    """Return a formula of a gliding body for the ball in contact.
+
+    Its R and c are those of the row.
+    """
     return lambda s, b: function(s, b._replace(R=s.radius, c=s.offset))
 
 
 def energy(s, b):
-    """Energy E = m |s'|^2/2 + omega.L/2 + m g s_z [J]; E' = F.v_A."""
+    """Return the energy E = m |s'|^2/2 + omega.L/2 + m g s_z [J]; E' = F.v_A."""
     return b.m * s.speed2 / 2 + contact.rotation_energy(s, b) + b.m * (b.g * s.height)
 
 
 def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
-    """Return the columns of rows; `routh`: Routh's function of a gliding body, if its system has
-    one."""
+    """Return the columns of rows.
+
+    `routh`: Routh's function of a gliding body, if its system has one.
+    """
     lambda_ = of_ball(contact.jellett)
     text = "Jellett's integral of the ball in contact"
     quantities = [

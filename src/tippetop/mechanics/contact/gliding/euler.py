@@ -34,14 +34,17 @@ EulerState, Angles = type(EULER_UNITS), type(ANGLES)
 
 @formula
 def centre_velocity(e, s, z, b):
-    """Components of the velocity of the centre of mass along e and 2hat [m/s]. [section 3.2]"""
+    """Return the components of the velocity of the centre of mass along e and 2hat [m/s].
+
+    [section 3.2]
+    """
     along_e, along_2 = rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
     return e.nu_x + along_e, e.nu_y + along_2
 
 
 @formula
 def euler_scalars(e, b):
-    """The scalars of an Euler-angle state."""
+    """Return the scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
     along_e, along_2 = centre_velocity(e, s, z, b)
     speeds2 = e.nu_x**2 + e.nu_y**2, along_e**2 + along_2**2
@@ -50,7 +53,7 @@ def euler_scalars(e, b):
 
 @formula
 def euler_rates(e, b):
-    """The solved equations in Euler angles.
+    """Return the solved equations in Euler angles.
 
     [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]
     """
@@ -94,18 +97,18 @@ def euler_rates(e, b):
 
 @formula
 def sine_and_cosine(q):
-    """sin(theta), cos(theta)."""
+    """Return sin(theta), cos(theta)."""
     return sin(q.theta), cos(q.theta)
 
 
 @formula
 def psi_rate(q, carried, b):
-    """psi' = omega_3 - phi' cos(theta) [rad/s]. [T 3.22]"""
+    """Return psi' = omega_3 - phi' cos(theta) [rad/s]. [T 3.22]"""
     return q.omega3 - q.phi_dot * cos(q.theta)
 
 
 @formula
 def velocity(q, carried, b):
-    """x', y' of the centre of mass [m/s]."""
+    """Return x', y' of the centre of mass [m/s]."""
     along_e, along_2 = centre_velocity(q, sin(q.theta), cos(q.theta), b)
     return of_azimuth(along_e, along_2, carried.phi)

@@ -18,34 +18,35 @@ VectorState = type(VECTOR_UNITS)
 
 @formula
 def axis(q):
-    """3hat, unit vector along the axis of the body, (3,), space frame."""
+    """Return 3hat, unit vector along the axis of the body, (3,), space frame."""
     return Vector(q.ux, q.uy, q.uz)
 
 
 @formula
 def momentum(q):
-    """Angular momentum L about the centre of mass, (3,), space frame [kg m^2/s]."""
+    """Return the angular momentum L about the centre of mass, (3,), space frame [kg m^2/s]."""
     return Vector(q.Lx, q.Ly, q.Lz)
 
 
 @formula
 def axis_rate(q, b):
-    """3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
+    """Return 3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
     return contact.axis_rate(axis(q), momentum(q), b)
 
 
 @formula
 def sliding_velocity(q, b):
-    """v_A = r' + omega x a, horizontal, (3,) [m/s]. [T 3.3]
+    """Return v_A = r' + omega x a, horizontal, (3,) [m/s]. [T 3.3]
 
-    `body.contact_velocity` with the carried L_3, summed from the left."""
+    `body.contact_velocity` with the carried L_3, summed from the left.
+    """
     u_dot, w = axis_rate(q, b), contact.angular_velocity_of(axis(q), momentum(q), q.L3, b)
     return Vector(q.rx_dot + b.c * u_dot.x - b.R * w.y, q.ry_dot + b.c * u_dot.y + b.R * w.x, 0.0)
 
 
 @formula
 def vector_scalars(q, b):
-    """The scalars of a vector state.
+    """Return the scalars of a vector state.
 
     L_3 is L.3hat, so that the carried L_3 is under control too.
     """
@@ -62,7 +63,7 @@ def vector_scalars(q, b):
 
 @formula
 def vector_rates(q, b):
-    """3hat' = L x 3hat/I1, L' = a x F, m r'' = F_h. [T 3.12, 3.17; 5.2]"""
+    """Return 3hat' = L x 3hat/I1, L' = a x F, m r'' = F_h. [T 3.12, 3.17; 5.2]"""
     u_dot, v, scalars = axis_rate(q, b), sliding_velocity(q, b), vector_scalars(q, b)
     N = g_n(scalars, b)
     F = times(-(slip_coefficient(scalars.v2, scalars.z, b.friction) * N), v)

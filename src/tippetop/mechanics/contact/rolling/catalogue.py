@@ -25,7 +25,7 @@ INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-    """The angle record of the given initial values."""
+    """Return the angle record of the given initial values."""
     return given_angles(Angles, data, z)
 
 

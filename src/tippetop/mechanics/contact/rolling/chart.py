@@ -12,7 +12,7 @@ from .vector import VectorState, vector_scalars
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """The vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
+    """Return the vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
 
     [section 1]
     """
@@ -22,7 +22,7 @@ def vector_of_angles(e, s, z, b):
 
 @formula
 def angles_of_vector(q, carried, b):
-    """The angles of a vector state; 0/0 exactly at a pole, where phi means nothing.
+    """Return the angles of a vector state; 0/0 exactly at a pole, where phi means nothing.
 
     [section 3.4]
     """
@@ -35,12 +35,15 @@ def angles_of_vector(q, carried, b):
 
 @formula
 def euler_of_angles(e, s, z, b):
-    """The Euler-angle state of the angles."""
+    """Return the Euler-angle state of the angles."""
     return EulerState(*e[:4])
 
 
 @formula
 def angles_of_euler(q, carried, b):
-    """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
-    e = Angles(*q, carried.phi, carried.x, carried.y, carried.impulse)
+    """Return the same angles with theta in [0, pi] and phi in (-pi, pi].
+
+    They are computed by way of the vector state.
+    """
+    e = Angles(*q[:4], carried.phi, carried.x, carried.y, carried.impulse)
     return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)

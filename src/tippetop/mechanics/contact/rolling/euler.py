@@ -23,7 +23,7 @@ EulerState, Angles = type(EULER_UNITS), type(ANGLES)
 
 @formula
 def euler_accelerations(e, s, z, b):
-    """theta'', phi'', omega_3' in Euler angles. [T 4.2-4.4]"""
+    """Return theta'', phi'', omega_3' in Euler angles. [T 4.2-4.4]"""
     h, q = contact.height(z, b), b.c - b.R * z
     determinant = spin_determinant(z, b)
     theta_dot2 = (
@@ -48,8 +48,9 @@ def euler_accelerations(e, s, z, b):
 
 @formula
 def general_accelerations(e, s, z, w_x, w_y, b):
-    """theta'', phi'', omega_3' of any motion whose contact point accelerates by w_x e + w_y 2hat:
-    the general system, of which rolling is w = 0. [T 3.36; section 12]
+    """Return theta'', phi'', omega_3' of any motion, of the acceleration of its contact point.
+
+    That is w_x e + w_y 2hat; rolling is w = 0. [T 3.36; section 12]
     """
     theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
     h, q, determinant = contact.height(z, b), b.c - b.R * z, spin_determinant(z, b)
@@ -62,7 +63,7 @@ def general_accelerations(e, s, z, w_x, w_y, b):
 
 @formula
 def euler_scalars(e, b):
-    """The scalars of an Euler-angle state."""
+    """Return the scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
     h, q = contact.height(z, b), b.c - b.R * z
     theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
@@ -79,14 +80,14 @@ def euler_scalars(e, b):
 
 @formula
 def euler_rates(e, b):
-    """The equations in Euler angles. [T 4.2-4.4]"""
+    """Return the equations in Euler angles. [T 4.2-4.4]"""
     s, z = sin(e.theta), cos(e.theta)
     return EulerState(e.theta_dot, *euler_accelerations(e, s, z, b))
 
 
 @formula
 def velocity(q, carried, b):
-    """x', y' of the centre of mass [m/s]."""
+    """Return x', y' of the centre of mass [m/s]."""
     along_e, along_2 = contact.rolling_velocity(
         q.theta_dot, q.phi_dot, q.omega3, sin(q.theta), cos(q.theta), b
     )
@@ -95,7 +96,7 @@ def velocity(q, carried, b):
 
 @formula
 def vertical_force(q, carried, b):
-    """Normal force m (g + c (theta'' sin(theta) + theta'^2 cos(theta))) [N]."""
+    """Return the normal force m (g + c (theta'' sin(theta) + theta'^2 cos(theta))) [N]."""
     s, z = sin(q.theta), cos(q.theta)
     theta_dot2, _, _ = euler_accelerations(q, s, z, b)
     return b.m * (b.g + b.c * (theta_dot2 * s + q.theta_dot**2 * z))

@@ -6,14 +6,12 @@ c = alpha*R is the rolling tippe top; R = 0, c = -l a top with its tip fixed. Th
 parameters as a `contact.body.Touch`.
 """
 
-from collections import namedtuple
-from typing import Any
-
 from ...operand import Vector, cross, formula, plus, sqrt, times
 from .. import body as contact
 
 
-Scalars: Any = namedtuple("Scalars", (*contact.Kinematics._fields, "speed2", "friction_force2"))
+FIELDS = (*contact.Kinematics._fields, "speed2", "friction_force2")
+Scalars = type(contact.filled(**dict.fromkeys(FIELDS)))
 """The kinematics, |r'|^2 of the horizontal velocity of the centre of mass, and |F_h|^2 of the
 horizontal part of the reaction.
 """
@@ -24,15 +22,16 @@ horizontal part of the reaction.
 
 @formula
 def motion_terms(s, b):
-    """q |3hat'|^2 + R omega_3 phi' sin(theta)^2, q = c - R z: what v_A = 0 asks of F.3hat beyond
-    z'' [m/s^2].
+    """Return q |3hat'|^2 + R omega_3 phi' sin(theta)^2, q = c - R z [m/s^2].
+
+    v_A = 0 requires it of F.3hat, beyond z''.
     """
     return (b.c - b.R * s.z) * s.axis_speed2 + b.R * (s.L3 / b.I3) * s.phi_dot_s2
 
 
 @formula
 def z_dot2(s, b):
-    """z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
+    """Return z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
     h = contact.height(s.z, b)
     drive = b.c * (b.g * s.s2) + h * motion_terms(s, b)
     return (b.I1 * s.z_ddot_free + b.m * drive) / (b.I1 + b.m * contact.arm2(s.z, b))
@@ -40,19 +39,19 @@ def z_dot2(s, b):
 
 @formula
 def normal_force(s, b):
-    """Normal force F_z = m (g - c z'') [N]."""
+    """Return the normal force F_z = m (g - c z'') [N]."""
     return b.m * (b.g - b.c * z_dot2(s, b))
 
 
 @formula
 def push_along(s, b):
-    """F_h.3hat [N]: horizontal reaction along the lean of the axis, times sin(theta)."""
+    """Return F_h.3hat [N]: horizontal reaction along the lean of the axis, times sin(theta)."""
     return b.m * (motion_terms(s, b) - contact.height(s.z, b) * z_dot2(s, b))
 
 
 @formula
 def spin_rate(s, b):
-    """omega_3' [1/s^2]. [T 4.4]"""
+    """Return omega_3' [1/s^2]. [T 4.4]"""
     q = b.c - b.R * s.z
     slope = b.I1 * (b.R * s.z) + b.I3 * q
     return b.m * b.R * (s.L3 / b.I3 * s.z_dot) * slope / spin_determinant(s.z, b)
@@ -60,26 +59,27 @@ def spin_rate(s, b):
 
 @formula
 def spin_determinant(z, b):
-    """I3^2 d(z) = I1 I3 + m R^2 I1 sin(theta)^2 + m I3 (c - R z)^2 [kg^2 m^4]. [T 4.2]"""
+    """Return I3^2 d(z) = I1 I3 + m R^2 I1 sin(theta)^2 + m I3 (c - R z)^2 [kg^2 m^4]. [T 4.2]"""
     return b.I1 * b.I3 + b.m * (b.R**2 * b.I1 * ((1 - z) * (1 + z)) + b.I3 * (b.c - b.R * z) ** 2)
 
 
 @formula
 def horizontal_force(s, b):
-    """Size of the horizontal part of the reaction, |F_h| [N]."""
+    """Return the size of the horizontal part of the reaction, |F_h| [N]."""
     return sqrt(s.friction_force2)
 
 
 @formula
 def friction_needed(s, b):
-    """Coulomb friction coefficient that pure rolling needs, |F_h|/F_z."""
+    """Return the coefficient of Coulomb friction that pure rolling needs, |F_h|/F_z."""
     return sqrt(s.friction_force2) / normal_force(s, b)
 
 
 @formula
 def reaction(u, L, u_dot, s, b):
-    """The reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]; s are the
-    kinematics.
+    """Return the reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N].
+
+    s are the kinematics.
 
     From L' = a x F, 3hat'' = (L' x 3hat + L x 3hat')/I1 and s' = -omega x a; F.3hat and z'' are
     known in advance.
@@ -97,5 +97,5 @@ def reaction(u, L, u_dot, s, b):
 
 @formula
 def completed(s, v, F):
-    """The scalars of kinematics s, velocity v of the centre of mass and horizontal force F."""
+    """Return the scalars, of kinematics s, velocity v of the centre of mass, and force F."""
     return Scalars(*s, v.x**2 + v.y**2, F.x**2 + F.y**2)
