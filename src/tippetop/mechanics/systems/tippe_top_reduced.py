@@ -69,7 +69,7 @@ def reduced_scalars(q, b):
     along, across = reaction.push_along(s, b), b.I3 * reaction.spin_rate(s, b) / b.R
     speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
     friction_force2 = (along**2 + across**2) / s.s2
-    return reaction.Scalars(*s, speed2, friction_force2)  # type: ignore[call-arg]
+    return reaction.Scalars(*s, speed2, friction_force2)
 
 
 @formula
