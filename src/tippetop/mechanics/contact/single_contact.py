@@ -152,7 +152,7 @@ LIFTOFF = replace(gliding.LIFTOFF, formula=force_of)
 
 
 FREE = state(**VELOCITY, height=METRE)
-Free = type(contact.filled(**dict.fromkeys((*contact.Kinematics._fields, "height"))))
+Free: Any = namedtuple("Free", "z z_dot height")
 
 
 def free_rates(q, b):
@@ -173,7 +173,7 @@ FLIGHT = phase_of(
     (LAND, replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b))),
     (
         free_rates,
-        lambda q, b: Free(*contact.kinematics(axis(q), momentum(q), axis_rate(q, b), b), q.height),
+        lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
         lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
         lambda q, b: Moving(axis(q), momentum(q), Vector(*q[6:9]), q.height),
         lambda q, b: Reaction(Vector(*(0 * q.uz,) * 3)),
