@@ -168,6 +168,7 @@ def test_impacts_and_phases_are_exported(exported):
     assert impacts["ball"].tolist() == ["stem"]
     assert phases["phase"].tolist() == ["flight", "slip", "roll"]
     assert impacts["time [s]"][0] == phases["start [s]"][1]
+    assert impacts["speed_after [m/s]"][0] == 0
 
 
 @pytest.mark.parametrize("name", [name for name in CASES if name != "joint"])

@@ -58,13 +58,11 @@ def test_the_azimuth_is_as_exact_as_theta() -> None:
     np.testing.assert_allclose(axis, wide, rtol=0, atol=1e-13)
 
 
-def test_the_store_names_the_form_and_says_why(tmp_path: Path) -> None:
+def test_the_store_names_the_form(tmp_path: Path) -> None:
     """A resumed run takes what the store names."""
     for name, sets in (("contact", []), ("vector", ["form=vector"])):
         store = tmp_path / f"{name}.zarr"
         recording.record(build.load("rolling", sets, 0.05), store)
         attrs = root.attributes(store)
         assert attrs["form"] == name
-        assert attrs["auto_form"]["form"] == "contact"
-        assert "regular everywhere" in attrs["auto_form"]["because"]
         assert build.problem(build.tables_of(attrs)).form.name == name

@@ -225,11 +225,16 @@ def _tables(run: Solution) -> dict[str, dict[str, Any]]:
         columns: dict[str, Any] = {}
         for key, column in table.items():
             words = column.attrs.get("flag_meanings", "").split()
-            unit = column.attrs["units"].replace("m s-1", "m/s")
-            head = key if words else f"{key} [{unit}]"
-            columns[head] = (
-                np.array(words)[column.values] if words else rounded_to_digits(column.values)
-            )
+            unit = column.attrs["units"]
+            if words:
+                columns[key] = np.array(words)[column.values]
+                continue
+            # digits of the largest number of its unit, so that zeros have no rounding errors
+            alike = [c.values for c in table.values() if c.attrs["units"] == unit]
+            end = [run.problem.until] if unit == "s" else []
+            numbers = rounded_to_digits(np.concatenate([column.values, *alike, end]))
+            values = numbers[: len(column.values)]
+            columns[f"{key} [{unit.replace('m s-1', 'm/s')}]"] = values
         result[name] = columns if len(next(iter(columns.values()))) else {}
     return result
 

@@ -130,18 +130,15 @@ def check(
 
 def _print_facts(facts: dict[str, Any], units: dict[str, str], as_json: bool) -> int:
     """Print a checked scenario or plan."""
-    from ..runs.summary import form_sentence
     from .text import table
 
     if as_json:
         return print_json(facts)
     facts |= facts.pop("plan", {}).get("scenario", {})
-    if "auto_form" in facts:  # not a plan
-        facts["form"] = form_sentence(facts)
     table(
         (name.replace("_", " "), plain(value, units))
         for name, value in facts.items()
-        if name not in ("auto_form", "warnings")  # printed with others
+        if name != "warnings"  # printed already
     )
     return 0
 

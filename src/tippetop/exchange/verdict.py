@@ -51,8 +51,7 @@ class Verdict:
             )
         return "\n".join(lines)
 
-    def __repr__(self) -> str:
-        return f"<Verdict of {', '.join(str(m.path) for m in self.motions)} with {self.title}>"
+    __repr__ = __str__
 
 
 HEAD = (

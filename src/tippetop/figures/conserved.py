@@ -45,8 +45,7 @@ def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     if most > 0:
         label = "∝ √t"
         ax.plot(t, most * np.sqrt(t / t[-1]), color=ink().quiet, lw=1.0, ls="--", label=label)
-    at = " (at keyframes)" if attrs.get("run", {}).get("output") == "keyframes" else ""
-    ax.set(ylabel=f"worst relative change up to t{at}", xscale="log")
+    ax.set(ylabel="worst relative change up to t", xscale="log")
     if len(t) > 1:
         ax.set_xlim(t[0], t[-1])
     return _drawn(ax, curves, attrs)

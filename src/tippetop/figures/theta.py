@@ -32,9 +32,10 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     ax, below = panels_over_time(ax, 1.2 if pieces else 0)
     colours = ink()
     inclined = "inclination" in trajectory["theta"].attrs.get("long_name", "inclination")
-    words = "nutational band" if inclined else "band between the turnings"
     for when, bottom, top in pieces:
-        ax.fill_between(when, bottom, top, color=colours.upper, alpha=0.22, lw=0, label=words)
+        ax.fill_between(
+            when, bottom, top, color=colours.upper, alpha=0.22, lw=0, label="nutational band"
+        )
     ax.plot(*thinned(t, angle), color=colours.run, lw=0.7, label="θ(t)")
     size = 5 if len(low[0]) + len(high[0]) < 1000 else 1.5
     for (when, where), color, name in (

@@ -45,7 +45,6 @@ def attributes(progress: RunProgress) -> dict[str, Any]:
         **({DIGESTS: digests} if (digests := digests_of(problem)) else {}),
         "tolerance": problem.tolerance or ROUNDING[problem.precision],
         "precision": problem.precision,
-        "auto_form": problem.auto_form,
         "units": {name: number.unit.symbol for name, number in numbers.items()},
         "final_state": dict(zip(names, values, strict=True)),
         "report": report(progress),
@@ -54,7 +53,6 @@ def attributes(progress: RunProgress) -> dict[str, Any]:
 
 
 OF_SUMMARY = (
-    "auto_form",
     "certificate",
     "begun_with",
     "replay",

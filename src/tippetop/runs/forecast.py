@@ -27,7 +27,6 @@ def assessment(problem: Problem) -> dict[str, Any]:
         if q.is_column
     }
     return {
-        "auto_form": problem.auto_form,
         "at_start": quantities,
         **_outlook(problem, start),
         **_regularisation(problem),

@@ -76,8 +76,6 @@ class Summary(Record):
         bouncing.
     system, form, parameters, friction, initial, run
         The scenario as it was understood, in SI units; `friction` only where there is a law.
-    auto_form : Record
-        The `form` that "auto" takes for this run, and `because`.
     certificate : Record
         The comparison with a run in wider numbers, if there was one.
     tolerance, precision

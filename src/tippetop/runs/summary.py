@@ -81,9 +81,6 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
         "drift": f"{', '.join(drift)} (relative, worst of the run)" if drift else "",
         "motion": info.get("motion", ""),
         "regularisation": info.get("regularisation", ""),
-        "form": form_sentence(info)
-        if system is not None and len(system.forms) > 1 and "auto_form" in info
-        else "",
         "start": START.format(**info["start"]) if "start" in info else "",
         "replay": REPLAY.format(**info["replay"]) if "replay" in info else "",
         "certificate": _certificate(info["certificate"]) if "certificate" in info else "",
@@ -175,13 +172,6 @@ def _does(phase: Info) -> str:
 
 def _until(phase: Info) -> str:
     return f"{_does(phase)} until {phase['end']:.6g} s"
-
-
-def form_sentence(info: Info) -> str:
-    """Return the form of a run, and the one that `form = "auto"` takes."""
-    auto = info["auto_form"]
-    named = "" if auto["form"] == info["form"] else f"{info['form']}; "
-    return f"{named}auto -> {auto['form']}, because {auto['because']}"
 
 
 def _certificate(result: Info) -> str:

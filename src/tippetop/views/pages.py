@@ -159,9 +159,6 @@ class Page:
             write(self.text, place, overwrite=overwrite)
         return place
 
-    def __repr__(self) -> str:
-        return f"<Page of {len(self.text) / 1e6:.1f} MB>"
-
     def _repr_html_(self) -> str:
         """Return the page in a frame, for notebooks."""
         style = "width:100%;height:720px;border:0"

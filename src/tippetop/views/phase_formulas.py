@@ -8,11 +8,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..mechanics.contact.body import Touch, angular_velocity, contact_velocity
+from ..mechanics.contact.body import Touch, angular_velocity, axis_rate, contact_velocity
 from ..mechanics.contact.coulomb import sliding, sticking
 from ..mechanics.contact.gliding.catalogue import COS_INVERTED
 from ..mechanics.contact.gliding.vector import axis, momentum
 from ..mechanics.contact.response import jumps, mobility_inverse_times
+from ..mechanics.contact.rolling.reaction import kinematics
 from ..mechanics.contact.single_contact import (
     FLIGHT,
     disc_friction,
@@ -115,24 +116,26 @@ def _of_law(law: Any) -> str:
         q, carried = y
         return [*FORM.rates(q, b), *(one.rate(q, carried, b) for one in VARIABLES.integrals)]
 
-    def point(y: Any, b: Any) -> list:
+    def slip(y: Any, b: Any) -> tuple[Vector, Vector]:
         x = FLIGHT.leave(y[0], b)
-        v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
+        return contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
+
+    def point(y: Any, b: Any) -> list:
+        v, omega = slip(y, b)
         return [*v, patch_speed2(omega, b) if law.regions else 0 * v.x]
 
     def friction(of: Any) -> Any:
         def per_force(y: Any, b: Any) -> list:
-            x = FLIGHT.leave(y[0], b)
-            v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
-            push, torque = of(omega, v._replace(z=0 * v.z), x.u.z, b)
+            v, omega = slip(y, b)
+            push, torque = of(omega, v._replace(z=0 * v.z), y[0].uz, b)
             return [-push.x, -push.y, 1 + 0 * push.x, *torque]
 
         return arrow({"y": y, "b": b}, per_force)
 
     def normal(y: Any, per: Any, b: Any) -> list:
-        u, (force, torque) = axis(y[0]), per
+        q, (force, torque) = y[0], per
         push = Vector(-force.x, -force.y, 0 * force.z)
-        return [sliding(u, momentum(y[0]), push, torque, b)[0].z]
+        return [sliding(axis(q), momentum(q), push, torque, b)[0].z]
 
     def turn(y: Any, per: Any, b: Any) -> list:
         return [*plus(jumps(axis(y[0]), per[0], b)[1], per[1])]
@@ -164,7 +167,7 @@ def channels(y: Any, force: Vector, b: Any) -> list:
     u, L, velocity, height, _ = FLIGHT.leave(q, b)
     assert FORM.orientation is not None
     first, third = FORM.orientation.axes(q, carried, b)
-    slip, s = contact_velocity(u, L, velocity, b), FORM.scalars(q, b)
+    slip, s = contact_velocity(u, L, velocity, b), kinematics(u, L, axis_rate(u, L, b), b)
     well = [quantity.formula(s, b) for quantity in WELL_QUANTITIES]
     omega = angular_velocity(u, L, b)
     theta = atan2(sqrt(s.s2), s.z)
