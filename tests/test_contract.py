@@ -93,8 +93,8 @@ def test_a_forbidden_import_breaks_it(case: int, linted: list[Linted]) -> None:
 
 
 def test_the_layout_stays_within_its_goals() -> None:
-    """At most 21 rooms on at most 11 floors; the highest has `python -m` and modules of names."""
+    """At most 26 rooms on at most 11 floors below `python -m`."""
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))
     floors = project["tool"]["importlinter"]["contracts"][0]["layers"][1:]
     assert len(floors) <= 11
-    assert len(" | ".join(floors).split(" | ")) <= 21
+    assert len(" | ".join(floors).split(" | ")) <= 26
