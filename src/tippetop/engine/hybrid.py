@@ -890,7 +890,8 @@ class HybridDriver:
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        phase, self.changes, self.short, self.began, has_clock, self.waits, *rest = kept["phase"]
+        phase, changes, short, self.began, has_clock, self.waits, *rest = kept["phase"]
+        self.changes, self.short = int(changes), int(short)
         count = 1 + len(self.tables.tables["phases"])
         under_way, live = rest[:count], rest[count:]
         self.track = track = self.track_of(list(self.phases)[int(phase)])
