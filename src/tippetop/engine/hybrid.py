@@ -224,10 +224,11 @@ class Track:
         kinds = self.b.__class__, self.b.friction.__class__
         given = problem.variables, problem.contact, run.impacts and run.impacts.kind, *kinds
         phases = tuple(run.phases.items())
-        self.exits = {
+        self.exits: dict[str, Any] = {
             exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
         }
-        self.pure = {exit.event for exit in phase.exits if exit.is_pure}
+        stops = {Status.LIFTOFF.value} if problem.on_liftoff == "stop" else set()
+        self.pure = {exit.event for exit in phase.exits if exit.is_pure} - stops
         self.formulas = formulas_of_phase(problem.system, phase, *kinds)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
@@ -429,7 +430,12 @@ class HybridDriver:
             raise ArithmeticError(
                 f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
             )
-        self.track = track = self.tracks.get(n.phase) or self.track_of(n.phase)
+        is_new = n.phase not in self.tracks
+        self.track = track = self.track_of(n.phase)
+        if self.copies and is_new:
+            for ending in track.pure:
+                if track.exits[ending].program:  # of another run
+                    self.copies.teach(ending, (state, whole, 0.0, None, self.body))
         driver = track.driver
         if n.cause != "":
             cause = n.cause or self.way[0]
@@ -592,8 +598,7 @@ class HybridDriver:
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
-        stops = ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop"
-        if self.copies and ending in track.pure and not stops:
+        if self.copies and ending in track.pure:
             self.copies.teach(ending, given)
         n = begun.n
         for name in n.logged:
@@ -602,7 +607,7 @@ class HybridDriver:
             self.sentence = n.message or f"{self._where()} ends the run"
             self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
-        if stops:
+        if ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop":
             return Status.LIFTOFF
         if self.short > 2:
             often = f"more often than every {CHATTER * self.tables.second:.1g} s"
@@ -885,7 +890,8 @@ class HybridDriver:
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        phase, self.changes, self.short, self.began, has_clock, self.waits, *rest = kept["phase"]
+        phase, changes, short, self.began, has_clock, self.waits, *rest = kept["phase"]
+        self.changes, self.short = int(changes), int(short)
         count = 1 + len(self.tables.tables["phases"])
         under_way, live = rest[:count], rest[count:]
         self.track = track = self.track_of(list(self.phases)[int(phase)])
