@@ -62,7 +62,6 @@ JUDGES: dict[str, tuple[str, ...]] = {
         "-k",
         "disc or newton",
     ),
-    "mechanics.contact.impact_motion": (f"{RUNS}/test_loaded_impacts.py",),
     "mechanics.rotation": ("mechanics/test_rotation.py",),
     "mechanics.theory.least_energy": ("library/test_asymptotics.py",),
 }
