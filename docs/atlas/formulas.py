@@ -78,7 +78,7 @@ def exists(name: str) -> bool:
         return public in dir(getattr(tt, face[0], None) if face else tt)
     kind, _, rest = name.partition(" ")
     if kind == "tippetop":
-        from tippetop.cli.overview import COMMANDS
+        from tippetop.cli.application import COMMANDS
 
         return rest in COMMANDS
     if kind == "column":

@@ -1194,7 +1194,7 @@ integer loop_run(Phases *p, integer most) {
     integer steps = 0;
     do
         steps += loop_drive(p->loops[p->present], most - steps);
-    while (steps < most && change_phase(p));
+    while (steps < most && change_phase(p) && p->count < p->most);
     return steps;
 }
 

@@ -75,7 +75,11 @@ class Changes:
         kept = run.rows.events[place][["first", "last"]].item()
         sizes = len(code), len(inputs), len(registers) - count, to.place, place, *kept
         self.loop.teach(number, Change(code, registers, signs, zeros, *sizes))
-        self.known[number] = begun, exit, to
+        tables = {
+            name: [[(one, isinstance(one, Number | float)) for one in row] for row in some]
+            for name, some in begun.n.rows.items()
+        }
+        self.known[number] = begun.n, exit, to, tables
 
     def _traced(self, jump: Any, numbers: tuple, piece: Any) -> tuple | None:
         """Return what the program of a jump returns, the motions in it, its lines and constants,
@@ -118,7 +122,7 @@ class Changes:
         lasts = math.nan if n.lasts is None else n.lasts
         results = *begun.state, *pad, *begun.whole, lasts, *rows, *none
         program.joined(results)
-        return begun, regions, program.code(), program.constants, len(results)
+        return begun, regions, program.code(), program.constants.values(), len(results)
 
     def _motion(self, region: str) -> tuple[int, int, int]:
         """Return the number of the loop of a motion, its parameters and variables."""
@@ -133,15 +137,13 @@ class Changes:
         counts of rows, passages and samples, integrals and rows.
         """
         at = 5 + len(self.run.whole)
-        for row in self.loop.taken():
-            begun, exit, to = self.known[int(row[1])]
-            numbers = iter(row[at + 1 :])
-            rows = {name: _with(some, numbers) for name, some in begun.n.rows.items()}
-            yield row[0], begun.n, exit, to, row[2:5], tuple(row[5:at]), rows
-
-
-def _with(record: Any, numbers: Iterator) -> Any:
-    """Return a record with other numbers."""
-    if isinstance(record, tuple):
-        return tuple.__new__(type(record), [_with(one, numbers) for one in record])
-    return next(numbers) if isinstance(record, Number | float) else record
+        for made in self.loop.taken():
+            n, exit, to, tables = self.known[int(made[1])]
+            numbers = iter(made[at + 1 :])
+            rows = {
+                name: [
+                    [next(numbers) if is_number else one for one, is_number in row] for row in some
+                ]
+                for name, some in tables.items()
+            }
+            yield made[0], n, exit, to, made[2:5], tuple(made[5:at]), rows

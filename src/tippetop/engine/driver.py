@@ -93,7 +93,7 @@ def view(array: np.ndarray) -> Any:
 
 
 class Shared(NamedTuple):
-    """What the phases of a run share."""
+    """Arrays that the phases of a run share."""
 
     tallies: Tallies
     log: PassageLog
@@ -144,7 +144,7 @@ class Place:
     lasting
         The number of the event that must last; -1 without one.
     shared
-        What it shares with the other phases of a run; None: nothing.
+        Arrays of a run of several phases; None: new ones.
     """
 
     def __init__(
@@ -200,7 +200,7 @@ class Driver:
     end
         Internal time of the end.
     shared, lasting
-        What a run shares of which this is one phase, and the number of its lasting event; None:
+        Arrays of a run of which this is one phase, and the number of its lasting event; None:
         the run has no other phase.
     """
 

@@ -673,7 +673,7 @@ class HybridDriver:
             if self.copies and self.copies.loop.kept and not (self.request.steps or track.sampler):
                 for one in self.tracks.values():
                     one.driver.loop.fill(wanted.rows)
-                changes = PER_SLICE - 1 - self.changes % PER_SLICE
+                changes = PER_SLICE - self.changes % PER_SLICE
                 changes = min(changes, MOST_CHANGES - self.changes)
                 begun = track.place, self.began, self.whole
                 steps += self.copies.loop.drive(*begun, left, changes)
@@ -695,11 +695,12 @@ class HybridDriver:
             if n.cause != "":
                 self.tables.begin(track.name, track.phase, time, n.cause or exit)
             self.tables.add(time, rows)
-            made, *others = map(int, counts)
+            made, *others = counts
             self.spans.append((track, whole, (before + made, *others)))
-            self.track, self.whole, self.live, self.short = track, whole, track.live, 0
-            self.changes += 1
-            clock, self.began = copies.loop.record.clock, time
+            self.track, self.whole, self.live, self.began = track, whole, track.live, time
+            self.changes, self.short = self.changes + 1, 0
+        if copies.loop.record.length:
+            clock = copies.loop.record.clock
             self.until = None if math.isnan(clock) else clock
             self.clocked = clock < self.end
 
@@ -808,10 +809,11 @@ class HybridDriver:
         others = logged, driver.sampled(), np.resize(self.last, (1, n))
         states = np.concatenate([*asked, *(one[:, :n].T for one in others)], axis=1)
         tracks, wholes, counts = zip(*self.spans, (track, self.whole, self._counts()), strict=True)
-        sizes = np.append(np.diff(counts, axis=0), [[0, 0, 1]], axis=0)
+        upto = np.array(counts, int)
+        sizes = np.append(np.diff(upto, axis=0), [[0, 0, 1]], axis=0)
         phase = np.repeat(np.tile(np.arange(len(sizes)), 3), sizes.T.ravel())
         rows = self._rows([*zip(tracks, wholes, strict=True)], phase, states)
-        asked, logged, samples, last = np.split(rows, np.cumsum(counts[-1]))
+        asked, logged, samples, last = np.split(rows, np.cumsum(upto[-1]))
         if len(asked):
             self.request.take(np.concatenate(times), asked)
         passages = Passages._make([*(column.copy() for column in columns), logged])

@@ -11,7 +11,8 @@ import numpy as np
 
 from ..mechanics.contact import impact_motion as motion
 from ..mechanics.contact.body import Touch, angular_velocity, contact_velocity
-from ..mechanics.contact.impact_motion import CLOCK_RATE, Struck, after_impact
+from ..mechanics.contact.impact_motion import CLOCK_RATE
+from ..mechanics.contact.response import Struck, after_impact
 from ..mechanics.contact.state import Moving
 from ..mechanics.friction import PARTS, has_parts
 from ..mechanics.lines import unit_of
@@ -250,12 +251,8 @@ class ImpactMotions:
                 if passed == "reached":
                     return after
                 if passed in stage.follows:
-                    before, self.region = self.region, stage.follows[passed]
-                    passed = next(
-                        way.event
-                        for way in law.regions[self.region].borders
-                        if way.follows == before
-                    )
+                    way = stage.follows[passed]
+                    self.region, passed = way.follows, way.back
             elif status == NON_FINITE:
                 raise ArithmeticError(UNSOLVED)
             elif status == STALLED and not self._slows(q, after):

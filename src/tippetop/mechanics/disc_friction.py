@@ -90,6 +90,7 @@ class Border(NamedTuple):
     beyond: Callable  # beyond(s, b), zero at the border; s.v2 = w^2 and s.U2 = U^2
     direction: int  # of the zero
     follows: str  # the next region
+    back: str  # its event that leads back
 
 
 class Region(NamedTuple):
@@ -109,19 +110,19 @@ def _beyond_slow(s, b):
 
 
 REGIONS = {
-    "inside": Region(inside, (Border("faster", _beyond(EDGE), 1, "between"),)),
+    "inside": Region(inside, (Border("faster", _beyond(EDGE), 1, "between", "slower"),)),
     "between": Region(
         between,
         (
-            Border("slower", _beyond(EDGE), -1, "inside"),
-            Border("faster", _beyond(OUTSIDE_FROM), 1, "outside"),
+            Border("slower", _beyond(EDGE), -1, "inside", "faster"),
+            Border("faster", _beyond(OUTSIDE_FROM), 1, "outside", "slower"),
         ),
     ),
     "outside": Region(
         outside,
         (
-            Border("slower", _beyond(OUTSIDE_FROM), -1, "between"),
-            Border("slow", _beyond_slow, -1, "outside"),
+            Border("slower", _beyond(OUTSIDE_FROM), -1, "between", "faster"),
+            Border("slow", _beyond_slow, -1, "outside", "slow"),
         ),
     ),
 }

@@ -41,9 +41,12 @@ class Number(NDArrayOperatorsMixin):
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any, out: Any = None) -> Any:
         """Apply a function of NumPy; `out`, of an assignment such as +=, becomes another number."""
         values = (one.value if isinstance(one, Number) else one for one in inputs)
-        a, *others = inputs
-        b = others[0] if others else a
-        return self.program.line(function.__name__, a, b, function(*values))
+        places = tuple(map(self.program.place, inputs))
+        key, known = (function.__name__, *places), self.program.known
+        if key not in known:
+            a, b = inputs[0], inputs[-1]
+            known[key] = self.program.line(function.__name__, a, b, function(*values))
+        return known[key]
 
     def __bool__(self) -> bool:
         is_true = bool(self.value)
@@ -65,15 +68,16 @@ class Program:
     def __init__(self, *inputs: tuple):
         values = leaves(inputs)
         numbers = (Number(self, k, value) for k, value in enumerate(values))
-        self.lines, self.constants, self.count = list[tuple](), list[float](), len(values)
-        self.inputs = refill(inputs, numbers)
+        self.lines, self.constants, self.count = list[tuple](), dict[str, float](), len(values)
+        self.inputs, self.known = refill(inputs, numbers), dict[tuple, Number]()
 
     def place(self, value: Any) -> int:
         """Return the place of a number."""
         if isinstance(value, Number):
             return value.place
-        self.constants.append(float(value))
-        return -len(self.constants)
+        number = float(value)
+        self.constants.setdefault(number.hex(), number)  # -0.0 is another number than 0.0
+        return -1 - [*self.constants].index(number.hex())
 
     def line(self, what: str, a: Any, b: Any = 0.0, value: Any = None) -> Number:
         """Add a line, and return its result."""

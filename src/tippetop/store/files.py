@@ -82,14 +82,24 @@ def lock_of(path: Path) -> contextlib.AbstractContextManager[Ledger | None]:
 @contextlib.contextmanager
 def scratch_folder(path: Path) -> Iterator[Path]:
     """Make a hidden folder next to `path`; remove it when the block ends. Raises OSError."""
-    scratch = scratch_name(path)
-    scratch.mkdir()
-    descriptor = Folder(scratch).lock()  # which a killed writer releases
+    scratch, descriptor = _made(path)
     try:
         yield scratch
     finally:
         os.close(descriptor)
         shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _made(path: Path) -> tuple[Path, int]:
+    """Make and lock a scratch folder, whose lock a killed writer releases."""
+    while True:  # another process may take it for a stale one before it is locked
+        scratch = scratch_name(path)
+        scratch.mkdir()
+        with contextlib.suppress(FileNotFoundError, BlockingIOError):
+            descriptor = Folder(scratch).lock()
+            if scratch.exists():
+                return scratch, descriptor
+            os.close(descriptor)
 
 
 def put_back(path: Path) -> None:
@@ -121,17 +131,18 @@ def remove_stale(path: Path) -> None:
 
 
 def _removed(old: Path) -> bool:
-    """Remove a folder of this user that no process has locked; return whether it was removed."""
+    """Remove a folder of this user that no process has locked; return whether it had content."""
     try:
         if os.lstat(old).st_uid != os.geteuid():
             return False
         with contextlib.ExitStack() as stack:
             stack.callback(os.close, Folder(old).lock())
             stack.enter_context(lock_of(old))
+            content = os.listdir(old)
             shutil.rmtree(old)
     except (OSError, StoreError):
         return False
-    return True
+    return bool(content)
 
 
 def rename_new(scratch: Path, path: Path) -> None:

@@ -8,12 +8,18 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..mechanics.contact.body import Touch, angular_velocity, axis_rate, contact_velocity
+from ..mechanics.contact.body import (
+    Touch,
+    angular_velocity,
+    arm,
+    axis_rate,
+    contact_velocity,
+    kinematics,
+)
 from ..mechanics.contact.coulomb import sliding, sticking
 from ..mechanics.contact.gliding.catalogue import COS_INVERTED
 from ..mechanics.contact.gliding.vector import axis, momentum
-from ..mechanics.contact.response import jumps, mobility_inverse_times
-from ..mechanics.contact.rolling.reaction import kinematics
+from ..mechanics.contact.response import mobility_inverse_times
 from ..mechanics.contact.single_contact import (
     FLIGHT,
     disc_friction,
@@ -21,7 +27,7 @@ from ..mechanics.contact.single_contact import (
     smooth_friction,
 )
 from ..mechanics.contact.state import moving, row_of_angles
-from ..mechanics.operand import Vector, atan2, leaves, plus, refill, sqrt
+from ..mechanics.operand import Vector, atan2, cross, leaves, plus, refill, sqrt
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.theory.thresholds import poles, thresholds
@@ -138,7 +144,7 @@ def _of_law(law: Any) -> str:
         return [sliding(axis(q), momentum(q), push, torque, b)[0].z]
 
     def turn(y: Any, per: Any, b: Any) -> list:
-        return [*plus(jumps(axis(y[0]), per[0], b)[1], per[1])]
+        return [*plus(cross(arm(axis(y[0]), b), per[0]), per[1])]
 
     parts = {
         "body": arrow({"p": tuple(names)}, body),

@@ -3,6 +3,7 @@
 Vectors are those of space: regular everywhere.
 """
 
+from collections import namedtuple
 from collections.abc import Mapping
 from typing import Any, ClassVar, NamedTuple
 
@@ -10,8 +11,8 @@ from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
 from ..inlining import inlined
 from ..number import Record
-from ..operand import Operand, Vector, cross, dot, formula, plus, times
-from ..units import INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2
+from ..operand import Operand, Vector, cos, cross, dot, formula, plus, sin, times
+from ..units import ANGULAR_MOMENTUM, INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE
 
 
 class Touch(NamedTuple):
@@ -29,8 +30,9 @@ class Touch(NamedTuple):
 
 
 def seen_from_balls(b: Touch, stem: tuple = ()) -> tuple[Touch, ...]:
-    """Return a body seen from its sphere and from the ball of its stem, if it has one: radius, and
-    distance from the centre of the sphere, from which offsets would be rounded.
+    """Return a body seen from its sphere and from the ball of its stem, if it has one.
+
+    `stem` is its radius and its distance from the centre of the sphere; offsets would be rounded.
     """
     if not stem:
         return (
@@ -48,8 +50,9 @@ def seen_from_other(b: Touch) -> Touch:
 
 
 class Top(Record, abstract=True):
-    """A body, by the numbers that the user gives; `gliding` and `resting` name its systems, with
-    and without a law.
+    """A body, by the numbers that the user gives.
+
+    `gliding` and `resting` name its systems, with and without a law.
     """
 
     table = "parameters"
@@ -80,31 +83,46 @@ def body_units(friction: Any) -> Touch:
     return Touch(KILOGRAM, METRE, METRE, INERTIA, INERTIA, METRE_PER_SECOND2, friction)
 
 
+def filled(**units: Any) -> Any:
+    """Return a record of a new type, filled with units."""
+    return namedtuple("State", units)(**units)
+
+
+def state(**units: Any) -> Any:
+    """Return a state filled with units: 3hat, L about the centre of mass, and more."""
+    turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
+    return filled(**dict.fromkeys(("ux", "uy", "uz"), ONE), **turning, **units)
+
+
 # --- geometry and velocities --------------------------------------------------------------------
 
 
 @formula
 def height(z, b):
-    """Height of the centre of mass above the plane that the body touches, s_z = R - c z [m]."""
+    """Return the height of the centre of mass above the plane, s_z = R - c z [m].
+
+    The body touches the plane.
+    """
     return b.R - b.c * z
 
 
 @formula
 def gap(centre_height, z, b):
-    """The gap between ball and plane [m], from the height of the centre of mass."""
+    """Return the gap between ball and plane [m], from the height of the centre of mass."""
     return centre_height - height(z, b)
 
 
 @formula
 def arm(u, b):
-    """a = c 3hat - R zhat, (3,) [m]: from the centre of mass to the contact."""
+    """Return a = c 3hat - R zhat, (3,) [m]: from the centre of mass to the contact."""
     return Vector(b.c * u.x, b.c * u.y, b.c * u.z - b.R)
 
 
 @formula
 def arm2(z, b):
-    """|a|^2 = R^2 + c^2 - 2 c R z, squared distance from the centre of mass to the
-    contact [m^2].
+    """Return |a|^2 = R^2 + c^2 - 2 c R z.
+
+    It is the squared distance from the centre of mass to the contact [m^2].
     """
     return b.R**2 + b.c**2 - 2 * (b.c * b.R * z)
 
@@ -112,26 +130,26 @@ def arm2(z, b):
 @formula
 @inlined
 def axis_rate(u, L, b):
-    """3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
+    """Return 3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
     return times(1 / b.I1, cross(L, u))
 
 
 @formula
 @inlined
 def angular_velocity(u, L, b):
-    """omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
+    """Return omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
     return angular_velocity_of(u, L, dot(L, u), b)
 
 
 @formula
 def angular_velocity_of(u, L, L3, b):
-    """The same where L_3 is known: omega = L/I1 + (1/I3 - 1/I1) L_3 3hat. [section 1]"""
+    """Return omega where L_3 is known: omega = L/I1 + (1/I3 - 1/I1) L_3 3hat. [section 1]"""
     return plus(times(1 / b.I1, L), times((1 / b.I3 - 1 / b.I1) * L3, u))
 
 
 @formula
 def arm_velocity(u, L, b):
-    """omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
+    """Return omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
     u_dot, w = axis_rate(u, L, b), angular_velocity(u, L, b)
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
 
@@ -139,22 +157,33 @@ def arm_velocity(u, L, b):
 @formula
 @inlined
 def contact_velocity(u, L, V, b):
-    """v_A = V + omega x a, (3,) [m/s], of the lowest point; V is that of the centre of mass.
+    """Return v_A = V + omega x a, (3,) [m/s], of the lowest point; V is that of the centre of mass.
 
-    `gliding.vector.sliding_velocity` sums in another order."""
+    `gliding.vector.sliding_velocity` sums in another order.
+    """
     return plus(V, arm_velocity(u, L, b))
 
 
 @formula
 @inlined
 def centre_velocity(u, L, v, b):
-    """The velocity of the centre of mass, (3,) [m/s], where that of the contact point is v."""
+    """Return the velocity of the centre of mass, (3,) [m/s].
+
+    The velocity of the contact point is v.
+    """
     return plus(v, times(-1, arm_velocity(u, L, b)))
 
 
 @formula
+def of_azimuth(along_e, along_2, phi):
+    """Return the horizontal components in space of a vector along e and 2hat."""
+    ex, ey = cos(phi), sin(phi)
+    return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
+
+
+@formula
 def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
-    """-(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
+    """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
 
     [section 3.2]
     """
@@ -175,34 +204,55 @@ def inertia_faults(parameters: Mapping[str, float]) -> list[str]:
     return []
 
 
-class Scalars(NamedTuple):
-    """Functions of the state that do not depend on the form; all are smooth at the poles (section
-    3.4).
-    """
+Kinematics: Any = namedtuple("Kinematics", "z s2 z_dot z_ddot_free phi_dot_s2 axis_speed2 L3 Lz")
+"""How the axis moves, and L: functions of the state that do not depend on the form; all are smooth
+at the poles (section 3.4).
 
-    z: Operand  # cos(theta)
-    s2: Operand  # sin(theta)^2
-    z_dot: Operand  # -theta' sin(theta)
-    z_ddot_free: Operand  # z'' of the axis if no torque acted
-    phi_dot_s2: Operand  # phi' sin(theta)^2
-    axis_speed2: Operand  # |3hat'|^2 = theta'^2 + phi'^2 sin(theta)^2
-    L3: Operand  # L.3hat
-    Lz: Operand  # L.zhat, about the centre of mass
-    v_u: Operand  # v_A.3hat = nu_x sin(theta)
-    v_n: Operand  # (3hat x v_A).zhat = nu_y sin(theta)
-    v2: Operand  # |v_A|^2
-    speed2: Operand  # |r'|^2, horizontal velocity of the centre of mass
+z is cos(theta), s2 is sin(theta)^2, z_dot is -theta' sin(theta), z_ddot_free is z'' of the axis if
+no torque about the centre of mass acted, phi_dot_s2 is phi' sin(theta)^2, axis_speed2 is |3hat'|^2
+= theta'^2 + phi'^2 sin(theta)^2, L3 is L.3hat, and Lz is L.zhat, about the centre of mass.
+"""
+
+Scalars = type(filled(**dict.fromkeys((*Kinematics._fields, "v_u", "v_n", "v2", "speed2"))))
+"""The kinematics of a body that glides, v_A.3hat = nu_x sin(theta), (3hat x v_A).zhat = nu_y
+sin(theta), |v_A|^2, and |r'|^2 of the horizontal velocity of the centre of mass.
+"""
+
+
+@formula
+def kinematics(u, L, u_dot, b):
+    """Return the kinematics of an axis u, its rate and the momentum L about the centre of mass."""
+    return Kinematics(
+        u.z,
+        u.x * u.x + u.y * u.y,
+        u_dot.z,
+        (L.x * u_dot.y - L.y * u_dot.x) / b.I1,
+        u.x * u_dot.y - u.y * u_dot.x,
+        dot(u_dot, u_dot),
+        dot(L, u),
+        L.z,
+    )
+
+
+@formula
+def kinematics_of_angles(e, s, z, b):
+    """Return the kinematics of Euler angles with the rates theta', phi', omega_3."""
+    L3, phi_dot_s2 = b.I3 * e.omega3, e.phi_dot * s**2
+    axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
+    free = torque_free(L3, phi_dot_s2, axis_speed2, z, b)
+    Lz = b.I1 * phi_dot_s2 + L3 * z
+    return Kinematics(z, s**2, -(e.theta_dot * s), free, phi_dot_s2, axis_speed2, L3, Lz)
 
 
 @formula
 def torque_free(L3, phi_dot_s2, axis_speed2, z, b):
-    """z'' of the axis if no torque acted [1/s^2]: L_3 phi' sin(theta)^2/I1 - z |3hat'|^2."""
+    """Return z'' of the axis if no torque acted [1/s^2]: L_3 phi' sin(theta)^2/I1 - z |3hat'|^2."""
     return L3 / b.I1 * phi_dot_s2 - z * axis_speed2
 
 
 @formula
 def contact_mobility(s, b):
-    """Upward acceleration of the contact point per unit of g_n/m; must be positive.
+    """Return the upward acceleration of the contact point per unit of g_n/m; must be positive.
 
     [denominator of T 3.16]
     """
@@ -212,25 +262,27 @@ def contact_mobility(s, b):
 
 @formula
 def g_n(s, b):
-    """Normal force g_n [N], from zhat.(dv_A/dt) = 0. [T 3.16, 3.34, 5.6]"""
+    """Return the normal force g_n [N], from zhat.(dv_A/dt) = 0. [T 3.16, 3.34, 5.6]"""
     return b.m * (b.g - b.c * s.z_ddot_free) / contact_mobility(s, b)
 
 
 @formula
 def friction_loss(s, b):
-    """Friction power per unit of normal force, k |v_A|^2 [m/s]."""
+    """Return the friction power per unit of normal force, k |v_A|^2 [m/s]."""
     return slip_coefficient(s.v2, s.z, b.friction) * s.v2
 
 
 @formula
 def friction_power(s, b):
-    """Rate at which friction takes energy, k g_n |v_A|^2 = -E' [W]. [T 3.8]"""
+    """Return the rate at which friction takes energy, k g_n |v_A|^2 = -E' [W]. [T 3.8]"""
     return friction_loss(s, b) * g_n(s, b)
 
 
 @formula
 def jellett(s, b):
-    """Jellett's integral lambda = -L.a = R L_z - c L_3 [kg m^3/s]; constant for any force at A.
+    """Return Jellett's integral lambda = -L.a = R L_z - c L_3 [kg m^3/s].
+
+    It is constant for any force at A.
 
     [T 3.18]
     """
@@ -239,25 +291,25 @@ def jellett(s, b):
 
 @formula
 def jellett_of(Lz, L3, b):
-    """The same by L_z and L_3 about the centre of mass."""
+    """Return Jellett's integral by L_z and L_3 about the centre of mass."""
     return b.R * Lz - b.c * L3
 
 
 @formula
 def rotation_energy(s, b):
-    """Half omega.L [J], about the centre of mass."""
+    """Return half omega.L [J], about the centre of mass."""
     return (b.I1 * s.axis_speed2 + s.L3**2 / b.I3) / 2
 
 
 @formula
 def height_energy(z, b):
-    """Energy of weight m g s_z [J]."""
+    """Return the energy of weight m g s_z [J]."""
     return b.m * b.g * height(z, b)
 
 
 @formula
 def energy(s, b):
-    """Energy E [J]; E' = -k g_n |v_A|^2. [T 3.7]"""
+    """Return the energy E [J]; E' = -k g_n |v_A|^2. [T 3.7]"""
     return (
         b.m * (s.speed2 + (b.c * s.z_dot) ** 2) / 2 + rotation_energy(s, b) + height_energy(s.z, b)
     )
@@ -265,15 +317,18 @@ def energy(s, b):
 
 @formula
 def tip_inertia(b):
-    """I1* = I1 + m l^2, transverse moment of inertia of a heavy top (R = 0, c = -l) about its tip
-    [kg m^2].
+    """Return I1* = I1 + m l^2 of a heavy top (R = 0, c = -l) [kg m^2].
+
+    It is the transverse moment of inertia about the tip.
     """
     return b.I1 + b.m * b.c**2
 
 
 @formula
 def arm_speed2(s, b):
-    """|omega x a|^2 [m^2/s^2]: the speed that the centre of mass would have if the body rolled.
+    """Return |omega x a|^2 [m^2/s^2].
+
+    It is the square of the speed that the centre of mass would have if the body rolled.
 
     [section 3.3]
     """
@@ -287,13 +342,18 @@ def arm_speed2(s, b):
 
 @formula
 def modified_energy(s, b):
-    """Modified (rolling) energy E~ = m|omega x a|^2/2 + omega.L/2 + m g s_z [J]. [T 4.15, 5.23]"""
+    """Return the modified (rolling) energy E~ = m|omega x a|^2/2 + omega.L/2 + m g s_z [J].
+
+    [T 4.15, 5.23]
+    """
     return b.m * arm_speed2(s, b) / 2 + rotation_energy(s, b) + height_energy(s.z, b)
 
 
 @formula
 def modified_energy_rate(push_u, push_n, s, b):
-    """E~' = m (omega x a).(dv_A/dt) [W]; push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt).
+    """Return E~' = m (omega x a).(dv_A/dt) [W].
+
+    push_u = 3hat.(dv_A/dt), push_n = (zhat x 3hat).(dv_A/dt).
 
     [T 4.18, 4.22]
     """

@@ -17,8 +17,9 @@ from .response import bias_vector, mobility_inverse_times, mobility_times, torqu
 
 @formula
 def response(u, push, b):
-    """zhat.K(zhat - push) [1/kg]: upward acceleration of the contact point for N = 1 and the
-    horizontal force -push.
+    """Return zhat.K(zhat - push) [1/kg].
+
+    It is the upward acceleration of the contact point for N = 1 and the horizontal force -push.
     """
     lever = b.c * (u.x * u.x + u.y * u.y) - height(u.z, b) * (u.x * push.x + u.y * push.y)
     return 1 / b.m + b.c * lever / b.I1
@@ -26,8 +27,9 @@ def response(u, push, b):
 
 @formula
 def sliding(u, L, push, per_force, body):
-    """Force and torque (3,) on a body that slides, under the horizontal friction -N push and the
-    torque N per_force of its contact.
+    """Return the force and torque (3,) on a body that slides.
+
+    Its contact acts by the horizontal friction -N push and the torque N per_force.
     """
     b = bias_vector(u, L, body)
     N = -b.z / (response(u, push, body) + torque_acceleration(u, per_force, body).z)
@@ -36,22 +38,23 @@ def sliding(u, L, push, per_force, body):
 
 @formula
 def sliding_along(u, L, n, body):
-    """Force and torque of sliding along the horizontal unit Vector n."""
+    """Return the force and torque of sliding along the horizontal unit Vector n."""
     push = Vector(body.friction.mu * n.x, body.friction.mu * n.y, 0 * u.z)
     return sliding(u, L, push, load(angular_velocity(u, L, body), body.friction), body)
 
 
 @formula
 def contact_acceleration(u, L, F, torque, body):
-    """b + K F and that of a torque, (3,) [m/s^2]."""
+    """Return b + K F and that of a torque, (3,) [m/s^2]."""
     b = plus(bias_vector(u, L, body), mobility_times(u, F, body))
     return plus(b, torque_acceleration(u, torque, body))
 
 
 @formula
 def across_and_along(G, n):
-    """Q = (zhat x n).G, w times the turn of n in space, and P = n.G, the rate of the slip speed w;
-    Vectors [m/s^2].
+    """Return Q = (zhat x n).G, w times the turn of n in space, and P = n.G.
+
+    P is the rate of the slip speed w; G is a Vector [m/s^2].
     """
     return n.x * G.y - n.y * G.x, n.x * G.x + n.y * G.y
 
@@ -61,15 +64,16 @@ def across_and_along(G, n):
 
 @formula
 def sticking(u, L, body):
-    """Force and torque (3,) on a body whose contact point stays at rest."""
+    """Return the force and torque (3,) on a body whose contact point stays at rest."""
     per_force = load(angular_velocity(u, L, body), body.friction)
     return held_point(u, bias_vector(u, L, body), per_force, body)
 
 
 @formula
 def held_point(u, b, per_force, body):
-    """Force and torque (3,) that cancel the acceleration b of the contact point, with this torque
-    per normal force.
+    """Return the force and torque (3,) that cancel the acceleration b of the contact point.
+
+    The torque per normal force is given.
     """
     of_bias = mobility_inverse_times(u, b, body)
     of_torque = mobility_inverse_times(u, torque_acceleration(u, per_force, body), body)
@@ -79,5 +83,5 @@ def held_point(u, b, per_force, body):
 
 @formula
 def cone(F, body):
-    """mu^2 N^2 - |F_h|^2 [N^2]: falls through zero where rolling ends."""
+    """Return mu^2 N^2 - |F_h|^2 [N^2]: falls through zero where rolling ends."""
     return (body.friction.mu * F.z) ** 2 - F.x * F.x - F.y * F.y

@@ -11,8 +11,8 @@ import math
 from typing import Any, NamedTuple
 
 from ..disc_friction import drag
-from ..operand import Operand, Vector, cross, dot, formula, plus, times
-from .body import angular_velocity, arm, axis_rate, contact_velocity
+from ..operand import Operand, Vector, dot, formula, plus, times
+from .body import angular_velocity, axis_rate, contact_velocity
 from .response import bias_vector, other_mobility_inverse_times, torque_acceleration
 
 
@@ -34,7 +34,7 @@ class Held(NamedTuple):
 
 @formula
 def turning(u, b):
-    """k, t, k_zz; t is along zhat x 3hat."""
+    """Return k, t, k_zz, and the excess of K; t is along zhat x 3hat."""
     more = 1 / b.I3 - 1 / b.I1
     own = (u.x * u.x + u.y * u.y) / b.I1 + u.z * u.z / b.I3  # regular at the poles
     lever = b.c / b.I1 + b.R * u.z * more
@@ -45,9 +45,7 @@ def turning(u, b):
 
 @formula
 def impulses(u, v, Omega_z, b):
-    """The impulses that add v to the velocity of the contact point, and Omega_z to the turning of
-    the disc.
-    """
+    """Return the impulses that add v to the slip, and Omega_z to the turning of the disc."""
     by = turning(u, b)
     p = other_mobility_inverse_times(u, plus(times(-(Omega_z / by.own), by.along), v), by.excess, b)
     return Held(p, (Omega_z - dot(p, by.along)) / by.own)
@@ -55,23 +53,15 @@ def impulses(u, v, Omega_z, b):
 
 @formula
 def stopping(u, L, V, b):
-    """The impulses that bring the contact point and the turning of the disc to rest, at one
-    instant.
-    """
+    """Return the impulses that bring the contact point and the turning of the disc to rest."""
     return impulses(u, times(-1, contact_velocity(u, L, V, b)), -angular_velocity(u, L, b).z, b)
 
 
 @formula
-def jumped(u, L, V, by, b):
-    """L and the velocity of the centre of mass after impulses."""
-    turn = cross(arm(u, b), by.force)
-    return plus(L, Vector(turn.x, turn.y, turn.z + by.torque)), plus(V, times(1 / b.m, by.force))
-
-
-@formula
 def holding(u, L, rolling, body):
-    """What keeps a disc at rest, of a body whose v_A and Omega_z are zero; `rolling`, (3,) [m], is
-    the torque of rolling resistance per normal force.
+    """Return the force and the torque that keep a disc at rest, whose v_A and Omega_z are 0.
+
+    `rolling`, (3,) [m], is the torque of rolling resistance per normal force.
     """
     excess = (1 / body.I3 - 1 / body.I1) * dot(L, u)
     free = excess * axis_rate(u, L, body).z  # Omega_z' without them
@@ -80,7 +70,10 @@ def holding(u, L, rolling, body):
 
 @formula
 def held_disc(u, bias, free, rolling, body):
-    """The same against the acceleration `bias` of the contact point, and Omega_z' = `free`."""
+    """Return what keeps a disc at rest.
+
+    Without it, the acceleration of its contact point would be `bias`, and Omega_z' = `free`.
+    """
     by = turning(u, body)
     loaded = dot(by.turn, rolling)
     b = plus(bias, times(-free / by.own, by.along))
@@ -111,8 +104,9 @@ INSIDE = drag(1.0, 1.0).k  # |F_h|/(mu N) at x = 1
 
 
 def margin(force: Any, torque: Any, law: Any) -> float:
-    """Return by how much friction of a disc at rest can give more, per mu N patch, than a torque
-    about the vertical.
+    """Return by how much friction of a disc at rest can exceed a torque.
+
+    The torque is about the vertical, per mu N patch.
 
     Negative where it cannot give the force and the torque together.
 
@@ -141,8 +135,9 @@ MOST = 1 - 2.0**-40  # |F_h|/(mu N) of a disc that hardly turns
 
 
 def direction(force: Any, torque: Any, law: Any) -> tuple[Vector, float]:
-    """Return v_A and the velocity of the edge, of length 1 together, of the slide in which friction
-    is that of `margin` where its bound is reached.
+    """Return v_A and the velocity of the edge, of length 1 together.
+
+    They are those of the slide in which friction is that of `margin` where its bound is reached.
     """
     push = math.hypot(force.x, force.y)
     x = sliding_at(min(push / float(law.mu * force.z), MOST))

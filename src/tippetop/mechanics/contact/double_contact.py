@@ -15,10 +15,10 @@ from ..disc_friction import Region
 from ..form import Phase
 from ..operand import Operand, Vector, cross, dot, plus, times
 from ..units import METRE_PER_SECOND
-from .body import Touch, angular_velocity, arm, arm_velocity, height, seen_from_other
+from .body import Touch, angular_velocity, arm, arm_velocity, height, seen_from_other, state
 from .gliding.vector import axis, axis_rate, momentum
 from .single_contact import borders, disc_friction, ending, force_of, phase_of, smooth_friction
-from .state import Moving, Reaction, gained, state
+from .state import Moving, Reaction, gained
 
 
 STATE = state(rx_dot=METRE_PER_SECOND, ry_dot=METRE_PER_SECOND)
@@ -42,27 +42,31 @@ class Side(NamedTuple):
 
 
 def loaded(sides, total, swing):
-    """Sphere and stem with N, whose sum is `total` and whose (L' x 3hat)_z is `swing`; or the same
-    of impulses."""
+    """Return sphere and stem with N, the sum of which is `total`.
+
+    Their (L' x 3hat)_z is `swing`; or the same of impulses.
+    """
     one, two = sides
     N = (swing - total * one.lean) / (two.lean - one.lean)
     return one._replace(N=total - N), two._replace(N=N)
 
 
 def sum_of(sides, name):
-    """The sum of forces, or of turns, on both balls, (3,)."""
+    """Return the sum of forces, or of turns, on both balls, (3,)."""
     return plus(*(times(side.N, getattr(side, name)) for side in sides))
 
 
 def jellett_lost(sides):
-    """What the contacts take of the Jellett's integral of the sphere, with both forces N, or both
-    impulses."""
+    """Return the part of the sphere's Jellett's integral that the contacts take.
+
+    Both sides have their forces N, or their impulses.
+    """
     one, two = sides
     return one.N * dot(one.torque, one.arm) + two.N * dot(two.turn, one.arm)
 
 
 def leave(q, b):
-    """The common state."""
+    """Return the common state."""
     velocity = Vector(q.rx_dot, q.ry_dot, 0 * q.uz)
     return Moving(axis(q), momentum(q), velocity, height(q.uz, b))
 
@@ -82,8 +86,11 @@ class Double(NamedTuple):
 
 @lru_cache
 def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Double:
-    """Return the phase on both balls: of sphere and stem in two regions of a law with this torque,
-    or, without, under a law that is smooth in the velocity."""
+    """Return the phase on both balls.
+
+    Sphere and stem slide in two regions of a law with this torque; without regions, under a law
+    that is smooth in the velocity.
+    """
 
     def sides(x, b):
         omega, none, sides = angular_velocity(x.u, x.L, b), 0 * x.u.z, []
@@ -137,8 +144,10 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
 
 
 def brought_to_rest(x: Moving, sides: Callable, b: Touch, drills: bool) -> Moving:
-    """Return the body without theta' and vertical velocity, which impulses at both balls take, as
-    the endless hops from one to the other would."""
+    """Return the body without theta' and vertical velocity, which impulses at both balls take.
+
+    The endless hops from one to the other would do so.
+    """
     both = loaded(sides(x, b), -(b.m * x.velocity.z), x.L.y * x.u.x - x.L.x * x.u.y)
     p, turn = sum_of(both, "force"), sum_of(both, "turn")
     L, velocity = plus(x.L, turn), plus(x.velocity, times(1 / b.m, p))

@@ -7,22 +7,31 @@ struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..form import Next
 from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
+from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
 from .body import Touch
 from .coulomb import cone, sticking
-from .disc_at_rest import Held, direction, impulses, jumped, margin, stopping, turning
+from .disc_at_rest import Held, direction, impulses, margin, stopping, turning
 from .double_contact import brought_to_rest, double_contact
 from .first_slip import first_directions, first_slip
-from .response import bias_vector, jumps, mobility_inverse_times
-from .single_contact import DIRECTED, DIRECTED_SLIP, RESTS, STOPS_AT, regions_of, rest_speed2
-from .state import LOST, Moving, gained
+from .response import Struck, after_impact, bias_vector, mobility_inverse_times
+from .single_contact import (
+    DIRECTED,
+    DIRECTED_SLIP,
+    RESTS,
+    STOPS_AT,
+    disc_held,
+    regions_of,
+    rest_speed2,
+)
+from .state import BALLS, LOST, Moving, gained
 
 
 BEGINS_AT = 1e-8
@@ -63,26 +72,28 @@ BOTH = (
 )
 
 
-class Impact(NamedTuple):
-    """A row of the table of impacts, internal units."""
+IMPACT = contact.filled(
+    ball=BALLS,
+    v_n_before=METRE_PER_SECOND,
+    v_n_after=METRE_PER_SECOND,
+    speed_before=METRE_PER_SECOND,
+    speed_after=METRE_PER_SECOND,
+    impulse=NEWTON_SECOND,
+    friction_impulse=NEWTON_SECOND,
+    work=JOULE,
+    mode=("slip", "stick", "reverse"),
+)
+"""A row of the table of impacts, filled with units: normal velocity, tangential speed, normal
+impulse, that of friction, energy that the body gained, and how friction ended."""
 
-    ball: Any
-    v_n_before: Any  # normal velocity
-    v_n_after: Any
-    speed_before: Any  # tangential speed
-    speed_after: Any
-    impulse: Any  # normal
-    friction_impulse: Any
-    work: Any  # energy that the body gained
-    mode: Any  # how friction ended
+Impact = type(IMPACT)
 
 
 # --- the balls ----------------------------------------------------------------------------------
 
 
 def phase_name(label: str, ball: int = 0, *regions: str) -> str:
-    """Return the name of a phase, by its label, the ball and the regions of the law on each ball in
-    contact."""
+    """Return the name of a phase on a ball, in regions of the law on each ball in contact."""
     return "-".join((*("stem",) * ball, label, *regions))
 
 
@@ -120,8 +131,10 @@ def both_rest(x: Moving, world: Any) -> bool:
 
 
 def first_touch(n: Next, world: Any) -> Next:
-    """Return what follows where a ball comes into contact: from here on Jellett's integral is
-    compared with its."""
+    """Return what follows where a ball comes into contact.
+
+    From here on Jellett's integral is compared with that of this ball.
+    """
     x = n.x
     now = contact.jellett_of(x.L.z, dot(x.L, x.u), world.body[world.phases[n.phase].ball])
     lost = getattr(x.carried, LOST[0], 0)
@@ -154,8 +167,10 @@ def ended(x: Moving, ball: int, cause: str, status: str, message: str) -> Next:
 
 
 def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
-    """Return free flight until the first ball lands; `zeros` of the gap of a ball and its
-    derivatives vanish now."""
+    """Return free flight until the first ball lands.
+
+    `zeros` of the gap of a ball and its derivatives vanish now.
+    """
     roots = {}
     for k in touching(x, world):
         count = zeros if k == ball else 1
@@ -169,8 +184,10 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
 
 
 def longest_flight(x: Moving, b: Touch) -> Any:
-    """Return a time before which a ball lands, however the body turns: a step that goes far beyond
-    it would find the landing less exactly."""
+    """Return a time before which a ball lands, however the body turns.
+
+    A step that goes far beyond it would find the landing less exactly.
+    """
     v, highest = x.velocity.z, abs(contact.gap(x.height, x.u.z, b)) + 2 * abs(b.c)
     return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
 
@@ -185,8 +202,10 @@ def gap_rate(x: Moving, b: Touch, order: int) -> Any:
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return what follows where a ball touches the plane and its lowest point does not rise: the
-    body slides, rolls or leaves."""
+    """Return what follows where a ball touches the plane and its lowest point does not rise.
+
+    The body slides, rolls or leaves.
+    """
     b, law = world.body[ball], law_of(world)
     others = [k for k in touching(x, world) if k != ball] if len(world.body) > 1 else []
     zeros = {"touch": 1} if others else {}  # the other ball leaves
@@ -209,8 +228,10 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
 
 
 def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
-    """Return what follows where both balls touch and neither rises: the body stays on both, if both
-    press, or on the one that does."""
+    """Return what follows where both balls touch and neither rises.
+
+    The body stays on both, if both press, or on the one that does.
+    """
     law, b = law_of(world), world.body[0]
     if not law.set_valued:
         names = regions_of(x, law.regions, *world.body)
@@ -231,8 +252,10 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
 
 
 def opens(n: Next, world: Any) -> bool:
-    """Return whether the other ball, which touches too, leaves the plane in a phase that begins: by
-    its gap''."""
+    """Return whether the other ball, which touches too, leaves the plane in a phase that begins.
+
+    The second derivative of its gap decides.
+    """
     phase, x = world.phases[n.phase], n.x
     b = world.body[phase.ball]
     rate = phase.form.rates(phase.enter(x, b), b)
@@ -241,8 +264,10 @@ def opens(n: Next, world: Any) -> bool:
 
 
 def left_alone(n: Next, world: Any, zeros: int) -> Next:
-    """Return a phase on one ball where the other has just left: the gap of that one is a root of
-    multiplicity `zeros`."""
+    """Return a phase on one ball where the other has just left.
+
+    The gap of that one is a root of multiplicity `zeros`.
+    """
     if world.phases[n.phase].label != "flight":
         n.zeros = {**n.zeros, "touch": zeros}
     return n
@@ -252,9 +277,11 @@ def left_alone(n: Next, world: Any, zeros: int) -> Next:
 
 
 def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return what follows an impact of a ball, and of the other one, should that be pressed into
-    the plane."""
-    hits: list[Impact] = []
+    """Return what follows an impact of a ball.
+
+    The other one strikes too, should it be pressed into the plane.
+    """
+    hits: list[Any] = []
     bounces = makes_energy = False
     pressed = [ball] if rise(x, world.body[ball]) < 0 and not both_rest(x, world) else []
     while pressed and not makes_energy and len(hits) < MOST_STRIKES:
@@ -277,22 +304,30 @@ def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
     return first_touch(n, world)
 
 
-def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Impact, bool, bool]:
-    """Return the body after an impact of a ball, the row of the impact, whether the ball leaves the
-    plane, and whether the impact made energy. Raises ArithmeticError if it has no solution."""
+def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
+    """Return the body after an impact of a ball, and the row of the impact.
+
+    Return also whether the ball leaves the plane, and whether the impact made energy. Raises
+    ArithmeticError if it has no solution.
+    """
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
     v, impact = point(x, b), world.struck(x, b, e_n)
     after = impact.after
-    x = gained(x, work=-after.gained, impulse=after.p.z)
-    if any(after.twist):
-        x = gained(x, jellett_lost=dot(after.twist, contact.arm(x.u, b)))
-    velocity, v_n = after.velocity, after.v.z
-    if e_n == 0:
-        velocity, v_n = velocity._replace(z=velocity.z - v_n), 0.0  # it does not rise by rounding
+    x, v_n = pushed_by(x, after, b), after.v.z
+    if e_n == 0:  # it does not rise by rounding
+        x, v_n = x._replace(velocity=x.velocity._replace(z=x.velocity.z - v_n)), 0.0
     slides, pushes = (size(v), size(after.v)), (after.p.z, size(after.p))
     hit = Impact(ball, v.z, v_n, *slides, *pushes, after.gained, impact.mode)
-    return x._replace(L=after.L, velocity=velocity), hit, e_n != 0, impact.makes_energy
+    return x, hit, e_n != 0, impact.makes_energy
+
+
+def pushed_by(x: Moving, after: Struck, b: Touch) -> Moving:
+    """Return the body after impulses at its contact."""
+    has_lost = hasattr(x.carried, LOST[0])
+    lost = {LOST[0]: dot(after.twist, contact.arm(x.u, b))} if has_lost else {}
+    x = gained(x, work=-after.gained, impulse=after.p.z, **lost)
+    return x._replace(L=after.L, velocity=after.velocity)
 
 
 # --- slides that begin and end ------------------------------------------------------------------
@@ -304,8 +339,10 @@ def directed(u: Vector, L: Vector, w: Any, beta: Any) -> Any:
 
 
 def pushed(u: Vector, L: Vector, beta: Any, b: Touch) -> tuple[Any, Any, Any]:
-    """Return the rate P of the speed of sliding in the direction beta, Q, which is the speed times
-    the turn of the direction, and the normal force."""
+    """Return P, Q and the normal force of sliding in the direction beta.
+
+    P is the rate of the speed, and Q the speed times the turn of the direction.
+    """
     q = directed(u, L, 1 + 0 * beta, beta)
     rates = DIRECTED_SLIP.form.rates(q, b)
     return rates.w, rates.beta, DIRECTED_SLIP.reaction(q, b).force.z
@@ -317,8 +354,7 @@ def moved(record: Any, rates: Any, time: Any) -> Any:
 
 
 def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
-    """Return the first of a slide from rest, so short that its rates stay; and the time that it
-    takes."""
+    """Return the first of a slide from rest, so short that its rates stay, and its time."""
     phase, b = world.phases[phase_name("slip", ball)], world.body[ball]
     q = directed(x.u, x.L, 1 + 0 * beta, beta)
     rates = phase.form.rates(q, b)
@@ -330,18 +366,15 @@ def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
 
 
 def run_out(x: Moving, world: Any) -> tuple[Moving, Any]:
-    """Return the last of a slide, which is so slow that its rates stay; and the time that it
-    takes."""
+    """Return the last of a slide, which is so slow that its rates stay, and its time."""
     phase, b = world.phase, world.body[world.phase.ball]
     q = phase.enter(x, b)
     rates = phase.form.rates(q, b)
     delay = -q.w / rates.w
     carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
     x = phase.leave(moved(q, rates, delay), b)._replace(carried=carried)
-    v = point(x, b)
-    p = mobility_inverse_times(x.u, times(-1, v), b)  # of rounding
-    velocity, L = map(plus, (x.velocity, x.L), jumps(x.u, p, b))
-    return gained(x._replace(velocity=velocity, L=L), work=-(dot(p, v) / 2)), delay
+    p = mobility_inverse_times(x.u, times(-1, point(x, b)), b)  # of rounding
+    return kicked(x, Held(p, 0 * delay), b), delay
 
 
 def eighty_bits(value: Any) -> Any:
@@ -358,11 +391,11 @@ def rounded(record: Any) -> Any:
 
 
 def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
-    """Return how long the first moments last of a slide that begins at the edge of the friction
-    cone, and its series: of times (n,), states and integrals. Wider numbers are rounded to 80 bits.
+    """Return how long a slide from the edge of the friction cone is a series, and the series.
+
+    It gives states and integrals of times (n,). Wider numbers are rounded to 80 bits.
     """
-    x = Moving(*(rounded(v) if isinstance(v, tuple) else eighty_bits(v) for v in x))
-    b = rounded(world.body[phase.ball])
+    x, b = rounded(x), rounded(world.body[phase.ball])
 
     def read(state: np.ndarray, w: Any, beta: Any) -> tuple[Any, Any]:
         return type(DIRECTED)(*state[:6], beta, w), x.carried._make(state[6:])
@@ -374,7 +407,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         return np.array([np.broadcast_to(rate, w.shape) for rate in every]), by.w
 
     def turning(state: np.ndarray, beta: np.ndarray) -> Any:
-        return pushed(Vector(*state[:3]), Vector(*state[3:6]), beta, b)[1]
+        return phase.form.rates(read(state, 1 + 0 * beta, beta)[0], b).beta
 
     F = sticking(x.u, x.L, b)[0]
     omega = contact.angular_velocity(x.u, x.L, b)
@@ -406,8 +439,10 @@ def lift_off(x: Moving, world: Any) -> Next:
 
 
 def land(x: Moving, world: Any) -> Next:
-    """Return what follows a flight: of the balls on the plane, the one that falls fastest
-    strikes."""
+    """Return what follows a flight.
+
+    Of the balls on the plane, the one that falls fastest strikes.
+    """
     there = touching(x, world) or [
         min(range(len(world.body)), key=lambda k: contact.gap(x.height, x.u.z, world.body[k]))
     ]
@@ -450,8 +485,10 @@ def begin_slip(x: Moving, world: Any) -> Next:
 
 
 def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Next:
-    """Return the same motion in other words, or in the same: the event function `passed` has its
-    root here, and goes to this side of it."""
+    """Return the same motion in other words, or in the same.
+
+    The event function `passed` has its root here, and goes to this side of it.
+    """
     sides = {passed: side} if side else {}
     return on_disc(Next(to, x, "", zeros={passed: 1} if passed else {}, sides=sides), world)
 
@@ -471,18 +508,18 @@ def give_way(x: Moving, world: Any) -> Next:
 
 
 def on_disc(n: Next, world: Any) -> Next:
-    """Return a phase that begins, under a law with regions: where sliding and turning have stopped
-    together, the disc rests, passes its rest, or begins to slide."""
+    """Return a phase that begins, under a law with regions.
+
+    Where sliding and turning have stopped together, the disc rests, passes its rest, or begins to
+    slide.
+    """
     phase = world.phases[n.phase]
     if phase.label != "slip" or not law_of(world).regions:
         return n
     b = world.body[phase.ball]
     s = phase.form.scalars(phase.enter(n.x, b), b)
-    staying = [
-        way.event for way in phase.exits if getattr(way.jump, "keywords", {}).get("to") == n.phase
-    ]
     for event in phase.events:
-        if event.name in (*staying, RESTS.name) and event.direction * event.formula(s, b) > 0:
+        if event.name in ("slow", RESTS.name) and event.direction * event.formula(s, b) > 0:
             n.sides = {event.name: event.direction, **n.sides}
     return at_rest(n, world, phase.ball) if RESTS.name in n.sides else n
 
@@ -493,26 +530,27 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
     A disc that friction cannot hold passes its rest if it soon leaves it again; otherwise it begins
     to slide with a small speed, so that its next rest is detected.
     """
-    b, rest = world.body[ball], phase_name("rest", ball)
+    b = world.body[ball]
     x = kicked(n.x, stopping(n.x.u, n.x.L, n.x.velocity, b), b)
-    s = world.phases[rest].form.scalars(world.phases[rest].enter(x, b), b)
-    left = margin(s.by.force, s.by.torque.z, b.friction)
+    F, torque = disc_held(x.u, x.L, b)
+    left = margin(F, torque.z, b.friction)
     if left > 0:
-        return Next(rest, x, n.cause or "rests", zeros=n.zeros)
-    limit = b.friction.mu * s.force
-    gains = 1 / b.m if size(s.by.force) > limit else turning(x.u, b).own * b.friction.patch**2
+        return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=n.zeros)
+    limit = b.friction.mu * F.z
+    gains = 1 / b.m if size(F) > limit else turning(x.u, b).own * b.friction.patch**2
     if limit == 0 or sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives")
 
 
 def slide_from_rest(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return the slide of a disc at rest that friction cannot hold; it begins at twice the speed
-    below which it rests."""
+    """Return the slide of a disc at rest that friction cannot hold.
+
+    It begins at twice the speed below which it rests.
+    """
     b = world.body[ball]
-    rest = world.phases[phase_name("rest", ball)]
-    s = rest.form.scalars(rest.enter(x, b), b)
-    v, edge = direction(s.by.force, s.by.torque.z, b.friction)
+    F, torque = disc_held(x.u, x.L, b)
+    v, edge = direction(F, torque.z, b.friction)
     speed = 2 * sqrt(rest_speed2(b))
     x = kicked(x, impulses(x.u, times(speed, v), speed * edge / b.friction.patch, b), b)
     names = regions_of(x, law_of(world).regions, b)
@@ -521,21 +559,17 @@ def slide_from_rest(x: Moving, world: Any, ball: int, cause: str) -> Next:
 
 def kicked(x: Moving, by: Held, b: Touch) -> Moving:
     """Return the body after impulses on its disc."""
-    L, velocity = jumped(x.u, x.L, x.velocity, by, b)
-    after = x._replace(L=L, velocity=velocity)
-    turns = (contact.angular_velocity(x.u, one, b).z for one in (x.L, L))
-    work = -(dot(by.force, plus(point(x, b), point(after, b))) + by.torque * sum(turns)) / 2
-    lost = by.torque * contact.arm(x.u, b).z
-    return gained(after, work=work, impulse=by.force.z, jellett_lost=lost)
+    twist = Vector(0 * by.torque, 0 * by.torque, by.torque)
+    return pushed_by(x, after_impact(x.u, x.L, x.velocity, by.force, twist, b), b)
 
 
-JUMPS: dict[str, tuple[Callable, tuple[str, ...]]] = {
-    "liftoff": (lift_off, ("flight",)),
-    "stick": (stick, ("roll", "slip", "flight")),
-    "slip": (begin_slip, ("slip",)),
-    "gives": (give_way, ("slip", "rest")),
-    "touch": (change_ball, ()),
-    "sphere-leaves": (partial(stay_on, ball=1), ()),
-    "stem-leaves": (partial(stay_on, ball=0), ()),
+JUMPS: dict[str, Callable] = {
+    "liftoff": lift_off,
+    "stick": stick,
+    "slip": begin_slip,
+    "gives": give_way,
+    "touch": change_ball,
+    "sphere-leaves": partial(stay_on, ball=1),
+    "stem-leaves": partial(stay_on, ball=0),
 }
-"""The jump at an event, and the labels of phases on the same ball that may follow; empty: all."""
+"""The jump at an event of a phase in contact."""

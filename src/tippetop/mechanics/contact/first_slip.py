@@ -22,7 +22,7 @@ class FirstSlip(NamedTuple):
     beta: np.ndarray  # (n,) slip direction, an angle from a fixed axis
 
     def at(self, t: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """State, w and beta at times t between the ends, by the polynomial through the nodes."""
+        """Return state, w and beta at times t, by the polynomial through the nodes."""
         x = 2 * np.asarray(t) / self.time[-1] - 1
         values = np.vstack([self.state, self.w, self.beta]) @ _coefficients(self.time).T
         moment = chebval(x, values.T)
@@ -32,7 +32,7 @@ class FirstSlip(NamedTuple):
 def first_slip(
     rates: Callable, turning: Callable, state: np.ndarray, beta: Any, duration: Any, nodes: int = 12
 ) -> FirstSlip:
-    """The motion from the edge of the cone, where w = P = Q = 0.
+    """Return the motion from the edge of the cone, where w = P = Q = 0.
 
     Parameters
     ----------
@@ -71,8 +71,9 @@ def first_slip(
 def _swept(
     rates: Callable, turning: Callable, start: np.ndarray, beta0: Any, duration: Any, nodes: int
 ) -> tuple[FirstSlip, float]:
-    """Sweeps until they change nothing more than rounding; and the last change of w and beta,
-    relative.
+    """Sweep until nothing changes by more than rounding.
+
+    Return the slip, and the last change of w and beta, relative.
     """
     angle = np.pi * np.arange(nodes, dtype=start.dtype) / (nodes - 1)
     time = duration * (1 - np.cos(angle)) / 2
@@ -102,7 +103,7 @@ def _swept(
 
 
 def _coefficients(time: np.ndarray) -> np.ndarray:
-    """From values at the nodes to Chebyshev coefficients, (n, n)."""
+    """Return the matrix from values at the nodes to Chebyshev coefficients, (n, n)."""
     n = len(time) - 1
     k = np.arange(n + 1, dtype=time.dtype)
     matrix = 2 / n * np.cos(np.pi * np.outer(k, n - k) / n)
@@ -112,20 +113,9 @@ def _coefficients(time: np.ndarray) -> np.ndarray:
 
 
 def first_directions(law: Callable, count: int = 360) -> np.ndarray:
-    """Every direction in which slip can begin from rest: Q = 0, P > 0, N > 0; exactly one outside
-    the cone.
+    """Return every direction in which slip can begin from rest: Q = 0, P > 0, N > 0.
 
-    Parameters
-    ----------
-    law
-        law(beta) -> (P, Q, N) of slip in the directions beta, an array of angles from any axis.
-    count
-        How many directions are looked at; zeros between them are bisected to rounding.
-
-    Returns
-    -------
-    array
-        The angles, ascending, in [0, 2 pi) or so; empty inside the cone, where the contact rolls.
+    There is exactly one outside the cone.
     """
     grid = 2 * np.pi * (np.arange(count + 1) + 1 / np.e) / count
     Q = law(grid)[1]

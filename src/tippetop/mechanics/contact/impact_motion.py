@@ -11,6 +11,7 @@ v_n are powers of two near them, so that steps are as exact for slow impacts as 
 from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from typing import Any, NamedTuple
 
 from ..disc_friction import Drag, rolling
@@ -18,12 +19,12 @@ from ..event import Event
 from ..form import Form
 from ..friction import load
 from ..inlining import inlined
-from ..operand import Operand, Vector, cross, dot, exp, formula, log, plus, sqrt, times
+from ..operand import Vector, cross, dot, exp, log, plus, sqrt, times
 from ..units import ONE
-from .body import angular_velocity, arm, contact_velocity
+from .body import angular_velocity, arm
 from .coulomb import across_and_along, held_point
 from .disc_at_rest import Held, direction, held_disc, impulses, margin
-from .response import jumps, mobility_inverse_times, mobility_times, torque_acceleration
+from .response import mobility_inverse_times, mobility_times, torque_acceleration
 from .single_contact import Acts, Speeds, disc_friction, region_of, smooth_friction
 
 
@@ -56,31 +57,6 @@ Of a point that slides under a set-valued law, equations have the direction of t
 """
 
 
-class Struck(NamedTuple):
-    """A body after an impact: impulses of force and torque, L, velocities of the centre of mass and
-    of the contact point, energy gained.
-    """
-
-    p: Vector
-    twist: Vector
-    L: Vector
-    velocity: Vector
-    v: Vector
-    gained: Operand
-
-
-@formula
-@inlined
-def after_impact(u, L, velocity, p, twist, b):
-    """The body after an impulse at its contact and one of a torque."""
-    pushed, turned = jumps(u, p, b)
-    after, newer = plus(velocity, pushed), plus(plus(L, turned), twist)
-    v = contact_velocity(u, newer, after, b)
-    drilled = dot(twist, plus(angular_velocity(u, L, b), angular_velocity(u, newer, b)))
-    worked = dot(p, contact_velocity(u, L, velocity, b)) + dot(p, v)
-    return Struck(p, twist, newer, after, v, (worked + drilled) / 2)
-
-
 REACHED = Event(
     "reached",
     "the stage ends",
@@ -107,7 +83,7 @@ class Stage(NamedTuple):
     acts: Callable  # acts(q, b) -> Acts, per normal impulse
     slope: Callable  # slope(q, b) -> v_n per normal impulse, and growth
     events: tuple[Event, ...]  # formula(q, acts, b)
-    follows: dict[str, str]  # the next region, by the event of a border
+    follows: dict[str, Any]  # the border that is reached, by its event
     is_directed: bool  # equations have the direction of the slip
 
 
@@ -150,19 +126,11 @@ def held(law: Any, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
     return held_point(u, FLAT_BIAS, load(omega, b.friction), b)
 
 
-_stages: dict[type, dict[str, Stage]] = {}
-
-
+@cache
 def stages(law: Any) -> dict[str, Stage]:
-    """Return the motions of impacts under a law; the same ones for a law's record."""
-    if law not in _stages:
-        _stages[law] = new_stages(law)
-    return _stages[law]
+    """Return the motions of impacts under a law, by its regions and REST.
 
-
-def new_stages(law: Any) -> dict[str, Stage]:
-    """Return the motions of impacts under a law, by its regions and REST; "" is that without
-    regions, or of a disc without friction.
+    "" is that without regions, or of a disc without friction.
     """
     torque = law.torque
 
@@ -230,7 +198,7 @@ def new_stages(law: Any) -> dict[str, Stage]:
         borders = [way for way in region.borders if way.event != "slow"]
         events = (Event(way.event, "", border(way), way.direction, way.event) for way in borders)
         friction = disc_friction(region.drag, torque, edge_speed2)
-        known[name] = stage(friction, (STOPS, *events), {way.event: way.follows for way in borders})
+        known[name] = stage(friction, (STOPS, *events), {way.event: way for way in borders})
     return known | {"": stage(disc_friction(lambda v2, U2: Drag(0.0, 0.0), torque, edge_speed2))}
 
 
@@ -265,8 +233,9 @@ def stopped(law: Any, q: Any, b: Any) -> Any:
 
 
 def left(law: Any, by: Acts, b: Any) -> Any:
-    """Return by how much friction can give more, of a contact at rest; negative where it cannot
-    hold it.
+    """Return by how much friction can give more, of a contact at rest.
+
+    The value is negative where it cannot hold the contact.
     """
     friction = b.touch.friction
     if law.regions:

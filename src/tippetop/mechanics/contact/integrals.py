@@ -18,8 +18,16 @@ NAMED = {
 
 
 def integral(name: str, rate: Callable) -> Integral:
-    """The integral of this name with rate(q, carried, b)."""
+    """Return the integral of this name with rate(q, carried, b)."""
     unit, long_name = NAMED[name]
     return Integral(
         name, unit, long_name, formula(rate), of="normal_force" if name == "impulse" else ""
+    )
+
+
+def place(velocity: Callable) -> tuple[Integral, Integral]:
+    """Return the integrals x and y of a body with velocity(q, carried, b) of the centre of mass."""
+    return (
+        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
+        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
     )

@@ -3,7 +3,7 @@ one to another."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from itertools import product
 from operator import itemgetter
 from typing import Any
@@ -15,10 +15,10 @@ from ..inlining import inlined
 from ..number import Number
 from ..operand import formula, leaves, refill
 from ..system import System
-from ..units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND
+from ..units import METRE, METRE_PER_SECOND
 from .body import Touch, seen_from_balls
 from .double_contact import double_contact
-from .exits import JUMPS, Impact, begin, come_to_rest, go_on, land, phase_name
+from .exits import IMPACT, JUMPS, begin, come_to_rest, go_on, land, phase_name
 from .gliding import catalogue as gliding
 from .planar import in_plane
 from .single_contact import (
@@ -111,9 +111,7 @@ TABLES = {
         "ball": BALLS,
         "reason": REASONS,
     },
-    "impacts": Impact(
-        BALLS, *(METRE_PER_SECOND,) * 4, *(NEWTON_SECOND,) * 2, JOULE, ("slip", "stick", "reverse")
-    )._asdict(),
+    "impacts": IMPACT._asdict(),
 }
 """Units or words of the columns of further tables; the place of a word is its number in a store."""
 
@@ -153,8 +151,7 @@ def phases_of(planar: bool, law: Any, balls: int) -> dict[str, Phase]:
         for names in product(law.regions, repeat=2) if law.regions else ((),):
             regions = tuple(law.regions[name] for name in names)
             place(double_contact(regions, law.torque).phase, 0, *names)
-    row = row_of(planar, law)
-    integrals = {one.name for one in row.integrals}
+    integrals = {one.name for one in row_of(planar, law).integrals}
     return {name: with_exits(name, bare, law, integrals) for name in bare}
 
 
@@ -165,36 +162,18 @@ Bare = tuple[Phase, int, tuple[str, ...]]
 def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) -> Phase:
     """Return a phase as its body and its law have it, which moves these integrals."""
     phase, ball, regions = bare[name]
-    near = {other: its.label for other, (its, k, _) in bare.items() if k == ball}
-    on_disc = tuple(other for other, label in near.items() if label in ("slip", "rest"))
-    ways = {}
+    jumps = JUMPS | {RESTS.name: partial(come_to_rest, slides=name)}
     for at, region in enumerate(regions):
         for border in law.regions[region].borders:
             to = phase_name(phase.label, ball, *regions[:at], border.follows, *regions[at + 1 :])
-            back = (way for way in law.regions[border.follows].borders if way.follows == region)
-            passed, stays = next(back).event, border.follows == region
+            stays = border.direction if border.follows == region else 0
             of_ball = "stem-" * at
-            way = to, of_ball + passed, border.direction if stays else 0
-            ways[of_ball + border.event] = way
-
-    def way_out(event: str) -> Exit:
-        if phase.label == "flight":
-            return Exit(event, tuple(bare), land, True)
-        if event == RESTS.name:
-            return Exit(event, on_disc, partial(come_to_rest, slides=name), True)
-        if event in ways:
-            to, passed, side = ways[event]
-            on = partial(go_on, to=to, passed=passed, side=side)
-            return Exit(event, (to, *on_disc), on, True)
-        jump, labels = JUMPS[event]
-        following = tuple(other for other, label in near.items() if label in labels)
-        return Exit(event, following or tuple(bare), jump, True)
-
-    names = (
-        *(event.name for event in phase.events),
-        *((CLOCK,) if phase.label == "flight" else ()),
-    )
-    exits = tuple(map(way_out, names))
+            jumps[of_ball + border.event] = partial(
+                go_on, to=to, passed=of_ball + border.back, side=stays
+            )
+    flies = phase.label == "flight"
+    names = [event.name for event in phase.events] + [CLOCK] * flies
+    exits = tuple(Exit(one, tuple(bare), land if flies else jumps[one], True) for one in names)
     carried = tuple(one for one in phase.form.integrals if one.name in integrals)
     form = replace(phase.form, integrals=carried, not_normalised=("R", "c"))
     fast = {name: inlined(getattr(phase, name)) for name in ("enter", "leave", "reaction")}
@@ -204,9 +183,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) 
 # --- systems ------------------------------------------------------------------------------------
 
 
-_opened: dict[tuple, System] = {}
-
-
+@cache
 def opened(system: System, law: Any, balls: int) -> System:
     """Return a system whose contact may open, of one that slides; the same one for a law's record.
 
@@ -219,14 +196,6 @@ def opened(system: System, law: Any, balls: int) -> System:
     balls
         1, or 2 of a body with a stem.
     """
-    key = system, law, balls
-    if key not in _opened:
-        _opened[key] = open_contact(system, law, balls)
-    return _opened[key]
-
-
-def open_contact(system: System, law: Any, balls: int) -> System:
-    """Return a new system whose contact may open."""
     opening: Any = system.opening
     angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
     form = row_of(opening.planar, law)
@@ -244,8 +213,9 @@ def open_contact(system: System, law: Any, balls: int) -> System:
         return type(angles)(*(getattr(e, n, data.get(n, 0)) for n in angles._fields))
 
     def assembled(b: Touch, rules: Any, internal: Callable) -> tuple[Any, Mapping[str, Phase]]:
-        """Return the body seen from each of its balls and the phases; internal(value, unit) of SI
-        values.
+        """Return the body seen from each of its balls and the phases.
+
+        internal(value, unit) converts SI values.
         """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
 

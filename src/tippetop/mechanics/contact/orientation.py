@@ -21,16 +21,18 @@ from ..units import ONE, RADIAN
 
 @formula
 def transport(f, u, u_dot):
-    """f' = -(f.3hat') 3hat [1/s]: f stays transverse, and its angular velocity has no part along
-    the axis.
+    """Return f' = -(f.3hat') 3hat [1/s].
+
+    f stays transverse, and its angular velocity has no part along the axis.
     """
     return times(-dot(f, u_dot), u)
 
 
 @formula
 def turned(f, turn, u):
-    """The unit vector at the angle `turn` from f about the axis u, (3,); f is made transverse
-    first, u has length 1.
+    """Return the unit vector at the angle `turn` from f about the axis u, (3,).
+
+    f is made transverse first, u has length 1.
     """
     across = plus(f, times(-dot(f, u), u))
     v = plus(times(cos(turn), across), times(sin(turn), cross(u, across)))
@@ -39,7 +41,7 @@ def turned(f, turn, u):
 
 @formula
 def axes_of_angles(s, z, phi, psi):
-    """Axes 1 and 3 of the body, (3,) each, by sin(theta), cos(theta), phi, psi."""
+    """Return axes 1 and 3 of the body, (3,) each, by sin(theta), cos(theta), phi, psi."""
     ex, ey, along, across = cos(phi), sin(phi), cos(psi), sin(psi)
     first = Vector(along * (z * ex) - across * ey, along * (z * ey) + across * ex, -(along * s))
     return first, Vector(s * ex, s * ey, z)
@@ -47,12 +49,12 @@ def axes_of_angles(s, z, phi, psi):
 
 @formula
 def psi_of_axes(first, u):
-    """psi in (-pi, pi], of axes 1 and 3; 0/0 in meaning exactly at a pole, as phi."""
+    """Return psi in (-pi, pi], of axes 1 and 3; 0/0 in meaning exactly at a pole, as phi."""
     return atan2(u.x * first.y - u.y * first.x, -first.z)
 
 
 def _start(component: int) -> Callable:
-    """A component of f at the start: 1hat."""
+    """Return a component of f at the start: 1hat."""
 
     def start(data: dict[str, Any], s: Any, z: Any) -> Any:
         phi = data.get("phi", 0 * z)
@@ -66,7 +68,7 @@ def _psi(data: dict[str, Any], s: Any, z: Any) -> Any:
 
 
 def carried_along(axis: Callable, axis_rate: Callable, spin: Callable) -> Orientation:
-    """The orientation in a form that passes the poles.
+    """Return the orientation in a form that passes the poles.
 
     Parameters
     ----------
@@ -96,7 +98,7 @@ def carried_along(axis: Callable, axis_rate: Callable, spin: Callable) -> Orient
 
 
 def by_angles(theta: Callable, rate: Callable) -> Orientation:
-    """The orientation in a form of angles, whose integral phi it reads.
+    """Return the orientation in a form of angles, whose integral phi it reads.
 
     Parameters
     ----------
@@ -117,8 +119,9 @@ def by_angles(theta: Callable, rate: Callable) -> Orientation:
 
 
 def planar(theta: Callable) -> Orientation:
-    """The orientation of a cylinder: it turns by theta about the horizontal y, which is phi = psi =
-    0 of a top.
+    """Return the orientation of a cylinder, which has no psi.
+
+    It turns by theta about the horizontal y, which is phi = psi = 0 of a top.
     """
 
     def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:

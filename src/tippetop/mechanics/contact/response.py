@@ -1,37 +1,42 @@
 """The response of a body to forces, torques and impulses at its contact."""
 
+from typing import NamedTuple
+
 from ..inlining import inlined
-from ..operand import Vector, cross, dot, formula, plus, times
-from .body import angular_velocity, arm, arm2, axis_rate
+from ..operand import Operand, Vector, cross, dot, formula, plus, times
+from .body import angular_velocity, arm, arm2, axis_rate, contact_velocity
 
 
 @formula
 def torque_acceleration(u, tau, b):
-    """(I^-1 tau) x a, (3,) [m/s^2]: what a torque about the centre of mass gives the
-    contact point.
+    """Return (I^-1 tau) x a, (3,) [m/s^2].
+
+    A torque about the centre of mass gives it to the contact point.
     """
     return cross(angular_velocity(u, tau, b), arm(u, b))
 
 
 @formula
 def mobility_times(u, x, b):
-    """K x, (3,): x/m + (I^-1 (a x x)) x a; K is acceleration of the contact point per force there,
-    or velocity per impulse [1/kg].
+    """Return K x, (3,): x/m + (I^-1 (a x x)) x a.
+
+    K is the acceleration of the contact point per force there, or velocity per impulse [1/kg].
     """
     return plus(times(1 / b.m, x), torque_acceleration(u, cross(arm(u, b), x), b))
 
 
 @formula
 def mobility_inverse_times(u, x, b):
-    """K^-1 x, (3,): the force or impulse for x at the contact; K = kappa - a a/I1 + excess k k, k =
-    zhat x 3hat.
+    """Return K^-1 x, (3,): the force or impulse for x at the contact.
+
+    K = kappa - a a/I1 + excess k k, k = zhat x 3hat.
     """
     return other_mobility_inverse_times(u, x, b.R**2 * (1 / b.I3 - 1 / b.I1), b)
 
 
 @formula
 def other_mobility_inverse_times(u, x, excess, b):
-    """The same of another excess, which is what a torque about the vertical changes of K."""
+    """Return K^-1 x with another excess, which a torque about the vertical changes."""
     a = arm(u, b)
     kappa = 1 / b.m + arm2(u.z, b) / b.I1
     across = u.x * x.y - u.y * x.x  # k.x
@@ -47,8 +52,9 @@ def other_mobility_inverse_times(u, x, excess, b):
 @formula
 @inlined
 def bias_vector(u, L, b):
-    """b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat, 3hat'' of free
-    rotation.
+    """Return b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat.
+
+    3hat'' is that of free rotation.
     """
     u_dot, L3 = axis_rate(u, L, b), dot(L, u)
     turn = cross(u_dot, arm(u, b))
@@ -61,10 +67,27 @@ def bias_vector(u, L, b):
     )
 
 
+class Struck(NamedTuple):
+    """A body after an impact.
+
+    Impulses of force and torque, L, velocities of the centre of mass and of the contact point, and
+    energy gained.
+    """
+
+    p: Vector
+    twist: Vector
+    L: Vector
+    velocity: Vector
+    v: Vector
+    gained: Operand
+
+
 @formula
 @inlined
-def jumps(u, p, b):
-    """What the impulse p, (3,), adds to the velocity of the centre of mass and to L:
-    p/m and a x p.
-    """
-    return times(1 / b.m, p), cross(arm(u, b), p)
+def after_impact(u, L, velocity, p, twist, b):
+    """Return the body after an impulse at its contact and one of a torque."""
+    after, newer = plus(velocity, times(1 / b.m, p)), plus(plus(L, cross(arm(u, b), p)), twist)
+    v = contact_velocity(u, newer, after, b)
+    drilled = dot(twist, plus(angular_velocity(u, L, b), angular_velocity(u, newer, b)))
+    worked = dot(p, contact_velocity(u, L, velocity, b)) + dot(p, v)
+    return Struck(p, twist, newer, after, v, (worked + drilled) / 2)

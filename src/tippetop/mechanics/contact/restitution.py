@@ -39,7 +39,7 @@ class ContactLaw(NamedTuple):
 
     @property
     def stem(self) -> bool:
-        """Whether there is a stem."""
+        """Return whether there is a stem."""
         return not math.isnan(self.h)
 
 

@@ -14,7 +14,7 @@ from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
-from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height
+from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height, state
 from .coulomb import across_and_along, cone, contact_acceleration, sliding, sliding_along, sticking
 from .disc_at_rest import holding, margin
 from .gliding import catalogue as gliding
@@ -23,7 +23,7 @@ from .gliding.vector import VectorState, axis, axis_rate, momentum
 from .integrals import NAMED
 from .orientation import carried_along
 from .rolling.vector import spin
-from .state import LOST, VELOCITY, Moving, Reaction, state
+from .state import LOST, VELOCITY, Moving, Reaction
 
 
 def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
@@ -122,7 +122,7 @@ def on_ball(
 
 
 def on_plane(u, L, v, b):
-    """The common state of a body whose lowest point has the velocity v."""
+    """Return the common state of a body whose lowest point has the velocity v."""
     return Moving(u, L, centre_velocity(u, L, v, b), height(u.z, b))
 
 
@@ -132,12 +132,15 @@ def ending(name: str, long_name: str, function: Callable, direction: int = -1) -
 
 
 def force_of(s, b):
-    """Normal force [N]."""
+    """Return the normal force [N]."""
     return s.force
 
 
 def other_gap(s, b):
-    """Height of the other ball above the plane, that of this one being zero. [contact 4.1]"""
+    """Return the height of the other ball above the plane, that of this one being zero.
+
+    [contact 4.1]
+    """
     return b.clearance + b.lever * s.z
 
 
@@ -153,13 +156,13 @@ Free: Any = namedtuple("Free", "z z_dot height")
 
 
 def free_rates(q, b):
-    """3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat. [contact 3.1]"""
+    """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat. [contact 3.1]"""
     none = 0 * q.uz
     return type(FREE)(*axis_rate(q, b), *(none,) * 5, none - b.g, q.rz_dot)
 
 
 def own_gap(s, b):
-    """Height of the ball above the plane."""
+    """Return the height of the ball above the plane."""
     return contact.gap(s.height, s.z, b)
 
 
@@ -182,13 +185,13 @@ FLIGHT = phase_of(
 
 
 def slip_leave(q, b):
-    """The common state of a body that slides."""
+    """Return the common state of a body that slides."""
     velocity = Vector(q.rx_dot, q.ry_dot, -(b.c * axis_rate(q, b).z))
     return Moving(axis(q), momentum(q), velocity, height(q.uz, b))
 
 
 def slip_reaction(q, b):
-    """The force on a body that slides. [contact 2.1]"""
+    """Return the force on a body that slides. [contact 2.1]"""
     s, v = gliding_vector.vector_scalars(q, b), gliding_vector.sliding_velocity(q, b)
     N = contact.g_n(s, b)
     k = slip_coefficient(s.v2, s.z, b.friction) * N
@@ -199,7 +202,7 @@ SLIP = Phase(
     gliding.VECTOR,
     (),
     (gliding.LIFTOFF, TOUCH),
-    enter=lambda x, b: VectorState._make((*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2])),
+    enter=lambda x, b: VectorState(*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2]),
     leave=slip_leave,
     reaction=slip_reaction,
     label="slip",
@@ -235,13 +238,13 @@ DIRECTED = state(beta=RADIAN, w=METRE_PER_SECOND)
 length, where sliding stops."""
 
 
-def direction(q):
-    """n = v_A/|v_A|, (3,)."""
+def direction(q: Any) -> Vector:
+    """Return n = v_A/|v_A|, (3,)."""
     return Vector(cos(q.beta), sin(q.beta), 0 * q.w)
 
 
 def directed_changes(q, G):
-    """beta' and w' of v_A' = b + K F. [contact 1, 2.1]"""
+    """Return beta' and w' of v_A' = b + K F. [contact 1, 2.1]"""
     across, along = across_and_along(G, direction(q))
     return across / q.w, along
 
@@ -286,7 +289,7 @@ Speeds: Any = namedtuple("Speeds", "v2 U2")
 
 
 def patch_speed2(omega, b):
-    """U^2 = (patch Omega_z)^2, never quite zero."""
+    """Return U^2 = (patch Omega_z)^2, never quite zero."""
     turn = b.friction.patch * omega.z
     return turn * turn + STILL**2
 
@@ -294,8 +297,10 @@ def patch_speed2(omega, b):
 def disc_friction(
     drag: Callable, torque: Callable, edge_speed2: Callable = patch_speed2
 ) -> Callable:
-    """Return friction(omega, v, z, b) of a disc: minus the horizontal force, and the torque, per
-    normal force."""
+    """Return friction(omega, v, z, b) of a disc.
+
+    It gives minus the horizontal force, and the torque, per normal force.
+    """
 
     def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
         by = drag(v.x * v.x + v.y * v.y, edge_speed2(omega, b))
@@ -306,15 +311,17 @@ def disc_friction(
 
 
 def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-    """Return minus the horizontal force, and the torque, per normal force, of a law of the sliding
-    velocity."""
+    """Return minus the horizontal force, and the torque, per normal force.
+
+    The law is one of the sliding velocity.
+    """
     none = 0 * z
     push = times(slip_coefficient(v.x * v.x + v.y * v.y, z, b.friction), v)
     return push._replace(z=none), load(omega, b.friction)
 
 
 def rest_speed2(b):
-    """Square of the speed of its edge below which a disc rests."""
+    """Return the square of the speed of its edge below which a disc rests."""
     return STILL**2 + (b.friction.patch * RESTS_BELOW) ** 2
 
 
@@ -325,7 +332,7 @@ def speeds(by: Any, b: Touch) -> Speeds:
 
 
 def beyond_rest(s, b):
-    """Square of the speeds beyond those of a disc at rest."""
+    """Return the square of the speeds beyond those of a disc at rest."""
     return sum(speeds(s.by, b)) - STILL**2 - rest_speed2(b)
 
 
@@ -373,8 +380,10 @@ def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tupl
 
 
 def region_of(s: Any, regions: Mapping[str, Region], b: Touch) -> str:
-    """Return the region of sliding at these speeds: the first, by rising x, whose end is not
-    reached; or "", of speeds that are not finite."""
+    """Return the region of sliding at these speeds.
+
+    It is the first, by rising x, whose end is not reached; or "", of speeds that are not finite.
+    """
     for name, region in regions.items():
         if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
             return name

@@ -6,14 +6,13 @@ functions of the `Scalars` of a row.
 """
 
 import math
-from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from ..form import Form, Integral, Phase, Quantity
-from ..operand import Operand, Vector, cos, dot, sin, sqrt
+from ..operand import Operand, Vector, dot, sqrt
 from ..units import (
     ANGULAR_MOMENTUM,
     JELLETT,
@@ -24,15 +23,16 @@ from ..units import (
     NEWTON_SECOND,
     ONE,
     RADIAN,
-    RADIAN_PER_SECOND,
     WATT,
 )
 from . import body as contact
+from .body import filled, kinematics, of_azimuth, state
+from .gliding import catalogue as gliding
 from .gliding.chart import axis_and_momentum, axis_angles
+from .gliding.euler import EULER_UNITS
 from .gliding.vector import axis, axis_rate, momentum
 from .integrals import NAMED
 from .orientation import carried_along, planar
-from .rolling.reaction import Kinematics, kinematics
 from .rolling.vector import spin
 
 
@@ -68,17 +68,6 @@ class Reaction(NamedTuple):
 
     force: Vector
     drilled: Operand = 0  # power that torques of the contact take
-
-
-def filled(**units: Any) -> Any:
-    """Return a record of a new type, filled with units."""
-    return namedtuple("State", units)(**units)
-
-
-def state(**units: Any) -> Any:
-    """Return a state filled with units: 3hat, L about the centre of mass, and more."""
-    turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
-    return filled(**dict.fromkeys(("ux", "uy", "uz"), ONE), **turning, **units)
 
 
 ROW_UNITS = state(
@@ -119,8 +108,10 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
 def row_within(
     phase: Phase, q: Any, carried: Any, b: contact.Touch, two: bool
 ) -> tuple[Any, contact.Touch]:
-    """Return the row of a state of a phase and the body seen from its first ball, of a body seen
-    from the ball of the phase; the reference of Jellett's integral is not known there.
+    """Return the row of a state of a phase and the body seen from its first ball.
+
+    b is the body seen from the ball of the phase; the reference of Jellett's integral is not known
+    there.
     """
     other = contact.seen_from_other(b)
     bodies = (b,) if not two else (b, other) if phase.ball == 0 else (other, b)
@@ -145,19 +136,19 @@ KNOWN = (
     "power",  # that friction takes
     "gap",  # of the ball that is in contact, or was last
 )
-FIELDS = (*Kinematics._fields, *KNOWN, *Row._fields[9:])
+FIELDS = (*contact.Kinematics._fields, *KNOWN, *Row._fields[9:])
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, and what else a row contains."""
 
 
 def lowest_velocity(q, b):
-    """Velocity of the lowest point of the ball of a row, (3,) [m/s]."""
+    """Return the velocity of the lowest point of the ball of a row, (3,) [m/s]."""
     b = b._replace(R=q.radius, c=q.offset)
     return contact.contact_velocity(axis(q), momentum(q), Vector(*q[6:9]), b)
 
 
 def row_scalars(q, b):
-    """The scalars of a row."""
+    """Return the scalars of a row."""
     u, v = axis(q), lowest_velocity(q, b)
     return Scalars(
         *kinematics(u, momentum(q), axis_rate(q, b), b),
@@ -176,12 +167,7 @@ def row_scalars(q, b):
 
 
 ANGLES = filled(
-    theta=RADIAN,
-    theta_dot=RADIAN_PER_SECOND,
-    phi_dot=RADIAN_PER_SECOND,
-    omega3=RADIAN_PER_SECOND,
-    nu_x=METRE_PER_SECOND,
-    nu_y=METRE_PER_SECOND,
+    **EULER_UNITS._asdict(),
     nu_z=METRE_PER_SECOND,
     gap=METRE,
     phi=RADIAN,
@@ -199,15 +185,16 @@ PLANAR_ANGLES = filled(**{n: unit for n, unit in ANGLES._asdict().items() if n n
 
 
 def row_of_angles(e, s, z, b):
-    """The row of the angles, its reaction not yet known; s, z are sin(theta), cos(theta), exact at
-    the poles."""
+    """Return the row of the angles, its reaction not yet known.
+
+    s, z are sin(theta), cos(theta), exact at the poles.
+    """
     none = 0 * z
     e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     b = b._replace(R=b.R + none, c=b.c + none)
     v = contact.contact_velocity(u, L, Vector(none, none, none), b)
-    ex, ey = cos(e.phi), sin(e.phi)
-    along_x, along_y = e.nu_x * ex - e.nu_y * ey, e.nu_x * ey + e.nu_y * ex
+    along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
     velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
     height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(L.z, b.I3 * e.omega3, b)
     zeros = (none,) * 3
@@ -215,8 +202,10 @@ def row_of_angles(e, s, z, b):
 
 
 def angles_of_row(q, carried, b):
-    """The angles of a row; 0/0 exactly at a pole, where phi and
-    components along it are undefined."""
+    """Return the angles of a row.
+
+    They are 0/0 exactly at a pole, where phi and components along it are undefined.
+    """
     c = row_scalars(q, b)
     theta, theta_dot, phi_dot, phi = axis_angles(c, axis(q))
     s = sqrt(c.s2)
@@ -226,14 +215,14 @@ def angles_of_row(q, carried, b):
 
 
 def planar_angles_of_row(q, carried, b):
-    """The angles of a row of a motion in a plane."""
+    """Return the angles of a row of a motion in a plane."""
     v, gap = lowest_velocity(q, b), row_scalars(q, b).gap
     theta, *others = carried[:4]
     return type(PLANAR_ANGLES)(theta, planar_theta_dot(q, b), v.x, v.z, gap, *others)
 
 
 def planar_theta_dot(q, b):
-    """theta' [rad/s] of an axis in the x-z plane."""
+    """Return theta' [rad/s] of an axis in the x-z plane."""
     u_dot = axis_rate(q, b)
     return q.uz * u_dot.x - q.ux * u_dot.z
 
@@ -271,20 +260,24 @@ PLANAR_ROW = replace(
 
 
 def of_ball(function: Callable) -> Callable:
-    """Return a formula of a gliding body for the ball in contact: its R and c are those of the
-    row."""
+    """Return a formula of a gliding body for the ball in contact.
+
+    Its R and c are those of the row.
+    """
     return lambda s, b: function(s, b._replace(R=s.radius, c=s.offset))
 
 
 def energy(s, b):
-    """Energy E = m |s'|^2/2 + omega.L/2 + m g s_z [J]; E' = F.v_A."""
+    """Return the energy E = m |s'|^2/2 + omega.L/2 + m g s_z [J]; E' = F.v_A."""
     return b.m * s.speed2 / 2 + contact.rotation_energy(s, b) + b.m * (b.g * s.height)
 
 
 def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
-    """Return the columns of rows; `routh`: Routh's function of a gliding body, if its system has
-    one."""
-    modified, lambda_ = of_ball(contact.modified_energy), of_ball(contact.jellett)
+    """Return the columns of rows.
+
+    `routh`: Routh's function of a gliding body, if its system has one.
+    """
+    lambda_ = of_ball(contact.jellett)
     text = "Jellett's integral of the ball in contact"
     quantities = [
         Quantity("jellett", "lambda", JELLETT, text, lambda_),
@@ -302,16 +295,18 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
         quantities = []
     if routh is not None:
         quantities.append(Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
-    text = "modified (rolling) energy of the ball in contact"
-    words = "power dissipated by friction", "what touches the plane, or did last"
+    formulas = {
+        "energy": energy,
+        "modified_energy": of_ball(contact.modified_energy),
+        "normal_force": lambda s, b: s.force,
+        "friction_power": lambda s, b: s.power,
+    }
+    text = "what touches the plane, or did last"
     quantities += [
-        Quantity("energy", "E", JOULE, "energy", energy),
-        Quantity("modified_energy", "E~", JOULE, text, modified),
-        Quantity("normal_force", "g_n", NEWTON, "normal force", lambda s, b: s.force),
-        Quantity("friction_power", "-E'", WATT, words[0], lambda s, b: s.power),
+        *(replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES),
         Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
         Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
-        Quantity("ball", "ball", ONE, words[1], lambda s, b: s.ball, BALLS),
+        Quantity("ball", "ball", ONE, text, lambda s, b: s.ball, BALLS),
     ]
     if stem:
         text = "height of the stem's ball"

@@ -9,8 +9,9 @@ import numpy as np
 
 
 def painleve_bound(m: float, I1: float, offset: float, radius: float) -> float:
-    """The least mu at which the normal force of slip is not defined somewhere: min K_zz/|K_ez| over
-    theta.
+    """Return the least mu at which the normal force of slip is not defined somewhere.
+
+    It is min K_zz/|K_ez| over theta.
 
     Parameters
     ----------

@@ -118,7 +118,7 @@ def vertical_force(q, carried, b):
 def contact_scalars(q, b):
     """Return the scalars of a state about the contact."""
     u, L, u_dot = axis(q), momentum(q, b), axis_rate(q, b)
-    s = reaction.kinematics(u, L, u_dot, b)
+    s = contact.kinematics(u, L, u_dot, b)
     return reaction.completed(s, centre_velocity(q, b), reaction.reaction(u, L, u_dot, s, b))
 
 
@@ -133,7 +133,7 @@ def contact_of_angles(e, s, z, b):
     """Return the state about the contact of the angles. [section 1]"""
     v = chart.vector_of_angles(e, s, z, b)
     u, L = axis(v), gliding_vector.momentum(v)
-    k = reaction.kinematics(u, L, gliding_vector.axis_rate(v, b), b)
+    k = contact.kinematics(u, L, gliding_vector.axis_rate(v, b), b)
     w, arm = contact.angular_velocity(u, L, b), contact.arm(u, b)
     M = plus(L, times(b.m, cross(arm, cross(w, arm))))
     D, lam = tippe_top.routh(k, b), contact.jellett(k, b)

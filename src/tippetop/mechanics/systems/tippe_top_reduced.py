@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ..contact import body as contact
 from ..contact.gliding.catalogue import AWAY_FROM_POLE
-from ..contact.integrals import integral
+from ..contact.integrals import integral, place
 from ..contact.orientation import by_angles
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
@@ -56,7 +56,7 @@ def reduced_kinematics(q, b):
     phi_dot_s2 = (Lz - L3 * z) / b.I1
     axis_speed2 = (q.z_dot * q.z_dot + phi_dot_s2 * phi_dot_s2) / s2
     z_ddot_free = contact.torque_free(L3, phi_dot_s2, axis_speed2, z, b)
-    return reaction.Kinematics(z, s2, q.z_dot, z_ddot_free, phi_dot_s2, axis_speed2, L3, Lz)
+    return contact.Kinematics(z, s2, q.z_dot, z_ddot_free, phi_dot_s2, axis_speed2, L3, Lz)
 
 
 @formula
@@ -69,7 +69,7 @@ def reduced_scalars(q, b):
     along, across = reaction.push_along(s, b), b.I3 * reaction.spin_rate(s, b) / b.R
     speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
     friction_force2 = (along**2 + across**2) / s.s2
-    return reaction.Scalars(*s, speed2, friction_force2)  # type: ignore[call-arg]
+    return reaction.Scalars(*s, speed2, friction_force2)
 
 
 @formula
@@ -136,8 +136,7 @@ REDUCED = Form(
     angles_of_reduced,
     integrals=(
         integral("phi", phi_rate),
-        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
-        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
+        *place(velocity),
         integral(
             "impulse", lambda q, carried, b: reaction.normal_force(reduced_kinematics(q, b), b)
         ),

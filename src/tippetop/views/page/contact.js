@@ -22,7 +22,8 @@ const TOUCHES = 1e-12; // gap of a ball that touches
 const FELT = { flight: 1e-14, other: 1e-13 }; // gap below zero at which a landing is noticed
 const STILL = 1e-6; // speed of a disc and its edge, by its radius: slower, it rests
 const OUTSIDE = 6.25; // w^2/U^2 from which the series of drilling friction is used
-const TURN = 0.15; // rad, the longest step: a shorter flight may be missed
+const TURN = 0.15; // rad, the longest step once the normal force was small: a shorter flight may be missed
+const SMALL = 0.8; // of the weight
 const TOLERANCE = 1e-13;
 const [MOST_STEPS, MOST_PHASES, MOST_STRIKES] = [400_000, 10_000, 16];
 
@@ -51,6 +52,7 @@ export class Contact {
     this.tolerance = tolerance;
     this.stops = given.stops;
     this.turn = TURN / Math.max(Math.abs(given.initial.omega3 ?? 0), 10);
+    this.small = false;
     this.hop = 0; // [s] a part of the flight that has begun
     const d = facts.initial.map((name) => given.initial[name] ?? 0);
     const theta = given.initial.theta ?? 0;
@@ -351,7 +353,8 @@ export class Contact {
   /** The longest step now: short after a change, so that a landing or a flight that is as short is not passed over. */
   longest() {
     const { start } = this.phases[this.phases.length - 1];
-    return Math.min(this.turn, this.hop + 0.3 * (this.solver.time - start));
+    this.small ||= this.acts(this.y).some(([b, by]) => by[2] < SMALL * b[MASS] * b[GRAVITY]);
+    return Math.min(this.small ? this.turn : Infinity, this.hop + 0.3 * (this.solver.time - start));
   }
 
   /**

@@ -5,7 +5,7 @@
  * @type {(element: HTMLElement, name: string) => void}
  */
 export const subscript = (element, name) => {
-  element.innerHTML = name.replace(/_(\S+)/, "<sub>$1</sub>");
+  element.innerHTML = name.replace(/_(\S+)/g, "<sub>$1</sub>");
 };
 
 /**
@@ -21,6 +21,7 @@ export const subscript = (element, name) => {
  */
 
 const STEPS = 1000;
+const CLOSE = 0.08; // marks that are nearer have one label
 
 export class Sliders {
   /**
@@ -108,6 +109,12 @@ export class Sliders {
   mark(name, marks) {
     const known = this.all[name];
     if (!known) return;
+    const [first, second] = marks.map(({ value }) => this.part(known.slider, value));
+    if (Math.abs(first - second) < CLOSE)
+      marks = [
+        { ...marks[0], text: `${marks[0].text} ${marks[1].text}` },
+        { ...marks[1], text: "" },
+      ];
     known.marks.replaceChildren(
       ...marks
         .filter(({ value }) => value > known.slider.least && value < known.slider.most)

@@ -26,7 +26,7 @@ from ..body import (
     jellett,
     modified_energy,
 )
-from ..integrals import integral
+from ..integrals import integral, place
 from ..orientation import by_angles, carried_along
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
 from .euler import (
@@ -64,13 +64,16 @@ ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag
 
 
 def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
-    """The record of angles of what the user gave, the rest zero; psi_dot may stand for omega3."""
+    """Return the record of angles of what the user gave, the rest zero.
+
+    psi_dot may stand for omega3.
+    """
     e = angles(*(data.get(name, 0) for name in angles._fields))
     return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
-    """The angles of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
+    """Return the angles of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
     e = given_angles(Angles, data, z)
     if data.get("centre_at_rest"):
         along_e, along_2 = centre_velocity(e, s, z, b)
@@ -80,7 +83,7 @@ def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
 
 @formula
 def away_from_pole(s, b):
-    """sin(theta)^2."""
+    """Return sin(theta)^2."""
     return s.s2
 
 
@@ -94,7 +97,7 @@ AWAY_FROM_POLE = Domain(
 
 
 def work_and_impulse(scalars: Any) -> tuple[Integral, Integral]:
-    """The integrals of friction power and normal force of a form with these scalars."""
+    """Return the integrals of friction power and normal force of a form with these scalars."""
     return (
         integral("work", lambda q, carried, b: friction_power(scalars(q, b), b)),
         integral("impulse", lambda q, carried, b: g_n(scalars(q, b), b)),
@@ -125,8 +128,7 @@ EULER = Form(
     angles_of_euler,
     integrals=(
         integral("phi", lambda q, carried, b: q.phi_dot),
-        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
-        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
+        *place(velocity),
         *work_and_impulse(euler_scalars),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),
@@ -151,26 +153,28 @@ LONG_NAMES = {
 
 @formula
 def turning(s, b):
-    """z' = -theta' sin(theta): zero at the turning angles, and at a pole."""
+    """Return z' = -theta' sin(theta): zero at the turning angles, and at a pole."""
     return s.z_dot
 
 
 @formula
 def equator(s, b):
-    """z = cos(theta): zero where the axis is horizontal."""
+    """Return z = cos(theta): zero where the axis is horizontal."""
     return s.z
 
 
 @formula
 def near_inversion(s, b):
-    """z + cos(0.1): falls through zero where theta rises through pi - 0.1."""
+    """Return z + cos(0.1): falls through zero where theta rises through pi - 0.1."""
     return s.z + COS_INVERTED
 
 
 @formula
 def sliding(s, b):
-    """Friction loss less 1e-12, in internal units: below it the motion is settled, because a
-    solution without sliding is a spinning or a tumbling one. [T Theorem 3.3.1]
+    """Return the friction loss less 1e-12, in internal units.
+
+    Below it the motion is settled, because a solution without sliding is a spinning or a tumbling
+    one. [T Theorem 3.3.1]
     """
     return friction_loss(s, b) - 1e-12
 

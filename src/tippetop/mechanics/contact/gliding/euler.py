@@ -1,93 +1,59 @@
 """The gliding body in Euler angles: singular at the poles. [T 3.29-3.34, 5.14-5.18]"""
 
-from typing import NamedTuple
-
 from ...friction import slip_coefficient
-from ...operand import Operand, cos, formula, sin
+from ...operand import cos, formula, sin
 from ...units import JOULE, METRE, METRE_PER_SECOND, NEWTON_SECOND, RADIAN, RADIAN_PER_SECOND
-from ..body import Scalars, g_n, height, rolling_velocity, torque_free
-
-
-class Angles(NamedTuple):
-    """What users give and read: theta, theta', phi', omega_3, v_A = nu_x e + nu_y 2hat, phi; then
-    the integrals.
-    """
-
-    theta: Operand
-    theta_dot: Operand
-    phi_dot: Operand
-    omega3: Operand
-    nu_x: Operand
-    nu_y: Operand
-    phi: Operand
-    x: Operand
-    y: Operand
-    work: Operand
-    impulse: Operand
-
-
-ANGLES = Angles._make(
-    (
-        RADIAN,
-        *(RADIAN_PER_SECOND,) * 3,
-        *(METRE_PER_SECOND,) * 2,
-        RADIAN,
-        METRE,
-        METRE,
-        JOULE,
-        NEWTON_SECOND,
-    )
+from ..body import (
+    Scalars,
+    filled,
+    g_n,
+    height,
+    kinematics_of_angles,
+    of_azimuth,
+    rolling_velocity,
 )
 
 
-class EulerState(NamedTuple):
-    """theta, theta', phi', omega_3, v_A = nu_x e + nu_y 2hat."""
+EULER_UNITS = filled(
+    theta=RADIAN,
+    theta_dot=RADIAN_PER_SECOND,
+    phi_dot=RADIAN_PER_SECOND,
+    omega3=RADIAN_PER_SECOND,
+    nu_x=METRE_PER_SECOND,
+    nu_y=METRE_PER_SECOND,
+)
+"""theta, theta', phi', omega_3, v_A = nu_x e + nu_y 2hat."""
 
-    theta: Operand
-    theta_dot: Operand
-    phi_dot: Operand
-    omega3: Operand
-    nu_x: Operand
-    nu_y: Operand
+ANGLES = filled(
+    **EULER_UNITS._asdict(), phi=RADIAN, x=METRE, y=METRE, work=JOULE, impulse=NEWTON_SECOND
+)
+"""What users give and read: the state, phi, and the integrals."""
 
-
-EULER_UNITS = EulerState._make(ANGLES[:6])
+EulerState, Angles = type(EULER_UNITS), type(ANGLES)
 
 
 @formula
 def centre_velocity(e, s, z, b):
-    """Components of the velocity of the centre of mass along e and 2hat [m/s]. [section 3.2]"""
+    """Return the components of the velocity of the centre of mass along e and 2hat [m/s].
+
+    [section 3.2]
+    """
     along_e, along_2 = rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
     return e.nu_x + along_e, e.nu_y + along_2
 
 
 @formula
 def euler_scalars(e, b):
-    """The scalars of an Euler-angle state."""
+    """Return the scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
     along_e, along_2 = centre_velocity(e, s, z, b)
-    L3 = b.I3 * e.omega3
-    phi_dot_s2 = e.phi_dot * s**2
-    axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
-    return Scalars(
-        z=z,
-        s2=s**2,
-        z_dot=-(e.theta_dot * s),
-        z_ddot_free=torque_free(L3, phi_dot_s2, axis_speed2, z, b),
-        phi_dot_s2=phi_dot_s2,
-        axis_speed2=axis_speed2,
-        L3=L3,
-        Lz=b.I1 * phi_dot_s2 + L3 * z,
-        v_u=e.nu_x * s,
-        v_n=e.nu_y * s,
-        v2=e.nu_x**2 + e.nu_y**2,
-        speed2=along_e**2 + along_2**2,
-    )
+    speeds2 = e.nu_x**2 + e.nu_y**2, along_e**2 + along_2**2
+    return Scalars(*kinematics_of_angles(e, s, z, b), e.nu_x * s, e.nu_y * s, *speeds2)
 
 
 @formula
 def euler_rates(e, b):
-    """The solved equations in Euler angles.
+    """Return the solved equations in Euler angles.
 
     [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]
     """
@@ -131,19 +97,18 @@ def euler_rates(e, b):
 
 @formula
 def sine_and_cosine(q):
-    """sin(theta), cos(theta)."""
+    """Return sin(theta), cos(theta)."""
     return sin(q.theta), cos(q.theta)
 
 
 @formula
 def psi_rate(q, carried, b):
-    """psi' = omega_3 - phi' cos(theta) [rad/s]. [T 3.22]"""
+    """Return psi' = omega_3 - phi' cos(theta) [rad/s]. [T 3.22]"""
     return q.omega3 - q.phi_dot * cos(q.theta)
 
 
 @formula
 def velocity(q, carried, b):
-    """x', y' of the centre of mass [m/s]."""
+    """Return x', y' of the centre of mass [m/s]."""
     along_e, along_2 = centre_velocity(q, sin(q.theta), cos(q.theta), b)
-    ex, ey = cos(carried.phi), sin(carried.phi)
-    return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
+    return of_azimuth(along_e, along_2, carried.phi)

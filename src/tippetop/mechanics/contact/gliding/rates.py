@@ -11,7 +11,9 @@ from .. import body as contact
 
 @formula
 def twist(s, b):
-    """(3hat x F).zhat of the friction [N]: L_3' = R twist, L_z' = c twist about the centre of mass.
+    """Return (3hat x F).zhat of the friction [N].
+
+    L_3' = R twist, L_z' = c twist about the centre of mass.
 
     [T 3.11, 3.26]
     """
@@ -20,7 +22,7 @@ def twist(s, b):
 
 @formula
 def push_u(s, b):
-    """3hat.(dv_A/dt) [m/s^2]. [T 3.32, corrected]"""
+    """Return 3hat.(dv_A/dt) [m/s^2]. [T 3.32, corrected]"""
     N, h = contact.g_n(s, b), contact.height(s.z, b)
     drag = slip_coefficient(s.v2, s.z, b.friction) * N * s.v_u
     turn = s.L3 / b.I3 * s.phi_dot_s2 * (b.I3 * h - b.I1 * b.R) + b.c * s.s2 * (
@@ -31,7 +33,7 @@ def push_u(s, b):
 
 @formula
 def push_n(s, b):
-    """(zhat x 3hat).(dv_A/dt) [m/s^2]. [T 3.33]"""
+    """Return (zhat x 3hat).(dv_A/dt) [m/s^2]. [T 3.33]"""
     q = b.c - b.R * s.z
     mobility = 1 / b.m + q**2 / b.I1 + b.R**2 * s.s2 / b.I3
     return twist(s, b) * mobility - s.L3 / b.I3 * s.z_dot * (b.I3 * q + b.I1 * b.R * s.z) / b.I1
@@ -39,7 +41,7 @@ def push_n(s, b):
 
 @formula
 def modified_energy_rate(s, b):
-    """E~' = m (omega x a).(dv_A/dt) [W] of the state itself; 0/0 exactly at a pole.
+    """Return E~' = m (omega x a).(dv_A/dt) [W] of the state itself; 0/0 exactly at a pole.
 
     [T 4.22, 5.24, corrected]
     """

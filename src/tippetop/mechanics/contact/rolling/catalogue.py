@@ -10,7 +10,7 @@ from ..gliding import catalogue as gliding
 from ..gliding.catalogue import given_angles
 from ..gliding.euler import psi_rate, sine_and_cosine
 from ..gliding.vector import axis, axis_rate
-from ..integrals import integral
+from ..integrals import integral, place
 from ..orientation import by_angles, carried_along
 from . import euler, vector
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
@@ -24,8 +24,8 @@ from .vector import VECTOR_UNITS, vector_rates, vector_scalars
 INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith("nu_")}
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
-    """The angle record of the given initial values."""
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
+    """Return the angle record of the given initial values."""
     return given_angles(Angles, data, z)
 
 
@@ -37,8 +37,7 @@ VECTOR = Form(
     vector_of_angles,
     angles_of_vector,
     integrals=(
-        integral("x", lambda q, carried, b: vector.velocity(q, carried, b).x),
-        integral("y", lambda q, carried, b: vector.velocity(q, carried, b).y),
+        *place(vector.velocity),
         integral("impulse", vector.vertical_force),
     ),
     orientation=carried_along(axis, axis_rate, vector.spin),
@@ -52,8 +51,7 @@ EULER = Form(
     angles_of_euler,
     integrals=(
         integral("phi", lambda q, carried, b: q.phi_dot),
-        integral("x", lambda q, carried, b: euler.velocity(q, carried, b)[0]),
-        integral("y", lambda q, carried, b: euler.velocity(q, carried, b)[1]),
+        *place(euler.velocity),
         integral("impulse", euler.vertical_force),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),

@@ -12,17 +12,17 @@ from .vector import VectorState, vector_scalars
 
 @formula
 def vector_of_angles(e, s, z, b):
-    """The vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
+    """Return the vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
 
     [section 1]
     """
     u, L = gliding_chart.axis_and_momentum(e, s, z, b.I1, b.I3)
-    return VectorState(u.x, u.y, u.z, L.x, L.y, L.z)
+    return VectorState(*u, *L)
 
 
 @formula
 def angles_of_vector(q, carried, b):
-    """The angles of a vector state; 0/0 exactly at a pole, where phi means nothing.
+    """Return the angles of a vector state; 0/0 exactly at a pole, where phi means nothing.
 
     [section 3.4]
     """
@@ -35,21 +35,15 @@ def angles_of_vector(q, carried, b):
 
 @formula
 def euler_of_angles(e, s, z, b):
-    """The Euler-angle state of the angles."""
-    return EulerState(e.theta, e.theta_dot, e.phi_dot, e.omega3)
+    """Return the Euler-angle state of the angles."""
+    return EulerState(*e[:4])
 
 
 @formula
 def angles_of_euler(q, carried, b):
-    """The same angles with theta in [0, pi] and phi in (-pi, pi]: by way of the vector state."""
-    e = Angles(
-        q.theta,
-        q.theta_dot,
-        q.phi_dot,
-        q.omega3,
-        carried.phi,
-        carried.x,
-        carried.y,
-        carried.impulse,
-    )
+    """Return the same angles with theta in [0, pi] and phi in (-pi, pi].
+
+    They are computed by way of the vector state.
+    """
+    e = Angles(*q[:4], carried.phi, carried.x, carried.y, carried.impulse)
     return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)

@@ -1,47 +1,29 @@
 """The rolling body in Euler angles: singular at the poles."""
 
-from typing import NamedTuple
-
-from ...operand import Operand, cos, formula, sin
+from ...operand import cos, formula, sin
 from ...units import METRE, NEWTON_SECOND, RADIAN, RADIAN_PER_SECOND
 from .. import body as contact
+from ..body import filled, kinematics_of_angles, of_azimuth
 from .reaction import Scalars, spin_determinant
 
 
 # --- Euler-angle form: singular at the poles ----------------------------------------------------
 
 
-class Angles(NamedTuple):
-    """What users give and read: theta, theta', phi', omega_3, phi; then the integrals."""
+EULER_UNITS = filled(
+    theta=RADIAN, theta_dot=RADIAN_PER_SECOND, phi_dot=RADIAN_PER_SECOND, omega3=RADIAN_PER_SECOND
+)
+"""theta, theta', phi', omega_3."""
 
-    theta: Operand
-    theta_dot: Operand
-    phi_dot: Operand
-    omega3: Operand
-    phi: Operand
-    x: Operand
-    y: Operand
-    impulse: Operand
+ANGLES = filled(**EULER_UNITS._asdict(), phi=RADIAN, x=METRE, y=METRE, impulse=NEWTON_SECOND)
+"""What users give and read: the state, phi, and the integrals."""
 
-
-ANGLES = Angles._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, METRE, METRE, NEWTON_SECOND))
-
-
-class EulerState(NamedTuple):
-    """theta, theta', phi', omega_3."""
-
-    theta: Operand
-    theta_dot: Operand
-    phi_dot: Operand
-    omega3: Operand
-
-
-EULER_UNITS = EulerState._make(ANGLES[:4])
+EulerState, Angles = type(EULER_UNITS), type(ANGLES)
 
 
 @formula
 def euler_accelerations(e, s, z, b):
-    """theta'', phi'', omega_3' in Euler angles. [T 4.2-4.4]"""
+    """Return theta'', phi'', omega_3' in Euler angles. [T 4.2-4.4]"""
     h, q = contact.height(z, b), b.c - b.R * z
     determinant = spin_determinant(z, b)
     theta_dot2 = (
@@ -66,8 +48,9 @@ def euler_accelerations(e, s, z, b):
 
 @formula
 def general_accelerations(e, s, z, w_x, w_y, b):
-    """theta'', phi'', omega_3' of any motion whose contact point accelerates by w_x e + w_y 2hat:
-    the general system, of which rolling is w = 0. [T 3.36; section 12]
+    """Return theta'', phi'', omega_3' of any motion, of the acceleration of its contact point.
+
+    That is w_x e + w_y 2hat; rolling is w = 0. [T 3.36; section 12]
     """
     theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
     h, q, determinant = contact.height(z, b), b.c - b.R * z, spin_determinant(z, b)
@@ -80,7 +63,7 @@ def general_accelerations(e, s, z, w_x, w_y, b):
 
 @formula
 def euler_scalars(e, b):
-    """The scalars of an Euler-angle state."""
+    """Return the scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
     h, q = contact.height(z, b), b.c - b.R * z
     theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
@@ -91,44 +74,29 @@ def euler_scalars(e, b):
         e.theta_dot * z * turn
         + s * (b.R * omega3_dot + phi_dot2 * q + e.phi_dot * (b.R * e.theta_dot * s))
     )
-    L3 = b.I3 * e.omega3
-    phi_dot_s2 = e.phi_dot * s**2
-    axis_speed2 = e.theta_dot**2 + (e.phi_dot * s) ** 2
-    return Scalars(
-        z=z,
-        s2=s**2,
-        z_dot=-(e.theta_dot * s),
-        z_ddot_free=contact.torque_free(L3, phi_dot_s2, axis_speed2, z, b),
-        phi_dot_s2=phi_dot_s2,
-        axis_speed2=axis_speed2,
-        L3=L3,
-        Lz=b.I1 * phi_dot_s2 + L3 * z,
-        speed2=along_e**2 + along_2**2,
-        friction_force2=b.m**2 * (push_e**2 + push_2**2),
-    )
+    squares = along_e**2 + along_2**2, b.m**2 * (push_e**2 + push_2**2)
+    return Scalars(*kinematics_of_angles(e, s, z, b), *squares)
 
 
 @formula
 def euler_rates(e, b):
-    """The equations in Euler angles. [T 4.2-4.4]"""
+    """Return the equations in Euler angles. [T 4.2-4.4]"""
     s, z = sin(e.theta), cos(e.theta)
-    theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
-    return EulerState(e.theta_dot, theta_dot2, phi_dot2, omega3_dot)
+    return EulerState(e.theta_dot, *euler_accelerations(e, s, z, b))
 
 
 @formula
 def velocity(q, carried, b):
-    """x', y' of the centre of mass [m/s]."""
+    """Return x', y' of the centre of mass [m/s]."""
     along_e, along_2 = contact.rolling_velocity(
         q.theta_dot, q.phi_dot, q.omega3, sin(q.theta), cos(q.theta), b
     )
-    ex, ey = cos(carried.phi), sin(carried.phi)
-    return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
+    return of_azimuth(along_e, along_2, carried.phi)
 
 
 @formula
 def vertical_force(q, carried, b):
-    """Normal force m (g + c (theta'' sin(theta) + theta'^2 cos(theta))) [N]."""
+    """Return the normal force m (g + c (theta'' sin(theta) + theta'^2 cos(theta))) [N]."""
     s, z = sin(q.theta), cos(q.theta)
     theta_dot2, _, _ = euler_accelerations(q, s, z, b)
     return b.m * (b.g + b.c * (theta_dot2 * s + q.theta_dot**2 * z))

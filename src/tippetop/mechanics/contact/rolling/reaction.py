@@ -6,40 +6,15 @@ c = alpha*R is the rolling tippe top; R = 0, c = -l a top with its tip fixed. Th
 parameters as a `contact.body.Touch`.
 """
 
-from typing import NamedTuple
-
-from ...operand import Operand, Vector, cross, dot, formula, plus, sqrt, times
+from ...operand import Vector, cross, formula, plus, sqrt, times
 from .. import body as contact
 
 
-class Kinematics(NamedTuple):
-    """How the axis moves, and L: functions of the state that do not depend on the form; smooth at
-    the poles. The names are those of the scalars of a gliding body.
-    """
-
-    z: Operand  # cos(theta)
-    s2: Operand  # sin(theta)^2
-    z_dot: Operand  # -theta' sin(theta)
-    z_ddot_free: Operand  # z'' of the axis if no torque about the centre of mass acted
-    phi_dot_s2: Operand  # phi' sin(theta)^2
-    axis_speed2: Operand  # |3hat'|^2
-    L3: Operand  # L.3hat
-    Lz: Operand  # L.zhat, about the centre of mass
-
-
-class Scalars(NamedTuple):
-    """The kinematics, field by field, and what follows from v_A = 0."""
-
-    z: Operand
-    s2: Operand
-    z_dot: Operand
-    z_ddot_free: Operand
-    phi_dot_s2: Operand
-    axis_speed2: Operand
-    L3: Operand
-    Lz: Operand
-    speed2: Operand  # |r'|^2, horizontal velocity of the centre of mass
-    friction_force2: Operand  # |F_h|^2, horizontal part of the reaction
+FIELDS = (*contact.Kinematics._fields, "speed2", "friction_force2")
+Scalars = type(contact.filled(**dict.fromkeys(FIELDS)))
+"""The kinematics, |r'|^2 of the horizontal velocity of the centre of mass, and |F_h|^2 of the
+horizontal part of the reaction.
+"""
 
 
 # --- the reaction -------------------------------------------------------------------------------
@@ -47,15 +22,16 @@ class Scalars(NamedTuple):
 
 @formula
 def motion_terms(s, b):
-    """q |3hat'|^2 + R omega_3 phi' sin(theta)^2, q = c - R z: what v_A = 0 asks of F.3hat beyond
-    z'' [m/s^2].
+    """Return q |3hat'|^2 + R omega_3 phi' sin(theta)^2, q = c - R z [m/s^2].
+
+    v_A = 0 requires it of F.3hat, beyond z''.
     """
     return (b.c - b.R * s.z) * s.axis_speed2 + b.R * (s.L3 / b.I3) * s.phi_dot_s2
 
 
 @formula
 def z_dot2(s, b):
-    """z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
+    """Return z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
     h = contact.height(s.z, b)
     drive = b.c * (b.g * s.s2) + h * motion_terms(s, b)
     return (b.I1 * s.z_ddot_free + b.m * drive) / (b.I1 + b.m * contact.arm2(s.z, b))
@@ -63,19 +39,19 @@ def z_dot2(s, b):
 
 @formula
 def normal_force(s, b):
-    """Normal force F_z = m (g - c z'') [N]."""
+    """Return the normal force F_z = m (g - c z'') [N]."""
     return b.m * (b.g - b.c * z_dot2(s, b))
 
 
 @formula
 def push_along(s, b):
-    """F_h.3hat [N]: horizontal reaction along the lean of the axis, times sin(theta)."""
+    """Return F_h.3hat [N]: horizontal reaction along the lean of the axis, times sin(theta)."""
     return b.m * (motion_terms(s, b) - contact.height(s.z, b) * z_dot2(s, b))
 
 
 @formula
 def spin_rate(s, b):
-    """omega_3' [1/s^2]. [T 4.4]"""
+    """Return omega_3' [1/s^2]. [T 4.4]"""
     q = b.c - b.R * s.z
     slope = b.I1 * (b.R * s.z) + b.I3 * q
     return b.m * b.R * (s.L3 / b.I3 * s.z_dot) * slope / spin_determinant(s.z, b)
@@ -83,41 +59,27 @@ def spin_rate(s, b):
 
 @formula
 def spin_determinant(z, b):
-    """I3^2 d(z) = I1 I3 + m R^2 I1 sin(theta)^2 + m I3 (c - R z)^2 [kg^2 m^4]. [T 4.2]"""
+    """Return I3^2 d(z) = I1 I3 + m R^2 I1 sin(theta)^2 + m I3 (c - R z)^2 [kg^2 m^4]. [T 4.2]"""
     return b.I1 * b.I3 + b.m * (b.R**2 * b.I1 * ((1 - z) * (1 + z)) + b.I3 * (b.c - b.R * z) ** 2)
 
 
 @formula
 def horizontal_force(s, b):
-    """Size of the horizontal part of the reaction, |F_h| [N]."""
+    """Return the size of the horizontal part of the reaction, |F_h| [N]."""
     return sqrt(s.friction_force2)
 
 
 @formula
 def friction_needed(s, b):
-    """Coulomb friction coefficient that pure rolling needs, |F_h|/F_z."""
+    """Return the coefficient of Coulomb friction that pure rolling needs, |F_h|/F_z."""
     return sqrt(s.friction_force2) / normal_force(s, b)
 
 
 @formula
-def kinematics(u, L, u_dot, b):
-    """The kinematics of an axis u, its rate and the momentum L about the centre of mass."""
-    return Kinematics(
-        z=u.z,
-        s2=u.x * u.x + u.y * u.y,
-        z_dot=u_dot.z,
-        z_ddot_free=(L.x * u_dot.y - L.y * u_dot.x) / b.I1,
-        phi_dot_s2=u.x * u_dot.y - u.y * u_dot.x,
-        axis_speed2=dot(u_dot, u_dot),
-        L3=dot(L, u),
-        Lz=L.z,
-    )
-
-
-@formula
 def reaction(u, L, u_dot, s, b):
-    """The reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]; s are the
-    kinematics.
+    """Return the reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N].
+
+    s are the kinematics.
 
     From L' = a x F, 3hat'' = (L' x 3hat + L x 3hat')/I1 and s' = -omega x a; F.3hat and z'' are
     known in advance.
@@ -135,16 +97,5 @@ def reaction(u, L, u_dot, s, b):
 
 @formula
 def completed(s, v, F):
-    """The scalars of kinematics s, velocity v of the centre of mass and horizontal force F."""
-    return Scalars(
-        s.z,
-        s.s2,
-        s.z_dot,
-        s.z_ddot_free,
-        s.phi_dot_s2,
-        s.axis_speed2,
-        s.L3,
-        s.Lz,
-        v.x**2 + v.y**2,
-        F.x**2 + F.y**2,
-    )
+    """Return the scalars, of kinematics s, velocity v of the centre of mass, and force F."""
+    return Scalars(*s, v.x**2 + v.y**2, F.x**2 + F.y**2)

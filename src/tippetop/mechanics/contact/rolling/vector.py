@@ -1,36 +1,26 @@
 """The rolling body in vector form: regular everywhere."""
 
-from typing import NamedTuple
-
-from ...operand import Operand, Vector, dot, formula
-from ...units import ANGULAR_MOMENTUM, ONE
-from ..body import height
+from ...operand import Vector, dot, formula
+from ..body import height, kinematics, state
 from ..gliding.vector import axis, axis_rate, momentum
-from .reaction import completed, kinematics, normal_force, reaction
+from .reaction import completed, normal_force, reaction
 
 
 # --- vector form: regular everywhere ------------------------------------------------------------
 
 
-class VectorState(NamedTuple):
-    """3hat, and L about the centre of mass. The velocity of the centre of mass is -omega x a."""
+VECTOR_UNITS = state()
+"""3hat, and L about the centre of mass. The velocity of the centre of mass is -omega x a."""
 
-    ux: Operand
-    uy: Operand
-    uz: Operand
-    Lx: Operand
-    Ly: Operand
-    Lz: Operand
-
-
-VECTOR_UNITS = VectorState._make((*(ONE,) * 3, *(ANGULAR_MOMENTUM,) * 3))
+VectorState = type(VECTOR_UNITS)
 
 
 @formula
 def centre_velocity(u, u_dot, w3, b):
-    """r' = -(omega x a), horizontal, (3,) [m/s], with omega = 3hat x 3hat' + w3 3hat.
+    """Return r' = -(omega x a), horizontal, (3,) [m/s], with omega = 3hat x 3hat' + w3 3hat.
 
-    `body.centre_velocity`, which takes L instead, has another rounding."""
+    `body.centre_velocity`, which takes L instead, has another rounding.
+    """
     q = b.c - b.R * u.z
     return Vector(
         -(q * u_dot.x) - b.R * (u.x * u_dot.z - w3 * u.y),
@@ -41,7 +31,7 @@ def centre_velocity(u, u_dot, w3, b):
 
 @formula
 def vector_scalars(q, b):
-    """The scalars of a vector state."""
+    """Return the scalars of a vector state."""
     u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
     s = kinematics(u, L, u_dot, b)
     return completed(s, centre_velocity(u, u_dot, s.L3 / b.I3, b), reaction(u, L, u_dot, s, b))
@@ -49,15 +39,13 @@ def vector_scalars(q, b):
 
 @formula
 def vector_rates(q, b):
-    """3hat' = L x 3hat/I1, L' = a x F. [section 4]"""
+    """Return 3hat' = L x 3hat/I1, L' = a x F. [section 4]"""
     u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
     s = kinematics(u, L, u_dot, b)
     F = reaction(u, L, u_dot, s, b)
     h = height(u.z, b)
     return VectorState(
-        u_dot.x,
-        u_dot.y,
-        u_dot.z,
+        *u_dot,
         b.c * (u.y * F.z) + h * F.y,
         -(b.c * (u.x * F.z)) - h * F.x,
         b.c * (u.x * F.y - u.y * F.x),
@@ -66,18 +54,21 @@ def vector_rates(q, b):
 
 @formula
 def spin(q, b):
-    """omega_3 = L.3hat/I3 [rad/s]; of L about the centre of mass or about a point of the axis."""
+    """Return omega_3 = L.3hat/I3 [rad/s].
+
+    L is about the centre of mass or about a point of the axis.
+    """
     return dot(momentum(q), axis(q)) / b.I3
 
 
 @formula
 def velocity(q, carried, b):
-    """Velocity of the centre of mass, r' = -(omega x a), (3,) [m/s]."""
+    """Return the velocity of the centre of mass, r' = -(omega x a), (3,) [m/s]."""
     u, u_dot = axis(q), axis_rate(q, b)
     return centre_velocity(u, u_dot, kinematics(u, momentum(q), u_dot, b).L3 / b.I3, b)
 
 
 @formula
 def vertical_force(q, carried, b):
-    """Normal force F_z [N]."""
+    """Return the normal force F_z [N]."""
     return normal_force(kinematics(axis(q), momentum(q), axis_rate(q, b), b), b)
