@@ -51,7 +51,7 @@ def make(kind: str, store: Path, progress: Any = None) -> None:
         sweep.sweep(plan, store, workers=1, progress=progress)
     else:
         axes = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
-        surfaces.write(store, surfaces.Surface.over(CANONICAL, *axes, chunk=16), progress=progress)
+        surfaces.write(store, surfaces.Surface(CANONICAL, *axes, chunk=16), progress=progress)
 
 
 @pytest.fixture(scope="module")

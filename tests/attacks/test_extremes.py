@@ -5,6 +5,7 @@ itself, and a rounding error of each step may have grown as much as that change.
 It is not seen what all forms and precisions share, nor motions near a pole in other forms.
 """
 
+import contextlib
 import dataclasses
 from typing import Any
 
@@ -15,6 +16,7 @@ from hypothesis import strategies as st
 from tops import scenarios, spread
 
 from tippetop.errors import InputError
+from tippetop.library.scenarios import checked
 from tippetop.problem import Problem
 from tippetop.runs.run import Solution, solve
 from tippetop.scenario import build
@@ -101,5 +103,6 @@ def test_a_motion_does_not_depend_on_form_and_precision(
     compare(mine, reference, near)
     form = problem.system.forms[data.draw(st.sampled_from(sorted(problem.system.forms)))]
     other = dataclasses.replace(problem, form=form)
-    if away_from_poles(mine) and away_from_poles(reference) and not other.faults():
-        compare(solve(other), reference, [*near, nudged(other, "theta")])
+    if away_from_poles(mine) and away_from_poles(reference):
+        with contextlib.suppress(InputError):  # a start that this form does not take
+            compare(solve(checked(other)), reference, [*near, nudged(other, "theta")])
