@@ -18,6 +18,8 @@ BUILT = SOURCE.with_suffix(".so")
 FLAGS = ["-std=c11", "-O3", "-shared", "-fPIC"]
 # Stored runs continue bit by bit, so no operation may be reordered or fused.
 FLAGS += ["-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
+# Minor versions of glibc for which auditwheel has a platform tag.
+MANYLINUX = 17, 24, 26, 27, 28, 31, 34, 35, 36, 37, 38, 39, 40, 41
 
 
 def compiler() -> list[str]:
@@ -38,11 +40,13 @@ def build() -> None:
 def platform() -> str:
     """Return the platform of the wheel.
 
-    On Linux, the newest version of glibc that the loop requires decides.
+    On Linux, the newest version of glibc that the loop requires decides: the oldest tag that
+    distributors of wheels use and that includes it.
     """
     name = sysconfig.get_platform().replace("-", "_").replace(".", "_")
     versions = [int(version) for version in re.findall(rb"GLIBC_2\.(\d+)", BUILT.read_bytes())]
-    return name.replace("linux", f"manylinux_2_{max(17, *versions)}") if versions else name
+    oldest = next((tag for tag in MANYLINUX if tag >= max(versions, default=0)), None)
+    return name.replace("linux", f"manylinux_2_{oldest}") if versions and oldest else name
 
 
 class LoopBuildHook(BuildHookInterface):
