@@ -17,7 +17,7 @@ import numpy as np
 from ..errors import InputError, names_its_faults
 from .disc_friction import REGIONS, STOPS_ROLLING, Region, inside, rolling, torque
 from .number import Number, Record, RecordType, number, reuse
-from .operand import Vector, exp, formula, select, sqrt
+from .operand import Vector, exp, formula, select, sqrt, times
 from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 
 
@@ -77,8 +77,10 @@ def has_parts(law: Any) -> bool:
 
 
 def load(omega: Vector, law: Any) -> Vector:
-    """Return the torque of a law without regions per normal force, (3,) [m]."""
-    return torque_of_parts(None, omega, law) if "mu_d" in law._fields else Vector(0.0, 0.0, 0.0)
+    """Return the torque of a law without regions per normal force, (3,) [m], in the precision of
+    `omega`.
+    """
+    return torque_of_parts(None, omega, law) if "mu_d" in law._fields else times(0, omega)
 
 
 class FrictionLaw(Record, abstract=True):
