@@ -112,14 +112,12 @@ class Pieces:
         known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
         driver.take(pars[: len(driver.motion.pars)])
         driver.begin()
-        directed = motion.stages(self.given[0])[region].is_directed
-        driver.put(motion.directed(q) if directed else q, (none, none))
+        driver.put(q, (none, none))
         driver.end_at(end)
         driver.forget()
         steps, code = driver.make(NO_ROWS, int(most)), driver.status[0]
         event = int(driver.log.event[driver.logged[0] - 1]) if code == ENDED else -1
-        after = motion.Motion(*driver.reached()[1][: len(q)].tolist())
-        return code, steps, event, motion.undirected(after) if directed else after
+        return code, steps, event, motion.Motion(*driver.reached()[1][: len(q)].tolist())
 
 
 class Impact(NamedTuple):
@@ -237,9 +235,11 @@ class ImpactMotions:
                 signs.append(event.direction if is_beyond or grows else -event.direction)
             zeros = tuple(-float(event.name == passed) for event in stage.events)
             end = CLOCK_RATE * (span if rests else LONGEST)
+            begins = motion.directed(q) if stage.is_directed else q
             status, steps, k, after = self.piece(
-                self.region, end, self.left, tuple(signs), zeros, tuple(leaves(b)), q
+                self.region, end, self.left, tuple(signs), zeros, tuple(leaves(b)), begins
             )
+            after = motion.undirected(after) if stage.is_directed else after
             passed = ""
             self.left -= steps + 1
             if rests and motion.left(law, stage.acts(after, b), b) < 0:  # it gives way on the way
