@@ -46,8 +46,7 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
         The disk; see `writing`.
     """
     path = Path(path)
-    other = os.path.lexists(path) and not path.is_symlink() and not path.is_file()
-    if not path.name or path.is_dir() or other:
+    if not path.name or (path.exists() and not path.is_file()):
         raise StoreError(f"`{path}` must be the name of a file, but is a folder or a device.")
     refuse_inside(path)
     flag("overwrite", overwrite)
@@ -82,24 +81,14 @@ def lock_of(path: Path) -> contextlib.AbstractContextManager[Ledger | None]:
 @contextlib.contextmanager
 def scratch_folder(path: Path) -> Iterator[Path]:
     """Make a hidden folder next to `path`; remove it when the block ends. Raises OSError."""
-    scratch, descriptor = _made(path)
+    scratch = scratch_name(path)
+    scratch.mkdir()
+    descriptor = Folder(scratch).lock()  # which the end of a killed writer releases
     try:
         yield scratch
     finally:
         os.close(descriptor)
         shutil.rmtree(scratch, ignore_errors=True)
-
-
-def _made(path: Path) -> tuple[Path, int]:
-    """Make and lock a scratch folder, whose lock a killed writer releases."""
-    while True:  # another process may take it for a stale one before it is locked
-        scratch = scratch_name(path)
-        scratch.mkdir()
-        with contextlib.suppress(FileNotFoundError, BlockingIOError):
-            descriptor = Folder(scratch).lock()
-            if scratch.exists():
-                return scratch, descriptor
-            os.close(descriptor)
 
 
 def put_back(path: Path) -> None:
