@@ -144,13 +144,12 @@ def _fill(
     try:
         for task, result in results:
             tops, key = plan.tops(task.chunk), f"{GROUP}/{task.chunk}"
+            failed = {key: result} if isinstance(result, str) else {}
             with files.writing(store.path, KEPT):
-                if isinstance(result, str):
-                    store.commit(failed={key: result})
-                else:
+                if not isinstance(result, str):
                     store.put(key, {**plan.design.numbers(tops), **task.columns, **result})
-                    store.commit()
-            if isinstance(result, str):
+                store.commit(failed=failed)
+            if failed:
                 sentences.append(
                     f"chunk {task.chunk} (tops {tops[0]} to {tops[-1]}) failed: {result}."
                 )
