@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from .compiled import Compiled, stepper_of
+from .integrator import Compiled, stepper_of
 from .loop import Loop, Rows, new_motion
 from .status import Status
 from .stepper import Called, Stepper

@@ -43,7 +43,7 @@ from .driver import (
 from .expressions import Formulas
 from .loop import MOST_COEFFICIENTS
 from .phase_tables import PhaseTables
-from .sampled import Sampler, zero_of
+from .python_events import Sampler, zero_of
 from .status import Status
 from .tallies import (
     COUNT,

@@ -7,8 +7,8 @@ from collections.abc import Callable, Collection
 
 import numpy as np
 
-from ..engine.compiled import stepper_of
 from ..engine.expressions import formulas_of
+from ..engine.integrator import stepper_of
 from ..engine.loop import Loop, Queue, Tops, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays

@@ -18,7 +18,7 @@ from ..store import files, provenance, root
 from .chunk import Task
 from .plan import Plan
 from .store import RUNS, SweepStore, opened
-from .summary import open_sweep
+from .sweep_summary import open_sweep
 from .workers import SchedulerLost, Workers, connect, in_process, on_workers, processes
 
 
