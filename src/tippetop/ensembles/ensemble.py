@@ -118,10 +118,9 @@ def _exponents(tops: Problems, ends: np.ndarray) -> np.ndarray:
     That of a top that is invalid, or ends at its start, is NaN.
     """
     rates = np.full(tops.n, np.nan)
-    going = np.flatnonzero(tops.valid & (ends > 0))
-    for top in going.tolist():
+    for top in np.flatnonzero(tops.valid & (ends > 0)).tolist():
         times = np.array([0.0, ends[top]])
-        rates[top] = growth(problem_of(tops, top), times, uses=len(going)).exponents[-1]
+        rates[top] = growth(problem_of(tops, top), times).exponents[-1]
     return rates
 
 
