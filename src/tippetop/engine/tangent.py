@@ -123,7 +123,9 @@ class Tangents:
         rows, orders, variables, lanes = states.shape
         inputs = states.transpose(1, 2, 0, 3).reshape(orders * variables, rows * lanes)
         pars = np.tile(_parameters(numbers, ways)[: readings.function.nparams], (1, rows))
-        outputs = readings.function(inputs, pars=pars).reshape(-1, rows, lanes)
+        outputs = readings.function(np.ascontiguousarray(inputs), pars=pars).reshape(
+            -1, rows, lanes
+        )
         n = len(readings.names)
         columns = {name: outputs[i : orders * n : n] for i, name in enumerate(readings.names)}
         return columns, dict(zip(timed, outputs[orders * n :], strict=True))
