@@ -17,7 +17,6 @@ from ..errors import InputError
 from ..mechanics.event import ON_ZERO as BELOW
 from ..mechanics.event import Event
 from ..mechanics.form import CLOCK, Exit, Next, Phase
-from ..mechanics.inlining import inlined
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
@@ -97,7 +96,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
         return values
 
     return Formulas(
-        form, events, inlined(functions), lambda values: refill(template, values)._replace(**folds)
+        form, events, functions, lambda values: refill(template, values)._replace(**folds)
     )
 
 
