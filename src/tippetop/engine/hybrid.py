@@ -221,8 +221,8 @@ class Track:
         self.name, self.phase, self.at = name, run.phases[name], [*run.phases].index(name)
         phase = self.phase
         self.b = phase.parameters(run.body)
-        kinds = type(self.b), type(self.b.friction)
-        given = problem.variables, problem.contact, run.impacts, *kinds
+        kinds: Any = type(self.b), type(self.b.friction)
+        given: Any = problem.variables, problem.contact, run.impacts, *kinds
         phases = tuple(run.phases.items())
         self.exits: dict[str, Any] = {
             exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
@@ -315,7 +315,7 @@ class HybridDriver(Driver):
         self.changes = self.short = 0
         # the phases of a slice: their places, and the numbers of rows, passages and samples before
         self.spans: list[list[int]] = []
-        self.wholes: list[tuple] = []  # the integrals in which they begin
+        self.wholes: list[Sequence] = []  # the integrals in which they begin
         self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
         self.impacts = self.piece = struck = None
         if problem.contact is not None:
