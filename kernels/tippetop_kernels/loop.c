@@ -586,7 +586,7 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
 }
 
 /* Keep the numbers `first` to `last` of an event that happens. */
-static void keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
+void loop_keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
     for (integer m = first; m < last; m++) {
         const Number *number = l->rows.numbers + m;
         real *kept = l->tallies.kept + m * l->sizes.lanes + lane;
@@ -618,7 +618,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     }
     if ((real)event->direction * sign < 0)
         return;
-    keep(l, event->first, event->last, lane, when, sign);
+    loop_keep(l, event->first, event->last, lane, when, sign);
     const Log *log = &l->log;
     integer at = log->filled[0];
     if (at == l->sizes.log)
@@ -1162,7 +1162,7 @@ static bool change_phase(Phases *p) {
     log->event[at] = c->logged;
     log->sign[at] = 1;
     log->at_pole[at] = false;
-    keep(l, c->first, c->last, 0, when, 1);
+    loop_keep(l, c->first, c->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
     real counts[] = {when, (real)(c - p->changes), (real)l->output.filled[0], (real)(at + 1),
                      (real)l->samples.filled[0]};

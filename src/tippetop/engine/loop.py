@@ -231,6 +231,7 @@ def library() -> ctypes.CDLL:
             "(pip install -e .)."
         )
     whole, array = ctypes.c_int64, ctypes.c_void_p
+    loaded.loop_keep.argtypes = [array, *[whole] * 3, *[ctypes.c_double] * 2]
     loaded.loop_drive.restype, loaded.loop_drive.argtypes = whole, [array, whole]
     loaded.loop_run.restype, loaded.loop_run.argtypes = whole, [array, whole]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
@@ -335,6 +336,10 @@ class Loop:
         if self.failures:
             raise self.failures.pop()
         return steps
+
+    def keep(self, event: np.void, when: float, sign: int) -> None:
+        """Keep the numbers of an event of the first lane that no step has found."""
+        self.library.loop_keep(self.place, *event[["first", "last"]].item(), 0, when, sign)
 
 
 class PhaseLoop:
