@@ -27,7 +27,6 @@ def all_compiled_is_kept() -> None:
     for cached in (
         integrator.compiled_from,
         expressions.compile_observables,
-        expressions.compile_orientation,
     ):
         kept = functools.lru_cache(maxsize=None)(cached.__wrapped__)
         for module in list(sys.modules.values()):

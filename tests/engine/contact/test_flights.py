@@ -46,7 +46,7 @@ class Flights:
         q = FLIGHT.enter(x, b)
         driver.state[:] = 0
         driver.state[: len(q)] = q
-        driver.take(leaves(b)[: len(driver.motion.pars)])
+        driver.take(driver.place, leaves(b))
         driver.put(driver.state, (0.0, 0.0))
         driver.end_at(longest_flight(x, b))
         functions = driver.tallies.functions
