@@ -14,7 +14,7 @@ from stores import files, state_of
 
 import tippetop as tt
 from tippetop.errors import InputError, StoreError
-from tippetop.landscape import recording as surfaces
+from tippetop.landscape import surface_recording as surfaces
 from tippetop.runs import replay
 from tippetop.sampling import EvenTimes
 from tippetop.scenario import build

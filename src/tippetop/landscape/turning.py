@@ -10,8 +10,8 @@ from ..arguments import numbers
 from ..columns import flagged, require
 from ..errors import InputError
 from ..mechanics.system import System
-from .body import landscape_of, top
-from .labels import attributes, cosine, flags, inclination, labelled
+from .landscape_body import landscape_of, top
+from .landscape_labels import attributes, cosine, flags, inclination, labelled
 
 
 # relative: an energy this close to the minimum touches it (the drift of a good run stays below)

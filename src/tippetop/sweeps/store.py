@@ -13,7 +13,7 @@ from ..store import ledger, provenance, zarr3
 from ..store.ledger import Ledger
 from ..store.root import RUNS, finite
 from ..store.writer import begin_or_continue
-from . import chunk, derived
+from . import chunk, derived_axes
 from .plan import Plan
 
 
@@ -67,7 +67,7 @@ def _coordinates(plan: Plan) -> dict[str, Column]:
     about = {
         key: (rules[key].unit.symbol, rules[key].long_name)
         if key in rules
-        else ("1", derived.DERIVED[key].long_name)
+        else ("1", derived_axes.DERIVED[key].long_name)
         for key in {**plan.design.numbers(first), **plan.columns(first)}
     }
     return {

@@ -19,7 +19,7 @@ from ..store.ledger import Ledger
 from .chunk import Task
 from .plan import Plan
 from .store import GROUP, RUNS, opened
-from .summary import open_sweep
+from .sweep_summary import open_sweep
 from .workers import SchedulerLost, Workers, connect, in_process, on_workers, processes
 
 

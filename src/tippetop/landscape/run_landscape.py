@@ -10,7 +10,7 @@ from ..columns import flagged, on_sphere
 from ..errors import InputError, a_system
 from ..mechanics.friction import PARTS, Frictionless
 from ..mechanics.theory import thresholds, tumbling
-from .body import landscape_of
+from .landscape_body import landscape_of
 from .marked_lines import marked_lines
 from .potential import potential as potential_over
 from .surface import minimal_surface
