@@ -154,12 +154,14 @@ def campaign(
 
     prepare()
     faults = Faults(monkeypatch, root)
-    target.work(place)
-    count, whole = faults.count, files(root)
-    stride = -(-(count + 1) // most)
     for way in ways:
+        prepare()
+        faults.arm(10**9, way)
+        target.work(place)
+        faults.disarm()
+        count, whole = faults.count, files(root)
+        stride = -(-(count + 1) // most)
         for at in range(1 + tried % stride, count + 2, stride):  # the last one is after the end
-            faults.way = ""
             prepare()
             known[0] = 0
             faults.arm(at, way)

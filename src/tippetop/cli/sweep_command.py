@@ -73,6 +73,7 @@ def finished(store: Path, overwrite: bool) -> bool:
 
     from ..errors import StoreError
     from ..store import files, root
+    from ..store.ledger import Ledger
 
     if not overwrite:
         return store.is_dir() and root.attributes(store, whole=False).get("status") == "finished"
@@ -80,7 +81,7 @@ def finished(store: Path, overwrite: bool) -> bool:
         raise StoreError(f"`{store}` is a link: it is not overwritten; name the store itself.")
     if store.exists():
         root.refuse_foreign(store)  # a damaged one may be overwritten
-        with files.writing(store), files.lock_of(store):  # raises StoreError, naming the writer
+        with files.writing(store), Ledger.locked(store):  # raises StoreError, naming the writer
             old = files.scratch_name(store)
             os.rename(store, old)  # immediately: a kill leaves no half store under its name
             shutil.rmtree(old, ignore_errors=True)

@@ -53,12 +53,7 @@ class Surface:
         """Return the header of the ledger: the axes, and F, z and status over them."""
         axes = self.axes()
         about = {
-            name: [
-                axis.values[0],
-                axis.values[-1],
-                axis.values.size,
-                ledger.digest(axis.values.tobytes()),
-            ]
+            name: [axis.values.size, ledger.digest(axis.values.tobytes())]
             for name, axis in axes.items()
         }
         attributes = {

@@ -241,14 +241,12 @@ def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:
 
 
 def _axis(axis: Any) -> Axis:
-    if axis.between is not None:
-        return Axis(axis.of, (), (axis.between[0], axis.between[1]), bool(axis.log))
-    if axis.values is not None:
-        return Axis(axis.of, tuple(axis.values))
-    spread = np.linspace if axis.linspace else np.geomspace
-    first, last = axis.linspace or axis.geomspace or (1, 1)
-    values = tuple(spread(first, last, axis.n or 1).tolist())
-    return Axis(axis.of, values, log=axis.geomspace is not None)
+    values = axis.values or ()
+    if ends := axis.linspace or axis.geomspace:
+        spread: Any = np.linspace if axis.linspace else np.geomspace
+        values = spread(*ends, axis.n).tolist()
+    log = bool(axis.log or axis.geomspace)
+    return Axis(axis.of, tuple(values), tuple(axis.between or ()), log)
 
 
 def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:
