@@ -15,7 +15,7 @@ ONCE = {
     "lasting": "what a motion settles into",
     "extremes": "the quantity whose least and greatest values are reported",
 }
-"""Fields that at most one event of a phase may have, and what that event then describes."""
+"""Fields that at most one event of a phase may have, and the meaning of that event."""
 
 
 def inconsistencies(system: System) -> list[str]:
@@ -72,7 +72,7 @@ def inconsistencies(system: System) -> list[str]:
 
 
 def unmet_requirements(system: System) -> list[str]:
-    """Return what a run needs and a consistent system lacks: one message each."""
+    """Return one message for each thing that a run needs and the system lacks."""
     of, phase, named = f"of `{system.name}`", system.phase, system.angles._fields
     faults = [
         f"`angles` {of} must have the field `{name}`, which the event log reads, but has "

@@ -100,7 +100,7 @@ def kappa(v2, law):
 
 
 class Scalars(NamedTuple):
-    """What the quantities read; names as in `gliding.Scalars`, with phi' = omega_3 = nu_y = 0."""
+    """Scalars of the quantities; names as in `gliding.Scalars`, with phi' = omega_3 = nu_y = 0."""
 
     z: Operand  # cos(theta)
     s2: Operand  # sin(theta)^2
@@ -244,7 +244,7 @@ def to_angles(q, carried, b):
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
-    """Return the angle record of the given initial values; centre_at_rest may stand for nu_x."""
+    """Return the angle record of the given initial values; centre_at_rest may replace nu_x."""
     e = Angles(*(data.get(name, 0) for name in Angles._fields))
     return (
         e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b))

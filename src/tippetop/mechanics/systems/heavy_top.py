@@ -76,7 +76,7 @@ def potential(z, Lz, L3, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """Return V of both heavy tops as the landscape takes it, seen upside down.
+    """Return V of both heavy tops in the variables of the landscape, seen upside down.
 
     q is cot(theta/2)^2, and the momenta are (L3, Lz).
     """

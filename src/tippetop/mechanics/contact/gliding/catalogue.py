@@ -64,7 +64,7 @@ ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag
 
 
 def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
-    """Return the record of angles of what the user gave, the rest zero.
+    """Return the record of the angles that the user gave; the others are zero.
 
     psi_dot may stand for omega3.
     """
@@ -73,7 +73,7 @@ def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
 
 
 def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-    """Return the angles of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
+    """Return the angles that the user gave; centre_at_rest may replace nu_x and nu_y."""
     e = given_angles(Angles, data, z)
     if data.get("centre_at_rest"):
         along_e, along_2 = centre_velocity(e, s, z, b)
