@@ -18,16 +18,16 @@ PURPOSE = (
     "them. The manual is README.md and docs/ of the source."
 )
 _MODULES = {
-    "run": "run resume replay",
-    "landscape": "surface potential",
-    "sweep": "sweep",
+    "run_command": "run resume replay",
+    "landscape_commands": "surface potential",
+    "sweep_command": "sweep",
     "plot": "plot",
     "show": "info check export systems presets",
     "view": "view",
     "benchmark": "benchmark",
     "exchange": "compare fit",
     "reconstruct": "reconstruct",
-    "reference": "new help completion",
+    "help_command": "new help completion",
 }
 COMMANDS = {
     name: f"tippetop.cli.{module}:{name}"

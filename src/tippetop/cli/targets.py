@@ -9,6 +9,7 @@ from pathlib import Path
 from ..errors import InputError, StoreError, refuse_without
 from ..figures import catalogue
 from ..store import files, root
+from ..store.ledger import Ledger
 
 
 def check_picture(path: Path | None, option: str, overwrite: bool = False) -> None:
@@ -34,7 +35,7 @@ def finished(store: Path, overwrite: bool) -> bool:
         raise StoreError(f"`{store}` is a link: it is not overwritten; name the store itself.")
     if store.exists():
         root.refuse_foreign(store)  # a damaged one may be overwritten
-        with files.writing(store), files.lock_of(store):  # raises StoreError, naming the writer
+        with files.writing(store), Ledger.locked(store):  # raises StoreError, naming the writer
             old = files.scratch_name(store)
             os.rename(store, old)  # immediately: a kill leaves no half store under its name
             shutil.rmtree(old, ignore_errors=True)

@@ -23,7 +23,7 @@ from .sinks import Memory, Sink
 class Solution:
     """A problem integrated to its end, in memory: rows, events and measurements.
 
-    `library.run.Run` shows it to the user, with labels and in SI units.
+    `library.finished_run.Run` shows it to the user, with labels and in SI units.
     """
 
     progress: RunProgress  # at its end

@@ -20,7 +20,7 @@ class Axis:
 
     key: str
     values: tuple[float, ...] = ()
-    between: tuple[float, float] = (0.0, 0.0)
+    between: tuple[float, ...] = ()
     log: bool = False  # spread evenly in the logarithm
 
     @property

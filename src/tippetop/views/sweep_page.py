@@ -13,7 +13,7 @@ from ..scenario import build
 from ..sweeps import maps
 from ..sweeps.design import Axis
 from ..sweeps.plan import Plan
-from ..sweeps.summary import column, open_sweep
+from ..sweeps.sweep_summary import column, open_sweep
 from . import pages
 from .borders import borders
 from .encoding import encode

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from ..form import Next
-from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
@@ -107,7 +106,6 @@ def point(x: Moving, b: Touch) -> Vector:
     return contact.contact_velocity(x.u, x.L, x.velocity, b)
 
 
-@inlined
 def rise(x: Moving, b: Touch) -> Any:
     """Return its vertical component."""
     return x.velocity.z + b.c * contact.axis_rate(x.u, x.L, b).z

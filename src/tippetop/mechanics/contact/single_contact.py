@@ -15,13 +15,13 @@ from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
 from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height, state
+from .body_axes import carried_along
 from .coulomb import across_and_along, cone, contact_acceleration, sliding, sliding_along, sticking
 from .disc_at_rest import holding, margin
 from .gliding import catalogue as gliding
 from .gliding import vector as gliding_vector
 from .gliding.vector import VectorState, axis, axis_rate, momentum
 from .integrals import NAMED
-from .orientation import carried_along
 from .rolling.vector import spin
 from .state import LOST, VELOCITY, Moving, Reaction
 

@@ -27,12 +27,12 @@ from ..units import (
 )
 from . import body as contact
 from .body import filled, kinematics, of_azimuth, state
+from .body_axes import carried_along, planar
 from .gliding import catalogue as gliding
 from .gliding.chart import axis_and_momentum, axis_angles
 from .gliding.euler import EULER_UNITS
 from .gliding.vector import axis, axis_rate, momentum
 from .integrals import NAMED
-from .orientation import carried_along, planar
 from .rolling.vector import spin
 
 

@@ -12,12 +12,12 @@ from typing import Any, NamedTuple
 
 from ..contact import body as contact
 from ..contact.body import Top, Touch, tip_inertia
+from ..contact.body_axes import carried_along
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import vector as gliding_vector
 from ..contact.gliding.vector import axis
 from ..contact.integrals import integral
-from ..contact.orientation import carried_along
 from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import reaction
 from ..contact.rolling import vector as rolling_vector

@@ -26,8 +26,8 @@ from ..body import (
     jellett,
     modified_energy,
 )
+from ..body_axes import by_angles, carried_along
 from ..integrals import integral, place
-from ..orientation import by_angles, carried_along
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
 from .euler import (
     EULER_UNITS,

@@ -6,12 +6,12 @@ from typing import Any
 from ...system import Form, Quantity
 from ...units import NEWTON, ONE
 from ..body import Touch
+from ..body_axes import by_angles, carried_along
 from ..gliding import catalogue as gliding
 from ..gliding.catalogue import given_angles
 from ..gliding.euler import psi_rate, sine_and_cosine
 from ..gliding.vector import axis, axis_rate
 from ..integrals import integral, place
-from ..orientation import by_angles, carried_along
 from . import euler, vector
 from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
 from .euler import EULER_UNITS, Angles, euler_rates, euler_scalars

@@ -39,7 +39,7 @@ def sweep(
     """
     from .. import errors
     from ..cli import CHUNKS, INTERRUPTED, TERMINATED
-    from ..sweeps import summary, sweep
+    from ..sweeps import sweep, sweep_summary
     from .targets import finished
 
     words = ["tippetop", "sweep", str(plan), "--out", str(out)]
@@ -55,7 +55,7 @@ def sweep(
     except (KeyboardInterrupt, SystemExit) as stopped:  # not after the chunks under way
         code = INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
         return complain([f"interrupted; every finished chunk is kept. {again}"], code)
-    facts = summary.report(out)
+    facts = sweep_summary.report(out)
     if was_finished and not failed:
         report(f"`{out}` was finished: its chunks are checked.")
     describe(facts, as_json)
@@ -66,7 +66,7 @@ def sweep(
 
 def describe(report: dict[str, Any], as_json: bool) -> int:
     """Print the content of a sweep's store."""
-    from ..sweeps.summary import lines
+    from ..sweeps.sweep_summary import lines
     from .text import table
 
     if as_json:

@@ -10,7 +10,7 @@ from .values import Place
 
 
 if TYPE_CHECKING:
-    from ..scenario.reference import Section
+    from ..scenario.scenario_reference import Section
 
 
 EXIT_CODES = {
@@ -28,8 +28,8 @@ EXIT_CODES = {
 
 def topics() -> dict[str, Any]:
     """Return the topics of `tippetop help`: name -> a function that returns the sections."""
-    from ..scenario.reference import TOPICS, Section
-    from ..sweeps.reference import plan
+    from ..scenario.scenario_reference import TOPICS, Section
+    from ..sweeps.plan_reference import plan
 
     rows = [(str(code), text) for code, text in EXIT_CODES.items()]
     codes = Section("Exit codes", "", ("code", "meaning"), rows)

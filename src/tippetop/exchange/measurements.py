@@ -13,8 +13,8 @@ from ..problem import Problem
 from ..progress import reporting
 from .fitting import Fit, fit
 from .motion import Convention, motion
+from .motion_table import Table, read
 from .observation import Observation
-from .table import Table, read
 
 
 Progress = Callable[[int, int], None] | bool

@@ -60,7 +60,7 @@ def surface(
 
     from ..awaiting import awaited
     from ..figures import drawing
-    from ..landscape import marked_lines, recording, surface
+    from ..landscape import marked_lines, surface, surface_recording
     from ..progress import Bar
     from .targets import check_picture, finished
 
@@ -87,8 +87,8 @@ def surface(
                     "not."
                 )
             with Bar("chunks") as bar:
-                wanted = recording.Surface(parameters, Ds, lambdas, system)
-                recording.write(out, wanted, threads=threads, progress=bar.update)
+                wanted = surface_recording.Surface(parameters, Ds, lambdas, system)
+                surface_recording.write(out, wanted, threads=threads, progress=bar.update)
         except KeyboardInterrupt:
             return complain(["interrupted; the same command continues from here."], 130)
         if was_finished:
@@ -140,7 +140,7 @@ def potential(
 
     from ..awaiting import awaited
     from ..figures import drawing
-    from ..landscape import potential, recording, surface
+    from ..landscape import potential, surface, surface_recording
     from .targets import check_picture, finished
 
     parameters, system = _tippe_top(scenario)
@@ -161,7 +161,9 @@ def potential(
     if out is not None:
         finished(out, overwrite)
         attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
-        recording.write_potential(out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": minimum})
+        surface_recording.write_potential(
+            out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": minimum}
+        )
     if figure is not None:
         drawing.write(_potential(V, least), figure, overwrite=overwrite)
     if as_json:
@@ -223,7 +225,7 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     """Return parameters and system of a scenario. Raises InputError if it has no (D, lambda)."""
     from ..errors import a_system
-    from ..landscape.along_run import SPINNING
+    from ..landscape.run_landscape import SPINNING
     from ..scenario import build
 
     problem = build.load(scenario)
