@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 from ..contact import body as contact
-from ..contact.gliding.catalogue import AWAY_FROM_POLE
+from ..contact.gliding.chart import AWAY_FROM_POLE
 from ..contact.integrals import integral, place
 from ..contact.orientation import by_angles
 from ..contact.rolling import euler as rolling_euler
