@@ -13,9 +13,9 @@ from typing import Any
 
 from ..contact import body as contact
 from ..contact.body import Top, Touch
+from ..contact.body_axes import planar
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
-from ..contact.orientation import planar
 from ..contact.rolling.euler import EulerState
 from ..event import Event
 from ..friction import LAWS, FrictionLaw, slip_coefficient

@@ -12,12 +12,12 @@ from typing import Any
 
 from ..contact import body as contact
 from ..contact.body import Top, Touch, tip_inertia
+from ..contact.body_axes import carried_along
 from ..contact.gliding import catalogue as gliding
 from ..contact.gliding import chart as gliding_chart
 from ..contact.gliding import vector as gliding_vector
 from ..contact.gliding.vector import axis
 from ..contact.integrals import integral
-from ..contact.orientation import carried_along
 from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
@@ -76,7 +76,7 @@ def potential(z, Lz, L3, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """Return V of both heavy tops as the landscape takes it, seen upside down.
+    """Return V of both heavy tops in the variables of the landscape, seen upside down.
 
     q is cot(theta/2)^2, and the momenta are (L3, Lz).
     """

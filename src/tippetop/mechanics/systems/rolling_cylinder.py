@@ -5,9 +5,9 @@
 
 from ..contact import body as contact
 from ..contact.body import filled
+from ..contact.body_axes import planar
 from ..contact.gliding import catalogue as gliding
 from ..contact.integrals import integral
-from ..contact.orientation import planar
 from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import reaction
 from ..operand import formula

@@ -27,8 +27,8 @@ from ..body import (
     jellett,
     modified_energy,
 )
+from ..body_axes import carried_along
 from ..integrals import integral, place
-from ..orientation import carried_along
 from .chart import angles_of_vector, in_euler_angles, vector_of_angles
 from .euler import (
     ANGLES,

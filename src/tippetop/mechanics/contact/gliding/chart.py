@@ -6,8 +6,8 @@ from typing import Any
 from ...operand import Vector, atan2, cos, formula, sin, sqrt
 from ...system import Domain, Form, Integral
 from ..body import of_azimuth
+from ..body_axes import by_angles
 from ..integrals import integral
-from ..orientation import by_angles
 from .euler import ANGLES, centre_velocity, psi_rate, sine_and_cosine
 from .vector import VectorState, axis, vector_scalars
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 from ...system import Form, Quantity
 from ...units import NEWTON, ONE
+from ..body_axes import carried_along
 from ..gliding import catalogue as gliding
 from ..gliding.chart import in_euler_angles
 from ..gliding.vector import axis, axis_rate
 from ..integrals import integral, place
-from ..orientation import carried_along
 from . import euler, vector
 from .chart import angles_of_vector, vector_of_angles
 from .euler import ANGLES, EULER_UNITS, euler_rates, euler_scalars
