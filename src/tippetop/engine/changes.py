@@ -16,7 +16,7 @@ from .stepper import Called
 PATIENCE = 16
 """Changes before a jump is written down as a program; then after twice as many, until it is one."""
 NUMBERS = 24
-"""Of a change for tables."""
+"""Numbers that one change may pass to the phase after it."""
 
 
 class Changes:

@@ -102,7 +102,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
 
 
 class World(NamedTuple):
-    """What jumps know besides the state: see `form.Exit`."""
+    """Context of a jump in addition to the state: see `form.Exit`."""
 
     body: Any
     system: System
@@ -124,7 +124,7 @@ class World(NamedTuple):
 
 
 class Begun(NamedTuple):
-    """How a phase begins: what a jump returns, and what follows from it."""
+    """Start of a phase: the result of a jump, and the numbers that follow from it."""
 
     n: Next
     state: tuple = ()  # of the phase: its variables

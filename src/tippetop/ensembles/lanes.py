@@ -146,7 +146,7 @@ def new_tops(
     on_zero: np.ndarray,
     rows: EventRows,
 ) -> Tops:
-    """Return tops that have not begun."""
+    """Return tops before their first step."""
     start, pars, until = (np.ascontiguousarray(column, float) for column in (start, pars, until))
     signs, on_zero = (np.ascontiguousarray(column, np.int8) for column in (signs, on_zero))
     functions, kept = (

@@ -46,7 +46,7 @@ def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Ca
 
 
 class Acts(NamedTuple):
-    """What the plane does to a body, and how the contact moves, (3,) each."""
+    """Force and torque of the plane on a body, and the velocity of the contact, (3,) each."""
 
     force: Vector
     torque: Vector
@@ -55,7 +55,7 @@ class Acts(NamedTuple):
 
 
 Contact: Any = namedtuple("Contact", "z z_dot force by q")
-"""`force` is the normal force, `by` what the plane does, `q` the state."""
+"""`force` is the normal force, `by` the action of the plane, `q` the state."""
 
 
 def on_ball(
