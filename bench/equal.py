@@ -5,7 +5,7 @@ from typing import Any
 
 
 def points(entry: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the points that no other beats in both error and time, the least accurate first."""
+    """Return the points that no other point beats in both error and time, worst error first."""
     best: list[dict[str, Any]] = []
     for point in sorted(entry.get("points", []), key=lambda p: p["error"]):
         if not best or point["seconds"] < best[-1]["seconds"]:

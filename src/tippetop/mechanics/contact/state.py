@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from ..form import Form, Integral, Phase, Quantity
-from ..operand import Operand, Vector, dot, sqrt
+from ..operand import Operand, Vector, dot
 from ..units import (
     ANGULAR_MOMENTUM,
     JELLETT,
@@ -29,7 +29,7 @@ from . import body as contact
 from .body import filled, kinematics, of_azimuth, state
 from .body_axes import carried_along, planar
 from .gliding import catalogue as gliding
-from .gliding.chart import axis_and_momentum, axis_angles
+from .gliding.chart import angles_by, axis_and_momentum
 from .gliding.euler import EULER_UNITS
 from .gliding.vector import axis, axis_rate, momentum
 from .integrals import NAMED
@@ -201,19 +201,6 @@ def row_of_angles(e, s, z, b):
     return Row(*u, *L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none)
 
 
-def angles_of_row(q, carried, b):
-    """Return the angles of a row.
-
-    They are 0/0 exactly at a pole, where phi and components along it are undefined.
-    """
-    c = row_scalars(q, b)
-    theta, theta_dot, phi_dot, phi = axis_angles(c, axis(q))
-    s = sqrt(c.s2)
-    values = theta, theta_dot, phi_dot, c.L3 / b.I3, c.v_u / s, c.v_n / s, c.rise, c.gap, phi
-    record: Any = type(DISC_ANGLES if hasattr(carried, LOST[0]) else ANGLES)
-    return record(*values, *carried[: len(record._fields) - len(values)])
-
-
 def planar_angles_of_row(q, carried, b):
     """Return the angles of a row of a motion in a plane."""
     v, gap = lowest_velocity(q, b), row_scalars(q, b).gap
@@ -242,11 +229,15 @@ ROW = Form(
     None,
     row_scalars,
     row_of_angles,
-    angles_of_row,
+    angles_by(ANGLES, row_scalars),
     integrals=carried("x", "y", "work", "impulse"),
     orientation=carried_along(axis, axis_rate, spin),
 )
-DISC_ROW = replace(ROW, integrals=carried("x", "y", "work", "impulse", LOST[0]))
+DISC_ROW = replace(
+    ROW,
+    to_angles=angles_by(DISC_ANGLES, row_scalars),
+    integrals=carried("x", "y", "work", "impulse", LOST[0]),
+)
 PLANAR_ROW = replace(
     ROW,
     name="angle",
@@ -303,7 +294,11 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
     }
     text = "what touches the plane, or did last"
     quantities += [
-        *(replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES),
+        *(
+            replace(one, formula=formulas[one.name])
+            for one in gliding.QUANTITIES
+            if one.name in formulas
+        ),
         Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
         Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
         Quantity("ball", "ball", ONE, text, lambda s, b: s.ball, BALLS),

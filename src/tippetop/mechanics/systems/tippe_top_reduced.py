@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from ..contact import body as contact
 from ..contact.body_axes import by_angles
-from ..contact.gliding.catalogue import AWAY_FROM_POLE
+from ..contact.gliding.chart import AWAY_FROM_POLE
 from ..contact.integrals import integral, place
 from ..contact.rolling import euler as rolling_euler
 from ..contact.rolling import reaction
