@@ -624,7 +624,7 @@ class HybridDriver(Driver):
             made = wanted.made[0]
             if self.number is not float and made > first:
                 states = self.states_of(wanted.rows, first).T
-                self.states[: len(states), first:made] = states
+                self.states[: len(states), first:made] = states[: len(self.states)]
             if made == first or not wanted.is_made:
                 return steps
             self._ask()
