@@ -243,7 +243,7 @@ class Track:
         self.place = Place(code, run.stepper_of(code), rows, lasting, run.shared)
         run.take(self.place, leaves(self.b))
         if run.copies:
-            run.copies.loop.follow(self.at, self.place.loop)
+            run.copies.follow(self.at, self.place.loop)
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(run, code, leaves(self.b), sampled, self._value) if sampled else None
 
