@@ -383,11 +383,14 @@ class Driver:
 
 
 def extremes_of(records: np.ndarray, tallies: Tallies) -> Extremes:
-    """Return the extremes of the first event function whose extremes are kept; empty where there is
+    """Return the extremes of the event functions whose extremes are kept; empty where there is
     none.
     """
-    ranged = np.flatnonzero(records["extremes"])
-    if not len(ranged):
-        return Extremes()
-    known, scale = tallies.functions[:, ranged[0], 0].tolist(), float(records["scale"][ranged[0]])
-    return Extremes(known[LEAST] / scale, known[T_LEAST], known[MOST] / scale, known[T_MOST])
+    found = Extremes()
+    for k in np.flatnonzero(records["extremes"]):
+        known, scale = tallies.functions[:, k, 0].tolist(), float(records["scale"][k])
+        if known[LEAST] / scale < found.least:
+            found = found._replace(least=known[LEAST] / scale, t_least=known[T_LEAST])
+        if known[MOST] / scale > found.most:
+            found = found._replace(most=known[MOST] / scale, t_most=known[T_MOST])
+    return found

@@ -123,15 +123,6 @@ class World(NamedTuple):
         return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
 
 
-class Begun(NamedTuple):
-    """How a phase begins: what a jump returns, and what follows from it."""
-
-    n: Next
-    state: tuple = ()  # of the phase: its variables
-    whole: tuple = ()  # the integrals of the run, scaled
-    values: tuple = ()  # of the event functions
-
-
 @lru_cache(maxsize=256)
 def jump_of(
     system: System,
@@ -151,7 +142,7 @@ def jump_of(
     events, of_phase = events_of(system, known), Variables(phase.form, variables.orientation)
     record = type(phase.form.units)
 
-    def jump(state: Sequence, whole: tuple, left: Any, piece: Any, body: Any) -> Begun:
+    def jump(state: Sequence, whole: tuple, left: Any, piece: Any, body: Any) -> tuple:
         struck = ImpactMotions(*impacts, piece).struck if impacts else None
         world = World(body, system, rules, known, phase, left, variables, struck)
         x = phase.leave(record(*state[: of_phase.moving]), phase.parameters(body))
@@ -163,14 +154,16 @@ def jump_of(
         n = exit.jump(x, world)
         if fault := fault_of(n, exit, x, events):
             raise InputError([f"{where_of(exit.event, name, system)} must {fault}."])
-        return Begun(n) if n.ends else begun(n, carried, world)
+        return (n, (), (), ()) if n.ends else begun(n, carried, world)
 
     jump.calls, jump.program = 0, None  # type: ignore[attr-defined]
     return jump
 
 
-def begun(n: Next, carried: Any, world: World) -> Begun:
-    """Return how a phase begins."""
+def begun(n: Next, carried: Any, world: World) -> tuple[Next, tuple, tuple, tuple]:
+    """Return how a phase begins: what a jump returns, the variables of the phase, the integrals of
+    the run, scaled, and the values of the event functions.
+    """
     to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
     b = to.parameters(world.body)
     q = type(to.form.units)(*to.enter(n.x, b))
@@ -179,7 +172,7 @@ def begun(n: Next, carried: Any, world: World) -> Begun:
     moved = Variables(to.form, world.variables.orientation).integrals
     state = *q, *(getattr(carried, one.name) * INTEGRAL_SCALE for one in moved)
     whole = tuple(value * INTEGRAL_SCALE for value in carried)
-    return Begun(n, state, whole, tuple(functions(q, carried, b)))
+    return n, state, whole, tuple(functions(q, carried, b))
 
 
 def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
@@ -224,11 +217,12 @@ class Track:
         kinds: Any = type(self.b), type(self.b.friction)
         given: Any = problem.variables, problem.contact, run.impacts, *kinds
         phases = tuple(run.phases.items())
+        stops = problem.on_liftoff == "stop"
+        exits = [one for one in phase.exits if not (stops and one.event == Status.LIFTOFF.value)]
         self.exits: dict[str, Any] = {
-            exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
+            exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in exits
         }
-        stops = {Status.LIFTOFF.value} if problem.on_liftoff == "stop" else set()
-        self.pure = {exit.event for exit in phase.exits if exit.is_pure} - stops
+        self.pure = {exit.event for exit in exits if exit.is_pure}
         self.formulas = formulas_of_phase(problem.system, phase, *kinds)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
@@ -245,11 +239,7 @@ class Track:
         if run.copies:
             run.copies.follow(self.at, self.place.loop)
         sampled = [event for event in phase.events if event.sampled]
-        self.sampler = Sampler(run, code, leaves(self.b), sampled, self._value) if sampled else None
-
-    def _value(self, state: np.ndarray, event: Event) -> Any:
-        """Return the value of an event in a state of the phase."""
-        return event.formula(self.phase.form.scalars(self.q(state), self.b), self.b)
+        self.sampler = Sampler(run, self, sampled) if sampled else None
 
     def _records(self, run: "HybridDriver", mine: EventRows) -> np.ndarray:
         """Return the events of the run, of which those of this phase are looked for."""
@@ -259,7 +249,7 @@ class Track:
         records["leader"] = -1
         for (number, event), record in zip(self.events.items(), mine.events, strict=True):
             kept, leader = records[number][["first", "last"]].item(), record["leader"]
-            records[number] = record
+            records[number] = run.entered[number] = record
             if number in self.ways:  # its jump logs
                 kept, records[number]["ends"] = (0, 0), record["ends"] or Status.ENDED.code
             records[number]["first"], records[number]["last"] = kept
@@ -268,9 +258,10 @@ class Track:
         mark_bounded(records)
         return records
 
-    def q(self, state: np.ndarray) -> Any:
-        """Return the record of a state."""
-        return self.record._make(state[: self.moving].tolist())
+    def value(self, event: Event, state: np.ndarray) -> float:
+        """Return the value of an event of the phase in a state."""
+        q = self.record._make(state[: self.moving].tolist())
+        return float(event.formula(self.phase.form.scalars(q, self.b), self.b))
 
 
 class HybridDriver(Driver):
@@ -302,6 +293,7 @@ class HybridDriver(Driver):
         for event in (event for phase in self.phases.values() for event in phase.events):
             rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
         self.all_events, width = rows, self.width
+        self.entered = np.zeros_like(rows.events)  # those of the phases that have begun
         self.shared = Shared(
             new_tallies(rows, 1),
             new_log(PASSAGES + len(events) * MOST_COEFFICIENTS, width),
@@ -363,7 +355,7 @@ class HybridDriver(Driver):
         self.track, self.whole, self.began = track, whole, began
         self.work_in(track.place)
 
-    def _enter(self, begun: Begun, now: Any, before: Track | None) -> None:
+    def _enter(self, begun: tuple, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
         n, state, whole, values = begun
         if before and not math.isfinite(self._called(sum, state)):
@@ -385,12 +377,7 @@ class HybridDriver(Driver):
         self._begin_events(n, state, values, now, before)
         self.begin()
         self.time[0] = self.began
-        self._end_phase_at(math.nan if n.lasts is None else time + self.number(n.lasts))
-
-    def _end_phase_at(self, until: Any) -> None:
-        """Put the end of the phase at an internal time; NaN: it has no such end."""
-        self.until = until
-        self.end_at(until if until < self.end else self.end)
+        self.until = math.nan if n.lasts is None else time + self.number(n.lasts)
 
     def _begin_events(
         self, n: Next, state: Sequence, values: Sequence, now: Any, before: Track | None
@@ -455,17 +442,18 @@ class HybridDriver(Driver):
         steps, status, when = 0, None, self.end
         while self.clock[0] < self.end:
             self._fill(lambda times: np.repeat(self.state[None, :], len(times), axis=0))
-            sampled, logged = self._sample(), self.logged[0]
+            sampled = self._sample()
             steps += self._drive(1 if self.track.sampler else most - steps)
-            track, code = self.track, self.status[0]
+            track, code, ending = self.track, self.status[0], None
             when, self.last = self.reached()
             self.last = self.last[: track.width].copy()
             status = None if code == RUNNING else STATUSES[code]
-            ending = (
-                sampled if sampled and status is Status.FINISHED else self._ending(status, logged)
-            )
-            if ending not in (None, CLOCK, sampled):  # the jump logs it
-                self.drop()
+            if status is Status.FINISHED:
+                ending = sampled or (CLOCK if self.until < self.end else None)
+            elif self.upto[0] < 1.0 and (
+                ending := track.ways.get(self.log.event[self.logged[0] - 1])
+            ):
+                self.drop()  # the jump logs it
             if ending is not None:
                 status = self._jump(ending, when)
             if (
@@ -484,29 +472,18 @@ class HybridDriver(Driver):
         return self._slice(steps, when, status)
 
     def _sample(self) -> str:
-        """Let the phase end where a sampled event happens in its next step.
+        """Put the end of the next steps at that of the phase, or where a sampled event happens in
+        the next one.
 
         Return that event, or nothing.
         """
-        if not self.track.sampler:
-            return ""
-        self._end_phase_at(self.until)
-        name, when = self.track.sampler.next() or ("", math.nan)
-        if not when < (self.until if self.until < self.end else self.end):
-            return ""
+        end = self.until if self.until < self.end else self.end
+        sampler = self.track.sampler
+        name, when = (sampler and sampler.next()) or ("", end)
+        if not when < end:
+            name, when = "", end
         self.end_at(when)
         return name
-
-    def _ending(self, status: Status | None, logged: int) -> str | None:
-        """Return the exit by which the present phase ends, at the end of the run too; None if it
-        does not, or ends the run. Before its last steps the log had this length.
-        """
-        at = self.logged[0]
-        if status is not None and at > logged:
-            way = self.track.ways.get(int(self.log.event[at - 1]))
-            if way is not None:
-                return way
-        return CLOCK if status is Status.FINISHED and self.until < self.end else None
 
     def _jump(self, ending: str, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state.
@@ -524,15 +501,13 @@ class HybridDriver(Driver):
             return Status.STALLED
         if self.copies and ending in track.pure:
             self.copies.teach(ending, given)
-        n = begun.n
+        n: Next = begun[0]
         for name in n.logged:
             self._note(name, now + n.logged_after, state, 1)
         if n.ends:
             self.sentence = n.message or f"{self._where()} ends the run"
             self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
-        if ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop":
-            return Status.LIFTOFF
         if self.short > 2:
             often = f"more often than every {CHATTER * self.tables.second:.1g} s"
             self.sentence = (
@@ -726,14 +701,7 @@ class HybridDriver(Driver):
         return self._rows(np.zeros(1, int), self.state[:, None])
 
     def extremes(self) -> Extremes:
-        """Return those of the normal force so far, internal units."""
-        places = (track.place for track in self.tracks.values())
-        known = [extremes_of(place.rows.events, self.tallies) for place in places]
-        known = [one for one in known if np.isfinite(one.least)]
-        if not known:
-            return Extremes()
-        low, high = min(known, key=lambda one: one.least), max(known, key=lambda one: one.most)
-        return Extremes(low.least, low.t_least, high.most, high.t_most)
+        return extremes_of(self.entered, self.tallies)
 
     @property
     def width(self) -> int:
@@ -759,7 +727,7 @@ class HybridDriver(Driver):
         *whole, until = kept["carried"].tolist()
         self.follow(self.track_of([*self.phases][int(at)]), tuple(whole), began)
         super().restore(kept, state[: len(self.state)], clock)
-        self._end_phase_at(until)
+        self.until = until
         self.tables = PhaseTables(self.problem)
         if not math.isnan(under_way[0]):
             self.tables.under_way = [under_way[0], *map(int, under_way[1:])]
