@@ -42,7 +42,7 @@ from .driver import (
 )
 from .expressions import Formulas
 from .impacts import ImpactMotions, Kind, Pieces, kind_of
-from .loop import MOST_COEFFICIENTS
+from .loop import MOST_COEFFICIENTS, Rows
 from .phase_tables import PhaseTables
 from .sampled import Sampler, zero_of
 from .status import Status
@@ -337,14 +337,6 @@ class HybridDriver(Driver):
             self.tracks[name] = Track(self, name)
         return self.tracks[name]
 
-    def prepare(self) -> None:
-        """Compile the phases that the present one may lead to, and those after them."""
-        waiting = [self.track.name]
-        while waiting:
-            track = self.track_of(waiting.pop())
-            following = {name for exit in track.phase.exits for name in exit.to}
-            waiting += [name for name in following if name not in self.tracks]
-
     def equations(self) -> list[tuple]:
         """Return the equations of every phase: pairs of a variable and its rate."""
         codes = (self.track_of(name).place.compiled for name in self.phases)
@@ -437,13 +429,11 @@ class HybridDriver(Driver):
         self.forget()
         self.given = self.wanted.made[0]
         self._begin_span()
-        if request.steps or self.wanted.is_made:
-            self._ask()
         steps, status, when = 0, None, self.end
         while self.clock[0] < self.end:
             self._fill(lambda times: np.repeat(self.state[None, :], len(times), axis=0))
             sampled = self._sample()
-            steps += self._drive(1 if self.track.sampler else most - steps)
+            steps += self.drive(1 if self.track.sampler else most - steps)
             track, code, ending = self.track, self.status[0], None
             when, self.last = self.reached()
             self.last = self.last[: track.width].copy()
@@ -520,7 +510,7 @@ class HybridDriver(Driver):
         if self.sentence:
             return Status.STALLED
         if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
-            self._give(np.array([when]), state[None])
+            self._add(np.array([when]), state[None])
         try:
             self._enter(begun, now, track)
         except ArithmeticError as error:
@@ -557,10 +547,9 @@ class HybridDriver(Driver):
         self.spans.append([self.track.at, *counts])
         self.wholes.append(self.whole)
 
-    def _ask(self) -> None:
-        """Give the rows that exist, and go on with those that are wanted next."""
+    def ask(self) -> None:
         self._hand_over()
-        self.wanted.ask(self.request)
+        super().ask()
         states, self.given = self.wanted.rows.states, 0
         self.states = states if self.number is float else np.empty(states.shape, self.number)
         for span in self.spans:
@@ -580,38 +569,23 @@ class HybridDriver(Driver):
         begin = [span[kind] for span in self.spans]
         return np.searchsorted(begin, np.arange(count), side="right") - 1
 
-    def _drive(self, most: int) -> int:
-        """Make at most `most` steps of the present phase and their rows.
+    def make(self, rows: Rows, most: int) -> int:
+        if self.copies is None or self.request.steps or self.track.sampler:
+            return super().make(rows, most)
+        changes = min(PER_SLICE - self.changes % PER_SLICE, MOST_CHANGES - self.changes)
+        return self.copies.drive(most, changes)
 
-        Return the number of steps.
-        """
-        wanted, steps = self.wanted, 0
-        while True:
-            first = wanted.made[0]
-            left = most - steps if self.status[0] == RUNNING else 0
-            if self.copies and not (self.request.steps or self.track.sampler):
-                most_changes = min(
-                    PER_SLICE - self.changes % PER_SLICE, MOST_CHANGES - self.changes
-                )
-                steps += self.copies.drive(left, most_changes)
-            else:
-                steps += self.make(wanted.rows, left)
-            made = wanted.made[0]
-            if self.number is not float and made > first:
-                states = self.states_of(wanted.rows, first).T
-                self.states[: len(states), first:made] = states
-            if made == first or not wanted.is_made:
-                return steps
-            self._ask()
+    def give(self, first: int) -> None:
+        if self.number is not float:
+            states = self.states_of(self.wanted.rows, first).T
+            self.states[: len(states), first : self.wanted.made[0]] = states
 
-    def _give(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Give rows that no step makes: times, and states of the present phase (k, variables)."""
+    def _add(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Add rows that no step makes: times, and states of the present phase (k, variables)."""
         made, count = self.wanted.made, len(self.states)
         part = slice(made[0], made[0] + len(times))
         self.wanted.rows.times[part], made[0] = times, part.stop
         self.states[: states.shape[1], part] = states[:, :count].T
-        if self.wanted.is_made:
-            self._ask()
 
     def _note(self, name: str, time: Any, state: np.ndarray, sign: int) -> None:
         """Log an event that no step has logged, in a state of the phase of the last span."""
@@ -636,10 +610,11 @@ class HybridDriver(Driver):
         step.
         """
         while not self.request.steps:
+            if self.wanted.is_made:
+                self.ask()
             times = self.wanted.rows.times[self.wanted.made[0] :]
-            count = int(np.searchsorted(times, self.began))
-            if count:
-                self._give(times[:count], states_at(times[:count]))
+            if count := int(np.searchsorted(times, self.began)):
+                self._add(times[:count], states_at(times[:count]))
             if count < len(times) or not count:
                 break
 
