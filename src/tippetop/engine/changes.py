@@ -196,9 +196,9 @@ class Changes:
             run.tables.begin(time, program.row)
             for name, size in program.tables:
                 run.tables.add(time, {name: [[*islice(rest, size)]]})
-            run.spans.append([program.places[3], *map(int, numbers[:3])])
-            run.wholes.append(tuple(numbers[3:at]))
+            whole = tuple(numbers[3:at])
+            run.spans.append([program.places[3], *map(int, numbers[:3]), whole])
         if record.length:
-            run.follow(run.tracks[program.phase], run.wholes[-1], time)
+            run.follow(run.tracks[program.phase], whole, time)
             run.changes, run.short, run.until = run.changes + record.length, 0, record.clock
         return steps

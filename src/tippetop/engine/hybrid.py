@@ -222,7 +222,6 @@ class Track:
         self.exits: dict[str, Any] = {
             exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in exits
         }
-        self.pure = {exit.event for exit in exits if exit.is_pure}
         self.formulas = formulas_of_phase(problem.system, phase, *kinds)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
@@ -306,14 +305,14 @@ class HybridDriver(Driver):
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         # the phases of a slice: their places, and the numbers of rows, passages and samples before
-        self.spans: list[list[int]] = []
-        self.wholes: list[Sequence] = []  # the integrals in which they begin
-        self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
-        self.impacts = self.piece = struck = None
+        # and the integrals in which they begin
+        self.spans: list[list[Any]] = []
+        self.copies = self.impacts = self.piece = struck = None
         if problem.contact is not None:
             self.impacts = kind_of(problem, self.body[0].friction)
             self.piece = Pieces(self.impacts, stop)
             struck = ImpactMotions(*self.impacts, self.piece).struck
+            self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
         start = problem.start()
         q, carried = problem.variables.split(start.tolist())
         x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
@@ -358,8 +357,8 @@ class HybridDriver(Driver):
         time = min(now + self.number(n.delay), self.end)
         self.follow(track, whole, float(time))
         if self.copies and is_new:
-            for ending in track.pure:
-                if track.exits[ending].program:  # of another run
+            for ending, jump in track.exits.items():
+                if jump.program:  # of another run
                     self.copies.teach(ending, (state, whole, 0.0, None, self.body))
         if n.cause != "":
             names = track.name, track.phase, n.cause or self.way[0]
@@ -425,7 +424,7 @@ class HybridDriver(Driver):
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.spans, self.wholes = request, [], []
+        self.request, self.spans = request, []
         self.forget()
         self.given = self.wanted.made[0]
         self._begin_span()
@@ -489,7 +488,7 @@ class HybridDriver(Driver):
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
-        if self.copies and ending in track.pure:
+        if self.copies:
             self.copies.teach(ending, given)
         n: Next = begun[0]
         for name in n.logged:
@@ -544,8 +543,7 @@ class HybridDriver(Driver):
     def _begin_span(self) -> None:
         """Note that rows, passages and samples belong to the present phase from now on."""
         counts = self.wanted.made[0], self.logged[0], self.sampled_so_far[0]
-        self.spans.append([self.track.at, *counts])
-        self.wholes.append(self.whole)
+        self.spans.append([self.track.at, *counts, self.whole])
 
     def ask(self) -> None:
         self._hand_over()
@@ -634,7 +632,8 @@ class HybridDriver(Driver):
         """Return the rows of states (variables, k) of phases by number (k,)."""
         system, number, record = self.problem.system, self.number, self.carried
         rows = np.empty((self.variables, len(which)), number)
-        at, wholes = np.array([span[0] for span in self.spans])[which], np.array(self.wholes).T
+        places, *_, wholes = zip(*self.spans, strict=True)
+        at, wholes = np.array(places)[which], np.array(wholes).T
         moving = self.variables - len(wholes)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
@@ -672,7 +671,7 @@ class HybridDriver(Driver):
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        self.spans, self.wholes = [[self.track.at]], [self.whole]
+        self.spans = [[self.track.at, self.whole]]
         return self._rows(np.zeros(1, int), self.state[:, None])
 
     def extremes(self) -> Extremes:
