@@ -242,12 +242,11 @@ class Track:
 
     def _records(self, run: "HybridDriver", mine: EventRows) -> np.ndarray:
         """Return the events of the run, of which those of this phase are looked for."""
-        records = run.all_events.events.copy()
-        for flag in ("extremes", "watched", "ranged", "ends"):
-            records[flag] = 0
+        records = np.zeros_like(run.all_events.events)
         records["leader"] = -1
         for (number, event), record in zip(self.events.items(), mine.events, strict=True):
-            kept, leader = records[number][["first", "last"]].item(), record["leader"]
+            kept = run.all_events.events[number][["first", "last"]].item()
+            leader = record["leader"]
             records[number] = run.entered[number] = record
             if number in self.ways:  # its jump logs
                 kept, records[number]["ends"] = (0, 0), record["ends"] or Status.ENDED.code
@@ -687,24 +686,23 @@ class HybridDriver(Driver):
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,
         but for `state`.
         """
-        under_way = self.tables.under_way or [math.nan] * (1 + len(self.tables.tables["phases"]))
+        counts = self.track.at, self.changes, self.short
         return {
             **super().snapshot(),
-            "phase": [self.track.at, self.changes, self.short, self.began, *under_way],
+            "phase": [*counts, self.began, *self.tables.under_way],
             "carried": [*self.whole, self.number(self.until)],
         }
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        at, changes, short, began, *under_way = kept["phase"]
-        self.changes, self.short = int(changes), int(short)
+        *counts, began = kept["phase"][:4]
+        at, self.changes, self.short = map(int, counts)
         *whole, until = kept["carried"].tolist()
-        self.follow(self.track_of([*self.phases][int(at)]), tuple(whole), began)
+        self.follow(self.track_of([*self.phases][at]), tuple(whole), began)
         super().restore(kept, state[: len(self.state)], clock)
         self.until = until
         self.tables = PhaseTables(self.problem)
-        if not math.isnan(under_way[0]):
-            self.tables.under_way = [under_way[0], *map(int, under_way[1:])]
+        self.tables.under_way = kept["phase"][4:]
 
 
 class WideHybridDriver(HybridDriver, WideDriver):
