@@ -145,7 +145,8 @@ typedef struct {
 
 typedef struct {
     const integer *tops;
-    integer *waiting, *ended;
+    integer *taken, *ended;
+    integer length;
 } Queue;
 
 typedef struct {
@@ -904,32 +905,29 @@ static void put_down(const Loop *l, integer lane, integer top) {
          count);
 }
 
-/* Put down the tops that have ended, and, if `settled`, those that have settled. Take others.
-   Return whether the caller must look: a lane is empty, or a top has settled. */
+/* Put down the tops that have ended, and, if `settled`, those that have settled. Take others from
+   the queue, which threads share. Return whether the caller must look: all lanes are empty, or a top
+   has settled. */
 static bool change(const Loop *l, bool settled) {
     const Queue *queue = &l->ensemble.queue;
-    bool looks = false;
+    bool looks = false, empty = true;
     for (integer lane = 0; lane < l->sizes.lanes; lane++) {
         integer status = l->tallies.lane[lane].status, *top = l->samples.in_lane + lane;
-        if (*top >= 0 && status != RUNNING) {
-            if (status == SETTLED && !settled) {
-                looks = true;
-                continue;
-            }
+        bool ended = *top >= 0 && status != RUNNING, waits = status == SETTLED && !settled;
+        looks = looks || (ended && waits);
+        if (ended && !waits) {
             put_down(l, lane, *top);
             queue->ended[0]++;
             *top = -1;
         }
-        if (*top >= 0)
-            continue;
-        if (queue->waiting[0] == 0) {
-            looks = true;
-            continue;
+        if (*top < 0) {
+            integer next = __atomic_fetch_add(queue->taken, 1, __ATOMIC_RELAXED);
+            if (next < queue->length)
+                take_top(l, lane, *top = queue->tops[next]);
         }
-        *top = queue->tops[--queue->waiting[0]];
-        take_top(l, lane, *top);
+        empty = empty && *top < 0;
     }
-    return looks;
+    return looks || empty;
 }
 
 /* --- the loop --- */

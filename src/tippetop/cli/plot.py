@@ -97,7 +97,7 @@ def _drawn(
     if content == "sweep":
         catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
         return drawing.figure_of_sweep(kind or "class", first, look)
-    from .landscape import picture
+    from .landscape_commands import picture
 
     catalogue.check_kind(kind or content, [content])
     return picture(first, attributes[0], look)
@@ -106,12 +106,12 @@ def _drawn(
 def _states(scenario: str, look: Look) -> Any:
     """Return the diagram of states of the body of a scenario, with lambda of its start."""
     from ..figures import drawing
-    from ..landscape import along_run
+    from ..landscape import run_landscape
     from ..runs import forecast
     from ..scenario import build
 
     problem = build.load(scenario)
-    along_run.refuse_parts(problem.friction._asdict())
+    run_landscape.refuse_parts(problem.friction._asdict())
     lam = forecast.at_start(problem).get("jellett", 0.0)
     parameters = {name: float(value) for name, value in problem.parameters.items()}
     return drawing.states_of(problem.system.name, parameters, lam, look, scenario)

@@ -17,7 +17,7 @@ from .stepper import Called
 PATIENCE = 16
 """Changes before a jump is written down as a program; then after twice as many, until it is one."""
 NUMBERS, MOTIONS = 24, 8
-"""Most numbers of a change for tables, and motions of impacts."""
+"""Most numbers that a change may pass to the tables, and motions of impacts."""
 
 
 class Change(NamedTuple):

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from .compiled import Compiled, stepper_of
+from .integrator import Compiled, stepper_of
 from .loop import Loop, Rows, new_motion
 from .status import Status
 from .stepper import Called, Stepper
@@ -119,7 +119,7 @@ class Wanted:
 
     @property
     def is_made(self) -> bool:
-        """Whether all rows exist."""
+        """True if all rows exist."""
         return self.made[0] == len(self.rows.times)
 
     def ask(self, request: Request) -> None:
@@ -182,7 +182,7 @@ def place_for(driver: "Driver", compiled: Compiled) -> Place:
 
 
 class Driver:
-    """Makes the steps of one run in doubles, and knows what the observer found in them.
+    """Steps of one run in doubles, and the findings of the observer.
 
     Parameters
     ----------
@@ -354,7 +354,7 @@ class Driver:
 
     @property
     def is_called(self) -> bool:
-        """Whether Python calls heyoka for each step."""
+        """True if Python calls heyoka for each step."""
         return isinstance(self.place.stepper, Called)
 
     def equations(self) -> list[tuple]:
@@ -371,7 +371,7 @@ class Driver:
         return len(self.state)
 
     def snapshot(self) -> dict[str, Any]:
-        """Return what a run needs to continue bit by bit."""
+        """Return the state from which a run continues bit by bit."""
         return {
             "state": self.state.copy(),
             "time": list(self.clock),

@@ -44,7 +44,7 @@ from .expressions import Formulas
 from .impacts import ImpactMotions, Kind, Pieces, kind_of
 from .loop import MOST_COEFFICIENTS, Rows
 from .phase_tables import PhaseTables
-from .sampled import Sampler, zero_of
+from .python_events import Sampler, zero_of
 from .status import Status
 from .tallies import (
     ON_ZERO,
@@ -102,7 +102,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
 
 
 class World(NamedTuple):
-    """What jumps know besides the state: see `form.Exit`."""
+    """Context of a jump in addition to the state: see `form.Exit`."""
 
     body: Any
     system: System

@@ -75,11 +75,12 @@ class Tops(NamedTuple):
 
 
 class Queue(NamedTuple):
-    """Tops that wait for a lane."""
+    """Tops that wait for a lane, of any thread."""
 
-    tops: np.ndarray  # (lanes,)
-    waiting: np.ndarray  # (1,) their number; the last is taken first
+    tops: np.ndarray  # (length,)
+    taken: np.ndarray  # (1,) how many lanes have asked for one; threads share it
     ended: np.ndarray  # (1,) number of tops that have been put down
+    length: int
 
 
 class _Sizes(NamedTuple):
@@ -295,7 +296,7 @@ class Loop:
     def drive(self, most: int) -> int:
         """Make at most `most` steps of all lanes. Return their number.
 
-        It stops earlier where the caller must look: a lane has no run, a top has settled, all rows
+        It stops earlier where the caller must look: no lane has a run, a top has settled, all rows
         are written, or there is no room for what a step may find. The next call puts down tops that
         have settled, unless their status is that of a running one again.
         """

@@ -311,7 +311,7 @@ def _moments(problem: Problem) -> dict[str, str]:
 
 
 def _settings(problem: Problem) -> tuple[str, ...]:
-    """Return sentences on what a simulator must be told: gravity, friction, start."""
+    """Return sentences about settings that a model file lacks: gravity, friction, start."""
     start, friction = start_of(problem), _cannot(problem)[0]
     bounce = problem.contact.e_n if problem.contact is not None else 0.0
     return (

@@ -30,7 +30,7 @@ class RunFigure:
     compares
         Whether several runs can be drawn in one panel.
     in_landscape
-        Whether it is drawn from the function of `landscape.along_run` of its name.
+        Whether it is drawn from the function of `landscape.run_landscape` of its name.
     """
 
     shows: str

@@ -14,19 +14,19 @@ from .catalogue import FIGURES, PLAIN, Look, check_kind
 
 def _drawings() -> dict[str, Callable]:
     """Return the function for each kind of figure of a run; this imports matplotlib."""
-    from . import conserved, energetics, film, landscape, sphere, stability, theta, well
+    from . import conservation, energetics, film, landscape_figures, sphere, stability, theta, well
 
     return {
         "theta": theta.theta,
         "normal-force": energetics.normal_force,
-        "drift": conserved.drift,
-        "growth": conserved.growth,
+        "drift": conservation.drift,
+        "growth": conservation.growth,
         "sphere": sphere.sphere,
         "energy": energetics.energy,
         "film": film.film,
         "states": stability.states,
-        "band": landscape.band,
-        "surface": landscape.surface,
+        "band": landscape_figures.band,
+        "surface": landscape_figures.surface,
         "potential": well.potential,
     }
 
@@ -78,9 +78,9 @@ def axes_of(
         body = bodies.shape(attrs) | {"axes": bodies.rotation}
         given = groups["trajectory"], attrs, body
     elif chosen.in_landscape:
-        from ..landscape import along_run
+        from ..landscape import run_landscape
 
-        given = getattr(along_run, kind)(*given)
+        given = getattr(run_landscape, kind)(*given)
     with styled(dark=look.dark, size=look.size, ax=ax):
         axes = _drawings()[kind](*given, ax=ax)
         if chosen.over_time and "impacts" in groups:
@@ -148,10 +148,10 @@ def states_of(
 
     Raises InputError for a system that has none.
     """
-    from ..landscape import along_run
+    from ..landscape import run_landscape
     from .style import literal
 
-    branches, marks = along_run.diagram(system, parameters, lam)
+    branches, marks = run_landscape.diagram(system, parameters, lam)
     return composed(
         "states", (branches, marks | {"|λ| of the start": abs(lam)}, literal(title)), look
     )

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .conserved import changes
+from .conservation import changes
 from .energetics import weight
 from .labels import differences, shared, title
 from .style import compact, dashes, ink, legend, panel, ticks_in_joules, ticks_of_pi

@@ -79,7 +79,7 @@ OCCURRENCES = (
         None,
     ),
 )
-"""What jumps log, as events of a run."""
+"""Events of a run that jumps log."""
 
 SETTLED = Event(
     "settled",
@@ -116,7 +116,7 @@ TABLES = {
 
 
 def kind_of(law: Any) -> tuple:
-    """Return what decides the phases of a contact, of a law."""
+    """Return the attributes of a law that determine the phases of a contact."""
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 
