@@ -244,9 +244,10 @@ class Driver:
 
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps; rows go to the request."""
-        self.request, n = request, self.variables
+        self.request, n, before = request, self.variables, self.steps[0]
         self.forget()
-        steps, (when, last), code = self.drive(most), self.reached(), self.status[0]
+        self.drive(most)
+        (when, last), code, steps = self.reached(), self.status[0], self.steps[0] - before
         ended = None if code == RUNNING else STATUSES[code]
         *columns, states = (column.copy() for column in self.passages())
         passages = Passages._make([*columns, states[:, :n]])
