@@ -15,9 +15,8 @@ from .style import (
     legend,
     mark_ends,
     panels_over_time,
-    ticks_of_pi,
+    ticks_of_inclination,
 )
-from .theta import WIDE
 from .thinning import every
 
 
@@ -118,8 +117,7 @@ def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
         dots: Any = {"s": 6, "lw": 0, "zorder": 3, "label": "logged turnings"}
         ax.scatter(when, events["theta"], color=colours.mark, **dots)
     ax.margins(y=0.04)
-    if np.ptp(ax.dataLim.intervaly) > WIDE:
-        ticks_of_pi(ax)
+    ticks_of_inclination(ax)
     ax.set(ylabel="inclination θ (rad)", title=heading(title), xlim=(t[0], t[-1]))
     legend(ax, "upper right", ncols=4, markerscale=2)
     if below is not None:

@@ -10,7 +10,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from .style import DASHES, heading, ink, legend, panel, ticks_of_pi
+from .style import DASHES, heading, ink, legend, panel, ticks_of_inclination
 
 
 CLASSES = {
@@ -149,7 +149,7 @@ def _over_one(axes: Any, sweep_map: Any) -> None:
                 style: Any = {"marker": ".", "ms": 7, "lw": 0.8, "label": CLASSES[name][1]}
                 axes.plot(x.centres, theta, color=of_class[name], **style)
         axes.set(ylabel="inclination θ at the end (rad)", ylim=(-0.1, np.pi + 0.1))
-        ticks_of_pi(axes)
+        ticks_of_inclination(axes)
     else:
         label, curves = CURVES[sweep_map.kind]
         for name, (colour, style, words) in curves.items():
