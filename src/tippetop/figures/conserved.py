@@ -83,7 +83,7 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
     for name, words in INTEGRALS.items():
         if name not in attrs["report"]["drift"] or name not in trajectory:
             continue
-        values, handed = trajectory[name].values, []
+        values, handed = trajectory[name].values, rows[:0]
         if name == "jellett":  # it is that of the ball in contact
             handed = rows
             if "jellett_lost" in trajectory and (lost := trajectory["jellett_lost"].values).any():

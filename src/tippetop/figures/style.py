@@ -231,7 +231,7 @@ def draw_curves(
 ) -> None:
     """Draw curves, each with its label, times and values, thinned; the first ones are wider."""
     looks = zip(itertools.cycle(COLOURS), itertools.cycle(DASHES))
-    for i, ((label, *curve), (color, dashes)) in enumerate(zip(curves, looks)):
+    for i, ((label, *curve), (color, dashes)) in enumerate(zip(curves, looks, strict=False)):
         width = 1.6 - 0.8 * i / len(curves)  # the first curves can be seen below the last
         ax.plot(*thinned(*curve), color=color, ls=dashes, lw=width, label=label, **style)
 

@@ -13,6 +13,7 @@ from .thinning import MOST_POINTS, span, thinned
 
 
 Curve = tuple[np.ndarray, np.ndarray]
+Piece = tuple[np.ndarray, np.ndarray, np.ndarray]
 TREMBLING = 0.02  # fraction of the usual swing
 
 
@@ -26,8 +27,10 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
     pieces = bands(_turnings(events, +1, True), _turnings(events, -1, True), breaks)
     ax, below = panels_over_time(ax, 1.2 if pieces else 0)
     colours = ink()
-    for piece in pieces:
-        ax.fill_between(*piece, color=colours.upper, alpha=0.22, lw=0, label="nutational band")
+    for when, low, high in pieces:
+        ax.fill_between(
+            when, low, high, color=colours.upper, alpha=0.22, lw=0, label="nutational band"
+        )
     ax.plot(*thinned(t, trajectory["theta"].values), color=colours.run, lw=0.7, label="θ(t)")
     for sign, color, name in (
         (-1, colours.upper, "maxima: upper envelope"),
@@ -45,16 +48,17 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
         label = f"first liftoff at {when:.4g} s"
         ax.axvline(when, color=colours.alarm, ls="--", label=label)
     legend(ax, "upper right", ncols=5, markerscale=2.5)
-    for when, low, high in pieces if below else ():
-        width = np.where(high > low, high - low, np.nan)
-        below.plot(*thinned(when, width), color=colours.upper, lw=0.9, marker=".", ms=2)
+    if below is not None:
+        for when, low, high in pieces:
+            width = np.where(high > low, high - low, np.nan)
+            below.plot(*thinned(when, width), color=colours.upper, lw=0.9, marker=".", ms=2)
         below.set(ylabel="width (rad)", yscale="log")
         below.yaxis.set_minor_formatter(NullFormatter())
     (below or ax).set_xlabel("time t (s)")
     return ax
 
 
-def bands(low: Curve, high: Curve, breaks: np.ndarray) -> list[tuple[np.ndarray, ...]]:
+def bands(low: Curve, high: Curve, breaks: np.ndarray) -> list[Piece]:
     """Return pieces of the band (times, low, high), broken at `breaks` and where turnings pause.
 
     theta is monotone in a pause, as in the rise of an inversion. More turnings than can be seen
@@ -74,7 +78,8 @@ def bands(low: Curve, high: Curve, breaks: np.ndarray) -> list[tuple[np.ndarray,
             for when, angles in ((low, high) if len(piece) else ())
         ]
         if within and all(part.shape[1] >= 2 for part in within):
-            pieces.append((piece, *(np.interp(piece, *part) for part in within)))
+            bottom, top = (np.interp(piece, *part) for part in within)
+            pieces.append((piece, bottom, top))
     return pieces
 
 

@@ -145,11 +145,11 @@ def _events(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
     rows = np.flatnonzero(keep)
     rows = rows[:: max(1, -(-len(rows) // MOST_EVENTS))]
     kinds = np.array(flag_names(events["kind"]))
-    theta = events["theta"].values[rows]
+    thetas = events["theta"].values[rows].tolist()
     columns = {
         "time": events["time"].values[rows].tolist(),
         "kind": kinds[rows].tolist(),
-        "theta": np.where(np.isfinite(theta), theta, None).tolist(),
+        "theta": [theta if math.isfinite(theta) else None for theta in thetas],
         "least": (events["theta_dot_sign"].values[rows] > 0).tolist(),
     }
     return _records(columns)
