@@ -191,10 +191,10 @@ def test_surface_is_drawn_with_its_marked_lines() -> None:
     axes = landscape.surface(grid, marked_lines.marked_lines(parameters, lam))
     shown = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
     assert {str(line.get_label()) for line in shown} >= {"spinning, θ = 0", "spinning, θ = π"}
-    assert axes.get_zlim() == pytest.approx((1e3 * float(grid.F.min()), 1e3 * float(grid.F.max())))
+    assert axes.get_zlim() == pytest.approx((float(grid.F.min()), float(grid.F.max())))
     assert "D" in axes.get_xlabel()
     assert "λ" in axes.get_ylabel()
-    assert axes.get_zlabel() == "energy (mJ)"
+    assert axes.get_zlabel() == "energy (J)"
     on, above = (
         next(line for line in shown if line.get_label() == f"spinning, θ = π{x}")
         for x in ("", ": above F")
