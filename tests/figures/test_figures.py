@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels
 from tippetop.landscape import marked_lines, potential, surface, turning
-from tippetop.library.run import Run
+from tippetop.library.finished_run import Run
 from tippetop.mechanics.friction import LAWS, FrictionLaw
 from tippetop.mechanics.number import Number, number
 from tippetop.mechanics.operand import formula
@@ -183,12 +183,12 @@ def test_band_is_the_predicted_one_with_the_logged_turnings(inverting: tuple) ->
 
 
 def test_surface_is_drawn_with_its_marked_lines() -> None:
-    from tippetop.figures import landscape
+    from tippetop.figures import landscape_figures
 
     parameters = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 3.008e-6, "I3": 3.2e-6, "g": 9.82}
     D, lam = np.linspace(-6e-4, 8e-4, 21), np.linspace(0, 7e-6, 31)
     grid = surface.minimal_surface(parameters, D, lam)
-    axes = landscape.surface(grid, marked_lines.marked_lines(parameters, lam))
+    axes = landscape_figures.surface(grid, marked_lines.marked_lines(parameters, lam))
     shown = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
     assert {str(line.get_label()) for line in shown} >= {"spinning, θ = 0", "spinning, θ = π"}
     assert axes.get_zlim() == pytest.approx((float(grid.F.min()), float(grid.F.max())))

@@ -19,16 +19,16 @@ PURPOSE = (
     "them. The manual is README.md and docs/ of the source."
 )
 _NAMES = {
-    "run": "run resume replay",
-    "landscape": "surface potential",
-    "sweep": "sweep",
+    "run_command": "run resume replay",
+    "landscape_commands": "surface potential",
+    "sweep_command": "sweep",
     "plot": "plot",
     "show": "info check export systems presets",
     "view": "view",
     "benchmark": "benchmark",
     "exchange": "compare fit",
     "reconstruct": "reconstruct",
-    "reference": "new help completion",
+    "help_command": "new help completion",
 }
 COMMANDS = {name: module for module, names in _NAMES.items() for name in names.split()}
 """The module of each command."""

@@ -101,7 +101,7 @@ def _drawn(
 
         chosen = make_map(first, kind or "class")
         return drawing.drawn(lambda: draw_map(chosen), look)
-    from .landscape import picture
+    from .landscape_commands import picture
 
     catalogue.check_kind(kind or content, [content])
     return picture(first, attributes[0], look)
@@ -112,15 +112,15 @@ def _states(scenario: str, look: Look) -> Any:
     from ..figures import drawing
     from ..figures.stability import states
     from ..figures.style import literal
-    from ..landscape import along_run
+    from ..landscape import run_landscape
     from ..runs import forecast
     from ..scenario import build
 
     problem = build.load(scenario)
-    along_run.refuse_parts(problem.friction._asdict())
+    run_landscape.refuse_parts(problem.friction._asdict())
     lam = forecast.at_start(problem).get("jellett", 0.0)
     parameters = {name: float(value) for name, value in problem.parameters.items()}
-    branches, marks = along_run.diagram(problem.system.name, parameters, lam)
+    branches, marks = run_landscape.diagram(problem.system.name, parameters, lam)
     marks["|λ| of the start"] = abs(lam)
     return drawing.drawn(lambda: states(branches, marks, literal(scenario)), look)
 

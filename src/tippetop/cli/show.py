@@ -34,12 +34,12 @@ def info(store: Place, *, as_json: bool = False, errors: bool = False) -> int:
     if errors and content != "run":
         raise InputError(f"`--errors` requires a run, but `{store}` is a {content}.")
     if content == "sweep":
-        from ..sweeps.summary import report
-        from . import sweep
+        from ..sweeps.sweep_summary import report
+        from . import sweep_command
 
-        return sweep.describe(report(store), as_json)
+        return sweep_command.describe(report(store), as_json)
     if content != "run":
-        from .landscape import describe
+        from .landscape_commands import describe
 
         return describe(attrs, as_json)
     summary = summary_of(attrs)
@@ -114,11 +114,11 @@ def check(
 
     tables = reading.override(reading.read(scenario), set_ or [])
     if plan.is_plan(tables):
-        from . import sweep
+        from . import sweep_command
 
         if until is not None:
             raise InputError("`--until` cannot be used with a plan: give `set.run.until` in it.")
-        facts, units = sweep.examine(tables, Path(scenario).parent)
+        facts, units = sweep_command.examine(tables, Path(scenario).parent)
         return _print_facts(facts, units, as_json)
     problem = starting.problem(build.ending(tables, until), scenario)
     resolved = build.resolved(problem)
@@ -194,7 +194,7 @@ def systems(*, as_json: bool = False) -> int:
     as_json
         Print the list as one JSON object.
     """
-    from ..scenario.reference import systems
+    from ..scenario.scenario_reference import systems
     from .text import table
 
     (section,) = systems()

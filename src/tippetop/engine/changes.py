@@ -1,21 +1,22 @@
 """Changes of phase that the compiled loop makes by itself, by programs of jumps."""
 
 import math
-from collections.abc import Iterator
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
-from ..mechanics.lines import Number, Program
+from ..mechanics.lines import Program
 from ..mechanics.operand import leaves, refill
 from .driver import NO_ROWS
 from .loop import Change, PhaseLoop
+from .stepper import Called
 
 
 PATIENCE = 16
 """Changes before a jump is written down as a program; then after twice as many, until it is one."""
 NUMBERS = 24
-"""Of a change for tables."""
+"""Numbers that one change may pass to the phase after it."""
 
 
 class Changes:
@@ -33,7 +34,8 @@ class Changes:
     Attributes
     ----------
     known
-        Of each change, by its number, what follows.
+        Of each change, by its number: the track that follows, its row in the table of phases, and
+        how many numbers the rows of other tables have, by name.
     """
 
     def __init__(self, run: Any, chatter: float, most: int):
@@ -46,44 +48,40 @@ class Changes:
         phase; `given` are its arguments.
         """
         run, track = self.run, self.run.track
-        jump, number = track.exits[exit], track.place * self.events + run.numbers.get(exit, -1)
-        is_sampled = track.sampler or track.driver.is_called  # Python makes its steps
-        if number in self.known or exit not in run.numbers or is_sampled:
+        jump, number = track.exits[exit], track.at * self.events + run.numbers.get(exit, -1)
+        is_stepped = track.sampler or isinstance(run.place.stepper, Called)  # by Python
+        if number in self.known or exit not in run.numbers or is_stepped:
             return
         state, whole, left, piece, body = given
-        state += (0.0,) * (track.driver.width - len(state))
+        state += (0.0,) * (len(run.state) - len(state))
         numbers = state, whole, (left,), tuple(run.signs.tolist()), body
         jump.calls += 1
         if jump.program is None and jump.calls >= PATIENCE and not jump.calls & (jump.calls - 1):
             jump.program = self._traced(jump, numbers, piece)
         if jump.program is None:
             return
-        begun, regions, code, constants, count = jump.program
-        to, (logged,) = run.track_of(begun.n.phase), begun.n.logged
+        n, regions, code, constants, count, sizes = jump.program
+        to, (logged,) = run.track_of(n.phase), n.logged
         if to.sampler:
             return
         for region in regions:
             self._motion(region)
         signs, zeros = np.zeros((2, self.events))
-        for k, event in zip(to.numbers, to.events, strict=True):
-            if k in to.ways:
-                signs[k] = begun.n.sides.get(event.name, -event.direction)
-                zeros[k] = -begun.n.zeros.get(event.name, 0)
+        for k, name in to.ways.items():
+            signs[k] = n.sides.get(name, -to.events[k].direction)
+            zeros[k] = -n.zeros.get(name, 0)
         inputs = [*leaves(numbers), *constants]
         registers = np.array([*inputs, *[0.0] * len(code)])
         place = run.numbers[logged]
-        kept = run.rows.events[place][["first", "last"]].item()
-        sizes = len(code), len(inputs), len(registers) - count, to.place, place, *kept
-        self.loop.teach(number, Change(code, registers, signs, zeros, *sizes))
-        tables = {
-            name: [[(one, isinstance(one, Number | float)) for one in row] for row in some]
-            for name, some in begun.n.rows.items()
-        }
-        self.known[number] = begun.n, exit, to, tables
+        kept = run.all_events.events[place][["first", "last"]].item()
+        places = len(code), len(inputs), len(registers) - count, to.at, place, *kept
+        self.loop.teach(number, Change(code, registers, signs, zeros, *places))
+        self.known[number] = to, run.tables.row_of(to.name, to.phase, n.cause or exit), sizes
 
     def _traced(self, jump: Any, numbers: tuple, piece: Any) -> tuple | None:
-        """Return what the program of a jump returns, the motions in it, its lines and constants,
-        and the number of its results; None where it does more than begin a phase.
+        """Return what the program of a jump leads to, the motions in it, its lines, constants and
+        number of results, and how many of these are rows of tables; None where it does more than
+        begin a phase.
         """
         program, regions = Program(*numbers), list[str]()
 
@@ -102,48 +100,55 @@ class Changes:
 
         state, whole, (left,), signs, body = program.inputs
         try:
-            begun = jump(state, whole, left, followed, body)
+            n, *begun, values = jump(state, whole, left, followed, body)
         except Exception:  # whatever a jump does that is no line
             return None
-        n, to = begun.n, self.run.track_of(begun.n.phase)
-        rows = [one for one in leaves(tuple(n.rows.values())) if isinstance(one, Number | float)]
-        goes_on = [(k, v) for k, v in zip(to.numbers, begun.values, strict=True) if k in to.live]
+        run, to = self.run, self.run.track_of(n.phase)
+        rows = {name: run.tables.numbers_of(name, some) for name, some in n.rows.items()}
+        flat = [one for some in rows.values() for row in some for one in row]
+        goes_on = [(k, v) for k, v in zip(to.events, values, strict=True) if k in to.live]
         is_plain = (
             (n.ends, n.delay, n.logged_after, n.series) == ("", 0, 0, None)
+            and n.cause != ""
             and len(n.logged) == 1
-            and n.logged[0] not in self.run.lasting
-            and len(rows) <= NUMBERS
-            and to.live <= self.run.track.live
+            and n.logged[0] not in run.lasting
+            and len(flat) <= NUMBERS
+            and to.live <= run.track.live
             and all((value > 0) == (signs[k] > 0) for k, value in goes_on)
         )
         if not is_plain:
             return None
-        pad, none = [0.0] * (to.driver.width - len(begun.state)), [0.0] * (NUMBERS - len(rows))
+        state, whole = begun
+        pad, none = [0.0] * (len(to.place.motion.state) - len(state)), [0.0] * (NUMBERS - len(flat))
         lasts = math.nan if n.lasts is None else n.lasts
-        results = *begun.state, *pad, *begun.whole, lasts, *rows, *none
+        results = *state, *pad, *whole, lasts, *flat, *none
         program.joined(results)
-        return begun, regions, program.code(), program.constants.values(), len(results)
+        sizes = [(name, len(row)) for name, some in rows.items() for row in some]
+        return n, regions, program.code(), program.constants.values(), len(results), sizes
 
     def _motion(self, region: str) -> tuple[int, int, int]:
         """Return the number of the loop of a motion, its parameters and variables."""
-        piece = self.run.impacts.piece
+        piece = self.run.piece
         driver, place = piece.driver(region), len(self.run.phases) + [*piece.stages].index(region)
         driver.loop.fill(NO_ROWS)
         self.loop.follow(place, driver.loop)
         return place, len(driver.motion.pars), driver.width
 
-    def taken(self) -> Iterator[tuple]:
-        """Yield the changes that were made: time, the `Next`, its exit, the track that follows,
-        counts of rows, passages and samples, integrals and rows.
-        """
-        at = 5 + len(self.run.whole)
-        for made in self.loop.taken():
-            n, exit, to, tables = self.known[int(made[1])]
-            numbers = iter(made[at + 1 :])
-            rows = {
-                name: [
-                    [next(numbers) if is_number else one for one, is_number in row] for row in some
-                ]
-                for name, some in tables.items()
-            }
-            yield made[0], n, exit, to, made[2:5], tuple(made[5:at]), rows
+    def drive(self, steps: int, changes: int) -> int:
+        """Make at most so many steps and changes of phase, and return the number of steps."""
+        run, at = self.run, 5 + len(self.run.whole)
+        for track in run.tracks.values():
+            track.place.loop.fill(run.wanted.rows)
+        made = self.loop.drive(run.track.at, run.began, run.whole, steps, changes)
+        for time, number, *numbers in self.loop.taken():
+            to, row, sizes = self.known[int(number)]
+            run.tables.begin(time, row)
+            rest = iter(numbers[at - 1 :])
+            for name, size in sizes:
+                run.tables.add(time, {name: [[*islice(rest, size)]]})
+            run.spans.append([to.at, *map(int, numbers[:3])])
+            run.wholes.append(tuple(numbers[3 : at - 2]))
+        if count := self.loop.record.length:
+            run.follow(to, run.wholes[-1], time)
+            run.changes, run.short, run.until = run.changes + count, 0, self.loop.record.clock
+        return made

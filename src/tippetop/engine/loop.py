@@ -75,11 +75,12 @@ class Tops(NamedTuple):
 
 
 class Queue(NamedTuple):
-    """Tops that wait for a lane."""
+    """Tops that wait for a lane, of any thread."""
 
-    tops: np.ndarray  # (lanes,)
-    waiting: np.ndarray  # (1,) their number; the last is taken first
+    tops: np.ndarray  # (length,)
+    taken: np.ndarray  # (1,) how many lanes have asked for one; threads share it
     ended: np.ndarray  # (1,) number of tops that have been put down
+    length: int
 
 
 class _Sizes(NamedTuple):
@@ -230,6 +231,7 @@ def library() -> ctypes.CDLL:
             "(pip install -e .)."
         )
     whole, array = ctypes.c_int64, ctypes.c_void_p
+    loaded.loop_keep.argtypes = [array, *[whole] * 3, *[ctypes.c_double] * 2]
     loaded.loop_drive.restype, loaded.loop_drive.argtypes = whole, [array, whole]
     loaded.loop_run.restype, loaded.loop_run.argtypes = whole, [array, whole]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
@@ -326,7 +328,7 @@ class Loop:
     def drive(self, most: int) -> int:
         """Make at most `most` steps of all lanes. Return their number.
 
-        It stops earlier where the caller must look: a lane has no run, a top has settled, all rows
+        It stops earlier where the caller must look: no lane has a run, a top has settled, all rows
         are written, or there is no room for what a step may find. The next call puts down tops that
         have settled, unless their status is that of a running one again.
         """
@@ -334,6 +336,10 @@ class Loop:
         if self.failures:
             raise self.failures.pop()
         return steps
+
+    def keep(self, event: np.void, when: float, sign: int) -> None:
+        """Keep the numbers of an event of the first lane that no step has found."""
+        self.library.loop_keep(self.place, *event[["first", "last"]].item(), 0, when, sign)
 
 
 class PhaseLoop:

@@ -27,17 +27,23 @@ class PhaseTables:
         self.second = float(problem.scales.of(SECOND))
         self.under_way: list[Any] | None = None
         self.rows: dict[str, list[Sequence[Any]]] = {name: [] for name in self.tables}
-        self.numbers: dict[tuple[str, str], list[Any]] = {}  # of a phase and a cause
 
-    def begin(self, name: str, phase: Phase, time: float, cause: str) -> None:
-        """Begin a phase of this name at an internal time."""
+    def row_of(self, name: str, phase: Phase, cause: str) -> list[int]:
+        """Return the row of a phase of this name without its times."""
+        row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
+        words = self.tables.get("phases", {})
+        return [_number(row[key], kind) for key, kind in words.items()]
+
+    def numbers_of(self, name: str, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
+        """Return rows of another table with the places of their words."""
+        kinds = self.tables[name].values()
+        return [[_number(one, kind) for one, kind in zip(row, kinds, strict=True)] for row in rows]
+
+    def begin(self, time: float, row: Sequence[int]) -> None:
+        """Begin a phase at an internal time."""
         self.end(time)
-        words = self.tables.get("phases")
-        if words and (name, cause) not in self.numbers:
-            row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
-            self.numbers[name, cause] = [_number(row[key], words[key]) for key in words]
-        if words:
-            self.under_way = [time * self.second, *self.numbers[name, cause]]
+        if row:
+            self.under_way = [time * self.second, *row]
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""
@@ -46,7 +52,7 @@ class PhaseTables:
             self.rows["phases"].append([start, time * self.second, *rest])
             self.under_way = None
 
-    def add(self, time: float, rows: Mapping[str, tuple]) -> None:
+    def add(self, time: float, rows: Mapping[str, Sequence]) -> None:
         """Add rows of other tables at an internal time."""
         for name, some in rows.items():
             self.rows[name] += [(time * self.second, *row) for row in some]

@@ -82,13 +82,13 @@ CLASSES = (
     "bouncing",
     "nutating",
 )
-"""What becomes of a top, by number in a store."""
+"""Fates of a top, by number in a store."""
 
 NEAR = 0.1  # rad from a pole: upright or inverted
 
 
 def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any) -> np.ndarray:
-    """What has become of tops that have not lifted off, as numbers of CLASSES, (n,).
+    """Return the fates of tops that have not lifted off, as numbers of CLASSES, (n,).
 
     Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under
     way, for it will leave. Tumbling is one in which nothing slides any more. Without friction a
@@ -135,7 +135,7 @@ def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any)
 
 
 def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) -> np.ndarray:
-    """What has become of tops whose contact may change its phase, as numbers of CLASSES, (n,).
+    """Return the fates of tops whose contact may change its phase, as numbers of CLASSES, (n,).
 
     Parameters
     ----------

@@ -118,10 +118,9 @@ def _exponents(tops: Problems, ends: np.ndarray) -> np.ndarray:
     That of a top that is invalid, or ends at its start, is NaN.
     """
     rates = np.full(tops.n, np.nan)
-    going = np.flatnonzero(tops.valid & (ends > 0))
-    for top in going.tolist():
+    for top in np.flatnonzero(tops.valid & (ends > 0)).tolist():
         times = np.array([0.0, ends[top]])
-        rates[top] = growth(problem_of(tops, top), times, uses=len(going)).exponents[-1]
+        rates[top] = growth(problem_of(tops, top), times).exponents[-1]
     return rates
 
 
@@ -136,19 +135,9 @@ def _run(
     wanted: Collection[str] | None,
 ) -> None:
     """Run tops in lanes, on threads that take them from one queue."""
-    lock, counted, every, left = threading.Lock(), itertools.count(1), measured.tops, numbers
+    lock, counted, every = threading.Lock(), itertools.count(1), measured.tops
     n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
-
-    def take(empty: int) -> np.ndarray:
-        """Return tops for the empty lanes of a thread, and some to wait for its next empty ones.
-
-        Towards the end none wait, because another thread may have empty lanes.
-        """
-        nonlocal left
-        with lock:
-            count = empty + min(lanes - empty, len(left) // (4 * lanes * n))
-            taken, left = left[:count], left[count:]
-            return taken
+    taken = np.zeros(1, np.int64)  # of the numbers, by all threads
 
     def ended(count: int) -> None:
         if progress is not None:
@@ -166,12 +155,11 @@ def _run(
 
     def work(worker: Lanes) -> float:
         """Run tops from the queue until none is left. Return the processor time."""
-        nonlocal left
         clock = time.thread_time()
         try:
-            worker.run(tops, take, look, ended)
+            worker.run(tops, numbers, taken, look, ended)
         except BaseException:
-            left = left[:0]
+            taken[0] = len(numbers)
             raise
         return time.thread_time() - clock
 
@@ -186,7 +174,7 @@ def _run(
             try:
                 measured.processor = sum(pool.map(work, workers))
             except BaseException:  # Ctrl-C too: the others must stop
-                left = left[:0]
+                taken[0] = len(numbers)
                 raise
     if isinstance(first.stepper, Called):
         measured.steps_by = "heyoka"

@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, rotated
-from .table import Table
+from .motion_table import Table
 
 
 ORDERS = {"wxyz": (0, 1, 2, 3), "xyzw": (3, 0, 1, 2)}

@@ -14,9 +14,9 @@ from .catalogue import FIGURES, PLAIN, Look, check_kind
 
 def _drawings() -> dict[str, Callable]:
     """Return the function for each kind of figure of a run; this imports matplotlib."""
-    from ..landscape import along_run
+    from ..landscape import run_landscape
     from ..runs import shape as bodies
-    from . import conserved, energetics, film, landscape, sphere, stability, theta, well
+    from . import conservation, energetics, film, landscape_figures, sphere, stability, theta, well
 
     def in_landscape(draw: Callable, data_of: Callable) -> Callable:
         return lambda *run, ax: draw(*data_of(*run), ax=ax)
@@ -27,15 +27,15 @@ def _drawings() -> dict[str, Callable]:
     return {
         "theta": theta.theta,
         "normal-force": energetics.normal_force,
-        "drift": conserved.drift,
-        "growth": conserved.growth,
+        "drift": conservation.drift,
+        "growth": conservation.growth,
         "sphere": sphere.sphere,
         "energy": energetics.energy,
         "film": filmed,
-        "states": in_landscape(stability.states, along_run.states),
-        "band": in_landscape(landscape.band, along_run.band),
-        "surface": in_landscape(landscape.surface, along_run.surface),
-        "potential": in_landscape(well.potential, along_run.potential),
+        "states": in_landscape(stability.states, run_landscape.states),
+        "band": in_landscape(landscape_figures.band, run_landscape.band),
+        "surface": in_landscape(landscape_figures.surface, run_landscape.surface),
+        "potential": in_landscape(well.potential, run_landscape.potential),
     }
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .conserved import changes, draw_drift, draw_growth
+from .conservation import changes, draw_drift, draw_growth
 from .energetics import weight
 from .labels import differences, shared, title
 from .style import draw_curves, legend, panel, ticks_in_joules, ticks_of_inclination

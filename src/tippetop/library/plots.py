@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .run import Run
+    from .finished_run import Run
 
 
 class Plots:
@@ -118,7 +118,7 @@ class Plots:
     ) -> Any:
         """Draw a part of the run."""
         from ..figures.window import in_window
-        from .run import Run
+        from .finished_run import Run
 
         if ax is not None and not hasattr(ax, "get_figure"):
             raise InputError(f"`ax` must be Axes of matplotlib, but is {ax!r:.60}.")

@@ -150,7 +150,7 @@ def unchanged(x: Any, b: Any) -> Any:
 
 @dataclass
 class Next:
-    """What follows the end of a phase, or how a run begins.
+    """Phase and state after the end of a phase, or at the start of a run.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ CLOCK = "clock"
 
 @dataclass(frozen=True)
 class Exit:
-    """How a phase ends.
+    """End of a phase: an event and a jump.
 
     Parameters
     ----------

@@ -8,7 +8,6 @@ import numpy as np
 
 from ..errors import InputError, owner, suggestion
 from ..mechanics.friction import PARTS, SLIP
-from ..mechanics.inlining import inlined
 from ..mechanics.moment import moment
 from ..mechanics.system import Form, System
 from ..mechanics.units import METRE_PER_SECOND, SECOND_PER_METRE
@@ -160,7 +159,7 @@ def _values_at(system: System, form: Form) -> tuple[Callable, list[Callable]]:
         state = moment(system, form, q, carried, b)
         return [formula(state, b) for formula in formulas]
 
-    return values if any(map(owner, formulas)) else inlined(values), formulas
+    return values, formulas
 
 
 def _law_faults(problems: "Problems") -> list[Fault]:

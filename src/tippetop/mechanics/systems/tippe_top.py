@@ -137,7 +137,7 @@ def potential(z, D, lam, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """Return V as the landscape takes it, q = tan(theta/2)^2.
+    """Return V in the variable of the landscape, q = tan(theta/2)^2.
 
     With a body of decimals no digit is lost, although the marked lines cancel. The coefficients of
     a peg are those of the body with its axis reversed, where D is -D. [section 5]
@@ -233,7 +233,7 @@ TIPPE_TOP = of_one_phase(
     source=SOURCE + "3",
     initial=gliding.INITIAL,
     alternatives=gliding.ALTERNATIVES,
-    start=gliding.start,
+    start=gliding.start_of(gliding_euler.ANGLES),
     angles=gliding_euler.ANGLES,
     forms=gliding.FORMS,
     quantities=QUANTITIES,

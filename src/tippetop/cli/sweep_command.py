@@ -39,7 +39,7 @@ def sweep(
     """
     from .. import errors
     from ..cli import CHUNKS, INTERRUPTED, TERMINATED
-    from ..sweeps import summary, sweep
+    from ..sweeps import sweep, sweep_summary
 
     words = ["tippetop", "sweep", str(plan), "--out", str(out)]
     for name, value in (("--workers", workers), ("--scheduler", scheduler)):
@@ -54,7 +54,7 @@ def sweep(
     except (KeyboardInterrupt, SystemExit) as stopped:  # not after the chunks under way
         code = INTERRUPTED if isinstance(stopped, KeyboardInterrupt) else TERMINATED
         return complain([f"interrupted; every finished chunk is kept. {again}"], code)
-    facts = summary.report(out)
+    facts = sweep_summary.report(out)
     if was_finished and not failed:
         report(f"`{out}` was finished: its chunks are checked.")
     describe(facts, as_json)
@@ -73,6 +73,7 @@ def finished(store: Path, overwrite: bool) -> bool:
 
     from ..errors import StoreError
     from ..store import files, root
+    from ..store.ledger import Ledger
 
     if not overwrite:
         return store.is_dir() and root.attributes(store, whole=False).get("status") == "finished"
@@ -80,7 +81,7 @@ def finished(store: Path, overwrite: bool) -> bool:
         raise StoreError(f"`{store}` is a link: it is not overwritten; name the store itself.")
     if store.exists():
         root.refuse_foreign(store)  # a damaged one may be overwritten
-        with files.writing(store), files.lock_of(store):  # raises StoreError, naming the writer
+        with files.writing(store), Ledger.locked(store):  # raises StoreError, naming the writer
             old = files.scratch_name(store)
             os.rename(store, old)  # immediately: a kill leaves no half store under its name
             shutil.rmtree(old, ignore_errors=True)
@@ -89,7 +90,7 @@ def finished(store: Path, overwrite: bool) -> bool:
 
 def describe(report: dict[str, Any], as_json: bool) -> int:
     """Print the content of a sweep's store."""
-    from ..sweeps.summary import lines
+    from ..sweeps.sweep_summary import lines
     from .text import table
 
     if as_json:

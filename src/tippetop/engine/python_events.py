@@ -6,6 +6,7 @@ from typing import Any
 
 from ..mechanics.event import Event
 from .driver import Driver
+from .integrator import Compiled
 
 
 class Sampler:
@@ -14,9 +15,11 @@ class Sampler:
     Parameters
     ----------
     driver
-        Of the phase.
+        Of the run.
+    code
+        The integrator of the phase.
     body
-        The parameters of its integrator.
+        Its parameters, perhaps with others behind.
     events
         Those that are sampled.
     function
@@ -24,10 +27,15 @@ class Sampler:
     """
 
     def __init__(
-        self, driver: Driver, body: Sequence[Any], events: Sequence[Event], function: Callable
+        self,
+        driver: Driver,
+        code: Compiled,
+        body: Sequence[Any],
+        events: Sequence[Event],
+        function: Callable,
     ):
         self.driver, self.events, self.function = driver, events, function
-        self.integrator = copy.deepcopy(driver.compiled.integrator)
+        self.integrator = copy.deepcopy(code.integrator)
         pars = self.integrator.pars
         pars[:] = [driver.number(number) for number in body[: len(pars)]]
 
