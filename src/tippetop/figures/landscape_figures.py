@@ -55,9 +55,9 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
         mark_ends(axes, *path)
         high = max(high, np.nanmax(path[2]))
     small = compact()
-    words = [F[name].attrs["long_name"] if not small else name for name in F.dims]
+    names = [F[name].attrs["long_name"] if not small else name for name in F.dims]
     units = [units_text(F[name].attrs["units"]) for name in F.dims]
-    labels = [f"{greek(word)} ({unit})" for word, unit in zip(words, units, strict=True)]
+    labels = [f"{greek(word)} ({unit})" for word, unit in zip(names, units, strict=True)]
     axes.zaxis.set_rotate_label(False)
     axes.set(xlabel=labels[0], ylabel=labels[1])
     axes.set_zlabel("energy (J)", rotation=90)
