@@ -62,8 +62,7 @@ def surface(
     from ..figures import drawing
     from ..landscape import marked_lines, surface, surface_recording
     from ..progress import Bar
-    from .plot import check_picture
-    from .sweep_command import finished
+    from .targets import check_picture, finished
 
     parameters, system = _tippe_top(scenario)
     if out is None and figure is None:
@@ -142,8 +141,7 @@ def potential(
     from ..awaiting import awaited
     from ..figures import drawing
     from ..landscape import potential, surface, surface_recording
-    from .plot import check_picture
-    from .sweep_command import finished
+    from .targets import check_picture, finished
 
     parameters, system = _tippe_top(scenario)
     if not 2 <= n <= MOST_POINTS:
@@ -194,8 +192,7 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
     """Print the content of the store of `surface` or `potential`."""
     if as_json:
         return print_json(attrs)
-    from .show import plain
-    from .text import table
+    from .text import plain, table
 
     print(visible(attrs["title"]))
     names = ("system", "parameters", "axes", "D", "lambda", "minimum", "versions")

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..errors import InputError, StoreError, refuse_without
+from ..errors import InputError
 from ..figures import catalogue
 from ..figures.catalogue import Look
 from .values import Place, Seconds
@@ -53,6 +53,7 @@ def plot(
     """
     from ..awaiting import awaited
     from ..figures import drawing
+    from .targets import check_picture
 
     check_picture(out, "--out", overwrite)
     look = Look(title, _size(size), dpi, dark)
@@ -136,17 +137,3 @@ def _size(text: str | None) -> tuple[float, float] | None:
             f"--size must be width x height in inches, such as 8x5, but is `{text}`."
         ) from None
     return width, height
-
-
-def check_picture(path: Path | None, option: str, overwrite: bool = False) -> None:
-    """Refuse a picture before the run rather than after it; `option` gives its file."""
-    from ..store.files import refuse_existing
-
-    if path is None:
-        return
-    refuse_without("matplotlib")
-    if path.suffix.lower() not in catalogue.ENDINGS:
-        raise InputError(f"{option} must end with .png, .svg or .pdf, but is `{path}`.")
-    if not path.parent.is_dir():
-        raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
-    refuse_existing(path, overwrite)

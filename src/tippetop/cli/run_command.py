@@ -78,7 +78,7 @@ def run(
         raise
     warn(doubts(problem))
     if figure is not None:
-        from .plot import check_picture
+        from .targets import check_picture
 
         check_picture(figure, "--figure", overwrite)
         if problem.output == "keyframes":

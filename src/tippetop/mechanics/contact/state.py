@@ -294,7 +294,11 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
     }
     text = "what touches the plane, or did last"
     quantities += [
-        *(replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES),
+        *(
+            replace(one, formula=formulas[one.name])
+            for one in gliding.QUANTITIES
+            if one.name in formulas
+        ),
         Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
         Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
         Quantity("ball", "ball", ONE, text, lambda s, b: s.ball, BALLS),

@@ -34,9 +34,9 @@ from . import outlook
 class TippeTop(Top):
     """A tippe top: a sphere whose centre of mass lies alpha*R below its centre; a peg if alpha < 0.
 
-    Each number may be a text: with a unit, "20 g", which must fit; or arithmetic of the others in
-    SI units, "2/5*m*R^2", whose dimension is not checked. Rutstam, N.: Study of equations for Tippe
-    Top and related rigid bodies. Linkoping (2010), chapter 3.
+    Each number may be a text: with a unit, "20 g", or arithmetic of the others, "2/5*m*R^2", whose
+    dimension must fit. Rutstam, N.: Study of equations for Tippe Top and related rigid bodies.
+    Linkoping (2010), chapter 3.
 
     >>> import tippetop as tt
     >>> tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)
