@@ -25,7 +25,7 @@ from .minimise import (
 
 
 BLOCK = 256
-"""Points of a block; its arrays stay in the first cache."""
+"""Points of a block; its arrays fit into the first-level cache."""
 
 STEPS = 2
 """Steps of Halley for every point, after which almost all points of a dense grid are at rest."""

@@ -11,7 +11,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from tippetop.engine import compiled as compiling
+from tippetop.engine import integrator as compiling
 from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import formulas_of
 from tippetop.engine.status import Status

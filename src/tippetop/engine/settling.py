@@ -81,7 +81,7 @@ CLASSES = (
     "bouncing",
     "nutating",
 )
-"""What becomes of a top, by number in a store."""
+"""Fates of a top, by number in a store."""
 
 NEAR = 0.1  # rad from a pole: upright or inverted
 
@@ -89,7 +89,7 @@ NEAR = 0.1  # rad from a pole: upright or inverted
 def classes_of(
     system: System, values: dict[str, np.ndarray], second: Any, settled: Any, body: Any
 ) -> np.ndarray:
-    """Return what has become of tops that have not lifted off, as numbers of CLASSES, (n,).
+    """Return the fates of tops that have not lifted off, as numbers of CLASSES, (n,).
 
     Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under
     way, for it will leave. Tumbling is one in which nothing slides any more. Without friction a
@@ -136,13 +136,12 @@ def classes_of(
 
 
 def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) -> np.ndarray:
-    """Return what has become of tops whose contact may change its phase, as numbers of CLASSES,
-    (n,).
+    """Return the fates of tops whose contact may change its phase, as numbers of CLASSES, (n,).
 
     Parameters
     ----------
     kinds
-        What has become of them if the phase is left out of account.
+        Their fates if the phase is left out of account.
     theta
         At the end, (n,) [rad]: a body that rolls is in steady spin only at a pole, and
         never in the air.

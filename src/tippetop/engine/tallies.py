@@ -61,7 +61,7 @@ _LANE: dict[str, Any] = {
     "lasts_since": math.nan,  # when the lasting event last happened
     "doubted": math.nan,  # a value of `lasts_since` that is known not to last
 }
-"""What a lane starts with; times are internal, NaN: did not happen."""
+"""Initial values of a lane; times are internal, NaN if the event did not happen."""
 
 
 SIGN, LEAST, MOST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_MOST = range(9)

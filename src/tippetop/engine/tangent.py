@@ -9,7 +9,7 @@ import heyoka as hy
 import numpy as np
 
 from ..awaiting import awaited
-from .compiled import awaited_once
+from .integrator import awaited_once
 from .variational import Kind, compiled_motion, compiled_readings, compiled_starts
 
 

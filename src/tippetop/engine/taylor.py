@@ -10,9 +10,9 @@ import heyoka as hy
 from ..mechanics.operand import leaves
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from .compiled import Compiled, awaited_once, compiled_from
 from .driver import Driver
 from .expressions import Formulas, formulas_of
+from .integrator import Compiled, awaited_once, compiled_from
 from .observables import event_functions
 from .opt_level import DEFAULT, opt_level
 from .tallies import looked_for

@@ -34,7 +34,7 @@ TURN = tuple(f"turn_{i}{j}" for i in range(4) for j in range(4))
 
 
 class Kind(NamedTuple):
-    """What tangents are compiled for.
+    """Key of compiled tangents.
 
     Parameters
     ----------

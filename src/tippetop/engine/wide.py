@@ -13,8 +13,8 @@ from typing import Any, cast
 import heyoka as hy
 import numpy as np
 
-from .compiled import Compiled
 from .driver import Driver, Passages, Place
+from .integrator import Compiled
 from .loop import Motion, Rows
 from .status import Status
 from .stepper import Called, Stepper

@@ -7,8 +7,8 @@ from collections.abc import Callable, Collection
 
 import numpy as np
 
-from ..engine.compiled import stepper_of
 from ..engine.expressions import formulas_of
+from ..engine.integrator import stepper_of
 from ..engine.loop import Loop, Queue, Tops, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays
@@ -136,7 +136,7 @@ def new_tops(
     on_zero: np.ndarray,
     rows: EventRows,
 ) -> Tops:
-    """Return tops that have not begun."""
+    """Return tops before their first step."""
     start, pars, until = (np.ascontiguousarray(column, float) for column in (start, pars, until))
     signs, on_zero = (np.ascontiguousarray(column, np.int8) for column in (signs, on_zero))
     functions, kept = (

@@ -78,7 +78,7 @@ def statuses_of(system: System) -> tuple[str, ...]:
 
 
 class Outcomes:
-    """A row per top, as arrays (n,); and what the making took."""
+    """One row per top, as arrays (n,); and the cost of the computation."""
 
     def __init__(self, tops: Problems):
         self.tops, n = tops, tops.n

@@ -18,7 +18,7 @@ from ..problem import Problem
 from ..runs.run import Solution, solve
 from ..sampling import ListedTimes
 from .motion import Convention, Motion, angle_between, motion
-from .table import read
+from .motion_table import read
 
 
 LEVELS = (1e-3, 1e-2, 1e-1)

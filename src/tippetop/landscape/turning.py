@@ -10,8 +10,8 @@ from ..arguments import numbers
 from ..columns import flagged, require
 from ..errors import InputError
 from ..mechanics.system import System
-from .body import landscape_of, top
-from .labels import attributes, cosine, flags, inclination, labelled
+from .landscape_body import landscape_of, top
+from .landscape_labels import attributes, cosine, flags, inclination, labelled
 
 
 # relative: an energy this close to the minimum touches it (the drift of a good run stays below)
@@ -127,8 +127,6 @@ def band(
         with the momenta, the energy and theta of the run.
     """
     names = landscape_of(system)[1].columns
-    if not isinstance(run, xr.Dataset):
-        raise InputError(f"`run` must be the trajectory of a run, a Dataset, but is {run!r:.60}.")
     require(names, run, "the band along a run")
     first, second, energy = (run[name] for name in names)
     angles = turning_angles(parameters, first, second, energy, system, theta=run.get("theta"))

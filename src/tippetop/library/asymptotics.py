@@ -13,7 +13,7 @@ from ..mechanics.theory import least_energy as least
 from ..mechanics.theory.least_energy import AsymptoticState
 from ..mechanics.units import JELLETT, METRE_PER_SECOND2, RADIAN, RADIAN_PER_SECOND
 from ..problem import Problem
-from .run import Run
+from .finished_run import Run
 from .sources import top_of
 
 

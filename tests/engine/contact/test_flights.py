@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from nightly import at_night
 
-from tippetop.engine.compiled import compiled_from
 from tippetop.engine.driver import NO_ROWS, RUNNING, Driver
 from tippetop.engine.hybrid import formulas_of_phase
+from tippetop.engine.integrator import compiled_from
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import ON_ZERO, SIGN
 from tippetop.mechanics.contact.body import Touch, axis_rate, height

@@ -42,7 +42,7 @@ class Growth(NamedTuple):
 
     @property
     def horizon(self) -> float:
-        """When an error of 1e-16 has grown to 1e-3 [s]; NaN if it does not within the run."""
+        """Time at which an error of 1e-16 has grown to 1e-3 [s]; NaN if later than the run."""
         beyond = np.flatnonzero(self.factor * ROUNDING > LOST)
         if not len(beyond):
             return math.nan

@@ -19,7 +19,7 @@ ROLLING_TIPPE_TOP = of_one_phase(
     source=tippe_top.SOURCE + "4",
     initial=rolling.INITIAL,
     alternatives=(gliding.BY_PSI_DOT,),
-    start=rolling.start,
+    start=gliding.start_of(rolling_euler.ANGLES),
     angles=rolling_euler.ANGLES,
     forms={
         "contact": CONTACT,

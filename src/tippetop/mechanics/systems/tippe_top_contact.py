@@ -10,10 +10,10 @@ check.
 from typing import NamedTuple
 
 from ..contact import body as contact
+from ..contact.body_axes import carried_along
 from ..contact.gliding import vector as gliding_vector
 from ..contact.gliding.vector import axis
 from ..contact.integrals import integral
-from ..contact.orientation import carried_along
 from ..contact.rolling import chart, reaction
 from ..contact.rolling.vector import VectorState
 from ..operand import Operand, Vector, cross, formula, plus, times

@@ -1,8 +1,14 @@
 """The chart between Euler angles and vectors. [T 3.20-3.22; section 3.4 of the derivation]"""
 
+from collections.abc import Callable
+from typing import Any
+
 from ...operand import Vector, atan2, cos, formula, sin, sqrt
+from ...system import Domain, Form, Integral
 from ..body import of_azimuth
-from .euler import Angles, EulerState, centre_velocity
+from ..body_axes import by_angles
+from ..integrals import integral
+from .euler import ANGLES, centre_velocity, psi_rate, sine_and_cosine
 from .vector import VectorState, axis, vector_scalars
 
 
@@ -32,44 +38,86 @@ def vector_of_angles(e, s, z, b):
     return VectorState(*u, *L, b.I3 * e.omega3, *velocity)
 
 
-@formula
-def axis_angles(c, u):
-    """Return theta, theta', phi', phi of the axis u with the scalars c.
+def angles_by(units: Any, scalars: Callable) -> Callable:
+    """Return to_angles(q, carried, b) of a form whose state has the axis.
 
-    They are 0/0 exactly at a pole, where phi is undefined. theta is atan2(sin, cos): no digits are
-    lost near the poles. [section 3.4]
+    The angles are 0/0 exactly at a pole, where phi is undefined. theta is atan2(sin, cos): no
+    digits are lost near the poles. [section 3.4]
+
+    Parameters
+    ----------
+    units
+        The record of the angles; fields that the scalars do not give are integrals.
+    scalars
+        scalars(q, b) of the form.
     """
-    s = sqrt(c.s2)
-    return atan2(s, c.z), -c.z_dot / s, c.phi_dot_s2 / c.s2, atan2(u.y, u.x)
+
+    def to_angles(q: Any, carried: Any, b: Any) -> Any:
+        c, u = scalars(q, b), axis(q)
+        s = sqrt(c.s2)
+        known = {
+            "theta": atan2(s, c.z),
+            "theta_dot": -c.z_dot / s,
+            "phi_dot": c.phi_dot_s2 / c.s2,
+            "omega3": c.L3 / b.I3,
+            "phi": atan2(u.y, u.x),
+        }
+        if hasattr(c, "v_u"):
+            known |= {"nu_x": c.v_u / s, "nu_y": c.v_n / s}
+        if hasattr(c, "rise"):
+            known |= {"nu_z": c.rise, "gap": c.gap}
+        return type(units)(
+            *(known[name] if name in known else getattr(carried, name) for name in units._fields)
+        )
+
+    return to_angles
 
 
-@formula
-def gliding_angles(c, u, carried, b):
-    """Return the angles of a gliding body with the axis u and the scalars c."""
-    theta, theta_dot, phi_dot, phi = axis_angles(c, u)
-    s = sqrt(c.s2)
-    omega3, nu_x, nu_y = c.L3 / b.I3, c.v_u / s, c.v_n / s
-    place_and_integrals = (carried.x, carried.y, carried.work, carried.impulse)
-    return Angles(theta, theta_dot, phi_dot, omega3, nu_x, nu_y, phi, *place_and_integrals)
+angles_of_vector = angles_by(ANGLES, vector_scalars)
+
+AWAY_FROM_POLE = Domain(
+    formula(lambda s, b: s.s2),
+    'this form is singular where sin(theta) = 0: use form = "vector"',
+)
 
 
-@formula
-def angles_of_vector(q, carried, b):
-    """Return the angles of a vector state."""
-    return gliding_angles(vector_scalars(q, b), axis(q), carried, b)
+def in_euler_angles(
+    vector: Form,
+    angles: Any,
+    units: Any,
+    rates: Callable,
+    scalars: Callable,
+    integrals: tuple[Integral, ...],
+    *domains: Domain,
+) -> Form:
+    """Return the form of a body in Euler angles, beside its vector form.
 
-
-@formula
-def euler_of_angles(e, s, z, b):
-    """Return the Euler-angle state of the angles."""
-    return EulerState(*e[:6])
-
-
-@formula
-def angles_of_euler(q, carried, b):
-    """Return the same angles with theta in [0, pi] and phi in (-pi, pi].
-
-    They are computed by way of the vector state.
+    Parameters
+    ----------
+    vector
+        The vector form: by way of it theta is brought to [0, pi], and phi to (-pi, pi].
+    angles
+        The record of the angles.
+    units
+        The state: the first of the angles.
+    rates, scalars, integrals, domains
+        As of a `Form`, without phi.
     """
-    e = Angles(*q[:6], carried.phi, carried.x, carried.y, carried.work, carried.impulse)
-    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)
+
+    def to_angles(q: Any, carried: Any, b: Any) -> Any:
+        sources = (q if name in q._fields else carried for name in angles._fields)
+        e = type(angles)(*map(getattr, sources, angles._fields))
+        state = vector.of_angles(e, sin(e.theta), cos(e.theta), b)
+        return vector.to_angles(state, carried, b)
+
+    return Form(
+        "euler",
+        units,
+        rates,
+        scalars,
+        lambda e, s, z, b: type(units)(*e[: len(units)]),
+        to_angles,
+        integrals=(integral("phi", lambda q, carried, b: q.phi_dot), *integrals),
+        orientation=by_angles(sine_and_cosine, psi_rate),
+        domains=(*domains, AWAY_FROM_POLE),
+    )
