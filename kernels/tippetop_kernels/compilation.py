@@ -26,7 +26,7 @@ KEPT = 8
 """Folders of machine code, one for each state of the sources; the most recently used are kept."""
 
 IMPORTED = time.time()
-"""When this process began to import our sources, in seconds since 1970."""
+"""Time at which this process began to import our sources, in seconds since 1970."""
 
 
 # --- kernels ------------------------------------------------------------------------------------

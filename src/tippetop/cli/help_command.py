@@ -1,4 +1,4 @@
-"""`tippetop help, new, completion`: what may be written, and a scenario to begin with."""
+"""`tippetop help, new, completion`: the keys of scenarios and plans, and a first scenario."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def topics() -> dict[str, Any]:
 
 
 def help(topic: str | None = None, *, markdown: bool = False) -> int:
-    """Print what may be written in a scenario or a plan, and the columns and events of a run.
+    """Print the keys of a scenario or a plan, and the columns and events of a run.
 
     Parameters
     ----------

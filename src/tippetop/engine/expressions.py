@@ -150,7 +150,7 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
 
 
 def integrates_axis(system: System, form: Form) -> bool:
-    """Whether the form integrates the components of 3hat, whose length must then stay 1."""
+    """True if the form integrates the components of 3hat, whose length must then stay 1."""
     axis = system.vectors.get("axis", ())
     return bool(axis) and set(axis) <= set(form.units._fields)
 

@@ -65,7 +65,7 @@ def formulas_of_impact(friction: Any, name: str, has_torques: bool) -> Formulas:
 
 
 def driver_of(formulas: Formulas, precision: str, stop: threading.Event | None) -> Driver:
-    """Return what executes a motion."""
+    """Return the executor of a motion."""
     wide, number = precision != "double", PRECISIONS[precision]
     code = compiled_when((formulas, precision, 0.0, 0, wide, False), stop)
     start, functions = np.zeros(len(formulas.form.units), number), np.ones(len(formulas.events))
@@ -74,7 +74,7 @@ def driver_of(formulas: Formulas, precision: str, stop: threading.Event | None) 
 
 
 class Kind(NamedTuple):
-    """What the motions of impacts depend on besides their numbers."""
+    """Key of the compiled motions of impacts, without their numbers."""
 
     law: Any  # the type of its record
     has_torques: bool  # rolling resistance or a drilling torque, besides the torque of a disc
@@ -104,7 +104,7 @@ class Pieces:
         self.drivers: dict[str, Driver] = {}
 
     def driver(self, region: str) -> Driver:
-        """Return what executes the motion in a region."""
+        """Return the executor of the motion in a region."""
         if region not in self.drivers:
             formulas = formulas_of_impact(self.kind.law, region, self.kind.has_torques)
             self.drivers[region] = driver_of(formulas, self.kind.precision, self.stop)

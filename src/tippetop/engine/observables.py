@@ -50,7 +50,7 @@ class Observables:
         return self.problem.variables.split(_widened(np.asarray(rows), self._wide).T)
 
     def moment(self, rows: np.ndarray) -> Moment:
-        """Return what formulas read of the rows, or of one row, in internal units."""
+        """Return the arguments of formulas for the rows, or for one row, in internal units."""
         return moment(self.system, self.form, *self.state(rows), self.body)
 
     def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:

@@ -30,7 +30,7 @@ def observation_of(
     marker: tuple[float, float, float] | None,
     noise: float | str | None = None,
 ) -> Observation:
-    """Return measurements and what a scenario predicts for them.
+    """Return measurements and the prediction of a scenario for them.
 
     `noise`: the standard deviation of measured angles [rad], or a text such as "1 deg".
 

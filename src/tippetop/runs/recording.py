@@ -271,5 +271,5 @@ def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column
 
 
 def here() -> dict[str, Any]:
-    """Return what the bits of a run depend on in addition to its scenario."""
+    """Return the versions and settings that determine the bits of a run with its scenario."""
     return {"versions": provenance.versions(), "cpu": provenance.cpu()}

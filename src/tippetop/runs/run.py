@@ -33,7 +33,7 @@ class Solution:
     seconds: dict[str, float]  # of compiling and of integrating
     last_slice: dict[str, Any] | None = None  # its start, where a longer run continues
     others: dict[str, list[dict[str, np.ndarray]]] = field(default_factory=dict)
-    """Parts of further tables."""
+    """Rows of additional tables."""
 
     @property
     def problem(self) -> Problem:
@@ -53,7 +53,7 @@ class Solution:
 
     @cached_property
     def reason(self) -> str:
-        """Return how it ended, in a sentence."""
+        """Return a sentence about the end of the run."""
         return reporting.reason(self.progress)
 
     @cached_property

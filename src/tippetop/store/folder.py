@@ -69,7 +69,7 @@ class Folder:
             os.close(descriptor)
 
     def rename(self, old: str, new: str) -> None:
-        """Rename a file; it replaces what has the new name."""
+        """Rename a file; an existing file of the new name is replaced."""
         os.rename(old, new, src_dir_fd=self.descriptor, dst_dir_fd=self.descriptor)
 
     def remove(self, name: str) -> None:

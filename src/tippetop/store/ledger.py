@@ -146,7 +146,7 @@ def records_of(raw: bytes) -> list[dict[str, Any]]:
 
 
 def acknowledged(raw: bytes) -> Acknowledged:
-    """Return what the bytes of a ledger acknowledge. Raises errors that `sound` converts."""
+    """Return the content that the bytes of a ledger acknowledge. `sound` converts errors."""
     state = Acknowledged.of(records_of(raw))
     state.documents()
     for key in state.chunks:

@@ -1,4 +1,4 @@
-"""Measure what a sweep takes on this computer: some of its tops are run, and timed."""
+"""Estimate the cost of a sweep on this computer by timing some of its tops."""
 
 import time
 from collections.abc import Callable
@@ -16,7 +16,7 @@ WRITING = 0.03  # [s] a chunk
 
 
 def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict[str, float]:
-    """Return what a sweep takes one core, from parts of some of its runs.
+    """Return the cost of a sweep on one core, from parts of some of its runs.
 
     Parameters
     ----------

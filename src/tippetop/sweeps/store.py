@@ -62,7 +62,7 @@ def _header(plan: Plan) -> dict[str, Any]:
 
 
 def _coordinates(plan: Plan) -> dict[str, Column]:
-    """Return what varies, without rows: axes, and the keys that derived axes set."""
+    """Return the varied keys: axes, and the keys that derived axes set."""
     rules, first = plan.base.rules, np.zeros(1, int)
     about = {
         key: (rules[key].unit.symbol, rules[key].long_name)
