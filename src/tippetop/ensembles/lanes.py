@@ -157,7 +157,7 @@ def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> E
     rows
         All events of the system.
     base
-        What the tops have in common.
+        The base of the tops.
     wanted
         Names of columns, and of groups of columns.
 
