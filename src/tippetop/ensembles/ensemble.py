@@ -204,7 +204,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     Parameters
     ----------
     base
-        What they have in common.
+        Their base.
     variations
         Arrays (n,) in SI units, under dotted keys like `friction.mu`.
     orientation
@@ -234,7 +234,7 @@ def base_faults(base: Problem) -> list[str]:
     Parameters
     ----------
     base
-        What the tops have in common.
+        The base of the tops.
 
     Returns
     -------
@@ -277,7 +277,7 @@ def of_problem(
     Parameters
     ----------
     base
-        What the tops have in common.
+        The base of the tops.
     variations
         Arrays (n,) in SI units, under dotted keys.
     threads
