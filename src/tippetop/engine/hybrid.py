@@ -49,7 +49,6 @@ from .status import Status
 from .tallies import (
     ON_ZERO,
     SIGN,
-    EventRows,
     event_rows,
     mark_bounded,
     new_log,
@@ -77,9 +76,9 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     of a law.
     """
     form = phase.form
-    events = events_of_phase(system, phase)
-    own = [event for event in events if event in phase.events]
-    common = events[len(own) :]
+    own = [event for event in phase.events if event.formula and not event.sampled]
+    of_phases = {event.name for other in system.phases.values() for event in other.events}
+    common = [event for event in system.events if event.formula and event.name not in of_phases]
     template = body(
         *(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields)
     )
@@ -96,6 +95,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
             values += [event.formula(read, first) for event in common]
         return values
 
+    events = *own, *common
     return Formulas(
         form, events, functions, lambda values: refill(template, values)._replace(**folds)
     )
@@ -182,15 +182,6 @@ def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
     return events | in_phases | events
 
 
-def events_of_phase(system: System, phase: Phase) -> tuple[Event, ...]:
-    """Return the events that the loop looks for in a phase: its own, and common ones."""
-    of_phases = {event.name for other in system.phases.values() for event in other.events}
-    own = (event for event in phase.events if event.formula is not None and not event.sampled)
-    return *own, *(
-        event for event in system.events if event.formula and event.name not in of_phases
-    )
-
-
 def where_of(event: str, phase: str, system: System) -> str:
     """Return the words for a jump."""
     return f"the jump by `{event}` from phase `{phase}` of `{system.name}`"
@@ -231,28 +222,30 @@ class Track:
         self.events = {run.numbers[event.name]: event for event in self.formulas.events}
         self.ways = {k: one.name for k, one in self.events.items() if one.name in self.exits}
         self.live = self.events.keys() - self.ways.keys()
-        rows = run.all_events._replace(events=self._records(run, code.rows), axis=code.rows.axis)
-        lasting = [*self.events][code.lasting] if code.lasting >= 0 else -1
-        self.place = Place(code, run.stepper_of(code), rows, lasting, run.shared)
+        numbers = [*self.events, -1]
+        records = self._records(run, code.rows.events, numbers)
+        rows = run.all_events._replace(events=records, axis=code.rows.axis)
+        self.place = Place(code, run.stepper_of(code), rows, numbers[code.lasting], run.shared)
         run.take(self.place, leaves(self.b))
         if run.copies:
             run.copies.follow(self.at, self.place.loop)
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(run, self, sampled) if sampled else None
 
-    def _records(self, run: "HybridDriver", mine: EventRows) -> np.ndarray:
-        """Return the events of the run, of which those of this phase are looked for."""
+    def _records(self, run: "HybridDriver", mine: np.ndarray, numbers: list[int]) -> np.ndarray:
+        """Return the events of the run, of which those of this phase, `mine`, are looked for. They
+        have these numbers.
+        """
         records = np.zeros_like(run.all_events.events)
         records["leader"] = -1
-        for (number, event), record in zip(self.events.items(), mine.events, strict=True):
-            kept = run.all_events.events[number][["first", "last"]].item()
-            leader = record["leader"]
-            records[number] = run.entered[number] = record
+        for (number, event), of_phase in zip(self.events.items(), mine, strict=True):
+            records[number] = run.entered[number] = of_phase
+            record, kept = records[number], run.all_events.events[number][["first", "last"]].item()
             if number in self.ways:  # its jump logs
-                kept, records[number]["ends"] = (0, 0), record["ends"] or Status.ENDED.code
-            records[number]["first"], records[number]["last"] = kept
-            records[number]["watched"] = not event.sense or event.name in run.problem.events
-            records[number]["leader"] = [*self.events][leader] if leader >= 0 else -1
+                kept, record["ends"] = (0, 0), record["ends"] or Status.ENDED.code
+            record["first"], record["last"] = kept
+            record["watched"] = not event.sense or event.name in run.problem.events
+            record["leader"] = numbers[record["leader"]]
         mark_bounded(records)
         return records
 
