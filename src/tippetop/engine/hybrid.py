@@ -299,6 +299,7 @@ class HybridDriver(Driver):
         # the phases of a slice: their places, and the numbers of rows, passages and samples before
         # and the integrals in which they begin
         self.spans: list[list[Any]] = []
+        self.states = np.empty((self.wanted.variables, 0), number)  # of the rows
         self.copies = self.impacts = self.piece = struck = None
         if problem.contact is not None:
             self.impacts = kind_of(problem, self.body[0].friction)
@@ -538,26 +539,22 @@ class HybridDriver(Driver):
         self.spans.append([self.track.at, *counts, self.whole])
 
     def ask(self) -> None:
-        self._hand_over()
+        if self.wanted.made[0] > self.given:
+            self._hand_over()
         super().ask()
         states, self.given = self.wanted.rows.states, 0
         self.states = states if self.number is float else np.empty(states.shape, self.number)
         for span in self.spans:
             span[1] = 0
 
-    def _hand_over(self) -> None:
-        """Give the rows that exist."""
+    def _hand_over(self, *others: tuple[int, int, np.ndarray]) -> list[np.ndarray]:
+        """Give the rows that exist, and return those of other states: see `_rows`."""
         made = slice(self.given, self.wanted.made[0])
-        self.given = made.stop
-        if made.stop > made.start:
-            which = self._spans_of(1, made.stop)[made.start :]
-            rows = self._rows(which, self.states[:, made])
+        rows, *rest = self._rows((1, made.start, self.states[:, made]), *others)
+        if len(rows):
             self.request.take(self.wanted.rows.times[made], rows)
-
-    def _spans_of(self, kind: int, count: int) -> np.ndarray:
-        """Return the phases, by number, of this many rows (kind 1), passages (2) or samples (3)."""
-        begin = [span[kind] for span in self.spans]
-        return np.searchsorted(begin, np.arange(count), side="right") - 1
+        self.given = made.stop
+        return rest
 
     def make(self, rows: Rows, most: int) -> int:
         if self.copies is None or self.request.steps or self.track.sampler:
@@ -620,21 +617,30 @@ class HybridDriver(Driver):
         t = zero_of(lambda t: function(t) * known, 0 * n.delay, n.delay)
         self._note(event.name, now + t, self._series(n, np.array([t]))[0], -int(known))
 
-    def _rows(self, which: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return the rows of states (variables, k) of phases by number (k,)."""
+    def _rows(self, *parts: tuple[int, int, np.ndarray]) -> list[np.ndarray]:
+        """Return the rows of states.
+
+        Parameters
+        ----------
+        parts
+            What they are: rows (1), passages (2) or samples (3) of a slice, from this number on;
+            and the states (variables, k).
+        """
         system, number, record = self.problem.system, self.number, self.carried
-        rows = np.empty((self.variables, len(which)), number)
+        which, states = [], np.concatenate([states for *_, states in parts], axis=1)
+        for kind, first, some in parts:
+            numbers = first + np.arange(some.shape[1])
+            begin = [span[kind] for span in self.spans]
+            which.append(np.searchsorted(begin, numbers, side="right") - 1)
+        of_span = np.concatenate(which)
         places, *_, wholes = zip(*self.spans, strict=True)
-        at, wholes = np.array(places)[which], np.array(wholes).T
-        moving = self.variables - len(wholes)
+        at, wholes = np.array(places)[of_span], np.array(wholes).T
+        rows, moving = np.empty((self.variables, len(at)), number), self.variables - len(wholes)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
             if not len(mine):
                 continue
-            state, whole = (
-                states[: track.width].take(mine, axis=1),
-                wholes.take(which[mine], axis=1),
-            )
+            state, whole = states[: track.width].take(mine, 1), wholes.take(of_span[mine], 1)
             whole[track.integrals] = state[track.moving :]
             q, carried = track.record(*state[: track.moving]), whole * number(1 / INTEGRAL_SCALE)
             values = (
@@ -644,18 +650,17 @@ class HybridDriver(Driver):
             )
             for row, value in zip(rows, (*values[:moving], *whole), strict=True):
                 row[mine] = value
-        return rows.T
+        return np.split(rows.T, np.cumsum([*map(len, which[:-1])]))
 
     def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:
         """Give the rows that exist, and return what else the steps have found."""
-        self._hand_over()
         *columns, logged = self.passages()
         n, samples = self.wanted.variables, self.sampled()
-        last = np.resize(self.last, (1, n))
-        which = self._spans_of(2, len(logged)), self._spans_of(3, len(samples))
-        states = np.concatenate([one[:, :n] for one in (logged, samples, last)])
-        rows = self._rows(np.concatenate([*which, [len(self.spans) - 1]]), states.T)
-        logged, samples, last = np.split(rows, np.cumsum([*map(len, which)]))
+        logged, samples, last = self._hand_over(
+            (2, 0, logged[:, :n].T),
+            (3, 0, samples[:, :n].T),
+            (1, self.wanted.made[0], np.resize(self.last, (n, 1))),
+        )
         passages = Passages._make([*(column.copy() for column in columns), logged])
         return Slice(steps, when, last, samples, passages, status, self.tables.take())
 
@@ -663,8 +668,8 @@ class HybridDriver(Driver):
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        self.spans = [[self.track.at, self.whole]]
-        return self._rows(np.zeros(1, int), self.state[:, None])
+        self.spans = [[self.track.at, 0, 0, 0, self.whole]]
+        return self._rows((1, 0, self.state[:, None]))[0]
 
     def extremes(self) -> Extremes:
         return extremes_of(self.entered, self.tallies)
