@@ -7,6 +7,7 @@ depend on balls or laws.
 
 import math
 import threading
+import weakref
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -417,7 +418,7 @@ class HybridDriver(Driver):
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.spans = request, []
+        self.request, self.spans = weakref.proxy(request), []
         self.forget()
         self.given = self.wanted.made[0]
         self._begin_span()
