@@ -38,19 +38,15 @@ def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem
 def top_of(source: Any, *kinds: type[Top]) -> Any:
     """Return the body of a source. Raises InputError if it is of none of these kinds."""
     problem = problem_behind(source, kinds)
-    if problem is None:
-        if isinstance(source, kinds):
-            return source
-        raise InputError(f"the body must be {_words(kinds)}, but is {source!r:.60}.")
-    for kind in kinds:
+    if problem is None and isinstance(source, kinds):
+        return source
+    for kind in kinds if problem else ():
         names = (kind.gliding, kind.resting)
-        if problem.system.name in names or any(
-            problem.system.body == SYSTEMS[name].body for name in names
-        ):
-            return kind(**{name: float(value) for name, value in problem.parameters.items()})
-    raise InputError(
-        f"the body must be {_words(kinds)}, but is that of the system {problem.system.name}."
-    )
+        bodies = [SYSTEMS[name].body for name in names]
+        if problem.system.name in names or problem.system.body in bodies:
+            return kind(**problem.parameters)
+    found = f"that of the system {problem.system.name}" if problem else f"{source!r:.60}"
+    raise InputError(f"the body must be {_words(kinds)}, but is {found}.")
 
 
 def _words(kinds: tuple[type, ...]) -> str:

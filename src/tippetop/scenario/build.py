@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from ..arguments import measured, path_of, plain
 from ..errors import InputError, first_sentences, suggestion
 from ..mechanics.contact.gliding.chart import AWAY_FROM_POLE
-from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw
+from ..mechanics.contact.restitution import ContactLaw
 from ..mechanics.friction import LAWS, FrictionLaw
 from ..mechanics.quantity import worked_out
 from ..mechanics.system import Form, System
@@ -22,6 +22,7 @@ from ..problem import (
     Problem,
     column_faults,
     column_names,
+    numbers_of,
 )
 from ..problem.options import UNITS, RunOptions
 from ..sampling import EvenTimes, ListedTimes
@@ -156,14 +157,11 @@ def checked(given: Problem) -> Problem:
 def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit]]:
     """Return the units of the numbers of a scenario, by table and key."""
     law = system.laws.get(law_name(tables) or "")
-    rules: dict[str, Any] = {
-        "parameters": system.parameters,
-        "friction": law.given(tables["friction"]).parameters if law else {},
-        "initial": system.initial,
-        "stem": STEM,
-        "contact": CONTACT,
+    tables_of_numbers = numbers_of(system, law.given(tables["friction"]).parameters if law else {})
+    units = {
+        table: {name: rule.unit for name, rule in rules.items()}
+        for table, rules in tables_of_numbers.items()
     }
-    units = {table: {name: rule.unit for name, rule in its.items()} for table, its in rules.items()}
     return units | {"run": UNITS}
 
 
