@@ -199,16 +199,16 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
 
 def _surface(grid: Any, parameters: dict[str, float], look: Look = PLAIN) -> Any:
     """Draw a surface with the lines of both spinning states."""
-    from ..figures import drawing
+    from ..figures import drawing, landscape_figures
     from ..landscape import marked_lines
 
     lines = marked_lines.marked_lines(parameters, grid["lambda"].values)
-    return drawing.composed("surface", (grid, lines), look)
+    return drawing.drawn(lambda: landscape_figures.surface(grid, lines), look)
 
 
 def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
     """Draw a potential with its minimum."""
-    from ..figures import drawing
+    from ..figures import drawing, well
 
     D, lam = float(least["D"]), float(least["lambda"])
     title = (
@@ -216,7 +216,7 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
         "× 10⁻⁶ kg m³ s⁻¹"
     )
     at = least.squeeze(drop=True).rename(theta="theta_star")
-    return drawing.composed("potential", ([("", V, at)], title), look)
+    return drawing.drawn(lambda: well.potential([("", V, at)], title), look)
 
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:

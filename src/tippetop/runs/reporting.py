@@ -149,6 +149,8 @@ def reason(progress: RunProgress) -> str:
     if status is Status.SETTLED:
         since = f"sliding died at t = {progress.settled_since:.6g} s"
         return f"settled: {since}, stopped at t = {t:.6g} s{_beyond(progress)}"
+    if status is Status.LIFTOFF and progress.problem.contact is not None:
+        return f'the body lifted off {at}, where `run.on_liftoff = "stop"` ends the run'
     last = _ending(progress)
     if status is Status.ENDED:
         return f"an event of the system ended the run {at}: {last.long_name}"

@@ -172,7 +172,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) 
             )
     flies = phase.label == "flight"
     names = [event.name for event in phase.events] + [CLOCK] * flies
-    exits = tuple(Exit(one, tuple(bare), land if flies else jumps[one], True) for one in names)
+    exits = tuple(Exit(one, tuple(bare), land if flies else jumps[one]) for one in names)
     carried = tuple(one for one in phase.form.integrals if one.name in integrals)
     form = replace(phase.form, integrals=carried, not_normalised=("R", "c"))
     return replace(phase, forms=form, exits=exits, parameters=itemgetter(ball), ball=ball)
