@@ -37,15 +37,15 @@ def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem
 
 def top_of(source: Any, *kinds: type[Top]) -> Any:
     """Return the body of a source. Raises InputError if it is of none of these kinds."""
-    problem = problem_behind(source, kinds)
+    problem, found = problem_behind(source, kinds), f"{source!r:.60}"
     if problem is None and isinstance(source, kinds):
         return source
-    for kind in kinds if problem else ():
-        names = (kind.gliding, kind.resting)
-        bodies = [SYSTEMS[name].body for name in names]
-        if problem.system.name in names or problem.system.body in bodies:
-            return kind(**problem.parameters)
-    found = f"that of the system {problem.system.name}" if problem else f"{source!r:.60}"
+    if problem is not None:
+        system, found = problem.system, f"that of the system {problem.system.name}"
+        for kind in kinds:
+            names = (kind.gliding, kind.resting)
+            if system.name in names or system.body in [SYSTEMS[name].body for name in names]:
+                return kind(**problem.parameters)
     raise InputError(f"the body must be {_words(kinds)}, but is {found}.")
 
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -157,11 +158,13 @@ def checked(given: Problem) -> Problem:
 def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit]]:
     """Return the units of the numbers of a scenario, by table and key."""
     law = system.laws.get(law_name(tables) or "")
-    tables_of_numbers = numbers_of(system, law.given(tables["friction"]).parameters if law else {})
-    units = {
-        table: {name: rule.unit for name, rule in rules.items()}
-        for table, rules in tables_of_numbers.items()
-    }
+    return _units(system, law.given(tables["friction"]) if law else None)
+
+
+@lru_cache(maxsize=64)
+def _units(system: System, law: type[FrictionLaw] | None) -> dict[str, dict[str, Unit]]:
+    numbers = numbers_of(system, law.parameters if law else {})
+    units = {table: {name: n.unit for name, n in its.items()} for table, its in numbers.items()}
     return units | {"run": UNITS}
 
 
