@@ -17,8 +17,8 @@ import numpy as np
 from tippetop.engine.driver import STEPS_PER_SLICE
 from tippetop.engine.taylor import driver_of
 from tippetop.ensembles import ensemble
-from tippetop.landscape import body as bodies
-from tippetop.landscape import recording, surface
+from tippetop.landscape import landscape_body as bodies
+from tippetop.landscape import surface, surface_recording
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 
@@ -128,6 +128,10 @@ def streamed(n: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "F.zarr"
         x, y = np.linspace(-8e-4, 9e-4, n), np.linspace(0, 8e-6, n)
-        seconds = timed(lambda: recording.write(path, recording.Surface(FIGURE, x, y), threads=1))
+        seconds = timed(
+            lambda: surface_recording.write(
+                path, surface_recording.Surface(FIGURE, x, y), threads=1
+            )
+        )
         size = sum(p.stat().st_size for p in path.rglob("*") if p.is_file())
     return {"points": n**2, "seconds": seconds, "stored_MB": size / 1e6}

@@ -11,8 +11,8 @@ import numba
 import numpy as np
 import scipy.optimize
 
-from tippetop.landscape import body as bodies
 from tippetop.landscape import kernels
+from tippetop.landscape import landscape_body as bodies
 from tippetop.landscape.surface import minimal_surface
 from tippetop.mechanics.systems import tippe_top
 from tippetop_kernels import grid

@@ -18,7 +18,7 @@ import numpy as np
 
 import tippetop
 from tippetop.benchmark import Case, case, names
-from tippetop.benchmark.export import sample_times, scaled
+from tippetop.benchmark.case_files import sample_times, scaled
 from tippetop.benchmark.truth import Truth, theta_of, truth
 from tippetop.engine.derivatives.growth import growth
 from tippetop.exchange.motion import angle_between

@@ -22,12 +22,11 @@ def all_compiled_is_kept() -> None:
     """A process keeps the 32 integrators that it used lately; a session of tests uses hundreds,
     again and again.
     """
-    from tippetop.engine import compiled, expressions
+    from tippetop.engine import expressions, integrator
 
     for cached in (
-        compiled.compiled_from,
+        integrator.compiled_from,
         expressions.compile_observables,
-        expressions.compile_orientation,
     ):
         kept = functools.lru_cache(maxsize=None)(cached.__wrapped__)
         for module in list(sys.modules.values()):

@@ -2,6 +2,7 @@
 exist.
 """
 
+import pkgutil
 import re
 from pathlib import Path
 
@@ -51,3 +52,13 @@ def test_links_and_paths_of_a_page_exist(page: Path) -> None:
     paths = re.findall(r"`((?:src|tests|docs|kernels|bench|\.ci)/[\w./-]+)`", text)
     missing += [path for path in paths if not (ROOT / path).exists()]
     assert missing == []
+
+
+def test_the_architecture_names_objects_that_exist() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    source = ROOT / "src" / "tippetop"
+    rooms = "|".join(path.stem for path in source.iterdir() if not path.stem.startswith("_"))
+    named = set(re.findall(rf"\b(?:{rooms})(?:[./][a-z_]\w*)+", text))
+    assert len(named) > 15
+    for name in named:
+        pkgutil.resolve_name("tippetop." + name.removesuffix(".py").replace("/", "."))

@@ -19,7 +19,7 @@ STAGES = [
     ("import tippetop.sweeps.sweep", {"numba", "matplotlib", "dask", "distributed"}),
     (
         "tt.run('inverting', until=0.1)",
-        {"matplotlib", "dask", "numba", "tippetop.engine.derivatives.along_run"},
+        {"matplotlib", "dask", "numba", "tippetop.engine.derivatives.sensitivities"},
     ),
     ("tt.ensemble('inverting', {'omega3': [150.0, 155.0]}, until=0.1)", {"numba"}),
 ]

@@ -9,7 +9,7 @@ from pathlib import Path
 from types import ModuleType
 
 import tippetop
-from tippetop.cli.reference import topics
+from tippetop.cli.help_command import topics
 
 
 DOCS = Path(__file__).parents[1] / "docs"

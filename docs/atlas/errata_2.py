@@ -4,7 +4,7 @@ import mpmath as mp
 from errata import Erratum, Sides
 from exact import UP, jet
 
-from tippetop.mechanics.contact.orientation import axes_of_angles
+from tippetop.mechanics.contact.body_axes import axes_of_angles
 from tippetop.mechanics.operand import Vector, cross, dot, plus, times
 
 

@@ -7,12 +7,11 @@ numba's own check reads the file of a function, but not those of the formulas th
 import contextlib
 import functools
 import hashlib
-import importlib.util
+import importlib.resources
 import inspect
 import os
 import shutil
 import stat
-import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -27,7 +26,7 @@ KEPT = 8
 """Folders of machine code, one for each state of the sources; the most recently used are kept."""
 
 IMPORTED = time.time()
-"""When this process began to import our sources, in seconds since 1970."""
+"""Time at which this process began to import our sources, in seconds since 1970."""
 
 
 # --- kernels ------------------------------------------------------------------------------------
@@ -48,87 +47,50 @@ inlined = functools.partial(kernel, forceinline=True)
 
 
 class Entry:
-    """A function that Python calls, compiled for each combination of types of its arguments.
+    """A function that Python calls, compiled by numba for the types of its arguments.
 
-    Compiled code is kept on disk if all functions and records that it depends on are ours.
+    Its machine code is kept on disk if the function, and those that it encloses, are ours.
 
     Parameters
     ----------
     function
-        A function of numbers, arrays and named tuples of them; it may enclose functions.
+        A function of numbers, arrays and named tuples of them.
     """
 
     def __init__(self, function: Callable):
         functools.update_wrapper(self, function)
         self.function = function
-        self._variants: dict[tuple, Callable] = {}
-        self._compiling = threading.Lock()
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the function."""
-        return self.variant(*arguments)(*arguments)
+        return self.compiled(*arguments)
 
-    def variant(self, *arguments: Any) -> Callable:
-        """Return the function compiled for the types of these arguments."""
-        kinds = tuple(map(_kind, arguments))
-        with self._compiling:
-            if kinds not in self._variants:
-                self._variants[kinds] = self._compiled(arguments)
-        return self._variants[kinds]
-
-    def _compiled(self, arguments: tuple) -> Callable:
+    @functools.cached_property
+    def compiled(self) -> Callable:
+        """The function of numba, which compiles it when it is called."""
         import numba
 
-        types = tuple(map(numba.typeof, arguments))
-        compiled = functools.partial(numba.njit, types, error_model="numpy", nogil=True)
-        if (folder := self._folder(arguments, types)) is not None:
-            try:
-                with _numba_cache(folder):
-                    return compiled(cache=True)(self.function)
-            except Exception:  # the disk is full, or two processes compile at the same time
-                shutil.rmtree(folder, ignore_errors=True)
+        compiled = functools.partial(numba.njit, error_model="numpy", nogil=True)
+        if (folder := self._folder()) is not None:
+            with _numba_cache(folder), contextlib.suppress(RuntimeError):  # it is read-only
+                return compiled(cache=True)(self.function)
         return compiled()(self.function)
 
-    def _folder(self, arguments: tuple, types: tuple) -> Path | None:
+    def _folder(self) -> Path | None:
         """Return the folder of this machine code, or None if it must not be kept.
 
-        Each combination of types has its own: two processes that write one index of numba at the
-        same time can exchange the code of two combinations.
+        Functions that enclose others have different folders: two processes that write one index of
+        numba at the same time can exchange the code of two functions.
         """
-        enclosed = inspect.getclosurevars(self.function).nonlocals.values()
-        if not all(map(_is_ours, (self.function, *enclosed, *_records(arguments)))):
+        functions = self.function, *inspect.getclosurevars(self.function).nonlocals.values()
+        if any(f.__module__.partition(".")[0] not in PACKAGES for f in functions):
             return None
-        names = [f"{f.__module__}.{f.__qualname__}" for f in (self.function, *enclosed)]
-        key = hashlib.sha256(repr((names, types)).encode()).hexdigest()
+        names = [f"{f.__module__}.{f.__qualname__}" for f in functions]
         folder = code_folder()
-        return folder and folder / key[:16]
+        return folder and folder / hashlib.sha256(repr(names).encode()).hexdigest()[:16]
 
 
 entry = Entry
-
-
-def _kind(argument: Any) -> Any:
-    """Return what determines numba's type of an argument, ten times as fast as `numba.typeof`."""
-    if isinstance(argument, np.ndarray):
-        flags = argument.flags
-        layout = "C" if flags.c_contiguous else "F" if flags.f_contiguous else "A"
-        return argument.dtype, argument.ndim, layout, flags.writeable
-    if isinstance(argument, tuple):
-        return type(argument), *map(_kind, argument)
-    return type(argument)
-
-
-def _records(arguments: tuple) -> Iterator[type]:
-    """Yield the classes of the named tuples among the arguments and their fields."""
-    for argument in arguments:
-        if isinstance(argument, tuple):
-            yield type(argument)
-            yield from _records(argument)
-
-
-def _is_ours(thing: Any) -> bool:
-    """Return whether a class or function belongs to our packages, or is built in."""
-    return thing.__module__.partition(".")[0] in (*PACKAGES, "builtins")
 
 
 # --- machine code on disk -----------------------------------------------------------------------
@@ -190,14 +152,12 @@ def sources_digest() -> str | None:
     versions = numba.__version__, llvmlite.__version__, np.__version__
     total = hashlib.sha256(repr(versions).encode())
     for package in PACKAGES:
-        spec = importlib.util.find_spec(package)
-        for root in spec.submodule_search_locations or () if spec else ():
-            for path in sorted(Path(root).rglob("*.py")):
-                if path.stat().st_ctime > IMPORTED:
-                    return None
-                text = path.read_bytes()
-                name = f"\0{package}/{path.relative_to(root)} {len(text)}\0"
-                total.update(name.encode() + text)
+        root = Path(str(importlib.resources.files(package)))
+        for path in sorted(root.rglob("*.py")):
+            if path.stat().st_ctime > IMPORTED:
+                return None
+            text = path.read_bytes()
+            total.update(f"\0{package}/{path.relative_to(root)} {len(text)}\0".encode() + text)
     return total.hexdigest()[:16]
 
 

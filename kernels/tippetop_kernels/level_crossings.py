@@ -9,7 +9,7 @@ from .minimise import LARGEST, SMALLEST
 
 
 class Level(IntEnum):
-    """How a level lies to a function with one minimum."""
+    """Position of a level relative to a function with one minimum."""
 
     ABOVE = 0  # two crossings
     TOUCHING = 1  # the minimum itself, to the rounding that was allowed for

@@ -145,7 +145,8 @@ typedef struct {
 
 typedef struct {
     const integer *tops;
-    integer *waiting, *ended;
+    integer *taken, *ended;
+    integer length;
 } Queue;
 
 typedef struct {
@@ -585,7 +586,7 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
 }
 
 /* Keep the numbers `first` to `last` of an event that happens. */
-static void keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
+void loop_keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
     for (integer m = first; m < last; m++) {
         const Number *number = l->rows.numbers + m;
         real *kept = l->tallies.kept + m * l->sizes.lanes + lane;
@@ -617,7 +618,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     }
     if ((real)event->direction * sign < 0)
         return;
-    keep(l, event->first, event->last, lane, when, sign);
+    loop_keep(l, event->first, event->last, lane, when, sign);
     const Log *log = &l->log;
     integer at = log->filled[0];
     if (at == l->sizes.log)
@@ -904,32 +905,29 @@ static void put_down(const Loop *l, integer lane, integer top) {
          count);
 }
 
-/* Put down the tops that have ended, and, if `settled`, those that have settled. Take others.
-   Return whether the caller must look: a lane is empty, or a top has settled. */
+/* Put down the tops that have ended, and, if `settled`, those that have settled. Take others from
+   the queue, which threads share. Return whether the caller must look: all lanes are empty, or a top
+   has settled. */
 static bool change(const Loop *l, bool settled) {
     const Queue *queue = &l->ensemble.queue;
-    bool looks = false;
+    bool looks = false, empty = true;
     for (integer lane = 0; lane < l->sizes.lanes; lane++) {
         integer status = l->tallies.lane[lane].status, *top = l->samples.in_lane + lane;
-        if (*top >= 0 && status != RUNNING) {
-            if (status == SETTLED && !settled) {
-                looks = true;
-                continue;
-            }
+        bool ended = *top >= 0 && status != RUNNING, waits = status == SETTLED && !settled;
+        looks = looks || (ended && waits);
+        if (ended && !waits) {
             put_down(l, lane, *top);
             queue->ended[0]++;
             *top = -1;
         }
-        if (*top >= 0)
-            continue;
-        if (queue->waiting[0] == 0) {
-            looks = true;
-            continue;
+        if (*top < 0) {
+            integer next = __atomic_fetch_add(queue->taken, 1, __ATOMIC_RELAXED);
+            if (next < queue->length)
+                take_top(l, lane, *top = queue->tops[next]);
         }
-        *top = queue->tops[--queue->waiting[0]];
-        take_top(l, lane, *top);
+        empty = empty && *top < 0;
     }
-    return looks;
+    return looks || empty;
 }
 
 /* --- the loop --- */
@@ -1039,19 +1037,17 @@ enum {
     UNEQUAL,
     UNIT,
     EXPECT,
-    EXPECT_NOT,
     MOTION,
     RESULT
 };
 
 /* What follows where a phase ends by an event. Registers begin with the state, the integrals of the
    run, the time left and the signs of event functions. From `out` on they have the state and the
-   integrals in which phase `next` begins, the time that it lasts (NaN: it has no clock), and the
-   numbers of tables. A sign 0 stays. */
+   integrals in which phase `next` begins, the time that it lasts (NaN: it has no clock), the
+   numbers of tables, and of event functions the signs, of which 0 stays, and the roots. */
 typedef struct {
     const Line *lines;
     real *registers;
-    const real *signs, *zeros;
     integer count, begin, out, next, logged, first, last;
 } Change;
 
@@ -1120,11 +1116,7 @@ static bool execute(const Change *c, const Loop *const *loops) {
             *to = ldexp(1, exponent);
             break;
         case EXPECT:
-            if (a == 0)
-                return false;
-            break;
-        case EXPECT_NOT:
-            if (a != 0)
+            if ((a != 0) != (b != 0))
                 return false;
             break;
         case MOTION: follow_motion(loops[(integer)b], r + line->a, to); break;
@@ -1164,7 +1156,7 @@ static bool change_phase(Phases *p) {
     log->event[at] = c->logged;
     log->sign[at] = 1;
     log->at_pole[at] = false;
-    keep(l, c->first, c->last, 0, when, 1);
+    loop_keep(l, c->first, c->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
     real counts[] = {when, (real)(c - p->changes), (real)l->output.filled[0], (real)(at + 1),
                      (real)l->samples.filled[0]};
@@ -1177,9 +1169,10 @@ static bool change_phase(Phases *p) {
     m->high[0] = when;
     m->low[0] = 0;
     m->end[0] = p->clock < p->end ? p->clock : p->end;
+    const real *sides = others + p->width - 5, *roots = sides + events;
     for (integer e = 0; e < events; e++) {
-        signs[e] = c->signs[e] != 0 ? c->signs[e] : signs[e];
-        known(l, ON_ZERO, e)[0] = c->zeros[e];
+        signs[e] = sides[e] != 0 ? sides[e] : signs[e];
+        known(l, ON_ZERO, e)[0] = roots[e];
     }
     tally->status = RUNNING;
     tally->upto = 1;

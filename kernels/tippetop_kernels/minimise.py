@@ -24,7 +24,7 @@ AT_REST = 1e-5
 
 
 class Status(IntEnum):
-    """How the minimum at a point was reached, or that it was not."""
+    """Method that found the minimum at a point, or the reason for its absence."""
 
     ATTAINED = 0
     AT_LOWER_END = 1  # an infimum, approached at q -> 0

@@ -18,7 +18,7 @@ _NAMES = {
     "mechanics.systems.tippe_top": "TippeTop",
     "library.exchanging": "compare fit",
     "library.variations": "ensemble",
-    "library.run": "Run",
+    "library.finished_run": "Run",
     "library.stored_run": "StoredRun",
     "library.running": "open resume run",
     "runs.starting": "load",

@@ -17,7 +17,7 @@ from .errors import Interrupted as Interrupted
 from .errors import StoreError as StoreError
 from .library.exchanging import compare as compare
 from .library.exchanging import fit as fit
-from .library.run import Run as Run
+from .library.finished_run import Run as Run
 from .library.running import open as open
 from .library.running import resume as resume
 from .library.stored_run import StoredRun as StoredRun

@@ -91,7 +91,7 @@ EXTRAS = {
     **dict.fromkeys(("distributed", "dask"), "cluster"),
     **dict.fromkeys(("h5netcdf", "h5py", "pandas", "pyarrow"), "export"),
 }
-"""What an import may miss: the extra of this package that brings it."""
+"""Optional imports, and the extra of this package that provides each."""
 
 
 def refuse_without(name: str) -> None:

@@ -26,7 +26,7 @@ from typed import answered
 
 import tippetop as tt
 from tippetop.errors import InputError, StoreError
-from tippetop.landscape import recording as surfaces
+from tippetop.landscape import surface_recording as surfaces
 from tippetop.runs import recording, resuming
 from tippetop.scenario import build
 from tippetop.sweeps import sweep

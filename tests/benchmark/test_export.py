@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 import tippetop as tt
 from tippetop import benchmark, cli
-from tippetop.benchmark.export import sample_times, scaled
+from tippetop.benchmark.case_files import sample_times, scaled
 from tippetop.benchmark.truth import truth
 from tippetop.exchange.simulators import text_of
 

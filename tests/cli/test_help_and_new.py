@@ -6,7 +6,7 @@ import pytest
 from typed import typed
 
 from tippetop import cli
-from tippetop.cli.reference import EXIT_CODES, topics
+from tippetop.cli.help_command import EXIT_CODES, topics
 
 
 @pytest.mark.parametrize("topic", topics())

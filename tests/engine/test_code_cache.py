@@ -67,15 +67,6 @@ def is_found(number: float = 1.0) -> bool:
     return not made
 
 
-def test_a_file_under_another_name_is_not_loaded(folder: Path) -> None:
-    is_found(1.0)
-    (one,) = folder.iterdir()
-    is_found(2.0)
-    (two,) = {*folder.iterdir()} - {one}
-    two.write_bytes(one.read_bytes())
-    assert not is_found(2.0)
-
-
 @pytest.mark.parametrize("way", ["group", "others", "owner", "link"])
 def test_a_folder_that_is_not_private_is_not_used(folder: Path, way: str) -> None:
     is_found()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tippetop.engine import taylor
-from tippetop.engine.compiled import compiled_from
+from tippetop.engine.integrator import compiled_from
 from tippetop.engine.opt_level import OPT_LEVEL
 from tippetop.runs.run import solve
 from tippetop.scenario import build

@@ -4,7 +4,6 @@ rows on the way.
 
 import copy
 import dataclasses
-import itertools
 from collections.abc import Iterator
 from typing import Any
 from unittest.mock import Mock
@@ -12,7 +11,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from tippetop.engine import compiled as compiling
+from tippetop.engine import integrator as compiling
 from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import formulas_of
 from tippetop.engine.status import Status
@@ -186,14 +185,8 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
     made = new_tops(
         tops.start, tops.pars[: len(mine.motion.pars)], tops.end, signs, 0 * signs, mine.rows
     )
-    numbers = iter(range(n))
     seen = Seen(n)
-    mine.run(
-        made,
-        lambda empty: np.array([*itertools.islice(numbers, empty)], int),
-        seen.look,
-        seen.ended,
-    )
+    mine.run(made, np.arange(n), np.zeros(1, int), seen.look, seen.ended)
     assert seen.done == n
     assert np.all(made.lane["status"] == Status.FINISHED.code)
     theirs = copy.deepcopy(

@@ -18,9 +18,9 @@ import heyoka as hy
 import numpy as np
 import pytest
 
-from tippetop.engine.compiled import compiled_from
 from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import equations_of_motion, formulas_of
+from tippetop.engine.integrator import compiled_from
 from tippetop.engine.opt_level import opt_level
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import signs_of

@@ -9,7 +9,7 @@ import pytest
 
 import tippetop_kernels
 from tippetop.cli import outcome
-from tippetop.engine.compiled import compiled_from
+from tippetop.engine.integrator import compiled_from
 from tippetop.engine.loop import Loop, Motion, _Loop, library, new_motion, structure
 from tippetop.engine.status import Status
 from tippetop.engine.stepper import Called

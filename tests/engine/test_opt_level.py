@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from tippetop.engine import compiled
+from tippetop.engine import integrator
 from tippetop.engine.opt_level import OPT_LEVEL, opt_level
 from tippetop.engine.taylor import driver_of, fingerprint
 from tippetop.errors import InputError
@@ -50,8 +50,8 @@ def test_equations_so_long_that_llvm_would_take_a_minute_are_compiled_at_once(
         raise Reached
 
     monkeypatch.setenv(OPT_LEVEL, "3")
-    monkeypatch.setattr(compiled.hy, "taylor_adaptive", made)
-    compiled.compiled_from.cache_clear()
+    monkeypatch.setattr(integrator.hy, "taylor_adaptive", made)
+    integrator.compiled_from.cache_clear()
     with pytest.raises(Reached):
         driver_of(build.load(preset))
     assert levels == [level]

@@ -8,7 +8,7 @@ import pytest
 from tippetop.ensembles import ensemble, hybrid_tops
 from tippetop.problem import Problem
 from tippetop.scenario import build, reading
-from tippetop.sweeps.summary import _faults
+from tippetop.sweeps.sweep_summary import _faults
 
 
 def standing_at(theta: float) -> Problem:

@@ -9,7 +9,7 @@ import pytest
 
 import tippetop as tt
 from tippetop.errors import InputError
-from tippetop.exchange import measured
+from tippetop.exchange import measurements
 
 
 @pytest.fixture
@@ -95,9 +95,9 @@ def test_noise_explains_angles_beyond_the_poles(
     path = tmp_path / "film.csv"
     path.write_text("t [s],theta [deg]\n0,179\n0.1,-0.6\n0.2,182.14\n0.3,180.5\n", encoding="utf-8")
 
-    def observed() -> measured.Observation:
-        scenario, convention = tt.load("inverting"), measured.Convention()
-        return measured.observation_of(scenario, path, ["friction.mu"], convention, None, noise)
+    def observed() -> measurements.Observation:
+        scenario, convention = tt.load("inverting"), measurements.Convention()
+        return measurements.observation_of(scenario, path, ["friction.mu"], convention, None, noise)
 
     if words:
         with pytest.raises(InputError, match=words):
@@ -115,6 +115,6 @@ def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_th
         f"t [s],theta [deg]\n{first},5\n{first + 1},5\n{first + 2},5\n", encoding="utf-8"
     )
     free = ["time.offset"]
-    assert measured.observation_of(
-        tt.load("inverting"), path, free, measured.Convention(), None
+    assert measurements.observation_of(
+        tt.load("inverting"), path, free, measurements.Convention(), None
     ).start() == {"time.offset": offset}

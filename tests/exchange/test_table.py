@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tippetop.errors import InputError
-from tippetop.exchange import table
+from tippetop.exchange import motion_table
 from tippetop.exchange.motion import Convention, motion
 
 
@@ -20,7 +20,7 @@ def test_units_become_si_and_gaps_stay(tmp_path: Path) -> None:
     text = (
         "# filmed\nt [ms], theta [deg], x [mm], omega3 [rpm]\n0,90,1,60\n\n10,,2,60\n20,45,nan,60\n"
     )
-    read = table.read(written(tmp_path, text))
+    read = motion_table.read(written(tmp_path, text))
     np.testing.assert_allclose(read.t, [0, 0.01, 0.02])
     np.testing.assert_allclose(read.columns["theta"], [np.pi / 2, np.nan, np.pi / 4])
     np.testing.assert_allclose(read.columns["x"], [1e-3, 2e-3, np.nan])
@@ -31,7 +31,7 @@ def test_a_parquet_file_is_read_as_csv_is(tmp_path: Path) -> None:
     pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
     path = tmp_path / "other.parquet"
     pq.write_table(pa.table({"t [s]": [0.0, 1.0, 2.0], "theta [deg]": [10.0, None, 20]}), path)
-    theta = table.read(path).columns["theta"]
+    theta = motion_table.read(path).columns["theta"]
     np.testing.assert_allclose(theta, [np.pi / 18, np.pi / 9])  # empty rows are left out
 
 
@@ -42,8 +42,8 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
     """Its phases are words, and its integrals no measurements: both are left out."""
     path = written(tmp_path, f"{OWN}\n0,slip,0.1,0,1,3,3,1\n0.5,roll,4,0,1,3,3,1\n")
     with pytest.raises(InputError, match="in 0 to pi"):
-        table.read(path)
-    read = table.read(path, wrapped=False)  # as of a cylinder
+        motion_table.read(path)
+    read = motion_table.read(path, wrapped=False)  # as of a cylinder
     assert list(read.columns) == ["t", "theta", "theta_dot", "q_w"]
     np.testing.assert_array_equal(read.columns["theta"], [0.1, 4.0])
 
@@ -89,19 +89,19 @@ def test_the_export_of_a_run_is_read_by_its_names(tmp_path: Path) -> None:
 )
 def test_wrong_tables_are_rejected_with_a_message(tmp_path: Path, text: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        table.read(written(tmp_path, text))
+        motion_table.read(written(tmp_path, text))
 
 
 def test_the_number_of_rows_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(table, "MOST_ROWS", 10)
+    monkeypatch.setattr(motion_table, "MOST_ROWS", 10)
     path = written(tmp_path, "t [s], theta [rad]\n" + "".join(f"{i},1\n" for i in range(2000)))
     with pytest.raises(InputError, match="must be 2 to 10 rows, but there are 11"):
-        table.read(path)
+        motion_table.read(path)
 
 
 def test_the_order_of_a_numbered_quaternion_is_named_never_guessed(tmp_path: Path) -> None:
     text = "t [s],q_0,q_1,q_2,q_3\n0,0,0,0.6,0.8\n1,0,0,0.6,0.8\n"
-    read = table.read(written(tmp_path, text))
+    read = motion_table.read(written(tmp_path, text))
     with pytest.raises(InputError, match="--quaternion wxyz or xyzw"):
         motion(read)
     np.testing.assert_allclose(motion(read, Convention("xyzw")).orientation[0], [0.8, 0, 0, 0.6])
@@ -112,7 +112,7 @@ def test_a_vertical_y_is_our_z(tmp_path: Path) -> None:
     """Turned about the other's z by 0.3: its axis y tilts towards -x."""
     c, s = np.cos(0.15), np.sin(0.15)
     text = f"t [s],q_w,q_x,q_y,q_z,x [m],y [m],z [m]\n0,{c},0,0,{s},1,2,3\n1,{c},0,0,{s},1,2,3\n"
-    seen = motion(table.read(written(tmp_path, text)), Convention(up="y"))
+    seen = motion(motion_table.read(written(tmp_path, text)), Convention(up="y"))
     np.testing.assert_allclose(seen.theta, 0.3)
     np.testing.assert_allclose(seen.place[0], [3, 1, 2])
     np.testing.assert_allclose(seen.axis[0], [0, -np.sin(0.3), np.cos(0.3)], atol=1e-15)

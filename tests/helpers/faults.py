@@ -3,10 +3,12 @@ one.
 
 Ways: "once" (an error), "full" (half a write, and no room from then on), "killed" (half a write,
 and nothing more), "power" (the same, and all that was not synced is gone), "names" (the same, but
-names are kept: their files are empty).
+names are kept: their files are empty). In these an operation that changes the disk has the fault;
+in "reads", "files" and "locks" one that reads, that opens anything, or that locks fails once.
 """
 
 import errno
+import fcntl
 import os
 import shutil
 import stat
@@ -17,8 +19,18 @@ from typing import Any
 import pytest
 
 
-WAYS = ("once", "full", "killed", "power", "names")
+WAYS = ("once", "full", "killed", "power", "names", "reads", "files", "locks")
 GROWS = ("open", "write", "mkdir", "link")
+SCANDIR = os.scandir  # without faults
+# way -> the operations one of which fails once, and how
+ONCE = {
+    "reads": (("read", "pread", "listdir", "scandir"), errno.EIO),
+    "files": (("read", "open"), errno.EMFILE),
+    "locks": (("flock",), errno.ENOLCK),
+}
+CHANGES = (
+    *("open", "write", "fsync", "rename", "replace", "mkdir", "unlink", "remove", "rmdir", "link"),
+)
 
 
 class Over(BaseException):
@@ -35,19 +47,9 @@ class Faults:
         ] = {}  # by inode: the content of a file, the names and inodes in a folder
         self.held: list[int] = []  # so that no inode is used again
         self.arm(0, "")
-        for name in (
-            "open",
-            "write",
-            "fsync",
-            "rename",
-            "replace",
-            "mkdir",
-            "unlink",
-            "remove",
-            "rmdir",
-            "link",
-        ):
+        for name in (*CHANGES, "pread", "listdir", "scandir"):
             monkeypatch.setattr(os, name, self._watched(name, getattr(os, name)))
+        monkeypatch.setattr(fcntl, "flock", self._watched("flock", fcntl.flock))
 
     def arm(self, at: int, way: str) -> None:
         """Let operation `at` from here on be the one with the fault."""
@@ -92,7 +94,7 @@ class Faults:
         status = os.fstat(descriptor)
         self.held.append(os.dup(descriptor))
         if stat.S_ISDIR(status.st_mode):
-            with os.scandir(descriptor) as entries:
+            with SCANDIR(descriptor) as entries:
                 self.durable[status.st_ino] = {
                     e.name: (e.inode(), e.is_dir(follow_symlinks=False)) for e in entries
                 }
@@ -107,13 +109,17 @@ class Faults:
         return Path(os.path.abspath(os.path.join(base, place))).is_relative_to(self.root)
 
     def _judge(self, name: str, half: Callable[[], object] = lambda: None) -> None:
-        self.count += 1
-        if not self.way or self.count < self.at or (self.way == "once" and self.count > self.at):
+        kinds, number = ONCE.get(self.way, (CHANGES, errno.EIO))
+        if name not in kinds:
             return
-        if self.count == self.at and self.way != "once":
+        self.count += 1
+        once = self.way == "once" or self.way in ONCE
+        if not self.way or self.count < self.at or (once and self.count > self.at):
+            return
+        if once:
+            raise OSError(number, os.strerror(number))
+        if self.count == self.at:
             half()
-        if self.way == "once":
-            raise OSError(errno.EIO, os.strerror(errno.EIO))
         if self.way != "full":
             raise Over
         if name in GROWS:
@@ -121,15 +127,15 @@ class Faults:
 
     def _watched(self, name: str, real: Callable[..., Any]) -> Callable[..., Any]:
         def operation(*given: Any, **how: Any) -> Any:
-            changes = name != "open" or given[1] & (os.O_CREAT | os.O_WRONLY)
-            watched = changes and self._is_below(given[0], how)
+            reads = name == "open" and not given[1] & (os.O_CREAT | os.O_WRONLY)
+            watched = self._is_below(given[0] if given else ".", how)
             if watched:
                 half = (
                     (lambda: real(given[0], given[1][: len(given[1]) // 2]))
                     if name == "write"
                     else lambda: None
                 )
-                self._judge(name, half)
+                self._judge("read" if reads else name, half)
             result = real(*given, **how)
             if watched and name == "fsync":
                 self._sync(given[0])

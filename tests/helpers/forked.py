@@ -16,7 +16,7 @@ from pathlib import Path
 SERVER = multiprocessing.get_context("forkserver")
 SERVER.set_forkserver_preload(
     [
-        "tippetop.cli.run",
+        "tippetop.cli.run_command",
         "tippetop.runs.recording",
         "tippetop.runs.resuming",
         "tippetop.runs.forecast",

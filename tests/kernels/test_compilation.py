@@ -65,8 +65,7 @@ def run(toy: Path, formula: Any = None, x: Any = 3.0) -> tuple[float, bool]:
     loop = importlib.import_module("toy.loops").total(
         formula or importlib.import_module("toy.rules").rule
     )
-    compiled = loop.variant(x)
-    return compiled(x), bool(compiled.stats.cache_hits)
+    return loop(x), bool(loop.compiled.stats.cache_hits)
 
 
 def edit(toy: Path, name: str, old: str, new: str) -> None:

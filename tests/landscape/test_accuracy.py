@@ -6,8 +6,8 @@ import numba
 import numpy as np
 import pytest
 
-from tippetop.landscape import body as bodies
 from tippetop.landscape import formulas, surface
+from tippetop.landscape import landscape_body as bodies
 from tippetop.mechanics.systems import spinning
 from tippetop_kernels.minimise import Status
 

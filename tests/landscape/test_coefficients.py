@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from examples import CANONICAL
 
-from tippetop.landscape import body, formulas, labels
+from tippetop.landscape import formulas, landscape_body, landscape_labels
 from tippetop.mechanics.systems import SYSTEMS
 
 
@@ -21,10 +21,10 @@ def numbers(name: str) -> dict[str, float]:
 @pytest.mark.parametrize("name", KNOWN)
 def test_coefficients_give_the_potential_of_the_system(name: str, rng: np.random.Generator) -> None:
     """Test the law of `Landscape`, for every system, momenta matched by the names of columns."""
-    t = body.top(numbers(name), name)
+    t = landscape_body.top(numbers(name), name)
     scale = np.sqrt(t.body.m * t.body.g * max(t.body.R, -t.body.c) * t.body.I3)
     q = np.exp(rng.uniform(-6, 6, 50))
-    z = labels.cosine(q, t.upright)
+    z = landscape_labels.cosine(q, t.upright)
     values = {"routh": scale, "jellett": scale * t.body.R, "L3": scale, "Lz": scale}
     momenta = {m.column: values[m.column] * rng.uniform(-5, 5, 50) for m in t.landscape.momenta}
     V = formulas.value(q, formulas.at_momenta(*momenta.values(), t.coefficients), t.coefficients)
@@ -46,8 +46,8 @@ def test_momenta_are_quantities_of_the_system(name: str) -> None:
 
 def test_a_system_is_taken_by_name_or_as_it_is() -> None:
     renamed = dataclasses.replace(SYSTEMS["tippe-top"], name="of one's own")
-    one, other = body.top(CANONICAL), body.top(CANONICAL, renamed)
+    one, other = landscape_body.top(CANONICAL), landscape_body.top(CANONICAL, renamed)
     assert one.coefficients == other.coefficients
-    assert labels.attributes(other)["system"] == "of one's own"
+    assert landscape_labels.attributes(other)["system"] == "of one's own"
     with pytest.raises(ValueError, match="must be one of tippe-top"):
-        body.top(CANONICAL, dataclasses.replace(renamed, landscape=None))
+        landscape_body.top(CANONICAL, dataclasses.replace(renamed, landscape=None))

@@ -11,8 +11,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tippetop.landscape import body as bodies
 from tippetop.landscape import formulas
+from tippetop.landscape import landscape_body as bodies
 
 
 class At(NamedTuple):

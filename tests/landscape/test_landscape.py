@@ -8,7 +8,7 @@ import scipy.optimize
 import xarray as xr
 from examples import CANONICAL, HEAVY
 
-from tippetop.landscape import body as bodies
+from tippetop.landscape import landscape_body as bodies
 from tippetop.landscape import marked_lines, potential, surface, turning
 from tippetop.mechanics.systems import heavy_top, spinning
 from tippetop_kernels.level_crossings import Level
@@ -295,10 +295,10 @@ def test_shapes_and_labels_are_kept():
 
 
 def test_band_of_an_inversion_holds_it_and_meets_its_turnings(inverting_run):
-    from tippetop.landscape import along_run
+    from tippetop.landscape import run_landscape
 
     groups, attrs = inverting_run
-    found, logged, _ = along_run.band(groups["trajectory"], groups["events"], attrs)
+    found, logged, _ = run_landscape.band(groups["trajectory"], groups["events"], attrs)
     theta = found.theta.values
     assert (
         theta >= found.theta_min.values - 1e-6

@@ -10,8 +10,8 @@ from stores import assert_same
 
 from tippetop import errors
 from tippetop.cli import outcome
-from tippetop.landscape import recording, surface
-from tippetop.landscape.recording import Surface
+from tippetop.landscape import surface, surface_recording
+from tippetop.landscape.surface_recording import Surface
 from tippetop.store import root
 from tippetop_kernels import grid
 
@@ -22,7 +22,7 @@ D, LAM = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
 
 def test_store_is_the_surface(tmp_path):
     seen = []
-    path = recording.write(
+    path = surface_recording.write(
         tmp_path / "F.zarr",
         Surface(PARAMETERS, D, LAM, chunk=16),
         progress=lambda *a: seen.append(a),
@@ -43,7 +43,7 @@ class Stop(Exception):
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """The store of the surface, which nothing has disturbed."""
-    return recording.write(
+    return surface_recording.write(
         tmp_path_factory.mktemp("whole") / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16)
     )
 
@@ -56,7 +56,7 @@ def stopped(path, after, chunk=16):
             raise Stop
 
     with pytest.raises(Stop):
-        recording.write(path, Surface(PARAMETERS, D, LAM, chunk=chunk), progress=stop)
+        surface_recording.write(path, Surface(PARAMETERS, D, LAM, chunk=chunk), progress=stop)
     assert root.attributes(path)["status"] == "running"
     return path / "surface"
 
@@ -66,9 +66,11 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
     worked = []
     minima = surface.minima
     monkeypatch.setattr(
-        recording.surface, "minima", lambda *a: (a[1].size > 2 and worked.append(1)) or minima(*a)
+        surface_recording.surface,
+        "minima",
+        lambda *a: (a[1].size > 2 and worked.append(1)) or minima(*a),
     )
-    recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16))
+    surface_recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16))
     assert len(worked) == 7
     assert_same(tmp_path / "F.zarr", whole)
 
@@ -76,7 +78,7 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
 def test_another_surface_does_not_go_on(tmp_path):
     stopped(tmp_path / "F.zarr", after=1)
     with pytest.raises(errors.StoreError, match="must have the same axes to be continued"):
-        recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM * 2, chunk=16))
+        surface_recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM * 2, chunk=16))
 
 
 def test_surface_command(tmp_path, capsys):
@@ -125,7 +127,7 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
         str(tmp_path / "F.zarr"),
     ]
     with monkeypatch.context() as patched:
-        patched.setattr(recording.surface, "minima", stop)
+        patched.setattr(surface_recording.surface, "minima", stop)
         assert outcome(words) == 130
     assert "the same command continues" in capsys.readouterr().err
     assert calls
@@ -180,7 +182,7 @@ def test_a_damaged_unfinished_surface_ends_in_the_same_bits(damage, whole, tmp_p
     """Before, it was finished as it was, with exit code 0, or with a traceback."""
     stopped(tmp_path / "F.zarr", after=5)
     DAMAGES[damage](tmp_path / "F.zarr")
-    recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16))
+    surface_recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16))
     assert_same(tmp_path / "F.zarr", whole)
 
 

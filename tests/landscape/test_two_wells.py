@@ -6,8 +6,8 @@ import landscape_oracle as oracle
 import numpy as np
 import pytest
 
-from tippetop.landscape import body as bodies
 from tippetop.landscape import formulas, turning
+from tippetop.landscape import landscape_body as bodies
 from tippetop.mechanics.systems import spinning
 from tippetop_kernels.level_crossings import Level
 

@@ -240,10 +240,10 @@ def test_a_run_that_is_recorded_as_it_goes(tmp_path: Path) -> None:
 
 
 def test_every_kind_of_store_opens(tmp_path: Path) -> None:
-    from tippetop.landscape import recording
+    from tippetop.landscape import surface_recording
 
     D, lam = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
-    recording.write(tmp_path / "F.zarr", recording.Surface(TOP._asdict(), D, lam))
+    surface_recording.write(tmp_path / "F.zarr", surface_recording.Surface(TOP._asdict(), D, lam))
     surface = tt.open(tmp_path / "F.zarr")
     np.testing.assert_array_equal(
         surface["F"], tt.landscapes.minimal_surface(TOP, D=D, lam=lam)["F"]

@@ -10,7 +10,7 @@ import tippetop as tt
 from tippetop.mechanics import systems
 from tippetop.mechanics.operand import formula
 from tippetop.mechanics.units import ONE, SECOND_PER_METRE
-from tippetop.scenario import reference
+from tippetop.scenario import scenario_reference
 
 
 BASE = tt.extending.SYSTEMS["tippe-top"]
@@ -97,7 +97,7 @@ def test_every_list_of_laws_is_the_same() -> None:
     """What a run takes, tt.extending.LAWS, the manual and a sentence; each says of which systems a
     law is.
     """
-    named = {section.title: section.text for section in reference.friction()}
+    named = {section.title: section.text for section in scenario_reference.friction()}
     del named["coulomb (without eps)"]
     assert named.keys() == tt.extending.LAWS.keys() >= {"viscous", "none", "modified", "contensou"}
     assert named["contensou"].endswith("Of tippe-top.")

@@ -8,7 +8,7 @@ import pytest
 from stores import edited
 
 import tippetop as tt
-from tippetop.library import run as library
+from tippetop.library import finished_run as library
 from tippetop.runs.results import Record
 from tippetop.runs.run import solve
 

@@ -6,13 +6,16 @@ from typing import Any, NamedTuple
 import pytest
 
 from tippetop.errors import InputError
-from tippetop.mechanics.consistency import inconsistencies, unmet_requirements
 from tippetop.mechanics.contact.opening import opened
 from tippetop.mechanics.form import Next
 from tippetop.mechanics.friction import Contensou, SetValued, Viscous, named
 from tippetop.mechanics.system import Event, Exit, Form, Phase, System
 from tippetop.mechanics.systems import SYSTEMS, tippe_top
-from tippetop.mechanics.systems.function_checks import check_answers
+from tippetop.mechanics.systems.consistency import (
+    check_answers,
+    inconsistencies,
+    unmet_requirements,
+)
 from tippetop.mechanics.units import METRE, METRE_PER_SECOND
 
 
@@ -87,7 +90,7 @@ def test_a_phase_must_keep_the_common_state() -> None:
     check_answers(BALL)
     lossy = dataclasses.replace(FLIGHT, leave=lambda q, b: Height(q.y, 2 * q.y_dot))
     with pytest.raises(
-        InputError, match="phase `flight` of `ball` must keep the common state, but Height"
+        InputError, match="phase `flight` of `ball` must keep the common state, but gives"
     ):
         check_answers(dataclasses.replace(BALL, phases={"flight": lossy, "rest": ON_PLANE}))
 
@@ -97,20 +100,18 @@ def test_a_phase_must_keep_the_common_state() -> None:
     [
         (
             {"exits": (Exit("liftoff", ("rest",), land),)},
-            "must end in one of its events that has a formula, but has an exit by 'liftoff'",
+            "must end in its events that have a formula, but has exits by liftoff",
         ),
         (
             {"exits": (Exit("landing", ("roll",), land),)},
-            "must lead to phases of the system, but leads to 'roll'",
+            "must lead to phases of the system, but leads to roll",
         ),
-        ({"exits": (Exit("landing", (), land),)}, "must lead somewhere by 'landing'"),
+        ({"exits": FLIGHT.exits * 2}, "each name once, but has twice exit by `landing`"),
+        ({"events": (LANDING, LANDING)}, "each name once, but has twice event `landing`"),
         (
-            {"exits": FLIGHT.exits * 2},
-            "exit by the event 'landing' must be there once, but is there 2 times",
+            {"quantities": tippe_top.QUANTITIES[:1] * 2},
+            "each name once, but has twice quantity `jellett`",
         ),
-        ({"events": (LANDING, LANDING)}, "event 'landing' must be there once"),
-        ({"forms": {}}, "must have a form, but has none"),
-        ({"quantities": tippe_top.QUANTITIES[:1] * 2}, "quantity 'jellett' must be there once"),
     ],
 )
 def test_contradictions_are_named(changes: dict[str, Any], sentence: str) -> None:
@@ -156,12 +157,3 @@ def test_a_run_follows_one_event_of_a_kind(first: dict, second: dict, sentence: 
     rest = dataclasses.replace(FLIGHT, events=tuple(events), exits=())
     (fault,) = inconsistencies(dataclasses.replace(BALL, phases={**BALL.phases, "flight": rest}))
     assert fault.startswith(sentence)
-
-
-def test_a_variable_has_one_meaning() -> None:
-    (phase,) = SYSTEMS["tippe-top"].phases.values()
-    vector = phase.forms["vector"]
-    twice = dataclasses.replace(vector, integrals=vector.integrals + vector.integrals[:1])
-    broken = dataclasses.replace(phase, forms={**phase.forms, "vector": twice})
-    (fault,) = inconsistencies(dataclasses.replace(SYSTEMS["tippe-top"], phases={"slip": broken}))
-    assert "variable 'x' must be there once" in fault

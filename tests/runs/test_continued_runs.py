@@ -95,7 +95,7 @@ def test_while_it_is_continued_it_is_an_interrupted_run_whose_chunks_are_marked(
     with pytest.raises(KeyboardInterrupt):
         resuming.resume(store, Mock(side_effect=KeyboardInterrupt), until=60.0)
     assert said(store)["status"] == "running"
-    assert not state_of(store).closing
+    assert not state_of(store).seal
     tt.resume(store)
     assert state_of(store).seal
     one, other = (store / "keyframes" / name / "c.0" for name in ("time", "step"))

@@ -11,7 +11,7 @@ from tippetop.errors import InputError
 from tippetop.mechanics.friction import LAWS, PARTS
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.scenario import build, reading
-from tippetop.scenario.reference import TOPICS, columns, friction, scenario
+from tippetop.scenario.scenario_reference import TOPICS, columns, friction, scenario
 from tippetop.scenario.schema import RunTable
 from tippetop.scenario.template import template
 

@@ -9,7 +9,7 @@ from typed import typed
 
 from tippetop.columns import flagged
 from tippetop.engine.status import Status
-from tippetop.library.run import Run
+from tippetop.library.finished_run import Run
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs import cost
 from tippetop.runs.run import solve

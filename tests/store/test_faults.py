@@ -14,7 +14,7 @@ from stores import files, state_of
 
 import tippetop as tt
 from tippetop.errors import InputError, StoreError
-from tippetop.landscape import recording as surfaces
+from tippetop.landscape import surface_recording as surfaces
 from tippetop.runs import replay
 from tippetop.sampling import EvenTimes
 from tippetop.scenario import build
@@ -154,12 +154,14 @@ def campaign(
 
     prepare()
     faults = Faults(monkeypatch, root)
-    target.work(place)
-    count, whole = faults.count, files(root)
-    stride = -(-(count + 1) // most)
     for way in ways:
+        prepare()
+        faults.arm(10**9, way)
+        target.work(place)
+        faults.disarm()
+        count, whole = faults.count, files(root)
+        stride = -(-(count + 1) // most)
         for at in range(1 + tried % stride, count + 2, stride):  # the last one is after the end
-            faults.way = ""
             prepare()
             known[0] = 0
             faults.arm(at, way)

@@ -13,7 +13,6 @@ from forked import Forked
 
 from tippetop.errors import StoreError
 from tippetop.store import files, ledger, provenance, root
-from tippetop.store.folder import Folder
 from tippetop.store.ledger import LEDGER, Ledger
 from tippetop.store.root import new_store
 
@@ -186,28 +185,6 @@ def test_what_another_process_is_making_is_not_stale(tmp_path: Path) -> None:
         (scratch / "mine").write_text("")
         files.remove_stale(path)
         assert content(scratch) == ["mine"]
-    held = tmp_path / f".S.zarr.part-{'0' * 32}"
-    made_store(tmp_path / "T.zarr").rename(held)
-    with Ledger.opened(held):
-        files.remove_stale(path)
-        assert held.exists()
-
-
-def test_a_scratch_folder_that_another_process_removes_is_made_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Another process takes it for a stale one before it is locked."""
-
-    def taken(place: Path) -> Folder:
-        monkeypatch.setattr(files, "Folder", Folder)
-        files.remove_stale(tmp_path / "S.zarr")
-        assert not place.exists()
-        return Folder(place)
-
-    monkeypatch.setattr(files, "Folder", taken)
-    with files.scratch_folder(tmp_path / "S.zarr") as scratch:
-        assert scratch.exists()
-    assert content(tmp_path) == []
 
 
 def test_a_store_that_is_being_written_is_not_overwritten(tmp_path: Path) -> None:

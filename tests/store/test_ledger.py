@@ -116,7 +116,7 @@ def steps_in(folder: ModelFolder) -> int:
         state = ledger.Acknowledged.of(ledger.records_of(folder.read(LEDGER)))
     except FileNotFoundError:
         return 0
-    if state.closing:
+    if state.seal:
         return STEPS
     return json.loads(folder.read(state.tail).partition(b"\n")[0])["i"] if state.tail else 0
 

@@ -139,6 +139,6 @@ def test_a_sweep_that_cannot_be_read_is_not_said_to_be_checked(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     store = shutil.copytree(whole, tmp_path / "S.zarr")
-    monkeypatch.setattr("tippetop.sweeps.summary.report", failing(errno.EIO))
+    monkeypatch.setattr("tippetop.sweeps.sweep_summary.report", failing(errno.EIO))
     assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == 5
     assert "was finished" not in capsys.readouterr().err

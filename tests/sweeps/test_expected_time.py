@@ -10,7 +10,7 @@ from tippetop.ensembles import ensemble
 from tippetop.ensembles.outcomes import statuses_of
 from tippetop.sweeps import chunk, measuring
 from tippetop.sweeps.plan import Plan
-from tippetop.sweeps.summary import lines
+from tippetop.sweeps.sweep_summary import lines
 
 
 OMEGA = {"of": "initial.omega3", "linspace": [100.0, 175.0]}

@@ -16,7 +16,7 @@ from tippetop.mechanics.theory import thresholds
 from tippetop.scenario import build
 from tippetop.sweeps import maps
 from tippetop.sweeps.plan import Plan
-from tippetop.sweeps.summary import open_sweep
+from tippetop.sweeps.sweep_summary import open_sweep
 
 
 AXIS = {"of": "friction.mu", "geomspace": [0.1, 1.0]}

@@ -22,7 +22,7 @@ from tippetop.errors import InputError, StoreError
 from tippetop.store import provenance, root
 from tippetop.sweeps import chunk, workers
 from tippetop.sweeps.plan import Plan
-from tippetop.sweeps.summary import gridded, open_sweep, report
+from tippetop.sweeps.sweep_summary import gridded, open_sweep, report
 
 
 LINES = chunk.compute_chunk

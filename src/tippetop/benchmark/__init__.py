@@ -1,6 +1,6 @@
 """Named cases for developers of contact simulators: exact references as files, and a score."""
 
-from .export import export
+from .case_files import export
 from .named_cases import Case, case, names
 from .score import Score, score
 

@@ -1,4 +1,4 @@
-"""The outcome of a motion: what a spectator sees."""
+"""The outcome of a motion, as a spectator would describe it."""
 
 import math
 

@@ -12,8 +12,8 @@ from ..arguments import path_of
 from ..errors import InputError, suggestion
 from ..exchange.comparison import STEP, Compared, orders, size_of
 from ..exchange.motion import angle_between, motion
-from ..exchange.table import Table, read
-from .export import CONTENT
+from ..exchange.motion_table import Table, read
+from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
 from .truth import VECTORS, Truth, axis_of, energy, theta_of, truth

@@ -1,13 +1,13 @@
 """One run, driven by the compiled loop slice by slice."""
 
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from .compiled import Compiled, stepper_of
+from .integrator import Compiled, stepper_of
 from .loop import Loop, Rows, new_motion
 from .status import Status
 from .stepper import Called, Stepper
@@ -119,7 +119,7 @@ class Wanted:
 
     @property
     def is_made(self) -> bool:
-        """Whether all rows exist."""
+        """True if all rows exist."""
         return self.made[0] == len(self.rows.times)
 
     def ask(self, request: Request) -> None:
@@ -144,7 +144,7 @@ class Place:
     lasting
         The number of the event that must last; -1 without one.
     shared
-        Arrays of a run of several phases; None: new ones.
+        Arrays of a run of several phases, of which this is one; None: new ones.
     """
 
     def __init__(
@@ -157,25 +157,24 @@ class Place:
     ):
         self.taken_by: Any = None  # a weak reference to a driver
         n, size = len(compiled.integrator.state), compiled.integrator.order + 1
+        self.compiled, self.stepper = compiled, stepper
         self.rows = rows._replace(events=rows.events.copy())
-        self.tallies, self.log, self.samples = shared or Shared(
+        self.shared = shared or Shared(
             new_tallies(rows, 1),
             new_log(PASSAGES + len(rows.events) * size, n),
             new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n),
         )
         self.motion = new_motion(n, len(compiled.integrator.pars), size, 1)
-        self.stepper, rules = stepper, RULES._replace(lasting=lasting, way=compiled.way)
-        self.loop = Loop(
-            self.motion, self.rows, self.tallies, self.log, self.samples, rules, stepper
-        )
+        rules = RULES._replace(lasting=lasting, way=compiled.way)
+        self.loop = Loop(self.motion, self.rows, *self.shared, rules, stepper)
 
 
-def place_for(driver: "Driver", compiled: Compiled, stepper: Callable[[], Stepper]) -> Place:
+def place_for(driver: "Driver", compiled: Compiled) -> Place:
     """Return a place that no other driver of this thread has while this one exists."""
     places: list[Place] = compiled.places.__dict__.setdefault("places", [])
     place = next((place for place in places if place.taken_by() is None), None)
     if place is None:
-        place = Place(compiled, stepper(), compiled.rows, compiled.lasting)
+        place = Place(compiled, driver.stepper_of(compiled), compiled.rows, compiled.lasting)
         if len(places) < PLACES:
             places.append(place)
     place.taken_by = weakref.ref(driver)
@@ -183,7 +182,7 @@ def place_for(driver: "Driver", compiled: Compiled, stepper: Callable[[], Steppe
 
 
 class Driver:
-    """Makes the steps of one run in doubles, and knows what the observer found in them.
+    """Steps of one run in doubles, and the findings of the observer.
 
     Parameters
     ----------
@@ -199,13 +198,11 @@ class Driver:
         The event functions there, (events,).
     end
         Internal time of the end.
-    shared, lasting
-        Arrays of a run of which this is one phase, and the number of its lasting event; None:
-        the run has no other phase.
     """
 
     ended: Status | None = None  # how the run ends before its first step
     sentence = ""  # why the contact ended the run, where it did
+    stepper_of = staticmethod(stepper_of)
 
     def __init__(
         self,
@@ -215,60 +212,42 @@ class Driver:
         start: np.ndarray,
         functions: np.ndarray,
         end: Any,
-        shared: Shared | None = None,
-        lasting: int = -1,
     ):
-        self.compiled, self.at_start, self.end = compiled, functions, end
-        whole, pars = (
-            np.zeros(len(compiled.integrator.state), start.dtype),
-            body[: len(compiled.integrator.pars)],
-        )
-        whole[: len(start)] = start  # the others are integrals of event functions
-        self.place = place = (
-            Place(compiled, self._stepper(), rows, lasting, shared)
-            if shared
-            else place_for(self, compiled, self._stepper)
-        )
-        self.rows, self.tallies, self.log, self.samples = (
-            place.rows,
-            place.tallies,
-            place.log,
-            place.samples,
-        )
+        self.at_start, self.end = functions, end
+        self.variables, self.number = len(start), start.dtype.type
+        self.work_in(place_for(self, compiled))
+        self.rows.events[:] = rows.events
+        self.tallies.functions[:] = 0.0
+        reset(self.tallies, self.rows, 0, *signs_of(functions))
+        self.wanted, self.first = Wanted(self.variables), start[None, :].copy()
+        self.take(self.place, body)
+        self.put(start, (self.number(0), self.number(0)))
+        self.end_at(end)
+
+    def work_in(self, place: Place) -> None:
+        """Make the next steps in a place."""
+        self.place, self.compiled, self.rows = place, place.compiled, place.rows
         self.motion, self.loop = place.motion, place.loop
+        self.tallies, self.log, self.samples = place.shared
         names = "status", "steps", "upto", "tiny", "t"
         self.status, self.steps, self.upto, self.tiny, self.time = (
             view(self.tallies.lane[name]) for name in names
         )
         self.logged, self.sampled_so_far = map(view, (self.log.filled, self.samples.filled))
-        self.variables, self.number = len(start), start.dtype.type
-        self.rows.events[:] = rows.events
-        if shared is None:
-            self.tallies.functions[:] = 0.0
-            reset(self.tallies, self.rows, 0, *signs_of(functions))
-        self.wanted = Wanted(self.variables)
-        self.first = start[None, :].copy()
-        self.take(pars)
-        self.put(whole, (self.number(0), self.number(0)))
-        self.end_at(end)
 
-    def _stepper(self) -> Stepper:
-        """Return a new stepper of the integrator."""
-        return stepper_of(self.compiled)
-
-    def take(self, pars: Sequence[Any]) -> None:
-        """Take the parameters of the integrator."""
-        self.motion.pars[:, 0] = [float(number) for number in pars]
+    def take(self, place: Place, body: Sequence[Any]) -> None:
+        """Take the parameters of an integrator, perhaps with others behind."""
+        pars = place.motion.pars[:, 0]
+        pars[:] = [float(number) for number in body[: len(pars)]]
 
     # --- steps -----------------------------------------------------------------------------------
 
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps; rows go to the request."""
+        self.request, n, before = request, self.variables, self.steps[0]
         self.forget()
-        before, n = self.steps[0], self.variables
-        self.drive(request, most)
-        when, last = self.reached()
-        code, steps = self.status[0], self.steps[0] - before
+        self.drive(most)
+        (when, last), code, steps = self.reached(), self.status[0], self.steps[0] - before
         ended = None if code == RUNNING else STATUSES[code]
         *columns, states = (column.copy() for column in self.passages())
         passages = Passages._make([*columns, states[:, :n]])
@@ -283,22 +262,27 @@ class Driver:
         """Forget samples and passages."""
         self.logged[0] = self.sampled_so_far[0] = 0
 
-    def share(self, other: "Driver") -> None:
-        """Keep what happens where another phase of the run keeps it: here in the same arrays."""
-
-    def drive(self, request: Request, most: int) -> None:
-        """Make the steps of a slice."""
+    def drive(self, most: int) -> int:
+        """Make at most `most` steps and their rows, and return the number of steps."""
         wanted, steps = self.wanted, 0
         while True:
-            if request.steps or wanted.is_made:
-                wanted.ask(request)
-            rows, first = wanted.rows, wanted.made[0]
-            steps += self.make(rows, most - steps if self.status[0] == RUNNING else 0)
-            made = wanted.made[0]
-            if made > first:
-                request.take(rows.times[first:made], self.states_of(rows, first))
-            if made == first or not wanted.is_made:
-                break
+            if wanted.is_made:
+                self.ask()
+            first = wanted.made[0]
+            steps += self.make(wanted.rows, most - steps if self.status[0] == RUNNING else 0)
+            if wanted.made[0] > first:
+                self.give(first)
+            if wanted.made[0] == first or not wanted.is_made:
+                return steps
+
+    def ask(self) -> None:
+        """Go on with the rows that are wanted next."""
+        self.wanted.ask(self.request)
+
+    def give(self, first: int) -> None:
+        """Give the rows that the last steps have made, from number `first` on."""
+        rows = self.wanted.rows
+        self.request.take(rows.times[first : self.wanted.made[0]], self.states_of(rows, first))
 
     def make(self, rows: Rows, most: int) -> int:
         """Make at most `most` steps, write these rows, and return the number of steps."""
@@ -362,8 +346,7 @@ class Driver:
         self.motion.high[0], self.motion.low[0] = clock
 
     def end_at(self, end: Any) -> None:
-        """Put the end of the run at an internal time."""
-        self.end = end
+        """Put the end of the next steps at an internal time."""
         self.motion.end[0] = float(end)
 
     def present(self) -> np.ndarray:
@@ -372,7 +355,7 @@ class Driver:
 
     @property
     def is_called(self) -> bool:
-        """Whether Python calls heyoka for each step."""
+        """True if Python calls heyoka for each step."""
         return isinstance(self.place.stepper, Called)
 
     def equations(self) -> list[tuple]:
@@ -389,7 +372,7 @@ class Driver:
         return len(self.state)
 
     def snapshot(self) -> dict[str, Any]:
-        """Return what a run needs to continue bit by bit."""
+        """Return the state from which a run continues bit by bit."""
         return {
             "state": self.state.copy(),
             "time": list(self.clock),
@@ -407,11 +390,14 @@ class Driver:
 
 
 def extremes_of(records: np.ndarray, tallies: Tallies) -> Extremes:
-    """Return the extremes of the first event function whose extremes are kept; empty where there is
+    """Return the extremes of the event functions whose extremes are kept; empty where there is
     none.
     """
-    ranged = np.flatnonzero(records["extremes"])
-    if not len(ranged):
-        return Extremes()
-    known, scale = tallies.functions[:, ranged[0], 0].tolist(), float(records["scale"][ranged[0]])
-    return Extremes(known[LEAST] / scale, known[T_LEAST], known[MOST] / scale, known[T_MOST])
+    found = Extremes()
+    for k in np.flatnonzero(records["extremes"]):
+        known, scale = tallies.functions[:, k, 0].tolist(), float(records["scale"][k])
+        if known[LEAST] / scale < found.least:
+            found = found._replace(least=known[LEAST] / scale, t_least=known[T_LEAST])
+        if known[MOST] / scale > found.most:
+            found = found._replace(most=known[MOST] / scale, t_most=known[T_MOST])
+    return found

@@ -3,7 +3,7 @@ compiled like it.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import count
@@ -104,6 +104,12 @@ def component(variable: str) -> str:
     return f"vector_{variable}"
 
 
+SINE2, SPEED2 = "pole_sine2", "pole_speed2"
+"""Names of sin(theta)^2 and |3hat'|^2, which theta'^2 is at a pole, among the values of a row."""
+AXES = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
+"""Names of the components of axes 1 and 3 of the body."""
+
+
 def integrated(variable: str) -> str:
     """The name of an integrated component of 3hat among the values of a row, where it is not what
     the column `axis` is taken from.
@@ -137,48 +143,34 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
         if not direct and integrates_axis(system, form):
             values |= {integrated(name): getattr(q, name) for name in system.vectors["axis"]}
     values |= {quantity.name: quantity.formula(whole, body) for quantity in system.quantities}
+    if system.undefined_at_poles:
+        scalars = form.scalars(q, body)
+        values |= {SINE2: scalars.s2, SPEED2: scalars.axis_speed2}
     return values
 
 
 def integrates_axis(system: System, form: Form) -> bool:
-    """Whether the form integrates the components of 3hat, whose length must then stay 1."""
+    """True if the form integrates the components of 3hat, whose length must then stay 1."""
     axis = system.vectors.get("axis", ())
     return bool(axis) and set(axis) <= set(form.units._fields)
 
 
-def near_poles(form: Form, q: Any, body: Any) -> list:
-    """sin(theta)^2, and |3hat'|^2, which theta' is at a pole."""
-    scalars = form.scalars(q, body)
-    return [scalars.s2, scalars.axis_speed2]
-
-
-def orientation_of(form: Form, q: Any, carried: Any, body: Any) -> list:
-    """Return axes 1 and 3 of the body, three components each, and psi if the form has it; arrays
-    or expressions.
-    """
+def orientation_of(system: System, form: Form, q: Any, carried: Any, body: Any) -> dict[str, Any]:
+    """Return AXES, and psi if the form has it, by name; arrays or expressions."""
     orientation = form.orientation
     assert orientation is not None
     first, third = orientation.axes(q, carried, body)
-    return [*first, *third, *([orientation.psi(first, third)] if orientation.psi else [])]
+    psi = {"psi": orientation.psi(first, third)} if orientation.psi else {}
+    return dict(zip(AXES, (*first, *third), strict=True)) | psi
 
 
-@lru_cache(maxsize=32)
-def compile_orientation(system: System, form_name: str, friction: Any) -> Any:
-    """Return `orientation_of` as a compiled function; apart from the other observables, so that
-    their bits stay.
-    """
-    form = system.forms[form_name]
-    symbols, *records = in_symbols(formulas_of(system, form_name, friction), Variables(form))
-    return _function(orientation_of(form, *records), symbols)
-
-
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=64)
 def compile_observables(
-    system: System, form_name: str, friction: Any, orientation: bool
+    formulas: Callable, system: System, form_name: str, friction: Any, orientation: bool
 ) -> tuple[tuple[str, ...], Any]:
-    """Return the names of what `observed` gives, and the compiled function f(inputs=(variables, n),
-    pars=(leaves, n)) of it, whose last two outputs are those of `near_poles` if the system has
-    poles.
+    """Return the names of the values of `observed` or `orientation_of`, and the compiled function
+    f(inputs=(variables, n), pars=(leaves, n)) of them. They are compiled apart, so that neither
+    changes the bits of the other.
 
     11 ns a row where numpy takes 590: that is what lets a store keep pace with the integrator.
     """
@@ -186,12 +178,7 @@ def compile_observables(
     symbols, *records = in_symbols(
         formulas_of(system, form_name, friction), Variables(form, orientation)
     )
-    values = observed(system, form, *records)
-    polar = near_poles(form, records[0], records[-1]) if system.undefined_at_poles else []
-    return tuple(values), _function([*values.values(), *polar], symbols)
-
-
-def _function(values: Iterable, symbols: Any) -> Any:
-    """Return expressions as a compiled function of these symbols."""
-    outputs = [hy.expression(0.0) + value for value in values]
-    return compiled_once(hy.cfunc, outputs, vars=symbols, opt_level=opt_level())
+    values = formulas(system, form, *records)
+    outputs = [hy.expression(0.0) + value for value in values.values()]
+    function = compiled_once(hy.cfunc, outputs, vars=symbols, opt_level=opt_level())
+    return tuple(values), function

@@ -8,7 +8,7 @@ depend on balls or laws.
 import math
 import threading
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +17,6 @@ from ..errors import InputError
 from ..mechanics.event import ON_ZERO as BELOW
 from ..mechanics.event import Event
 from ..mechanics.form import CLOCK, Exit, Next, Phase
-from ..mechanics.inlining import inlined
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
@@ -33,6 +32,7 @@ from .driver import (
     Driver,
     Extremes,
     Passages,
+    Place,
     Request,
     Shared,
     Slice,
@@ -41,13 +41,12 @@ from .driver import (
     view,
 )
 from .expressions import Formulas
-from .loop import MOST_COEFFICIENTS
+from .impacts import ImpactMotions, Kind, Pieces, kind_of
+from .loop import MOST_COEFFICIENTS, Rows
 from .phase_tables import PhaseTables
-from .sampled import Sampler, zero_of
+from .python_events import Sampler, zero_of
 from .status import Status
 from .tallies import (
-    COUNT,
-    LAST,
     ON_ZERO,
     SIGN,
     EventRows,
@@ -57,6 +56,7 @@ from .tallies import (
     new_samples,
     new_tallies,
 )
+from .wide import WideDriver
 
 
 MOST_CHANGES = 10_000  # of phase in a run
@@ -97,12 +97,12 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
         return values
 
     return Formulas(
-        form, events, inlined(functions), lambda values: refill(template, values)._replace(**folds)
+        form, events, functions, lambda values: refill(template, values)._replace(**folds)
     )
 
 
 class World(NamedTuple):
-    """What jumps know besides the state: see `form.Exit`."""
+    """Context of a jump in addition to the state: see `form.Exit`."""
 
     body: Any
     system: System
@@ -123,15 +123,6 @@ class World(NamedTuple):
         return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
 
 
-class Begun(NamedTuple):
-    """How a phase begins: what a jump returns, and what follows from it."""
-
-    n: Next
-    state: tuple = ()  # of the phase: its variables
-    whole: tuple = ()  # the integrals of the run, scaled
-    values: tuple = ()  # of the event functions
-
-
 @lru_cache(maxsize=256)
 def jump_of(
     system: System,
@@ -140,7 +131,7 @@ def jump_of(
     exit: Exit,
     variables: Variables,
     rules: Any,
-    impacts: Any,
+    impacts: Kind | None,
     *_: type,
 ) -> Callable:
     """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals
@@ -151,8 +142,8 @@ def jump_of(
     events, of_phase = events_of(system, known), Variables(phase.form, variables.orientation)
     record = type(phase.form.units)
 
-    def jump(state: Sequence, whole: tuple, left: Any, piece: Any, body: Any) -> Begun:
-        struck = partial(impacts.struck, piece) if impacts else None
+    def jump(state: Sequence, whole: tuple, left: Any, piece: Any, body: Any) -> tuple:
+        struck = ImpactMotions(*impacts, piece).struck if impacts else None
         world = World(body, system, rules, known, phase, left, variables, struck)
         x = phase.leave(record(*state[: of_phase.moving]), phase.parameters(body))
         own = zip(of_phase.integrals, state[of_phase.moving :], strict=False)
@@ -163,14 +154,16 @@ def jump_of(
         n = exit.jump(x, world)
         if fault := fault_of(n, exit, x, events):
             raise InputError([f"{where_of(exit.event, name, system)} must {fault}."])
-        return Begun(n) if n.ends else begun(n, carried, world)
+        return (n, (), (), ()) if n.ends else begun(n, carried, world)
 
     jump.calls, jump.program = 0, None  # type: ignore[attr-defined]
     return jump
 
 
-def begun(n: Next, carried: Any, world: World) -> Begun:
-    """Return how a phase begins."""
+def begun(n: Next, carried: Any, world: World) -> tuple[Next, tuple, tuple, tuple]:
+    """Return how a phase begins: what a jump returns, the variables of the phase, the integrals of
+    the run, scaled, and the values of the event functions.
+    """
     to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
     b = to.parameters(world.body)
     q = type(to.form.units)(*to.enter(n.x, b))
@@ -179,7 +172,7 @@ def begun(n: Next, carried: Any, world: World) -> Begun:
     moved = Variables(to.form, world.variables.orientation).integrals
     state = *q, *(getattr(carried, one.name) * INTEGRAL_SCALE for one in moved)
     whole = tuple(value * INTEGRAL_SCALE for value in carried)
-    return Begun(n, state, whole, tuple(functions(q, carried, b)))
+    return n, state, whole, tuple(functions(q, carried, b))
 
 
 def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
@@ -204,7 +197,7 @@ def where_of(event: str, phase: str, system: System) -> str:
 
 
 class Track:
-    """A phase that a run may have, and the driver that follows it.
+    """A phase that a run may have, and where its steps are made.
 
     Parameters
     ----------
@@ -215,101 +208,61 @@ class Track:
     """
 
     def __init__(self, run: "HybridDriver", name: str):
-        from .taylor import code_for, kind_of_driver
+        from .taylor import code_for
 
         problem = run.problem
-        self.name, self.phase = name, run.phases[name]
+        self.name, self.phase, self.at = name, run.phases[name], [*run.phases].index(name)
         phase = self.phase
         self.b = phase.parameters(run.body)
-        kinds = self.b.__class__, self.b.friction.__class__
-        given = problem.variables, problem.contact, run.impacts and run.impacts.kind, *kinds
+        kinds: Any = type(self.b), type(self.b.friction)
+        given: Any = problem.variables, problem.contact, run.impacts, *kinds
         phases = tuple(run.phases.items())
+        stops = problem.on_liftoff == "stop"
+        exits = [one for one in phase.exits if not (stops and one.event == Status.LIFTOFF.value)]
         self.exits: dict[str, Any] = {
-            exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
+            exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in exits
         }
-        stops = {Status.LIFTOFF.value} if problem.on_liftoff == "stop" else set()
-        self.pure = {exit.event for exit in phase.exits if exit.is_pure} - stops
         self.formulas = formulas_of_phase(problem.system, phase, *kinds)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
-        self.moving, self.record, self.width = (
-            variables.moving,
-            type(phase.form.units),
-            len(variables.names),
-        )
-        self.integrals = [
-            run.carried._fields.index(integral.name) for integral in variables.integrals
-        ]
-        self.events = self.formulas.events
-        self.numbers = [run.numbers[event.name] for event in self.events]
-        self.ways = {
-            number: event.name
-            for number, event in zip(self.numbers, self.events, strict=True)
-            if event.name in self.exits
-        }
-        self.live = {*self.numbers} - {*self.ways}
-        rows = run.rows._replace(events=self._records(run, code.rows.events), axis=code.rows.axis)
-        self.driver: Driver = kind_of_driver(problem)(
-            code,
-            rows,
-            leaves(self.b),
-            np.zeros(self.width, problem.number),
-            np.zeros(len(rows.events)),
-            run.end,
-            run.shared,
-            self.numbers[code.lasting] if code.lasting >= 0 else -1,
-        )
-        self.place = list(run.phases).index(name)
+        self.moving, self.width = variables.moving, len(variables.names)
+        self.record: Any = type(phase.form.units)
+        self.integrals = [run.carried._fields.index(one.name) for one in variables.integrals]
+        self.events = {run.numbers[event.name]: event for event in self.formulas.events}
+        self.ways = {k: one.name for k, one in self.events.items() if one.name in self.exits}
+        self.live = self.events.keys() - self.ways.keys()
+        rows = run.all_events._replace(events=self._records(run, code.rows), axis=code.rows.axis)
+        lasting = [*self.events][code.lasting] if code.lasting >= 0 else -1
+        self.place = Place(code, run.stepper_of(code), rows, lasting, run.shared)
+        run.take(self.place, leaves(self.b))
         if run.copies:
-            run.copies.loop.follow(self.place, self.driver.loop)
-        if run.tracks:
-            self.driver.share(next(iter(run.tracks.values())).driver)
+            run.copies.follow(self.at, self.place.loop)
         sampled = [event for event in phase.events if event.sampled]
-        self.sampler = (
-            Sampler(self.driver, leaves(self.b), sampled, self._value) if sampled else None
-        )
+        self.sampler = Sampler(run, self, sampled) if sampled else None
 
-    def _value(self, state: np.ndarray, event: Event) -> Any:
-        """Return the value of an event in a state of the phase."""
-        return event.formula(self.phase.form.scalars(self.q(state), self.b), self.b)
-
-    def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
+    def _records(self, run: "HybridDriver", mine: EventRows) -> np.ndarray:
         """Return the events of the run, of which those of this phase are looked for."""
-        records = run.rows.events.copy()
-        for flag in ("extremes", "watched", "ranged", "ends"):
-            records[flag] = 0
+        records = np.zeros_like(run.all_events.events)
         records["leader"] = -1
-        for number, event, record in zip(self.numbers, self.events, mine, strict=True):
-            kept = (
-                records[number][["first", "last"]].item()
-                if event.name not in self.exits
-                else (0, 0)
-            )  # jumps log
-            records[number] = record
-            records[number]["first"], records[number]["last"] = kept
-            if event.name in self.exits:
-                records[number]["ends"] = record["ends"] or Status.ENDED.code
-            records[number]["watched"] = not event.sense or event.name in run.problem.events
+        for (number, event), record in zip(self.events.items(), mine.events, strict=True):
+            kept = run.all_events.events[number][["first", "last"]].item()
             leader = record["leader"]
-            records[number]["leader"] = self.numbers[leader] if leader >= 0 else -1
+            records[number] = run.entered[number] = record
+            if number in self.ways:  # its jump logs
+                kept, records[number]["ends"] = (0, 0), record["ends"] or Status.ENDED.code
+            records[number]["first"], records[number]["last"] = kept
+            records[number]["watched"] = not event.sense or event.name in run.problem.events
+            records[number]["leader"] = [*self.events][leader] if leader >= 0 else -1
         mark_bounded(records)
         return records
 
-    def q(self, state: np.ndarray) -> Any:
-        """Return the record of a state; doubles become floats, which formulas take faster."""
-        return self.record._make(state[: self.moving].tolist())
+    def value(self, event: Event, state: np.ndarray) -> float:
+        """Return the value of an event of the phase in a state."""
+        q = self.record._make(state[: self.moving].tolist())
+        return float(event.formula(self.phase.form.scalars(q, self.b), self.b))
 
 
-class Block(NamedTuple):
-    """Rows that were asked for together."""
-
-    times: np.ndarray
-    states: np.ndarray  # (variables, rows) in the precision of the run
-    made: Any  # the number of rows that exist
-    first: int  # of the present slice
-
-
-class HybridDriver:
+class HybridDriver(Driver):
     """Makes the steps of a run through its phases.
 
     Parameters
@@ -318,79 +271,50 @@ class HybridDriver:
         The run.
     stop
         Set it to give up while equations are being compiled.
-
-    Attributes
-    ----------
-    first
-        The row at the start, (1, variables).
-    sentence
-        Why a jump ended the run; empty where none did.
-    ended
-        How a jump ends the run before its first step; None: it does not.
     """
 
-    ended: Status | None = None
-    sentence = ""
     way = "start", ""  # the event and the phase of the present jump
     track: Track
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
         system, number = problem.system, float if problem.precision == "double" else problem.number
-        self.problem, self.stop, self.number = (
-            problem,
-            stop,
-            number,
-        )  # floats are faster than NumPy's
-        self.variables = len(problem.variables.names)
+        self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(problem.until) / number(float(problem.scales.of(SECOND)))
         self.body, self.phases = _assembled(problem)
-        self.carried = problem.variables.carried
+        self.variables, self.carried = len(problem.variables.names), problem.variables.carried
+        self.at_start = np.ones(len(system.events))  # the phase of the start is chosen
         events = events_of(system, self.phases)
-        in_phases = [event for phase in self.phases.values() for event in phase.events]
-        self.rows: EventRows = event_rows(
-            list(events.values()), [(0, 1, 1.0, 0.0)] * len(events), ()
-        )
         self.numbers = {name: k for k, name in enumerate(events)}
-        for event in in_phases:
-            self.rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
-        numbers = [(place, *number) for place, number in enumerate(self.rows.numbers.tolist())]
-        self.kept = [
-            numbers[first:last] for first, last in self.rows.events[["first", "last"]].tolist()
-        ]
         self.lasting = {name for name, event in events.items() if event.lasting}
-        width = self.width
-        most = PASSAGES + len(self.rows.events) * MOST_COEFFICIENTS
+        rows = event_rows(list(events.values()), [(0, 1, 1.0, 0.0)] * len(events), ())
+        for event in (event for phase in self.phases.values() for event in phase.events):
+            rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
+        self.all_events, width = rows, self.width
+        self.entered = np.zeros_like(rows.events)  # those of the phases that have begun
         self.shared = Shared(
-            new_tallies(self.rows, 1), new_log(most, width), new_samples(STEPS_PER_SLICE + 2, width)
+            new_tallies(rows, 1),
+            new_log(PASSAGES + len(events) * MOST_COEFFICIENTS, width),
+            new_samples(STEPS_PER_SLICE + 2, width),
         )
-        self.tallies = self.shared.tallies
-        self.tallies.functions[SIGN] = 0.0  # not known
-        self.counts = [view(one.filled) for one in self.shared[1:]]
-        self.wanted, self.tables = Wanted(width - len(self.rows.events)), PhaseTables(problem)
+        functions = self.shared.tallies.functions
+        functions[SIGN] = 0.0  # not known
+        self.signs, self.zeros = (view(functions[kind, :, 0]) for kind in (SIGN, ON_ZERO))
+        self.wanted, self.tables = Wanted(width - len(events)), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
-        self.live: set[int] = set()
-        self.signs, self.zeros = (
-            view(self.tallies.functions[kind, :, 0]) for kind in (SIGN, ON_ZERO)
-        )
-        self.rooted: set[tuple] = (
-            set()
-        )  # roots that jumps have named rightly: the exit, the next phase, the event
-        self.blocks: list[Block] = []
-        # the phases of a slice: track, integrals, and how many states there are
-        self.spans: list[tuple[Track, Sequence, tuple]] = []
-        self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
-        self.impacts = None
+        # the phases of a slice: their places, and the numbers of rows, passages and samples before
+        # and the integrals in which they begin
+        self.spans: list[list[Any]] = []
+        self.copies = self.impacts = self.piece = struck = None
         if problem.contact is not None:
-            from .impacts import Impacts
-
-            self.impacts = Impacts(problem, self.body[0].friction, stop)
+            self.impacts = kind_of(problem, self.body[0].friction)
+            self.piece = Pieces(self.impacts, stop)
+            struck = ImpactMotions(*self.impacts, self.piece).struck
+            self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
         start = problem.start()
         q, carried = problem.variables.split(start.tolist())
-        self.whole = tuple(start[problem.variables.moving :].tolist())
         x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
-        struck = self.impacts and self.impacts.struck
         given = self.body, system, problem.contact, self.phases, None, self.end
         world = World(*given, problem.variables, struck)
         n = Next(next(iter(self.phases)), x, "start")
@@ -411,102 +335,86 @@ class HybridDriver:
             self.tracks[name] = Track(self, name)
         return self.tracks[name]
 
-    def prepare(self) -> None:
-        """Compile the phases that the present one may lead to, and those after them."""
-        waiting = [self.track.name]
-        while waiting:
-            track = self.track_of(waiting.pop())
-            following = {name for exit in track.phase.exits for name in exit.to}
-            waiting += [name for name in following if name not in self.tracks]
-
     def equations(self) -> list[tuple]:
         """Return the equations of every phase: pairs of a variable and its rate."""
-        return [pair for name in self.phases for pair in self.track_of(name).driver.equations()]
+        codes = (self.track_of(name).place.compiled for name in self.phases)
+        return [pair for code in codes for pair in code.integrator.sys]
 
-    def _enter(self, begun: Begun, now: Any, before: Track | None) -> None:
+    def follow(self, track: Track, whole: Sequence, began: float) -> None:
+        """Make the next steps in a phase that begins with these integrals, at an internal time."""
+        self.track, self.whole, self.began = track, whole, began
+        self.work_in(track.place)
+
+    def _enter(self, begun: tuple, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
         n, state, whole, values = begun
         if before and not math.isfinite(self._called(sum, state)):
             raise ArithmeticError(
                 f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
             )
-        is_new = n.phase not in self.tracks
-        self.track = track = self.track_of(n.phase)
-        if self.copies and is_new:
-            for ending in track.pure:
-                if track.exits[ending].program:  # of another run
-                    self.copies.teach(ending, (state, whole, 0.0, None, self.body))
-        driver = track.driver
-        if n.cause != "":
-            cause = n.cause or self.way[0]
-            self.tables.begin(track.name, track.phase, float(now + n.logged_after), cause)
-        self.tables.add(float(now), n.rows)
+        is_new, track = n.phase not in self.tracks, self.track_of(n.phase)
         time = min(now + self.number(n.delay), self.end)
-        driver.put(state, (time, 0 * time))
-        self.whole, self.waits, self.began = whole, n.delay > 0 and n.series is None, float(time)
-        counts = self._counts()
+        self.follow(track, whole, float(time))
+        if self.copies and is_new:
+            for ending, jump in track.exits.items():
+                if jump.program:  # of another run
+                    self.copies.teach(ending, (state, whole, 0.0, None, self.body))
+        if n.cause != "":
+            names = track.name, track.phase, n.cause or self.way[0]
+            self.tables.begin(float(now + n.logged_after), self.tables.row_of(*names))
+        self.tables.add(float(now), n.rows)
+        self.put(state, (time, 0 * time))
         self._begin_events(n, state, values, now, before)
-        self.spans.append((track, whole, counts))
-        driver.begin()
-        driver.time[0] = self.began
-        self._set_clock(None if n.lasts is None else time + self.number(n.lasts))
-
-    def _set_clock(self, clock: Any) -> None:
-        """Set the end of the phase."""
-        self.clocked = clock is not None and clock < self.end
-        self.until = clock
-        self.track.driver.end_at(clock if self.clocked else self.end)
+        self.begin()
+        self.time[0] = self.began
+        self.until = math.nan if n.lasts is None else time + self.number(n.lasts)
 
     def _begin_events(
         self, n: Next, state: Sequence, values: Sequence, now: Any, before: Track | None
     ) -> None:
         """Write on which side of their zeros the event functions of a phase begin."""
-        track, live, signs, zeros = self.track, self.live, self.signs, self.zeros
+        track, signs, zeros = self.track, self.signs, self.zeros
+        known = before.live if before else ()
         if n.series is not None:
-            self._fill(
-                float(now + n.delay), lambda times: self._series(n, times.astype(self.number) - now)
-            )
-        for number, event, value in zip(track.numbers, track.events, values, strict=True):
+            self._begin_span()
+            self._fill(lambda times: self._series(n, times.astype(self.number) - now))
+        for (number, event), value in zip(track.events.items(), values, strict=True):
             sign, zero = 1.0 if value > 0 else -1.0, 0
             if number in track.ways:
                 sign = n.sides.get(event.name, -event.direction or sign)
                 zero = -n.zeros.get(event.name, 0)
-                if zero and (self.way, track.name, number) not in self.rooted:
+                if zero:
                     self._check_root(number, values, -zero, state)
-            elif number not in live:
+            elif number not in known:
                 zero = abs(value) < BELOW
-            elif sign != (known := signs[number]):
+            elif sign != (was := signs[number]):
                 if abs(value) < BELOW:
-                    sign = known
+                    sign = was
                 elif n.series is not None:
-                    self._note_along(n, track, event, known, now)
+                    self._note_along(n, track, event, was, now)
                 elif before and (event.sense or (event.lasting and sign == event.direction)):
-                    # of theta: it has a corner
-                    self._note(event.name, now, before, self.last, int(sign))
+                    self._note(event.name, now, self.last, int(sign))  # of theta: it has a corner
             signs[number], zeros[number] = sign, zero
-        self.live = track.live
+        if n.series is None:
+            self._begin_span()
 
     def _check_root(self, number: int, values: Sequence, count: int, state: Sequence) -> None:
         """Raise InputError where an event function has no root of this multiplicity in a state of
-        the present phase: its value, and its slope if there is more than one root, are zero. Once
-        for an exit.
+        the present phase: its value, and its slope if there is more than one root, are zero.
         """
         track = self.track
-        self.rooted.add((self.way, track.name, number))
-        k, q = track.numbers.index(number), track.record._make(state[: track.moving])
+        k, q = [*track.events].index(number), track.record._make(state[: track.moving])
         missed = not abs(values[k]) < ROOT
         if count > 1 and not missed:
-            near = (
-                one + NEAR * rate
-                for one, rate in zip(q, track.phase.form.rates(q, track.b), strict=True)
-            )
+            rates = track.phase.form.rates(q, track.b)
+            near = (one + NEAR * rate for one, rate in zip(q, rates, strict=True))
             carried = self.carried(*(value / INTEGRAL_SCALE for value in self.whole))
             ahead = track.formulas.functions(track.record(*near), carried, track.b)[k]
             missed = not abs(ahead - values[k]) < SLOPE * NEAR
         if missed:
             there = (
-                f"in `zeros`, but {track.events[k].name!r} has no root of multiplicity {count} "
-                f"where phase `{track.name}` begins"
+                f"in `zeros`, but {track.events[number].name!r} has no root of multiplicity "
+                f"{count} where phase `{track.name}` begins"
             )
             raise InputError([f"{self._where()} must give multiplicities of roots {there}."])
 
@@ -515,31 +423,25 @@ class HybridDriver:
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.blocks = request, []
-        self.track.driver.forget()
-        self._new_block(request.steps or self.wanted.is_made)
-        self.spans = [(self.track, self.whole, self._counts())]
-        steps, status = 0, None
+        self.request, self.spans = request, []
+        self.forget()
+        self.given = self.wanted.made[0]
+        self._begin_span()
+        steps, status, when = 0, None, self.end
         while self.clock[0] < self.end:
-            if self.waits:
-                self.waits = False
-                self._fill(
-                    self.began,
-                    lambda times: np.repeat(
-                        self.state[None, : self.track.width], len(times), axis=0
-                    ),
-                )
-            sampled, logged = self._sample(), self.counts[0][0]
-            steps += self._drive(1 if self.track.sampler else most - steps)
-            track, driver = self.track, self.track.driver
-            when, last = driver.reached()
-            self.last, code = last[: track.width].copy(), driver.status[0]
+            self._fill(lambda times: np.repeat(self.state[None, :], len(times), axis=0))
+            sampled = self._sample()
+            steps += self.drive(1 if self.track.sampler else most - steps)
+            track, code, ending = self.track, self.status[0], None
+            when, self.last = self.reached()
+            self.last = self.last[: track.width].copy()
             status = None if code == RUNNING else STATUSES[code]
-            ending = (
-                sampled if sampled and status is Status.FINISHED else self._ending(status, logged)
-            )
-            if ending not in (None, CLOCK, sampled):  # the jump logs it
-                driver.drop()
+            if status is Status.FINISHED:
+                ending = sampled or (CLOCK if self.until < self.end else None)
+            elif self.upto[0] < 1.0 and (
+                ending := track.ways.get(self.log.event[self.logged[0] - 1])
+            ):
+                self.drop()  # the jump logs it
             if ending is not None:
                 status = self._jump(ending, when)
             if (
@@ -549,39 +451,27 @@ class HybridDriver:
             ):
                 break
         if status is None:
-            track, self.last = self.track, self.state[: self.track.width].copy()
+            self.last = self.state[: self.track.width].copy()
             if not self.clock[0] < self.end:  # a phase begins where the run ends, and takes no step
                 when, status = self.end, Status.FINISHED
                 self.tally["upto"] = 0.0
         if status is not None:
             self.tables.end(float(when))
-        return self._slice(steps, when, track, status)
+        return self._slice(steps, when, status)
 
     def _sample(self) -> str:
-        """Let the phase end where a sampled event happens in its next step.
+        """Put the end of the next steps at that of the phase, or where a sampled event happens in
+        the next one.
 
         Return that event, or nothing.
         """
-        driver, sampler = self.track.driver, self.track.sampler
-        if not sampler:
-            return ""
-        driver.end_at(self.until if self.clocked else self.end)
-        first = sampler.next()
-        if not first or not first[1] < driver.end:
-            return ""
-        driver.end_at(first[1])
-        return str(first[0])
-
-    def _ending(self, status: Status | None, logged: int) -> str | None:
-        """Return the exit by which the present phase ends, at the end of the run too; None if it
-        does not, or ends the run. Before its last steps the log had this length.
-        """
-        at = self.track.driver.logged[0]
-        if status is not None and at > logged:
-            way = self.track.ways.get(int(self.shared.log.event[at - 1]))
-            if way is not None:
-                return way
-        return CLOCK if status is Status.FINISHED and self.clocked else None
+        end = self.until if self.until < self.end else self.end
+        sampler = self.track.sampler
+        name, when = (sampler and sampler.next()) or ("", end)
+        if not when < end:
+            name, when = "", end
+        self.end_at(when)
+        return name
 
     def _jump(self, ending: str, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state.
@@ -591,24 +481,21 @@ class HybridDriver:
         self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, state = self.number(when), self.track, self.last
-        piece = self.impacts and self.impacts.piece
-        given = tuple(state.tolist()), self.whole, self.end - now, piece, self.body
+        given = tuple(state.tolist()), self.whole, self.end - now, self.piece, self.body
         try:
             begun = self._called(track.exits[ending], *given)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
-        if self.copies and ending in track.pure:
+        if self.copies:
             self.copies.teach(ending, given)
-        n = begun.n
+        n: Next = begun[0]
         for name in n.logged:
-            self._note(name, now + n.logged_after, track, state, 1)
+            self._note(name, now + n.logged_after, state, 1)
         if n.ends:
             self.sentence = n.message or f"{self._where()} ends the run"
             self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
-        if ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop":
-            return Status.LIFTOFF
         if self.short > 2:
             often = f"more often than every {CHATTER * self.tables.second:.1g} s"
             self.sentence = (
@@ -620,8 +507,8 @@ class HybridDriver:
             )
         if self.sentence:
             return Status.STALLED
-        if self.request.steps and track.driver.upto[0] < 1.0:  # the loop keeps the ends of steps
-            self._give(np.array([when]), state[None])
+        if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
+            self._add(np.array([when]), state[None])
         try:
             self._enter(begun, now, track)
         except ArithmeticError as error:
@@ -652,86 +539,58 @@ class HybridDriver:
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def _new_block(self, is_made: bool = True) -> None:
-        """Go on with the rows that are wanted; with further ones, if these are made."""
-        if is_made:
-            self.wanted.ask(self.request)
-        rows, made = self.wanted.rows, self.wanted.made
-        states = rows.states if self.number is float else np.empty(rows.states.shape, self.number)
-        self.blocks.append(Block(rows.times, states, made, made[0]))
+    def _begin_span(self) -> None:
+        """Note that rows, passages and samples belong to the present phase from now on."""
+        counts = self.wanted.made[0], self.logged[0], self.sampled_so_far[0]
+        self.spans.append([self.track.at, *counts, self.whole])
 
-    def _counts(self) -> tuple[int, int, int]:
-        """Return the numbers of rows, passages and samples of this slice."""
-        rows = sum(block.made[0] - block.first for block in self.blocks)
-        return rows, self.counts[0][0], self.counts[1][0]
+    def ask(self) -> None:
+        self._hand_over()
+        super().ask()
+        states, self.given = self.wanted.rows.states, 0
+        self.states = states if self.number is float else np.empty(states.shape, self.number)
+        for span in self.spans:
+            span[1] = 0
 
-    def _drive(self, most: int) -> int:
-        """Make at most `most` steps of the present phase and their rows.
+    def _hand_over(self) -> None:
+        """Give the rows that exist."""
+        made = slice(self.given, self.wanted.made[0])
+        self.given = made.stop
+        if made.stop > made.start:
+            which = self._spans_of(1, made.stop)[made.start :]
+            rows = self._rows(which, self.states[:, made])
+            self.request.take(self.wanted.rows.times[made], rows)
 
-        Return the number of steps.
-        """
-        wanted, steps = self.wanted, 0
-        while True:
-            track, driver = self.track, self.track.driver
-            first = wanted.made[0]
-            left = most - steps if driver.status[0] == RUNNING else 0
-            if self.copies and self.copies.loop.kept and not (self.request.steps or track.sampler):
-                for one in self.tracks.values():
-                    one.driver.loop.fill(wanted.rows)
-                changes = PER_SLICE - self.changes % PER_SLICE
-                changes = min(changes, MOST_CHANGES - self.changes)
-                begun = track.place, self.began, self.whole
-                steps += self.copies.loop.drive(*begun, left, changes)
-                self._take_changes(self.copies)
-            else:
-                steps += driver.make(wanted.rows, left)
-            made = wanted.made[0]
-            if self.number is not float and made > first:
-                states = driver.states_of(wanted.rows, first).T
-                self.blocks[-1].states[: len(states), first:made] = states
-            if made == first or not wanted.is_made:
-                return steps
-            self._new_block()
+    def _spans_of(self, kind: int, count: int) -> np.ndarray:
+        """Return the phases, by number, of this many rows (kind 1), passages (2) or samples (3)."""
+        begin = [span[kind] for span in self.spans]
+        return np.searchsorted(begin, np.arange(count), side="right") - 1
 
-    def _take_changes(self, copies: Changes) -> None:
-        """Take the changes of phase that the loop has made."""
-        before = self._counts()[0] - self.wanted.made[0]
-        for time, n, exit, track, counts, whole, rows in copies.taken():
-            if n.cause != "":
-                self.tables.begin(track.name, track.phase, time, n.cause or exit)
-            self.tables.add(time, rows)
-            made, *others = counts
-            self.spans.append((track, whole, (before + made, *others)))
-            self.track, self.whole, self.live, self.began = track, whole, track.live, time
-            self.changes, self.short = self.changes + 1, 0
-        if copies.loop.record.length:
-            clock = copies.loop.record.clock
-            self.until = None if math.isnan(clock) else clock
-            self.clocked = clock < self.end
+    def make(self, rows: Rows, most: int) -> int:
+        if self.copies is None or self.request.steps or self.track.sampler:
+            return super().make(rows, most)
+        changes = min(PER_SLICE - self.changes % PER_SLICE, MOST_CHANGES - self.changes)
+        return self.copies.drive(most, changes)
 
-    def _give(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Give rows that no step makes: times, and states of the present phase (k, variables)."""
-        block = self.blocks[-1]
-        made, block.made[0] = block.made[0], block.made[0] + len(times)
-        part = slice(made, block.made[0])
-        block.times[part], block.states[: states.shape[1], part] = times, states.T
-        if self.wanted.is_made:
-            self._new_block()
+    def give(self, first: int) -> None:
+        if self.number is not float:
+            states = self.states_of(self.wanted.rows, first).T
+            self.states[: len(states), first : self.wanted.made[0]] = states[: len(self.states)]
 
-    def _note(self, name: str, time: Any, track: Track, state: np.ndarray, sign: int) -> None:
-        """Log an event that no step has logged, in a state of a phase."""
+    def _add(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Add rows that no step makes: times, and states of the present phase (k, variables)."""
+        made, count = self.wanted.made, len(self.states)
+        part = slice(made[0], made[0] + len(times))
+        self.wanted.rows.times[part], made[0] = times, part.stop
+        self.states[: states.shape[1], part] = states[:, :count].T
+
+    def _note(self, name: str, time: Any, state: np.ndarray, sign: int) -> None:
+        """Log an event that no step has logged, in a state of the phase of the last span."""
         number = self.numbers[name]
-        track.driver.note(time, number, sign, state)
+        self.note(time, number, sign, state)
         if name in self.lasting:
             self.tally["lasts_since"] = float(time)
-        for place, what, direction in self.kept[number]:
-            kept = self.tallies.kept[:, 0]
-            if direction * sign < 0:
-                continue
-            if what == COUNT:
-                kept[place] += 1
-            elif what == LAST or np.isnan(kept[place]):
-                kept[place] = float(time)
+        self.loop.keep(self.all_events.events[number], float(time), sign)
 
     def _series(self, n: Next, since: np.ndarray) -> np.ndarray:
         """Return states at times since the beginning of a jump that takes time."""
@@ -743,21 +602,22 @@ class HybridDriver:
         ]
         return np.array(states).T
 
-    def _fill(self, until: float, states_at: Callable[[np.ndarray], np.ndarray]) -> None:
-        """Give the rows that are wanted before a time, at which the present phase makes its first
+    def _fill(self, states_at: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Give the rows that are wanted before the time at which the present phase makes its first
         step.
         """
         while not self.request.steps:
+            if self.wanted.is_made:
+                self.ask()
             times = self.wanted.rows.times[self.wanted.made[0] :]
-            count = int(np.searchsorted(times, until))
-            if count:
-                self._give(times[:count], states_at(times[:count]))
+            if count := int(np.searchsorted(times, self.began)):
+                self._add(times[:count], states_at(times[:count]))
             if count < len(times) or not count:
                 break
 
     def _note_along(self, n: Next, track: Track, event: Event, known: float, now: Any) -> None:
         """Log an event that happens in a jump that takes time."""
-        k = track.events.index(event)
+        k = track.formulas.events.index(event)
 
         def function(t: Any) -> float:
             q, carried = n.series(np.array([t]))
@@ -765,28 +625,22 @@ class HybridDriver:
             return float(track.formulas.functions(q, carried, track.b)[k])
 
         t = zero_of(lambda t: function(t) * known, 0 * n.delay, n.delay)
-        self._note(event.name, now + t, track, self._series(n, np.array([t]))[0], -int(known))
+        self._note(event.name, now + t, self._series(n, np.array([t]))[0], -int(known))
 
-    def _rows(
-        self, phases: Sequence[tuple[Track, Sequence]], phase: np.ndarray, states: np.ndarray
-    ) -> np.ndarray:
-        """Return the rows of states (variables, k).
-
-        `phases` are tracks, and the scaled integrals before they moved some; `phase` (k,) is the
-        number of that of each state.
-        """
+    def _rows(self, which: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return the rows of states (variables, k) of phases by number (k,)."""
         system, number, record = self.problem.system, self.number, self.carried
-        tracks, wholes = zip(*phases, strict=True)
-        owner, wholes = np.array([track.place for track in tracks])[phase], np.array(wholes).T
-        rows, places = np.empty((self.variables, len(phase)), number), np.empty(len(phase), int)
-        made, moving = 0, self.variables - len(wholes)
-        for track in (known := dict.fromkeys(tracks)):
-            mine = np.flatnonzero(owner == track.place)
-            part = slice(made, made := made + len(mine))
-            places[mine] = np.arange(part.start, part.stop)
+        rows = np.empty((self.variables, len(which)), number)
+        places, *_, wholes = zip(*self.spans, strict=True)
+        at, wholes = np.array(places)[which], np.array(wholes).T
+        moving = self.variables - len(wholes)
+        for track in self.tracks.values():
+            mine = np.flatnonzero(at == track.at)
+            if not len(mine):
+                continue
             state, whole = (
                 states[: track.width].take(mine, axis=1),
-                wholes.take(phase[mine], axis=1),
+                wholes.take(which[mine], axis=1),
             )
             whole[track.integrals] = state[track.moving :]
             q, carried = track.record(*state[: track.moving]), whole * number(1 / INTEGRAL_SCALE)
@@ -796,114 +650,63 @@ class HybridDriver:
                 else track.phase.leave(q, track.b)
             )
             for row, value in zip(rows, (*values[:moving], *whole), strict=True):
-                row[part] = value
-        return (rows if len(known) == 1 else rows.take(places, axis=1)).T
+                row[mine] = value
+        return rows.T
 
-    def _slice(self, steps: int, when: Any, track: Track, status: Status | None) -> Slice:
-        """Make rows of all that waits, give those that were asked for, and return the rest."""
-        driver, n = self.track.driver, self.wanted.variables
-        *columns, logged = driver.passages()
-        times, asked = zip(
-            *(
-                (block.times[block.first : made], block.states[:, block.first : made])
-                for block in self.blocks
-                for made in block.made
-            ),
-            strict=True,
-        )
-        others = logged, driver.sampled(), np.resize(self.last, (1, n))
-        states = np.concatenate([*asked, *(one[:, :n].T for one in others)], axis=1)
-        tracks, wholes, counts = zip(*self.spans, (track, self.whole, self._counts()), strict=True)
-        upto = np.array(counts, int)
-        sizes = np.append(np.diff(upto, axis=0), [[0, 0, 1]], axis=0)
-        phase = np.repeat(np.tile(np.arange(len(sizes)), 3), sizes.T.ravel())
-        rows = self._rows([*zip(tracks, wholes, strict=True)], phase, states)
-        asked, logged, samples, last = np.split(rows, np.cumsum(upto[-1]))
-        if len(asked):
-            self.request.take(np.concatenate(times), asked)
+    def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:
+        """Give the rows that exist, and return what else the steps have found."""
+        self._hand_over()
+        *columns, logged = self.passages()
+        n, samples = self.wanted.variables, self.sampled()
+        last = np.resize(self.last, (1, n))
+        which = self._spans_of(2, len(logged)), self._spans_of(3, len(samples))
+        states = np.concatenate([one[:, :n] for one in (logged, samples, last)])
+        rows = self._rows(np.concatenate([*which, [len(self.spans) - 1]]), states.T)
+        logged, samples, last = np.split(rows, np.cumsum([*map(len, which)]))
         passages = Passages._make([*(column.copy() for column in columns), logged])
         return Slice(steps, when, last, samples, passages, status, self.tables.take())
 
     # --- where the run is ------------------------------------------------------------------------
 
-    @property
-    def tally(self) -> Any:
-        """The tally of the run."""
-        return self.tallies.lane[0]
-
-    @property
-    def at_start(self) -> np.ndarray:
-        """No event function ends the run at once: the phase of the start is chosen."""
-        return np.ones(len(self.problem.system.events))
-
-    @property
-    def is_called(self) -> bool:
-        """Whether Python calls heyoka for each step of the present phase."""
-        return self.track.driver.is_called
-
-    @property
-    def clock(self) -> tuple[Any, Any]:
-        """Internal time, in double length."""
-        return self.track.driver.clock
-
-    @property
-    def state(self) -> np.ndarray:
-        """All that the present phase integrates."""
-        return self.track.driver.state
-
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        return self._rows([(self.track, self.whole)], np.zeros(1, int), self.state[:, None])
+        self.spans = [[self.track.at, self.whole]]
+        return self._rows(np.zeros(1, int), self.state[:, None])
 
     def extremes(self) -> Extremes:
-        """Return those of the normal force so far, internal units."""
-        known = [
-            extremes_of(track.driver.rows.events, self.tallies) for track in self.tracks.values()
-        ]
-        known = [one for one in known if np.isfinite(one.least)]
-        if not known:
-            return Extremes()
-        low, high = min(known, key=lambda one: one.least), max(known, key=lambda one: one.most)
-        return Extremes(low.least, low.t_least, high.most, high.t_most)
+        return extremes_of(self.entered, self.tallies)
 
     @property
     def width(self) -> int:
         """The greatest number of variables of a phase."""
-        orientation = self.problem.orientation
-        return max(
-            len(Variables(p.form, orientation).names) + len(self.rows.events)
-            for p in self.phases.values()
-        )
+        forms = (Variables(p.form, self.problem.orientation) for p in self.phases.values())
+        return max(len(one.names) for one in forms) + len(self.numbers)
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,
         but for `state`.
         """
-        under_way = self.tables.under_way or [math.nan] * (1 + len(self.tables.tables["phases"]))
-        phase = [list(self.phases).index(self.track.name), self.changes, self.short, self.began]
-        phase += [self.until is not None, self.waits]
+        counts = self.track.at, self.changes, self.short
         return {
-            **self.track.driver.snapshot(),
-            "phase": [*phase, *under_way, *(k in self.live for k in self.numbers.values())],
-            "carried": [*self.whole, self.number(0) if self.until is None else self.until],
+            **super().snapshot(),
+            "phase": [*counts, self.began, *self.tables.under_way],
+            "carried": [*self.whole, self.number(self.until)],
         }
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        phase, changes, short, self.began, has_clock, self.waits, *rest = kept["phase"]
-        self.changes, self.short = int(changes), int(short)
-        count = 1 + len(self.tables.tables["phases"])
-        under_way, live = rest[:count], rest[count:]
-        self.track = track = self.track_of(list(self.phases)[int(phase)])
+        *counts, began = kept["phase"][:4]
+        at, self.changes, self.short = map(int, counts)
         *whole, until = kept["carried"].tolist()
-        self.whole = tuple(whole)
-        track.driver.restore(kept, state[: len(track.driver.state)], clock)
-        self.live = {number for number, is_live in enumerate(live) if is_live}
-        self._set_clock(until if has_clock else None)
+        self.follow(self.track_of([*self.phases][at]), tuple(whole), began)
+        super().restore(kept, state[: len(self.state)], clock)
+        self.until = until
         self.tables = PhaseTables(self.problem)
-        self.tables.under_way = (
-            None if math.isnan(under_way[0]) else [under_way[0], *map(int, under_way[1:])]
-        )
+        self.tables.under_way = kept["phase"][4:]
+
+
+class WideHybridDriver(HybridDriver, WideDriver):
+    """Makes the steps of a run through its phases in numbers wider than doubles."""
 
 
 def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:

@@ -3,8 +3,8 @@ once for a law.
 """
 
 import threading
-from collections.abc import Callable, Iterator
-from functools import lru_cache, partial
+from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,7 +65,7 @@ def formulas_of_impact(friction: Any, name: str, has_torques: bool) -> Formulas:
 
 
 def driver_of(formulas: Formulas, precision: str, stop: threading.Event | None) -> Driver:
-    """Return what executes a motion."""
+    """Return the executor of a motion."""
     wide, number = precision != "double", PRECISIONS[precision]
     code = compiled_when((formulas, precision, 0.0, 0, wide, False), stop)
     start, functions = np.zeros(len(formulas.form.units), number), np.ones(len(formulas.events))
@@ -73,30 +73,41 @@ def driver_of(formulas: Formulas, precision: str, stop: threading.Event | None) 
     return (WideDriver if wide else Driver)(code, code.rows, pars, start, functions, 0.0)
 
 
+class Kind(NamedTuple):
+    """Key of the compiled motions of impacts, without their numbers."""
+
+    law: Any  # the type of its record
+    has_torques: bool  # rolling resistance or a drilling torque, besides the torque of a disc
+    restitution: str  # one of `contact.restitution.RESTITUTIONS`
+    precision: str  # of the numbers: "double", "longdouble" or "quad"
+
+
+def kind_of(problem: Problem, friction: Any) -> Kind:
+    """Return the kind of the impacts of a run, with the record of its law."""
+    contact: Any = problem.contact
+    return Kind(type(friction), has_parts(friction), contact.restitution, problem.precision)
+
+
 class Pieces:
     """Follows the pieces of motions, each with an integrator that is compiled once.
 
     Parameters
     ----------
-    law, has_torques, precision
-        As of `ImpactMotions`.
+    kind
+        Of the impacts.
     stop
         Set it to give up while a motion is being compiled.
     """
 
-    def __init__(
-        self, law: Any, has_torques: bool, precision: str, stop: threading.Event | None = None
-    ):
-        self.given, self.precision, self.stop = (law, has_torques), precision, stop
-        self.stages = motion.stages(law)
+    def __init__(self, kind: Kind, stop: threading.Event | None = None):
+        self.kind, self.stop, self.stages = kind, stop, motion.stages(kind.law)
         self.drivers: dict[str, Driver] = {}
 
     def driver(self, region: str) -> Driver:
-        """Return what executes the motion in a region."""
+        """Return the executor of the motion in a region."""
         if region not in self.drivers:
-            law, has_torques = self.given
-            formulas = formulas_of_impact(law, region, has_torques)
-            self.drivers[region] = driver_of(formulas, self.precision, self.stop)
+            formulas = formulas_of_impact(self.kind.law, region, self.kind.has_torques)
+            self.drivers[region] = driver_of(formulas, self.kind.precision, self.stop)
         return self.drivers[region]
 
     def __call__(
@@ -110,7 +121,7 @@ class Pieces:
         driver = self.driver(region)
         known, none = driver.tallies.functions, driver.number(0)
         known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
-        driver.take(pars[: len(driver.motion.pars)])
+        driver.take(driver.place, pars)
         driver.begin()
         driver.put(q, (none, none))
         driver.end_at(end)
@@ -142,14 +153,8 @@ class ImpactMotions:
 
     Parameters
     ----------
-    law
-        The law.
-    has_torques
-        Whether rolling resistance or a drilling torque acts besides the torque of a disc.
-    restitution
-        One of `contact.restitution.RESTITUTIONS`.
-    precision
-        Of the numbers: "double", "longdouble" or "quad".
+    law, has_torques, restitution, precision
+        See `Kind`.
     piece
         What follows a motion: see `Pieces`; None: new ones.
     """
@@ -164,7 +169,7 @@ class ImpactMotions:
     ):
         self.law, self.has_torques, self.restitution = law, has_torques, restitution
         self.precision, self.stages = precision, motion.stages(law)
-        self.piece = Pieces(law, has_torques, precision) if piece is None else piece
+        self.piece = piece or Pieces(Kind(law, has_torques, restitution, precision))
 
     def struck(self, x: Moving, b: Touch, e_n: Any) -> Impact:
         """Return the impact of a ball whose lowest point moves down.
@@ -273,37 +278,3 @@ class ImpactMotions:
         self.region = motion.region_at(self.law, q, self.b)
         self.mode = "reverse" if self.law.set_valued else "slip"
         return q
-
-
-class Kind(NamedTuple):
-    """What the motions of impacts depend on besides their numbers."""
-
-    law: Any
-    has_torques: bool
-    restitution: str
-    precision: str
-
-    def struck(self, piece: Callable, x: Moving, b: Touch, e_n: Any) -> Impact:
-        """Return the impact of a ball."""
-        return ImpactMotions(*self, piece).struck(x, b, e_n)
-
-
-class Impacts:
-    """The impacts of a run.
-
-    Parameters
-    ----------
-    problem
-        The run.
-    friction
-        The record of the law.
-    stop
-        Set it to give up while a motion is being compiled.
-    """
-
-    def __init__(self, problem: Problem, friction: Any, stop: threading.Event | None = None):
-        rules: Any = problem.contact
-        law, has_torques, precision = type(friction), has_parts(friction), problem.precision
-        self.kind = Kind(law, has_torques, rules.restitution, precision)
-        self.piece = Pieces(law, has_torques, precision, stop)
-        self.struck = partial(self.kind.struck, self.piece)

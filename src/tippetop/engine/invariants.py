@@ -1,4 +1,4 @@
-"""Conserved quantities of a motion, and what their drift is relative to."""
+"""Conserved quantities of a motion, and the scales of their drifts."""
 
 import numpy as np
 
@@ -50,7 +50,7 @@ CANCELS = 0.1  # of its parts: a smaller invariant is small because its parts ca
 
 
 def sizes(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """What the drifts of the invariants are relative to: their start.
+    """Scales of the drifts of the invariants: their values at the start.
 
     Rounding does not become less where the parts of an invariant cancel at the start: it is then
     compared with a tenth of them, that is of the internal unit (m g R) or, for a momentum, of the

@@ -1,21 +1,23 @@
 """Integrated states become named columns: Euler angles, quantities and their drift, in SI units."""
 
 import contextlib
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..columns import Column, column
+from ..columns import Column, column, flag_attributes
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves, refill
-from ..mechanics.system import Form, System
+from ..mechanics.system import System
 from ..mechanics.units import ONE, RADIAN, SECOND, Unit
 from ..problem import ORIENTATION, PSI, TURN, Problem, Problems
 from .expressions import (
+    AXES,
+    SINE2,
+    SPEED2,
     compile_observables,
-    compile_orientation,
     component,
-    near_poles,
     observed,
     orientation_of,
 )
@@ -34,7 +36,6 @@ class Observables:
         self.body = refill(
             body, (_widened(np.array(leaf), self._wide)[()] for leaf in leaves(body))
         )
-        self._pars = np.array(leaves(self.body), dtype=float)[:, None]
         self._last: tuple[bytes, dict[str, np.ndarray]] = (
             b"",
             {},
@@ -49,7 +50,7 @@ class Observables:
         return self.problem.variables.split(_widened(np.asarray(rows), self._wide).T)
 
     def moment(self, rows: np.ndarray) -> Moment:
-        """Return what formulas read of the rows, or of one row, in internal units."""
+        """Return the arguments of formulas for the rows, or for one row, in internal units."""
         return moment(self.system, self.form, *self.state(rows), self.body)
 
     def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:
@@ -66,30 +67,21 @@ class Observables:
         return dict(last[1])
 
     def _evaluated(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        return _at_poles(self.system, self._computed(observed, rows))
+
+    def _computed(self, formulas: Callable, rows: np.ndarray) -> dict[str, np.ndarray]:
         if self._wide is np.float64:
-            return _values(self.problem, self.problem.orientation, rows.T, self._pars)
+            return _computed(formulas, self.problem.alone, rows.T, ALONE)
         with np.errstate(invalid="ignore", divide="ignore"):
-            q, carried = self.state(rows)
-            by_name = observed(self.system, self.form, q, carried, self.body)
-            polar = np.array(
-                near_poles(self.form, q, self.body) if self.system.undefined_at_poles else []
-            )
-        values = {
-            name: np.broadcast_to(value, (len(rows),)).copy() for name, value in by_name.items()
-        }
-        return _at_poles(self.system, values, polar)
+            values = formulas(self.system, self.form, *self.state(rows), self.body)
+        return {name: np.broadcast_to(value, len(rows)).copy() for name, value in values.items()}
 
     def orientation(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-        """The unit quaternions (n, 4) that turn body axes into space axes, and psi (n,) [rad], NaN
-        exactly at a pole; None where the motion is planar. Only of a problem with orientation.
+        """Return the unit quaternions (n, 4) that turn body axes into space axes, and psi (n,)
+        [rad], NaN exactly at a pole; None where the motion is planar. Only of a problem with
+        orientation.
         """
-        if self._wide is np.float64:
-            return _orientation(self.problem, rows.T, self._pars)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            axes = orientation_of(self.form, *self.state(rows), self.body)
-        return _turned(
-            self.form, np.array([np.broadcast_to(value, (len(rows),)) for value in axes])
-        )
+        return _turned(self._computed(orientation_of, rows))
 
     def theta(self, row: np.ndarray) -> float:
         """theta of one row, (1, variables) [rad]."""
@@ -101,77 +93,92 @@ class Observables:
         return {h.meaning: float(np.min(h.formula(state, self.body))) for h in self.form.domains}
 
     def columns(self, times: np.ndarray, rows: np.ndarray) -> dict[str, Column]:
-        """The rows as columns of the store's group `trajectory`, SI; times [s] as they were asked
-        for.
+        """Return the rows as columns of the store's group `trajectory`, SI; times [s] as they were
+        asked for.
         """
-        names, values, kept = (
-            self.system.long_names,
-            self.evaluate(rows),
-            set(self.problem.kept_columns),
-        )
-
-        def scale(unit: Unit) -> Any:
-            return _widened(np.array(self.problem.scales.of(unit)), self._wide)
-
-        columns = {"time": column(times, SECOND, "time")}
-        for name, unit in self.system.angles._asdict().items():
-            if name not in kept:
-                continue
-            columns |= self._split(name, values[name] * scale(unit), unit, names[name])
-        for name, variables in self.system.vectors.items():
-            if name not in kept:
-                continue
-            unit = getattr(self.system.forms["vector"].units, variables[0])
-            stacked = np.stack([values[component(v)] for v in variables], axis=1) * scale(unit)
-            columns |= self._split(name, stacked, unit, names[name], ("time", "xyz"))
-        if self.problem.orientation and self.form.orientation and not kept.isdisjoint(TURN):
+        problem, values = self.problem, self.evaluate(rows)
+        if not set(TURN).isdisjoint(problem.kept_columns):
             turns, psi = self.orientation(rows)
-            if psi is not None and "psi" in kept:
-                columns |= self._split("psi", psi, RADIAN, PSI)
-            if "orientation" in kept:
-                columns |= self._split("orientation", turns, ONE, ORIENTATION, ("time", "wxyz"))
-        for q in self.system.quantities:
-            if q.name not in kept:
+            values |= dict(zip(QUATERNION, turns.T, strict=True))
+            values |= {} if psi is None else {"psi": psi}
+        columns = {"time": column(times, SECOND, "time")}
+        for name, source in sources(problem).items():
+            if source.flags:
+                flags = np.rint(values[name]).astype(np.int8)
+                attributes = flag_attributes(source.flags, source.long_name)
+                columns[name] = Column(("time",), flags, attributes)
                 continue
-            if q.meanings:
-                flags = {
-                    "flag_values": list(range(len(q.meanings))),
-                    "flag_meanings": " ".join(q.meanings),
-                }
-                attributes = {"units": "1", "long_name": q.long_name, **flags}
-                columns[q.name] = Column(
-                    ("time",), np.rint(values[q.name]).astype(np.int8), attributes
-                )
-                continue
-            si = values[q.name] * scale(q.unit)
-            columns |= self._split(q.name, si, q.unit, q.long_name, symbol=q.symbol)
-        if (
-            self.problem.precision == "quad"
-        ):  # the quantities are computed in 80 bits: the state itself goes in whole
-            units = self.problem.variables.units.items()
-            for (name, unit), variable, weight in zip(
-                units, rows.T, self.problem.weights(), strict=True
-            ):
-                if f"state_{name}" not in kept:
-                    continue
-                columns |= self._split(
-                    f"state_{name}",
-                    variable * np.array([weight]),
-                    unit,
-                    f"integrated variable {name}",
-                )
+            parts = [values[part] for part in source.parts]
+            whole = np.stack(parts, axis=1) if source.dims else parts[0]
+            scale = _widened(np.array(problem.scales.of(source.unit)), self._wide)
+            columns |= self._split(name, whole * scale, source)
+        if problem.precision == "quad":
+            # the quantities are computed in 80 bits: the state itself goes in whole
+            weights = problem.weights()
+            for i, (name, unit) in enumerate(problem.variables.units.items()):
+                if f"state_{name}" in problem.kept_columns:
+                    source = Source((), unit, f"integrated variable {name}")
+                    whole = rows.T[i] * np.array([weights[i]])
+                    columns |= self._split(f"state_{name}", whole, source)
         return columns
 
-    def _split(
-        self, name: str, values: np.ndarray, unit: Unit, long_name: str, *dims: Any, **extra: Any
-    ) -> dict:
-        """A column of doubles; in wider precisions a second one, `name_lo`, to be added to it."""
-        high = values.astype(np.float64)
-        columns = {name: column(high, unit, long_name, *dims, **extra)}
+    def _split(self, name: str, values: np.ndarray, source: "Source") -> dict[str, Column]:
+        """Return a column of doubles; in wider precisions a second one, `name_lo`, to be added."""
+        high, dims = values.astype(np.float64), ("time", *source.dims)
+        symbol = {} if source.symbol is None else {"symbol": source.symbol}
+        columns = {name: column(high, source.unit, source.long_name, dims, **symbol)}
         if self.problem.precision != "double":
             low = (values - high).astype(np.float64)
-            columns[f"{name}_lo"] = column(low, unit, f"{long_name}: low part, to be added", *dims)
+            long_name = f"{source.long_name}: low part, to be added"
+            columns[f"{name}_lo"] = column(low, source.unit, long_name, dims)
         return columns
+
+
+class Source(NamedTuple):
+    """The source of a column of a run.
+
+    Parameters
+    ----------
+    parts
+        Names of the values that it consists of.
+    unit, long_name
+        Of the column.
+    dims
+        Its dimensions beyond the time.
+    symbol
+        Its symbol in TeX; None: it has none.
+    flags
+        Meanings of its numbers, where these are flags.
+    """
+
+    parts: tuple[str, ...]
+    unit: Unit
+    long_name: str
+    dims: tuple[str, ...] = ()
+    symbol: str | None = None
+    flags: tuple[str, ...] = ()
+
+
+QUATERNION = tuple(f"orientation_{part}" for part in "wxyz")
+"""Names of the parts of the orientation among the values of a row."""
+
+
+def sources(problem: Problem) -> dict[str, Source]:
+    """Return the sources of the columns of a run by name, apart from the time and the low parts."""
+    system, names = problem.system, problem.system.long_names
+    found = {
+        name: Source((name,), unit, names[name]) for name, unit in system.angles._asdict().items()
+    }
+    for name, variables in system.vectors.items():
+        unit = getattr(system.forms["vector"].units, variables[0])
+        found[name] = Source(tuple(map(component, variables)), unit, names[name], ("xyz",))
+    found["psi"] = Source(("psi",), RADIAN, PSI)
+    found["orientation"] = Source(QUATERNION, ONE, ORIENTATION, ("wxyz",))
+    found |= {
+        q.name: Source((q.name,), q.unit, q.long_name, (), q.symbol, tuple(q.meanings))
+        for q in system.quantities
+    }
+    return {name: found[name] for name in found if name in problem.kept_columns}
 
 
 def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
@@ -192,25 +199,14 @@ def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict
     dict
         Quantities and angles by name, (k,) each.
     """
-    return _values(problems.base, problems.orientation, states, problems.pars[:, which])
+    return _at_poles(problems.base.system, _computed(observed, problems, states, which))
 
 
-def _values(
-    base: Problem, orientation: bool, states: np.ndarray, pars: np.ndarray
-) -> dict[str, np.ndarray]:
-    names, function = compile_observables(
-        base.system, base.form.name, base.friction.__class__, orientation
-    )
-    outputs = _outputs(function, states, pars)
-    return _at_poles(base.system, dict(zip(names, outputs, strict=False)), outputs[len(names) :])
-
-
-def _at_poles(
-    system: System, values: dict[str, np.ndarray], polar: np.ndarray
-) -> dict[str, np.ndarray]:
+def _at_poles(system: System, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return values as they are exactly at a pole: it is left at full speed, along no azimuth."""
-    if len(polar) and (pole := polar[0] == 0).any():
-        values["theta_dot"][pole] = np.sqrt(polar[1][pole])
+    sine2, speed2 = values.pop(SINE2, None), values.pop(SPEED2, None)
+    if sine2 is not None and speed2 is not None and (pole := sine2 == 0).any():
+        values["theta_dot"][pole] = np.sqrt(speed2[pole])
         for name in system.undefined_at_poles:
             values[name][pole] = np.nan
     return values
@@ -238,54 +234,48 @@ def orientations_of(
     psi
         (k,) [rad], NaN exactly at a pole; None of a planar motion.
     """
-    return _orientation(problems.base, states, problems.pars[:, which])
-
-
-def _orientation(
-    base: Problem, states: np.ndarray, pars: np.ndarray
-) -> tuple[np.ndarray, np.ndarray | None]:
-    function = compile_orientation(base.system, base.form.name, base.friction.__class__)
-    return _turned(base.form, _outputs(function, states, pars))
+    return _turned(_computed(orientation_of, problems, states, which))
 
 
 # states that are evaluated at a time: from some 300 on, heyoka shares them among threads unasked
 BLOCK = 128
+ALONE = np.zeros(1, int)
+"""The number of a run that is alone."""
 
 
-def _outputs(function: Any, states: np.ndarray, pars: np.ndarray) -> np.ndarray:
-    """Return the outputs of a compiled function, (outputs, n), of states (variables, n) of bodies
-    (leaves, n or 1).
-    """
-    outputs, numbers = [], pars[: function.nparams]
+def _computed(
+    formulas: Callable, problems: Problems, states: np.ndarray, which: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Return the values of formulas by name, doubles, by their compiled function."""
+    base = problems.base
+    names, function = compile_observables(
+        formulas, base.system, base.form.name, base.friction.__class__, problems.orientation
+    )
+    pars, outputs = problems.pars[: function.nparams, which], []
     for first in range(0, states.shape[1] or 1, BLOCK):
-        block = states[:, first : first + BLOCK]
-        inputs = _whole_batches(block, function.batch_size)
-        if pars.shape[1] == 1:
-            bodies = np.repeat(numbers, inputs.shape[1], axis=1)
-        else:
-            bodies = _whole_batches(numbers[:, first : first + BLOCK], function.batch_size)
-        outputs.append(function(inputs, pars=bodies)[:, : block.shape[1]])
-    return np.concatenate(outputs, axis=1)
+        some = states[:, first : first + BLOCK]
+        bodies = pars if len(which) == 1 else pars[:, first : first + BLOCK]
+        k = some.shape[1]
+        n = k + -k % function.batch_size  # whole batches: neighbours change no bit of a column
+        outputs.append(function(_repeated(some, n), pars=_repeated(bodies, n))[:, :k])
+    return dict(zip(names, np.concatenate(outputs, axis=1), strict=True))
 
 
-def _whole_batches(columns: np.ndarray, size: int) -> np.ndarray:
-    """Return columns (rows, k), of which the last is repeated to fill whole SIMD batches: so the
-    bits of a column do not depend on its neighbours.
-    """
-    n = columns.shape[1]
-    whole = np.empty((columns.shape[0], n + -n % size))
-    whole[:, :n], whole[:, n:] = columns, columns[:, -1:]
+def _repeated(columns: np.ndarray, n: int) -> np.ndarray:
+    """Return columns (rows, k) and the last one again, up to n."""
+    k = columns.shape[1]
+    whole = np.empty((len(columns), n))
+    whole[:, :k], whole[:, k:] = columns, columns[:, -1:]
     return whole
 
 
-def _turned(form: Form, values: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """Return quaternions (n, 4), and psi (n,) if the form has it, of outputs of `orientation_of`,
-    (6 or 7, n).
-    """
-    assert form.orientation is not None
-    if form.orientation.psi:
-        values[6, (values[3] == 0) & (values[4] == 0)] = np.nan
-    return quaternion(values[:3], values[3:6]), values[6] if form.orientation.psi else None
+def _turned(values: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray | None]:
+    """Return quaternions (n, 4), and psi (n,) if the form has it, of values of `orientation_of`."""
+    first, third = (np.array([values[name] for name in axis]) for axis in (AXES[:3], AXES[3:]))
+    psi = values.get("psi")
+    if psi is not None:
+        psi[(third[0] == 0) & (third[1] == 0)] = np.nan
+    return quaternion(first, third), psi
 
 
 def _widened(values: np.ndarray, number: Any) -> np.ndarray:

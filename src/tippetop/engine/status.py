@@ -1,10 +1,10 @@
-"""How a run ended."""
+"""Ends of a run."""
 
 from enum import Enum
 
 
 class Status(Enum):
-    """How a run ended. All are ordinary ends but NON_FINITE and STALLED.
+    """End of a run. All are ordinary ends except NON_FINITE and STALLED.
 
     The value is the word in stores; `code` is the number in the lanes of ensembles and in the
     stores of sweeps.
@@ -47,7 +47,7 @@ class Status(Enum):
 
     @property
     def ordinary(self) -> bool:
-        """Whether a run has come to an end that says something of the top."""
+        """True if the run ended for a reason that lies in the motion of the top."""
         return self in (
             Status.FINISHED,
             Status.LIFTOFF,

@@ -9,14 +9,11 @@ import heyoka as hy
 import numpy as np
 
 from ..awaiting import awaited
-from .compiled import awaited_once
-from .variational import Kind, Readings, compiled_motion, compiled_readings, compiled_starts
+from .integrator import awaited_once
+from .variational import Kind, compiled_motion, compiled_readings, compiled_starts
 
 
 MOST_LANES = 4
-# internal time in which all lanes together do not repay the 10 s that straight code takes to
-# compile
-SOON = 3e4
 _one_at_a_time = threading.Lock()  # integrators are shared, and have a state
 
 
@@ -32,37 +29,13 @@ class Tangents:
     most
         Steps per internal unit of time beyond which a motion counts as one that cannot be
         integrated; 0: any number.
-    uses
-        How often motions are asked for, about.
-    longest
-        Internal time of the longest of them; 0: each is as long as the others.
     """
 
-    def __init__(
-        self,
-        kind: Kind,
-        tolerance: float = 0.0,
-        most: float = 0.0,
-        *,
-        uses: int = 1,
-        longest: float = 0.0,
-    ):
-        self.kind, self.tolerance, self.most, self.uses, self.longest = (
-            kind,
-            tolerance,
-            most,
-            uses,
-            longest,
-        )
+    def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0):
+        self.kind, self.tolerance, self.most = kind, tolerance, most
 
-    def states(
-        self,
-        numbers: np.ndarray,
-        ways: np.ndarray,
-        times: np.ndarray,
-        needs: tuple[str, ...] | None = None,
-    ) -> np.ndarray:
-        """States with derivatives at given times.
+    def states(self, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """Return states with derivatives at given times.
 
         Parameters
         ----------
@@ -70,8 +43,6 @@ class Tangents:
             The user's numbers in internal units, and the direction: (numbers, lanes) each.
         times
             Internal, (rows,) or (rows, lanes), ascending; the start is at 0.
-        needs
-            Variables that must be right; None: all.
 
         Returns
         -------
@@ -80,55 +51,54 @@ class Tangents:
             further.
         """
         kind, total = self.kind, numbers.shape[1]
-        names = kind.variables.names
-        wanted = names if needs is None else needs
         lanes = 1 << min(total - 1, MOST_LANES - 1).bit_length()
         times = np.broadcast_to(times[:, None] if times.ndim == 1 else times, (len(times), total))
-        compact = float(np.abs(times).max(initial=self.longest)) * total * self.uses < SOON
         starts = awaited_once(compiled_starts, (kind,), "the start is being compiled")
-        key = kind, lanes, compact, self.tolerance, tuple(wanted)
-        motion = awaited_once(compiled_motion, key, "the variational equations are being compiled")
-        begin = starts(np.concatenate([numbers, ways]))
-        k = kind.body_numbers
-        pars = np.concatenate([numbers[:k], ways[:k]])
-        rows = np.zeros((len(times), (kind.order + 1) * len(names), total))
+        key = kind, lanes, self.tolerance
+        integrator = awaited_once(
+            compiled_motion, key, "the variational equations are being compiled"
+        )
+        pars = _parameters(numbers, ways)
+        begin = starts(np.empty((0, total)), pars=pars[: starts.nparams])
+        rows = np.empty((len(times), *begin.shape))
+
+        def follow(lane: np.ndarray) -> np.ndarray:
+            with _one_at_a_time:
+                return _followed(
+                    integrator, begin[:, lane], pars[:, lane], times[:, lane], self.most
+                )
 
         def fill() -> None:
             for first in range(0, total, lanes):
                 block = np.minimum(np.arange(first, first + lanes), total - 1)
-                with _one_at_a_time:
-                    part = self._block(motion, begin[:, block], pars[:, block], times[:, block])
-                count = min(lanes, total - first)
-                rows[:, motion[1], first : first + count] = part[:, :, :count]
+                part = follow(block)
+                if lanes > 1 and not self.most and np.isnan(part).any():
+                    # a lane that breaks down ends all of them
+                    alone = [follow(np.full(lanes, lane))[..., 0] for lane in block]
+                    part = np.stack(alone, axis=-1)
+                rows[..., first : first + lanes] = part[..., : total - first]
 
         awaited(fill, "the variational equations are integrated")
-        return rows.reshape(len(times), kind.order + 1, len(names), total)
-
-    def _block(
-        self, motion: Any, begin: np.ndarray, pars: np.ndarray, times: np.ndarray
-    ) -> np.ndarray:
-        """Rows of the lanes of one batch.
-
-        A lane that breaks down ends all of them: then each is followed alone.
-        """
-        together = _followed(motion, begin, pars, times, self.most)
-        lanes = times.shape[1]
-        if lanes > 1 and not self.most and np.isnan(together).any():
-            for lane in range(lanes):
-                same = np.full(lanes, lane)
-                alone = _followed(motion, begin[:, same], pars[:, same], times[:, same], self.most)
-                together[:, :, lane] = alone[:, :, lane]
-        return together
+        return rows.reshape(len(times), kind.order + 1, -1, total)
 
     def read(
         self,
         numbers: np.ndarray,
         ways: np.ndarray,
-        states: np.ndarray,
+        times: np.ndarray,
         names: tuple[str, ...] | None,
         timed: tuple[str, ...],
     ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-        """Columns of states with derivatives, in internal units.
+        """Return columns of states with derivatives at given times, in internal units.
+
+        Parameters
+        ----------
+        numbers, ways, times
+            As for `states`.
+        names
+            Of the columns; None: all.
+        timed
+            Those whose derivative by time is wanted too.
 
         Returns
         -------
@@ -137,41 +107,36 @@ class Tangents:
         rates
             name -> (rows, lanes), by internal time, of the `timed` ones.
         """
-        readings = self._readings(names, timed)
+        key = self.kind, names, timed
+        known, function = awaited_once(
+            compiled_readings, key, "the derivatives of columns are being compiled"
+        )
+        states = self.states(numbers, ways, times)
         rows, orders, variables, lanes = states.shape
-        k, function = self.kind.body_numbers, readings.function
         inputs = states.transpose(1, 2, 0, 3).reshape(orders * variables, rows * lanes)
-        pars = np.tile(np.concatenate([numbers[:k], ways[:k]]), (1, rows))[: function.nparams]
+        pars = np.tile(_parameters(numbers, ways)[: function.nparams], (1, rows))
         outputs = function(np.ascontiguousarray(inputs), pars=pars).reshape(-1, rows, lanes)
-        n = len(readings.names)
-        columns = {name: outputs[i : orders * n : n] for i, name in enumerate(readings.names)}
+        n = len(known)
+        columns = {name: outputs[i : orders * n : n] for i, name in enumerate(known)}
         return columns, dict(zip(timed, outputs[orders * n :], strict=True))
 
-    def _readings(self, names: tuple[str, ...] | None, timed: tuple[str, ...]) -> Readings:
-        key = self.kind, names, timed
-        return awaited_once(compiled_readings, key, "the derivatives of columns are being compiled")
 
-    def needs(self, names: tuple[str, ...] | None, timed: tuple[str, ...]) -> tuple[str, ...]:
-        """The variables that columns read."""
-        return self._readings(names, timed).needs
+def _parameters(numbers: np.ndarray, ways: np.ndarray) -> np.ndarray:
+    """Return the parameters of compiled functions: zero for `along`, numbers, directions."""
+    return np.concatenate([np.zeros((1, numbers.shape[1])), numbers, ways])
 
 
 def _followed(
-    motion: tuple[Any, np.ndarray],
-    begin: np.ndarray,
-    pars: np.ndarray,
-    times: np.ndarray,
-    most: float,
+    integrator: Any, begin: np.ndarray, pars: np.ndarray, times: np.ndarray, most: float
 ) -> np.ndarray:
-    """Rows (rows, variables, lanes) of one batch; NaN where it ended early."""
-    integrator, places = motion
+    """Return rows (rows, variables, lanes) of one batch; NaN where it ended early."""
     integrator.set_time(0.0)
-    integrator.state[:] = begin[places]
+    integrator.state[:] = begin
     integrator.pars[:] = pars[: len(integrator.pars)]
     limit = {"max_steps": int(most * float(np.abs(times).max()) + 100)} if most else {}
     if np.any(times[0] != 0.0):
         integrator.propagate_until(np.ascontiguousarray(times[0]), **limit)
         if any(outcome != hy.taylor_outcome.time_limit for outcome, *_ in integrator.propagate_res):
-            return np.full((len(times), len(places), times.shape[1]), np.nan)
+            return np.full((len(times), *begin.shape), np.nan)
     _, rows = integrator.propagate_grid(np.ascontiguousarray(times), **limit)
     return np.array(rows)

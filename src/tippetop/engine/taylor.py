@@ -10,9 +10,9 @@ import heyoka as hy
 from ..mechanics.operand import leaves
 from ..mechanics.units import SECOND
 from ..problem import Problem
-from .compiled import Compiled, awaited_once, compiled_from
 from .driver import Driver
 from .expressions import Formulas, formulas_of
+from .integrator import Compiled, awaited_once, compiled_from
 from .observables import event_functions
 from .opt_level import DEFAULT, opt_level
 from .tallies import looked_for
@@ -47,9 +47,10 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     Driver
     """
     if problem.system.is_hybrid:
-        from .hybrid import HybridDriver  # a twentieth of a start, which other runs do without
+        from . import hybrid  # a twentieth of a start, which other runs do without
 
-        return HybridDriver(problem, stop)  # type: ignore[return-value]
+        wide = problem.precision != "double"
+        return (hybrid.WideHybridDriver if wide else hybrid.HybridDriver)(problem, stop)
     system, body = problem.system, problem.internal_body
     code = code_for(problem, formulas_of(system, problem.form.name, body.friction.__class__), stop)
     watched = (
@@ -57,14 +58,8 @@ def driver_of(problem: Problem, stop: threading.Event | None = None) -> Driver:
     )  # turnings are many
     rows = looked_for(code.rows, watched, stops=problem.on_liftoff != "continue")
     functions = event_functions(problem.alone)[0]
-    return kind_of_driver(problem)(
-        code, rows, leaves(body), problem.start(), functions, internal_end(problem)
-    )
-
-
-def kind_of_driver(problem: Problem) -> type[Driver]:
-    """Return the class of the drivers of a run."""
-    return Driver if problem.precision == "double" else WideDriver
+    kind = Driver if problem.precision == "double" else WideDriver
+    return kind(code, rows, leaves(body), problem.start(), functions, internal_end(problem))
 
 
 def internal_end(problem: Problem) -> Any:
@@ -96,7 +91,7 @@ def compiled_when(key: tuple, stop: threading.Event | None = None) -> Compiled:
 
 def fingerprint(driver: Driver) -> str:
     """Return a digest of the equations of a driver and of the compiler options."""
-    code: Any = driver.compiled.places if isinstance(driver, Driver) else driver
+    code: Any = driver if hasattr(driver, "phases") else driver.compiled.places
     known, level = _fingerprints.setdefault(code, {}), opt_level()
     if level not in known:  # 1 ms, and there is one in every keyframe
         lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())

@@ -7,12 +7,14 @@ then refined in the working precision.
 
 import copy
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, cast
 
 import heyoka as hy
 import numpy as np
 
-from .driver import Driver, Passages
+from .driver import Driver, Passages, Place
+from .integrator import Compiled
 from .loop import Motion, Rows
 from .status import Status
 from .stepper import Called, Stepper
@@ -34,12 +36,10 @@ class WideSteps(Called):
     """
 
     end: Any = None  # internal time of the end of the run
-
-    def __init__(self, integrator: Any):
-        super().__init__(integrator)
-        # the samples; times of the log, and states there
-        self.kept: tuple[list, list, list] = [], [], []
-        self.samples, self.times, self.states = self.kept
+    # of the driver: samples; times of the log, and states there
+    samples: list
+    times: list
+    states: list
 
     def begin(self) -> None:
         """Forget the rows that were kept."""
@@ -105,11 +105,23 @@ class WideSteps(Called):
 class WideDriver(Driver):
     """Makes the steps of one run in numbers wider than doubles."""
 
-    def _stepper(self) -> Stepper:
-        return WideSteps(copy.deepcopy(self.compiled.integrator))
+    @staticmethod
+    def stepper_of(code: Compiled) -> Stepper:
+        """Return the stepper of a new place."""
+        return WideSteps(copy.deepcopy(code.integrator))
 
-    def take(self, pars: Sequence[Any]) -> None:
-        self.stepper.integrator.pars[:] = [self.number(number) for number in pars]
+    @cached_property
+    def kept(self) -> tuple[list, list, list]:
+        """Return the samples; times of the log, and states there."""
+        return [], [], []
+
+    def work_in(self, place: Place) -> None:
+        super().work_in(place)
+        self.stepper.samples, self.stepper.times, self.stepper.states = self.kept
+
+    def take(self, place: Place, body: Sequence[Any]) -> None:
+        pars = cast(WideSteps, place.stepper).integrator.pars
+        pars[:] = [self.number(number) for number in body[: len(pars)]]
 
     @property
     def stepper(self) -> WideSteps:
@@ -131,13 +143,8 @@ class WideDriver(Driver):
 
     def forget(self) -> None:
         super().forget()
-        for kept in self.stepper.kept:
+        for kept in self.kept:
             kept.clear()
-
-    def share(self, other: Driver) -> None:
-        """Keep what happens where another phase of the run keeps it."""
-        mine, theirs = self.stepper, cast(WideDriver, other).stepper
-        mine.kept = mine.samples, mine.times, mine.states = theirs.kept
 
     def _wide(self, states: list[np.ndarray]) -> np.ndarray:
         """Return states as wide as the widest phase."""
@@ -168,22 +175,18 @@ class WideDriver(Driver):
 
     @property
     def clock(self) -> tuple[Any, Any]:
-        """Internal time, in double length."""
         return self.stepper.integrator.dtime
 
     @property
     def state(self) -> np.ndarray:
-        """All that is integrated."""
         return self.stepper.integrator.state
 
     def put(self, state: Sequence[Any] | np.ndarray, clock: tuple[Any, Any]) -> None:
-        """Put state and time in place."""
         ta = self.stepper.integrator
         ta.state[:] = 0
         ta.state[: len(state)], ta.dtime = state, clock
 
     def end_at(self, end: Any) -> None:
-        """Put the end of the run at an internal time."""
         super().end_at(end)
         self.stepper.end = end
 

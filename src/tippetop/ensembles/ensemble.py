@@ -30,11 +30,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-Starts = dict[
-    str, tuple[np.ndarray, np.ndarray]
-]  # of invariants by name: at the start, what drifts are relative to
-
-
 def measure(
     tops: Problems,
     *,
@@ -70,22 +65,26 @@ def measure(
     """
     measured = Outcomes(tops)
     measured.status[~tops.valid] = Status.INVALID.code
-    everything = np.arange(tops.n)
     with np.errstate(all="ignore"):
-        at_start = values_of(tops, tops.start, everything)
-        relative_to = sizes(tops.base, at_start)
-        starts = {
-            name: (value, relative_to[name])
-            for name, value in invariants(tops.base, at_start).items()
-        }
+        at_start = values_of(tops, tops.start, np.arange(tops.n))
+        start, size = invariants(tops.base, at_start), sizes(tops.base, at_start)
         functions = event_functions(tops)
-    measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in starts}
+    measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in start}
+
+    def look(states: np.ndarray, some: np.ndarray) -> None:
+        """Compare invariants with the start."""
+        values = values_of(tops, states[: len(tops.start)], some)
+        for name, value in invariants(tops.base, values).items():
+            with np.errstate(all="ignore"):  # the drift of a top that is not finite is NaN
+                off = np.abs(value - start[name][some]) / size[name][some]
+                np.maximum.at(measured.drift[name], some, off)
+
     numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
     clock = time.perf_counter()
     if len(numbers) and tops.base.system.is_hybrid:
         run_each(measured, numbers, progress)
     elif len(numbers):
-        _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
+        _run(measured, numbers, look, functions, threads, progress, lanes, wanted)
     _conclude(measured)
     if lyapunov:
         measured.lyapunov = _exponents(tops, measured.columns["t_end"])
@@ -118,17 +117,16 @@ def _exponents(tops: Problems, ends: np.ndarray) -> np.ndarray:
     That of a top that is invalid, or ends at its start, is NaN.
     """
     rates = np.full(tops.n, np.nan)
-    going = np.flatnonzero(tops.valid & (ends > 0))
-    for top in going.tolist():
+    for top in np.flatnonzero(tops.valid & (ends > 0)).tolist():
         times = np.array([0.0, ends[top]])
-        rates[top] = growth(problem_of(tops, top), times, uses=len(going)).exponents[-1]
+        rates[top] = growth(problem_of(tops, top), times).exponents[-1]
     return rates
 
 
 def _run(
     measured: Outcomes,
     numbers: np.ndarray,
-    starts: Starts,
+    look: Callable[[np.ndarray, np.ndarray], None],
     functions: np.ndarray,
     threads: int | None,
     progress: Callable[[int, int], None] | None,
@@ -136,19 +134,9 @@ def _run(
     wanted: Collection[str] | None,
 ) -> None:
     """Run tops in lanes, on threads that take them from one queue."""
-    lock, counted, every, left = threading.Lock(), itertools.count(1), measured.tops, numbers
+    lock, counted, every = threading.Lock(), itertools.count(1), measured.tops
     n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
-
-    def take(empty: int) -> np.ndarray:
-        """Return tops for the empty lanes of a thread, and some to wait for its next empty ones.
-
-        Towards the end none wait, because another thread may have empty lanes.
-        """
-        nonlocal left
-        with lock:
-            count = empty + min(lanes - empty, len(left) // (4 * lanes * n))
-            taken, left = left[:count], left[count:]
-            return taken
+    taken = np.zeros(1, np.int64)  # of the numbers, by all threads
 
     def ended(count: int) -> None:
         if progress is not None:
@@ -156,22 +144,13 @@ def _run(
                 for _ in range(count):
                     progress(next(counted), len(numbers))
 
-    def look(states: np.ndarray, some: np.ndarray) -> None:
-        """Compare invariants with the start."""
-        values = invariants(every.base, values_of(every, states[: len(every.start)], some))
-        for name, value in values.items():
-            start, size = starts[name]
-            with np.errstate(all="ignore"):  # the drift of a top that is not finite is NaN
-                np.maximum.at(measured.drift[name], some, np.abs(value - start[some]) / size[some])
-
     def work(worker: Lanes) -> float:
         """Run tops from the queue until none is left. Return the processor time."""
-        nonlocal left
         clock = time.thread_time()
         try:
-            worker.run(tops, take, look, ended)
+            worker.run(tops, numbers, taken, look, ended)
         except BaseException:
-            left = left[:0]
+            taken[0] = len(numbers)
             raise
         return time.thread_time() - clock
 
@@ -186,7 +165,7 @@ def _run(
             try:
                 measured.processor = sum(pool.map(work, workers))
             except BaseException:  # Ctrl-C too: the others must stop
-                left = left[:0]
+                taken[0] = len(numbers)
                 raise
     if isinstance(first.stepper, Called):
         measured.steps_by = "heyoka"

@@ -7,8 +7,8 @@ from collections.abc import Callable, Collection
 
 import numpy as np
 
-from ..engine.compiled import stepper_of
 from ..engine.expressions import formulas_of
+from ..engine.integrator import stepper_of
 from ..engine.loop import Loop, Queue, Tops, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays
@@ -68,10 +68,9 @@ class Lanes:
         self.tallies, self.fresh = new_tallies(self.rows, lanes), new_tallies(self.rows, 1)
         drifts = wanted is None or any(name.startswith("drift") for name in wanted)
         self.samples = new_samples(SAMPLES * lanes if drifts else 0, n, lanes)
-        self.top = self.samples.in_lane  # which top is in a lane
-        self.queue = Queue(np.zeros(lanes, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64))
+        self.top = self.samples.in_lane  # which top is in a lane; -1: none, and it takes no steps
+        self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
-        self._park()
         self.stepper = stepper_of(code)
         lasting = code.lasting if base.stop_when == "settled" else -1
         rules = StopRules(lasting, code.way, SETTLED_FOR, MOST_STEPS, every, 0)
@@ -79,20 +78,11 @@ class Lanes:
             self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, self.stepper
         )
 
-    def _park(self) -> None:
-        """Put a sound top, at its end, into every lane: it takes no steps."""
-        motion, every = self.motion, self.problems
-        top = int(np.flatnonzero(every.valid)[0])
-        motion.pars[:] = every.pars[
-            : len(motion.pars), [top]
-        ]  # the integrator has none beyond the last that it reads
-        motion.state[: len(every.start)] = every.start[:, [top]]
-        self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
-
     def run(
         self,
         tops: Tops,
-        take: Callable[[int], np.ndarray],
+        queue: np.ndarray,
+        taken: np.ndarray,
         look: Callable[[np.ndarray, np.ndarray], None],
         ended: Callable[[int], None],
     ) -> None:
@@ -102,35 +92,31 @@ class Lanes:
         ----------
         tops
             All of them.
-        take
-            take(empty) -> numbers of tops for `empty` lanes, at most as many as there are lanes.
+        queue
+            Numbers of those that run.
+        taken
+            (1,) how many of them were taken, by this and other threads.
         look
             look(states, tops) takes states (variables, k) that were sampled on the way, and whose
             they are, (k,).
         ended
             ended(count): `count` more tops have ended.
         """
-        self.loop.take(tops, self.queue, self.fresh)
-        samples, status = self.samples, self.tallies.lane["status"]
-        while True:
-            if self.queue.waiting[0] == 0:
-                numbers = take(int((self.top < 0).sum()))
-                self.queue.tops[: len(numbers)] = numbers[::-1]
-                self.queue.waiting[0] = len(numbers)
-            idle = self.queue.waiting[0] == 0 and not (self.top >= 0).any()
-            count = int(samples.filled[0])
+        done = np.zeros(1, np.int64)
+        self.loop.take(tops, Queue(queue, taken, done, len(queue)), self.fresh)
+        samples, status, idle = self.samples, self.tallies.lane["status"], False
+        while not idle:
+            self.steps_possible += self.loop.drive(MOST_DRIVEN) * self.lanes
+            idle, count = bool((self.top < 0).all()), int(samples.filled[0])
             if count and (idle or count + self.lanes > len(samples.top)):
                 look(samples.states[:count].T, samples.top[:count])
                 samples.filled[0] = 0
-            if idle:
-                break
-            self.steps_possible += self.loop.drive(MOST_DRIVEN) * self.lanes
             for lane in np.flatnonzero((self.top >= 0) & (status == Status.SETTLED.code)).tolist():
                 if not self._stays(lane):
                     status[lane] = Status.RUNNING.code
                     self.tallies.lane["doubted"][lane] = self.tallies.lane["lasts_since"][lane]
-            ended(int(self.queue.ended[0]))
-            self.queue.ended[0] = 0
+            ended(int(done[0]))
+            done[0] = 0
 
     def _stays(self, lane: int) -> bool:
         """Return whether a top that has settled stays as it is."""
@@ -150,7 +136,7 @@ def new_tops(
     on_zero: np.ndarray,
     rows: EventRows,
 ) -> Tops:
-    """Return tops that have not begun."""
+    """Return tops before their first step."""
     start, pars, until = (np.ascontiguousarray(column, float) for column in (start, pars, until))
     signs, on_zero = (np.ascontiguousarray(column, np.int8) for column in (signs, on_zero))
     functions, kept = (

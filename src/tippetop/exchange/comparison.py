@@ -12,13 +12,13 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.contact import body as contact
-from ..mechanics.contact.gliding.vector import VectorState, vector_scalars
+from ..mechanics.contact.gliding.gliding_vector import VectorState, vector_scalars
 from ..mechanics.friction import Frictionless
 from ..problem import Problem
 from ..runs.run import Solution, solve
 from ..sampling import ListedTimes
 from .motion import Convention, Motion, angle_between, motion
-from .table import read
+from .motion_table import read
 
 
 LEVELS = (1e-3, 1e-2, 1e-1)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..engine.derivatives.numbers import Numbers
-from ..engine.expressions import component
+from ..engine.expressions import AXES, component
 from ..engine.tangent import Tangents
 from ..errors import InputError, suggestion
 from ..mechanics.number import Number
@@ -24,8 +24,6 @@ TIMES = {
 # Fraction of the duration within which the time of a clock is searched
 REACH = 1 / 8
 TOLERANCE = 1e-9  # of the integrator: data are never better
-USES = 50  # of motions with derivatives over all of the data, in a fit
-MORE = 10  # times as many uses without derivatives
 # Internal units of time of the longest motion of a fit: half an hour of computing
 LONGEST = 3e4
 UNSUPPORTED = (
@@ -41,7 +39,6 @@ NAMES = {
     "orientation": (),
 }
 """Columns of a motion for each kind of measurement, unless they have its name."""
-AXES = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
 
 
 class Observation:
@@ -105,14 +102,8 @@ class Observation:
             )
         self.turning = bool({"orientation", "marker"} & self.groups.keys())
         self.tangents, self.motions = (
-            Tangents(
-                self.numbers.kind(order, orientation=self.turning),
-                TOLERANCE,
-                MOST_STEPS,
-                uses=uses,
-                longest=float(self.t[-1]) / self.second,
-            )
-            for order, uses in ((1, USES), (0, USES * MORE))
+            Tangents(self.numbers.kind(order, orientation=self.turning), TOLERANCE, MOST_STEPS)
+            for order in (1, 0)
         )
         turning = AXES if self.turning else ()
         self.names = tuple(
@@ -190,10 +181,8 @@ class Observation:
             / self.second
         )
         timed = self.names if slopes and len(self.own) < len(self.free) else ()
-        states = tangents.states(
-            columns, ways, np.repeat(clock, lanes, axis=1), tangents.needs(self.names, timed)
-        )
-        read, rates = tangents.read(columns, ways, states, self.names, timed)
+        times = np.repeat(clock, lanes, axis=1)
+        read, rates = tangents.read(columns, ways, times, self.names, timed)
         jets = {}
         for name in self.names:
             parts = [read[name][0][:, ::lanes]]

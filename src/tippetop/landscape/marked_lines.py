@@ -8,8 +8,8 @@ import xarray as xr
 
 from ..mechanics.systems import spinning
 from ..mechanics.theory.thresholds import spin
-from .body import top
-from .labels import attributes, axis, labelled, momenta
+from .landscape_body import top
+from .landscape_labels import attributes, axis, labelled, momenta
 
 
 def marked_lines(parameters: Mapping[str, float], lam: Any) -> xr.Dataset:

@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 from ..mechanics.system import System
-from .body import top
-from .labels import axis, grid, labelled, momenta
+from .landscape_body import top
+from .landscape_labels import axis, grid, labelled, momenta
 
 
 def potential(

@@ -68,11 +68,10 @@ def reconstruction(
     solution = main_equation.reconstruct(system, problem.body(), times, momenta, energy, z, period)
     if solution.early:
         end = float(times[np.isfinite(solution.z)].max())
-        gap = f"its pieces disagree by {solution.mismatch:.1e} in cos(theta)"
-        why = "no turning is found beyond" if solution.mismatch <= main_equation.APART else gap
         warnings.warn(
-            f"the reconstruction ends at t = {end:.4g} s: {why}. After it theta is not to be "
-            "relied on, and not given.",
+            f"the reconstruction ends at t = {end:.4g} s: its pieces disagree by "
+            f"{solution.mismatch:.1e} in cos(theta). After it theta is not to be relied on, and "
+            "not given.",
             stacklevel=3,
         )
     theta = {"units": "rad", "long_name": "theta by the main equation"}

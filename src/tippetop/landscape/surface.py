@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 from ..mechanics.system import System
-from .body import Top, top
-from .labels import axis, cosine, flags, grid, inclination, labelled, momenta
+from .landscape_body import Top, top
+from .landscape_labels import axis, cosine, flags, grid, inclination, labelled, momenta
 
 
 def variables(t: Top, F: np.ndarray, q: np.ndarray, status: np.ndarray) -> dict[str, tuple]:

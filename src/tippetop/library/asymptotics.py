@@ -7,13 +7,13 @@ import numpy as np
 
 from ..arguments import measured, measured_values, numbers, within
 from ..errors import InputError
-from ..mechanics.contact.rolling.euler import EulerState, general_accelerations
+from ..mechanics.contact.rolling.rolling_euler import EulerState, general_accelerations
 from ..mechanics.systems.tippe_top import TippeTop
 from ..mechanics.theory import least_energy as least
 from ..mechanics.theory.least_energy import AsymptoticState
 from ..mechanics.units import JELLETT, METRE_PER_SECOND2, RADIAN, RADIAN_PER_SECOND
 from ..problem import Problem
-from .run import Run
+from .finished_run import Run
 from .sources import top_of
 
 

@@ -11,7 +11,7 @@ from ..columns import column
 from ..errors import InputError
 from ..mechanics.units import ONE, PER_SECOND, SECOND
 from ..runs import attributes
-from .run import Run
+from .finished_run import Run
 from .scenarios import problem_of
 
 
@@ -94,7 +94,7 @@ def sensitivities(
     >>> s = tt.derivatives.sensitivities("inverting", ["friction.mu", "initial.omega3"], until=4.0)
     >>> s.trajectory.theta.sel(parameter="friction.mu").plot()
     """
-    from ..engine.derivatives.along_run import OTHER, PARAMETER, differentiate
+    from ..engine.derivatives.sensitivities import OTHER, PARAMETER, differentiate
     from ..problem import refuse
     from ..runs.run import solve
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..arguments import instance, path_of, whole
 from ..errors import InputError
-from ..exchange import fit_text, measured
+from ..exchange import fit_text, measurements
 from ..exchange.fitting import STARTS, names_of
 from ..exchange.motion import Convention
 from ..exchange.verdict import Verdict
@@ -136,7 +136,7 @@ class Fitted:
         figure = draw_fit(
             self._fit.t,
             self._observation.dots(),
-            measured.curves(self._observation, self._fit),
+            measurements.curves(self._observation, self._fit),
             self.residuals,
             str(self).split("\n"),
         )
@@ -210,7 +210,7 @@ def fit(
     >>> print(tt.fit("film.csv", "inverting", ["friction.mu", "initial.omega3"]))
     """
     problem = _reference(scenario)
-    observation = measured.observation_of(
+    observation = measurements.observation_of(
         problem,
         path_of("data", data),
         names_of(free),
@@ -219,7 +219,9 @@ def fit(
         noise,
     )
     return Fitted(
-        problem, observation, measured.fitted(observation, loss, whole("starts", starts), progress)
+        problem,
+        observation,
+        measurements.fitted(observation, loss, whole("starts", starts), progress),
     )
 
 

@@ -8,9 +8,9 @@ from typing import Any
 from ..engine.status import Status
 from ..ensembles.outcomes import columns_of
 from ..errors import InputError
-from ..mechanics.consistency import rivals
 from ..mechanics.event import NUMBERED, Event
 from ..mechanics.system import Quantity, System
+from ..mechanics.systems.consistency import rivals
 from ..scenario import build
 from ..scenario.sentences import type_faults
 

@@ -10,13 +10,13 @@ from ..errors import InputError
 from ..landscape import marked_lines as lines_of
 from ..landscape import potential as potential_of
 from ..landscape import surface, turning
-from ..landscape.body import landscape_of
+from ..landscape.landscape_body import landscape_of
 from ..mechanics.contact.body import Top
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.units import JELLETT, JOULE, ONE, RADIAN
 from ..problem import Problem
-from .run import Run
+from .finished_run import Run
 from .sources import problem_behind
 
 

@@ -18,7 +18,7 @@ from ..runs.cost import bar_of_run
 from ..runs.run import solve
 from ..store import root
 from .extensions import of_stored
-from .run import Run
+from .finished_run import Run
 from .scenarios import problem_of
 from .stored_run import StoredRun
 
@@ -169,10 +169,10 @@ def open(
     if content is None:
         return StoredRun(path, own)
     if content == "sweep":
-        from ..sweeps import summary
+        from ..sweeps import sweep_summary
 
-        table = summary.open_sweep(path)
-        return summary.gridded(table) if gridded else table
+        table = sweep_summary.open_sweep(path)
+        return sweep_summary.gridded(table) if gridded else table
     return root.open_group(path, content)
 
 

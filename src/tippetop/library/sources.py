@@ -10,7 +10,7 @@ from ..mechanics.systems.cylinder import Cylinder
 from ..mechanics.systems.heavy_top import HeavyTop
 from ..mechanics.systems.tippe_top import TippeTop
 from ..problem import Problem
-from .run import Run
+from .finished_run import Run
 from .scenarios import checked, problem_of
 
 

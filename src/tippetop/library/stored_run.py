@@ -13,7 +13,7 @@ from ..runs.summary import lines
 from ..sampling import EvenTimes
 from ..scenario import build
 from ..store import chunks, root
-from .run import Run, Window
+from .finished_run import Run, Window
 
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from ..mechanics.theory.regimes import Regime
 from ..mechanics.theory.thresholds import Threshold
 from ..mechanics.units import JELLETT, RADIAN_PER_SECOND
 from ..problem import Problem
-from .run import Run
+from .finished_run import Run
 from .scenarios import record_of
 from .sources import problem_behind, top_of
 

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 else:
 
     class cached_property(functools.cached_property):
-        """As in Python 3.12: a fork may inherit the lock of 3.11 from a thread that it lacks."""
+        """Compute without a lock, as Python 3.12 does: a fork may inherit a locked lock of 3.11."""
 
         def __get__(self, instance: Any, owner: Any = None) -> Any:
             if instance is None:

@@ -94,7 +94,7 @@ class Border(NamedTuple):
 
 
 class Region(NamedTuple):
-    """Where one formula of a law holds, and where it ends."""
+    """Velocities for which one formula of a law is valid, and its boundary."""
 
     drag: Callable  # drag(w2, U2) -> Drag
     borders: tuple[Border, ...]

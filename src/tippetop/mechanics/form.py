@@ -150,7 +150,7 @@ def unchanged(x: Any, b: Any) -> Any:
 
 @dataclass
 class Next:
-    """What follows the end of a phase, or how a run begins.
+    """Phase and state after the end of a phase, or at the start of a run.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ CLOCK = "clock"
 
 @dataclass(frozen=True)
 class Exit:
-    """How a phase ends.
+    """End of a phase: an event and a jump.
 
     Parameters
     ----------
@@ -219,14 +219,11 @@ class Exit:
         has `body`, `system`, `rules` (of the contact), `phases` and the present `phase` by record,
         `left` (time to the end of the run), and `rates(phase, q, carried)` of the integrals of the
         run.
-    is_pure
-        Whether the jump depends on its arguments alone, so that copies of it may be executed.
     """
 
     event: str
     to: tuple[str, ...]
     jump: Callable
-    is_pure: bool = False
 
 
 @dataclass(frozen=True, eq=False)

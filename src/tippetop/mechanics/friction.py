@@ -84,7 +84,7 @@ def load(omega: Vector, law: Any) -> Vector:
 
 
 class FrictionLaw(Record, abstract=True):
-    """A friction law F_h = -k g_n v_A: what `[friction] law` names.
+    """A friction law F_h = -k g_n v_A, named by `[friction] law`.
 
     Its records are what formulas take.
 
@@ -98,7 +98,7 @@ class FrictionLaw(Record, abstract=True):
     key: ClassVar[str]
     """The name in `[friction] law`; by default that of the class in lower case."""
     words: ClassVar[str]
-    """What figures call it; by default the key, and "friction"."""
+    """Name in figures; by default the key, and "friction"."""
     coefficient: ClassVar[Any] = None
     """k(v2, z, law) [s/m] under `@formula`: v2 = |v_A|^2 [m^2/s^2], z = cos(theta), law the record.
 

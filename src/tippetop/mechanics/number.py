@@ -276,7 +276,7 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
     @staticmethod
     def faults(parameters: Mapping[str, float]) -> list[str]:
-        """Return sentences on what the numbers break together."""
+        """Return one message for each condition that the numbers violate together."""
         return []
 
     @classmethod

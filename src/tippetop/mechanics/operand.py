@@ -1,4 +1,4 @@
-"""What a formula may be fed: a number, an array, a heyoka expression, or a scalar inside numba."""
+"""Operands of formulas: numbers, arrays, heyoka expressions, and scalars inside numba."""
 
 import inspect
 import math

@@ -1,4 +1,4 @@
-"""Mappings that cannot be changed: what a record holds is checked once, and stays."""
+"""Immutable mappings: the content of a record is checked once."""
 
 from collections.abc import Mapping
 from typing import Any, NoReturn

@@ -1,4 +1,4 @@
-"""What a system is: records of formulas, names and units; nothing numerical."""
+"""Records that describe a system: formulas, names and units; nothing numerical."""
 
 import dataclasses
 from collections import ChainMap, namedtuple
@@ -47,7 +47,7 @@ class Momentum(NamedTuple):
 
 @dataclass(frozen=True)
 class Landscape:
-    """What the effective potential V(z; first, second momentum) of a system is made of.
+    """Formulas of the effective potential V(z; first, second momentum) of a system.
 
     [section 5, 8]
 
@@ -78,7 +78,7 @@ class Landscape:
 
 
 class Outlook(NamedTuple):
-    """What theory predicts of a start; an empty field where it says nothing."""
+    """Predictions of theory for a start; a field without a prediction is empty."""
 
     regime: str = ""  # the stable states, a sentence
     fate: str = ""  # where the motion ends

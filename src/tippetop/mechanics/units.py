@@ -41,7 +41,7 @@ class Unit:
 
     @cached_property
     def powers(self) -> tuple[int, int, int]:
-        """Return the powers of kg, m and s."""
+        """Return the exponents of kg, m and s."""
         matches = [re.fullmatch(r"([A-Za-z]+|1)(-?\d+)?", p) for p in str(self.symbol).split()]
         parts = [(POWERS.get(m[1]), int(m[2] or 1)) if m else (None, 1) for m in matches]
         if not parts or any(powers is None for powers, _ in parts):

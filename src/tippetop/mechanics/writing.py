@@ -19,7 +19,6 @@ class Language(NamedTuple):
     begin: str
     number: Callable[[float], str]
     functions: dict[str, str]
-    powers: bool = False  # `**` is an operation, not a product
 
 
 def _functions(prefix: str, **others: str) -> dict[str, str]:
@@ -124,8 +123,6 @@ class Symbol:
         raise TypeError("a formula must not branch")
 
     def __pow__(self, power: float) -> "Symbol":
-        if self.program.language.powers:
-            return self.program.new(f"{self.name} ** {power!r}", (self.name,))
         if power == 0.5:
             return self._called("sqrt")
         assert power == int(power) > 0, "the formulas' powers are whole"

@@ -90,7 +90,7 @@ class Problems:
 
     @cached_property
     def _single(self) -> bool:
-        """Whether numbers replace arrays of one: they are faster, and give the same bits."""
+        """True if numbers replace arrays of length 1: they are faster, with the same bits."""
         return not self.columns and self.base.exact is np.longdouble
 
     def _wide(self, value: Any) -> Any:
@@ -143,7 +143,10 @@ class Problems:
     @cached_property
     def variables(self) -> Variables:
         """The integrated variables."""
-        return Variables(self.base.form, self.orientation)
+        base, orientation = self.base, self.orientation
+        return (
+            base.variables if orientation == base.orientation else Variables(base.form, orientation)
+        )
 
     @cached_property
     def pars(self) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Whether a problem has derivatives by its numbers, and by which of them."""
+"""The numbers of a problem by which its motion can be differentiated."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

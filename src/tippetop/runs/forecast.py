@@ -53,7 +53,7 @@ def at_start(problem: Problem) -> dict[str, float]:
 
 
 def comments(problem: Problem) -> dict[str, Any]:
-    """Return what theory adds to the report of a run: the name of its motion, what eps decides."""
+    """Return the part of a report that follows from theory: name of the motion, effect of eps."""
     result = _regularisation(problem)
     if problem.system.motion is not None:
         result["motion"] = problem.system.motion(problem.body(), at_start(problem))

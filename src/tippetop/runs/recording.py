@@ -36,7 +36,6 @@ SIGNIFICANT = "significant"
 COMMIT_EVERY = 5.0
 # After this time [s] a stop does not wait for the end of a slice: its rows are made again.
 PATIENCE = 2.0
-FINISHED = "The run is finished and whole; only temporary files are left in it."
 Progress = Callable[[RunProgress], None]
 
 
@@ -145,11 +144,7 @@ class Recorder(Writer, Sink):
                 table.finish()
             begun = self.store.state.header["attributes"]
             changed = {k: v for k, v in attrs.items() if k not in begun or begun[k] != v}
-            try:
-                self.store.finish(changed, rows=self.counts(), end=ending)
-            except OSError:
-                with files.writing(self.store.path, FINISHED if self.store.state.closing else ""):
-                    raise
+            self.store.finish(changed, rows=self.counts(), end=ending)
 
         self.now(work)
         return self.store.state.attributes
@@ -276,5 +271,5 @@ def _tables_of(integration: Integration) -> Iterator[tuple[str, dict[str, Column
 
 
 def here() -> dict[str, Any]:
-    """Return what the bits of a run depend on in addition to its scenario."""
+    """Return the versions and settings that determine the bits of a run with its scenario."""
     return {"versions": provenance.versions(), "cpu": provenance.cpu()}

@@ -1,4 +1,4 @@
-"""The summary of a run as a record: what `tippetop info --json` prints."""
+"""The summary of a run as a record, printed by `tippetop info --json`."""
 
 from collections.abc import Callable, Mapping
 from typing import Any

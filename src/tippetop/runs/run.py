@@ -23,7 +23,7 @@ from .sinks import Memory, Sink
 class Solution:
     """A problem integrated to its end, in memory: rows, events and measurements.
 
-    `library.run.Run` shows it to the user, with labels and in SI units.
+    `library.finished_run.Run` shows it to the user, with labels and in SI units.
     """
 
     progress: RunProgress  # at its end
@@ -33,7 +33,7 @@ class Solution:
     seconds: dict[str, float]  # of compiling and of integrating
     last_slice: dict[str, Any] | None = None  # its start, where a longer run continues
     others: dict[str, list[dict[str, np.ndarray]]] = field(default_factory=dict)
-    """Parts of further tables."""
+    """Rows of additional tables."""
 
     @property
     def problem(self) -> Problem:
@@ -53,7 +53,7 @@ class Solution:
 
     @cached_property
     def reason(self) -> str:
-        """Return how it ended, in a sentence."""
+        """Return a sentence about the end of the run."""
         return reporting.reason(self.progress)
 
     @cached_property

@@ -14,7 +14,7 @@ class Sink:
     """Take a run as it is made, and keep nothing of it: the base of all sinks."""
 
     keeps_rows = False
-    """Whether rows are to be made at all."""
+    """True if rows are wanted."""
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Take rows: times [s], and a function that returns their internal states.

@@ -11,7 +11,7 @@ from . import reading
 from .build import system_of
 from .contact import system_with_contact
 from .reading import law_name
-from .reference import keys_of
+from .scenario_reference import keys_of
 from .schema import tables_of
 
 

@@ -5,8 +5,8 @@ replaces a link rather than its target.
 """
 
 import contextlib
+import glob
 import os
-import re
 import shutil
 import uuid
 import warnings
@@ -16,10 +16,10 @@ from pathlib import Path
 from ..arguments import flag
 from ..errors import StoreError
 from .folder import Folder
-from .ledger import Ledger, is_ledger
+from .ledger import Ledger
 
 
-SCRATCH = re.compile("[0-9a-f]{32}")  # ends the name of a scratch folder
+SCRATCH = "[0-9a-f]" * 32  # ends the name of a scratch folder
 
 
 @contextlib.contextmanager
@@ -46,8 +46,7 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
         The disk; see `writing`.
     """
     path = Path(path)
-    other = os.path.lexists(path) and not path.is_symlink() and not path.is_file()
-    if not path.name or path.is_dir() or other:
+    if not path.name or (path.exists() and not path.is_file()):
         raise StoreError(f"`{path}` must be the name of a file, but is a folder or a device.")
     refuse_inside(path)
     flag("overwrite", overwrite)
@@ -74,32 +73,17 @@ def refuse_inside(path: Path) -> None:
                 )
 
 
-def lock_of(path: Path) -> contextlib.AbstractContextManager[Ledger | None]:
-    """Lock a store. Raises StoreError if another process writes it."""
-    return Ledger.locked(path) if is_ledger(path) else contextlib.nullcontext()
-
-
 @contextlib.contextmanager
 def scratch_folder(path: Path) -> Iterator[Path]:
     """Make a hidden folder next to `path`; remove it when the block ends. Raises OSError."""
-    scratch, descriptor = _made(path)
+    scratch = scratch_name(path)
+    scratch.mkdir()
+    descriptor = Folder(scratch).lock()  # which the end of a killed writer releases
     try:
         yield scratch
     finally:
         os.close(descriptor)
         shutil.rmtree(scratch, ignore_errors=True)
-
-
-def _made(path: Path) -> tuple[Path, int]:
-    """Make and lock a scratch folder, whose lock a killed writer releases."""
-    while True:  # another process may take it for a stale one before it is locked
-        scratch = scratch_name(path)
-        scratch.mkdir()
-        with contextlib.suppress(FileNotFoundError, BlockingIOError):
-            descriptor = Folder(scratch).lock()
-            if scratch.exists():
-                return scratch, descriptor
-            os.close(descriptor)
 
 
 def put_back(path: Path) -> None:
@@ -111,7 +95,7 @@ def put_back(path: Path) -> None:
         _removed(old)
         return
     # the lock is held while a writer is at work
-    with contextlib.suppress(OSError, StoreError), lock_of(old):
+    with contextlib.suppress(OSError, StoreError), Ledger.locked(old):
         old.rename(path)
         synced(path.parent)
         warnings.warn(f"`{path}` is put back: a killed run had not replaced it yet.", stacklevel=2)
@@ -122,12 +106,9 @@ def remove_stale(path: Path) -> None:
 
     Only folders of this user with a name by `scratch_name`, and which no process has locked.
     """
-    start = f".{path.name}.part-"
-    with contextlib.suppress(OSError):
-        for name in sorted(os.listdir(path.parent)):
-            ours = name.startswith(start) and SCRATCH.fullmatch(name, len(start))
-            if ours and _removed(old := path.with_name(name)):
-                warnings.warn(f"`{old}` is removed: a killed run left it.", stacklevel=2)
+    for old in sorted(path.parent.glob(f".{glob.escape(path.name)}.part-{SCRATCH}")):
+        if _removed(old):
+            warnings.warn(f"`{old}` is removed: a killed run left it.", stacklevel=2)
 
 
 def _removed(old: Path) -> bool:
@@ -137,10 +118,9 @@ def _removed(old: Path) -> bool:
             return False
         with contextlib.ExitStack() as stack:
             stack.callback(os.close, Folder(old).lock())
-            stack.enter_context(lock_of(old))
             content = os.listdir(old)
             shutil.rmtree(old)
-    except (OSError, StoreError):
+    except OSError:
         return False
     return bool(content)
 

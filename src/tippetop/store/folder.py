@@ -10,6 +10,7 @@ import fcntl
 import os
 import stat
 import weakref
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -53,16 +54,22 @@ class Folder:
 
     def put(self, name: str, data: bytes, how: int = os.O_CREAT | os.O_TRUNC) -> None:
         """Write a file in place: anew, or at its end."""
-        descriptor = os.open(name, WRITE | how, 0o666, dir_fd=self.descriptor)
-        try:
+        with self._open(name, WRITE | how) as descriptor:
             rest = memoryview(data)
             while rest:
                 rest = rest[os.write(descriptor, rest) :]
+
+    @contextlib.contextmanager
+    def _open(self, name: str, how: int = READ) -> Iterator[int]:
+        """Provide a descriptor of a file, or of this folder."""
+        descriptor = os.open(name or ".", how, 0o666, dir_fd=self.descriptor)
+        try:
+            yield descriptor
         finally:
             os.close(descriptor)
 
     def rename(self, old: str, new: str) -> None:
-        """Rename a file; it replaces what has the new name."""
+        """Rename a file; an existing file of the new name is replaced."""
         os.rename(old, new, src_dir_fd=self.descriptor, dst_dir_fd=self.descriptor)
 
     def remove(self, name: str) -> None:
@@ -77,25 +84,19 @@ class Folder:
 
     def tip(self, name: str) -> tuple[int, bytes]:
         """Return the size and the last four bytes of a file."""
-        descriptor = os.open(name, READ, dir_fd=self.descriptor)
-        try:
+        with self._open(name) as descriptor:
             status = os.fstat(descriptor)
             if not stat.S_ISREG(status.st_mode):
                 raise OSError(errno.EINVAL, "not a plain file", name)
             return status.st_size, os.pread(descriptor, 4, max(0, status.st_size - 4))
-        finally:
-            os.close(descriptor)
 
     def names(self, name: str) -> list[str]:
         """Return the names in a folder inside, sorted; none if there is no such folder."""
         try:
-            descriptor = os.open(name or ".", READ | os.O_DIRECTORY, dir_fd=self.descriptor)
+            with self._open(name, READ | os.O_DIRECTORY) as descriptor:
+                return sorted(os.listdir(descriptor))
         except FileNotFoundError:
             return []
-        try:
-            return sorted(os.listdir(descriptor))
-        finally:
-            os.close(descriptor)
 
     def lock(self, name: str = "") -> int:
         """Lock a file, or the folder, until the descriptor that is returned is closed.
@@ -136,12 +137,12 @@ class Folder:
 
     def sync_one(self, name: str) -> None:
         """Wait until the disk has the content of a file, or the names in a folder."""
-        descriptor = os.open(name or ".", READ, dir_fd=self.descriptor)
-        try:
-            os.fsync(descriptor)
-        except OSError as error:
-            is_folder = stat.S_ISDIR(os.fstat(descriptor).st_mode)
-            if error.errno != errno.EINVAL or not is_folder:  # some file systems sync no folders
-                raise
-        finally:
-            os.close(descriptor)
+        with self._open(name) as descriptor:
+            try:
+                os.fsync(descriptor)
+            except OSError as error:
+                is_folder = stat.S_ISDIR(os.fstat(descriptor).st_mode)
+                if (
+                    error.errno != errno.EINVAL or not is_folder
+                ):  # some file systems sync no folders
+                    raise

@@ -10,7 +10,6 @@ A finished store has a ledger of two records, the header and the seal: equal run
 """
 
 import contextlib
-import copy
 import hashlib
 import json
 import os
@@ -52,8 +51,7 @@ class Acknowledged:
     end: Any = None  # where a finished run can be continued
     changed: dict[str, Any] = field(default_factory=dict)  # attributes other than in the header
     writer: str = "another process"
-    closing: bool = False  # everything is acknowledged
-    seal: bool = False  # and the ledger has its last form
+    seal: bool = False  # everything is acknowledged
 
     @classmethod
     def of(cls, records: list[dict[str, Any]]) -> "Acknowledged":
@@ -68,18 +66,19 @@ class Acknowledged:
         self.chunks |= record.get("chunks", {})
         failed = self.failed | record.get("failed", {})
         self.failed = {key: why for key, why in failed.items() if key not in self.chunks}
-        self.changed = ({} if "closing" in record else self.changed) | record.get("changed", {})
-        for name in ("rows", "tail", "end", "writer", "closing"):
+        self.changed = ({} if "seal" in record else self.changed) | record.get("changed", {})
+        for name in ("rows", "tail", "end", "writer", "seal"):
             setattr(self, name, record.get(name, getattr(self, name)))
-        self.seal = "seal" in record
 
     @property
     def attributes(self) -> dict[str, Any]:
         """Those of the root group."""
         return self.header["attributes"] | self.changed
 
-    def record(self, *names: str) -> dict[str, Any]:
-        """Return these fields as a record, without empty ones."""
+    def sum(self) -> dict[str, Any]:
+        """Return all but the header as one record, without empty fields."""
+        self.chunks = dict(sorted(self.chunks.items()))
+        names = ("chunks", "rows", "tail", "end", "changed", "writer", "seal")
         return {name: value for name in names if (value := getattr(self, name))}
 
     def documents(self) -> dict[str, dict[str, Any]]:
@@ -147,7 +146,7 @@ def records_of(raw: bytes) -> list[dict[str, Any]]:
 
 
 def acknowledged(raw: bytes) -> Acknowledged:
-    """Return what the bytes of a ledger acknowledge. Raises errors that `sound` converts."""
+    """Return the content that the bytes of a ledger acknowledge. `sound` converts errors."""
     state = Acknowledged.of(records_of(raw))
     state.documents()
     for key in state.chunks:
@@ -192,19 +191,19 @@ class Ledger:
         self.state: Acknowledged
         self.pending: dict[str, str] = {}  # chunks that the next commit acknowledges
         self.broken: OSError | None = None
-        self.has_folders = False
         self.held: int | None = None
 
     @classmethod
     def created(cls, path: Path, head: dict[str, Any], folder: Folder | None = None) -> "Ledger":
         """Make the store of a header in an empty folder. Raises OSError.
 
-        Its root document contains all others; folders and documents are made when rows are
-        acknowledged, so that a short run takes less time.
+        Its root document contains all others, which are written when rows are acknowledged, so
+        that a short run takes less time.
         """
         self = cls(folder or Folder(path), path)
         self.state = Acknowledged.of([head])
         with self.released_on_failure():
+            self._make_folders()
             self.folder.write(DOCUMENT, zarr3.dump(self.state.documents()[""]), derived=True)
             self._compact()
         return self
@@ -218,7 +217,7 @@ class Ledger:
 
     @classmethod
     def opened(cls, path: Path, folder: Folder | None = None) -> "Ledger":
-        """Open a store to write it, as its ledger acknowledges it; complete one that was closing.
+        """Open a store to write it, as its ledger acknowledges it.
 
         Raises
         ------
@@ -233,9 +232,9 @@ class Ledger:
             with sound(path):
                 self.state = acknowledged(self.folder.read(LEDGER))
             self._make_folders()
-            self._describe(self.state, derived=not self.state.closing)
+            self._describe()
             self.folder.sync()
-            (self._seal if self.state.closing else self._compact)()
+            self._compact()
             self._tidy()
         return self
 
@@ -297,21 +296,26 @@ class Ledger:
             raise
 
     def _make_folders(self) -> None:
-        for path in self.state.header["members"] if not self.has_folders else ():
+        for path in self.state.header["members"]:
             self.folder.mkdir(path)
-        self.has_folders = True
 
-    def _describe(self, state: Acknowledged, *, derived: bool = False) -> None:
-        for path, document in state.documents().items():
+    def _describe(self, *, derived: bool = False) -> None:
+        for path, document in self.state.documents().items():
             name, data = f"{path}/{DOCUMENT}".lstrip("/"), zarr3.dump(document)
             if _found(self.folder.read, name) != data:
                 self.folder.write(name, data, derived=derived)
             elif not derived:
                 self.folder.unsynced |= {name, path}
 
-    def _replace(self, records: list[dict[str, Any]]) -> None:
-        """Replace the ledger in one step; the new file is locked before it is renamed."""
-        self.before, whole = lines(records)
+    def _compact(self) -> None:
+        """Replace the ledger by its sum: the disk may not have what another process appended.
+
+        The new file is locked before it is renamed.
+        """
+        state = self.state
+        state.failed = {}
+        state.writer = "" if state.seal else f"process {os.getpid()} on {os.uname().nodename}"
+        self.before, whole = lines([state.header, state.sum()])
         self.folder.put(LEDGER + NEW, whole)
         self.folder.sync_one(LEDGER + NEW)
         held = self.folder.lock(LEDGER + NEW)
@@ -323,12 +327,6 @@ class Ledger:
         self.release()
         self.held = held
         self.folder.sync_one("")
-
-    def _compact(self) -> None:
-        """Replace the ledger by its sum: the disk may not have what another process appended."""
-        state = self.state
-        state.failed, state.writer = {}, f"process {os.getpid()} on {os.uname().nodename}"
-        self._replace([state.header, state.record("chunks", "rows", "tail", "changed", "writer")])
 
     def _tidy(self) -> None:
         """Remove chunks, tails and half-written files that were never acknowledged."""
@@ -346,7 +344,6 @@ class Ledger:
         """Write a chunk from the values of its columns; the next commit acknowledges it."""
         members, files = self.state.header["members"], {}
         with self._whole():
-            self._make_folders()
             for name in self.state.files(key):
                 path = name.rpartition("/")[0]
                 files[name] = zarr3.encode(values[path.rpartition("/")[2]], members[path])
@@ -379,32 +376,24 @@ class Ledger:
     def derive(self, files: Mapping[str, bytes]) -> None:
         """Write documents, and copies of rows in the tail, for other readers."""
         with self._whole():
-            self._make_folders()
             for name, data in files.items():
                 self.folder.write(name, data, derived=True)
-            self._describe(self.state, derived=True)
+            self._describe(derived=True)
 
     def finish(self, changed: dict[str, Any], **record: Any) -> None:
-        """Acknowledge that everything is written; `changed` are the last attributes."""
-        record |= {"changed": changed, "closing": True}
-        with self._whole():
-            closed = copy.copy(self.state)
-            closed.add(record)
-            self._make_folders()
-            self._describe(closed)
-        self.commit(**record)
-        with self._whole():
-            self._seal()
+        """Acknowledge that everything is written, in one step; `changed` are the last attributes.
 
-    def _seal(self) -> None:
-        """Give the ledger of a finished store its last form."""
-        state = self.state
-        tail, state.tail, state.seal = state.tail, "", True
-        state.chunks = dict(sorted(state.chunks.items()))
-        names = ("chunks", "rows", "end", "changed", "closing", "seal")
-        self._replace([state.header, state.record(*names)])
-        if tail:
-            self.folder.remove(tail)
+        The ledger then has its last form: equal stores have equal ones.
+        """
+        with self._whole():
+            old = self.state.tail
+            record |= {"chunks": self.pending, "tail": "", "changed": changed, "seal": True}
+            self.state.add(record)
+            self._describe()
+            self.folder.sync()
+            self._compact()
+            if old:
+                self.folder.remove(old)
 
     def restart(
         self, head: dict[str, Any], keys: Collection[str], tail: bytes | None = None, **record: Any
@@ -416,20 +405,17 @@ class Ledger:
             record["chunks"] = {k: v for k, v in self.state.chunks.items() if k in keys}
             self.state = Acknowledged.of([head, record])
             self._compact()
-            self.has_folders = False
             self.derive({})
             self._tidy()
 
     def unsound(self) -> list[str]:
         """Return the acknowledged chunks that are missing or damaged; every byte is read."""
-        return [key for key, marked in self.state.chunks.items() if not self._sound(key, marked)]
-
-    def _sound(self, key: str, marked: str) -> bool:
-        try:
-            files = {name: self.folder.read(name) for name in self.state.files(key)}
-        except OSError:
-            return False
-        return all(map(zarr3.whole, files.values())) and mark_of(files) == marked
+        bad = []
+        for key, marked in self.state.chunks.items():
+            files = {name: _found(self.folder.read, name) or b"" for name in self.state.files(key)}
+            if mark_of(files) != marked or not all(map(zarr3.whole, files.values())):
+                bad.append(key)
+        return bad
 
     def tail(self) -> bytes | None:
         """Return the acknowledged tail, or None. Raises Damaged."""
@@ -490,11 +476,13 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
         data = _found(folder.read, name)
         if data is None and path and not (state.rows or state.chunks):
             continue  # a store that has just been created
-        if data != zarr3.dump(document):
-            document = {} if state.seal else _earlier(data, document)
-            if not document:
-                raise Damaged(f"`{name}` is not what its ledger says{remedy}")
-        rows[path] = document.get("shape", [0])[0]
+        stored: dict[str, Any] = {}
+        with contextlib.suppress(ValueError):
+            stored = json.loads(data or b"")
+        rows[path], most = (each.get("shape", [0])[0] for each in (stored, document))
+        same = data == zarr3.dump(document) if state.seal else _fixed(stored) == _fixed(document)
+        if not same or rows[path] > most:
+            raise Damaged(f"`{name}` is not what its ledger says{remedy}")
     for group in {path.partition("/")[0] for path in members}:
         for name in folder.names(group):
             path = f"{group}/{name}"
@@ -514,16 +502,10 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
             raise Damaged(f"a file of its chunk `{key}` is another")
 
 
-def _earlier(data: bytes | None, wanted: dict[str, Any]) -> dict[str, Any]:
-    """Return a document of an unfinished store if it is that of an earlier commit, else {}."""
-    try:
-        stored = json.loads(data or b"{}")
-        if "shape" in wanted:
-            same = {**wanted, "shape": [stored["shape"][0], *wanted["shape"][1:]]}
-            return same if stored == same and 0 <= same["shape"][0] <= wanted["shape"][0] else {}
-        return stored if stored["node_type"] == "group" else {}
-    except (ValueError, LookupError, TypeError, AttributeError):
-        return {}
+def _fixed(document: dict[str, Any]) -> dict[str, Any]:
+    """Return the parts of a document that commits do not change."""
+    varying = ("shape",) if "shape" in document else ("attributes", "consolidated_metadata")
+    return {key: value for key, value in document.items() if key not in varying}
 
 
 def _found(read: Callable[[str], Any], name: str) -> Any:

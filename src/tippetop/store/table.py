@@ -58,10 +58,6 @@ class Table:
         """Set a late column of flags in some rows."""
         self._joined(column)[rows] = value
 
-    def values(self, column: str) -> np.ndarray:
-        """Return all rows of a column."""
-        return np.concatenate([*self._stored(column, 0, self.written), self._joined(column)])
-
     def _stored(self, column: str, first: int, last: int) -> list[np.ndarray]:
         """Return the chunks from row `first` to row `last`."""
         read, document = self.ledger.folder.read, self.documents[column]

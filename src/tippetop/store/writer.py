@@ -28,7 +28,7 @@ class Writer:
         self.thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="store")
 
     def later(self, work: Callable[[], None]) -> None:
-        """Queue work for the thread; raise what went wrong there."""
+        """Queue work for the thread; raise an error that occurred there."""
         while len(self.behind) > AHEAD or (self.behind and self.behind[0].done()):
             self.behind.popleft().result()
         self.behind.append(self.thread.submit(work))

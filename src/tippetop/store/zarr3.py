@@ -6,7 +6,6 @@ is used to read only.
 
 import json
 from collections.abc import Mapping
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,15 +15,6 @@ from ..columns import Column
 
 DOCUMENT = "zarr.json"
 CHECKSUM = 4  # bytes at the end of a chunk: its CRC-32C
-
-
-@cache
-def _codecs() -> tuple[Any, Any]:
-    """Load Blosc and CRC-32C, which a run in memory does not need."""
-    import google_crc32c
-    from numcodecs import blosc
-
-    return blosc, google_crc32c
 
 
 def group(attributes: dict[str, Any], members: Mapping[str, Any] | None = None) -> dict[str, Any]:
@@ -101,7 +91,8 @@ def chunk_name(document: Mapping[str, Any], *index: int) -> str:
 
 def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:
     """Return a chunk as the bytes of its file. Rows that are missing at its end are filled."""
-    blosc, crc32c = _codecs()
+    from numcodecs import blosc
+
     values = np.ascontiguousarray(values, document["data_type"])
     chunk = tuple(chunk_shape(document))
     if values.shape != chunk:
@@ -109,17 +100,26 @@ def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:
         whole[tuple(map(slice, values.shape))] = values
         values = whole
     packed = blosc.compress(values, b"lz4", 1, blosc.SHUFFLE)
-    return packed + crc32c.value(packed).to_bytes(CHECKSUM, "little")
+    return packed + checksum(packed)
+
+
+def checksum(data: bytes) -> bytes:
+    """Return the CRC-32C of some bytes, as it ends the file of a chunk."""
+    import google_crc32c
+
+    return google_crc32c.value(data).to_bytes(CHECKSUM, "little")
 
 
 def whole(data: bytes) -> bool:
     """Return whether the bytes of a chunk's file have the checksum with which they end."""
-    return _codecs()[1].value(data[:-CHECKSUM]).to_bytes(CHECKSUM, "little") == data[-CHECKSUM:]
+    return checksum(data[:-CHECKSUM]) == data[-CHECKSUM:]
 
 
 def decode(data: bytes, document: Mapping[str, Any]) -> np.ndarray:
     """Return the chunk in the bytes of its file. Raises ValueError if they are damaged."""
+    from numcodecs import blosc
+
     if not whole(data):
         raise ValueError("the checksum of a chunk is another")
-    values = np.frombuffer(_codecs()[0].decompress(data[:-CHECKSUM]), document["data_type"])
+    values = np.frombuffer(blosc.decompress(data[:-CHECKSUM]), document["data_type"])
     return values.reshape(chunk_shape(document)).copy()

@@ -28,7 +28,7 @@ class Task(NamedTuple):
 
 
 class OtherVersions(Exception):
-    """A worker has other releases than the sweep was begun with: its bits could differ."""
+    """A worker has other releases than the sweep: its bits could differ."""
 
 
 def compute_chunk(task: Task, threads: int = 1) -> Rows:
@@ -87,7 +87,7 @@ def column_schema(base: Problem, keep: list[str] | None) -> dict[str, Column]:
 
 
 def column_names(base: Problem) -> list[str]:
-    """Return what `keep` may name: columns, groups of columns, and `lyapunov` if it exists."""
+    """Return the valid names of `keep`: columns, groups of columns, and `lyapunov` if it exists."""
     oriented = [ORIENTATION, *outcomes.ORIENTATION] if base.form.orientation else []
     chaos = [] if derivative_faults(base) else [outcomes.LYAPUNOV]
     names = [name for name in column_schema(base, None) if name != "status"]

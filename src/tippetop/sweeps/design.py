@@ -20,17 +20,17 @@ class Axis:
 
     key: str
     values: tuple[float, ...] = ()
-    between: tuple[float, float] = (0.0, 0.0)
+    between: tuple[float, ...] = ()
     log: bool = False  # spread evenly in the logarithm
 
     @property
     def sampled(self) -> bool:
-        """Whether its numbers are drawn."""
+        """True if its numbers are drawn at random."""
         return not self.values
 
 
 class Sample(Table, use_attribute_docstrings=True):
-    """How axes are drawn, as TOML gives it."""
+    """Method of drawing axes, in the words of TOML."""
 
     method: Literal["random", "sobol", "latin-hypercube"]
     """how the axes with between are drawn together"""

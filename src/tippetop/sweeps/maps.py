@@ -12,10 +12,10 @@ from ..engine.settling import NEAR
 from ..engine.status import Status
 from ..ensembles.outcomes import CLASSES
 from ..errors import InputError
-from . import derived
+from . import derived_axes
 from .design import Axis
 from .plan import Plan
-from .summary import column, open_sweep
+from .sweep_summary import column, open_sweep
 
 
 POINTS = 121  # of a border, along each axis
@@ -83,7 +83,7 @@ def make_map(path: Path, kind: str) -> Map:
     table = open_sweep(path)
     plan = Plan.from_tables(table.attrs["plan"])
     numbers = plan.design.numbers(np.arange(plan.n))
-    columns = derived.resolved(plan.base, numbers)
+    columns = derived_axes.resolved(plan.base, numbers)
     alpha = columns.get("parameters.alpha", plan.base.parameters.get("alpha", 1))
     if kind == "inversion" and np.any(np.less(alpha, 0)):
         raise InputError(
@@ -116,7 +116,7 @@ def make_map(path: Path, kind: str) -> Map:
     def field(name: str) -> np.ndarray:
         values = shown_classes(path, table) if name == "class" else column(path, table, name)
         if kind == "normal-force":
-            b = derived.body(plan.base, columns)
+            b = derived_axes.body(plan.base, columns)
             values = values / (b.m * b.g)
         return _gathered(name, cells, values[chosen], shape)
 
@@ -159,11 +159,11 @@ def borders_of(
     numbers = {axis.key: grid.ravel() for axis, grid in zip(axes, grids, strict=True)}
     numbers |= {key: np.full(grids[0].size, value) for key, value in further.items()}
     with np.errstate(all="ignore"):
-        columns = derived.resolved(plan.base, numbers)
-        lam = np.abs(derived.jellett(plan.base, columns))
+        columns = derived_axes.resolved(plan.base, numbers)
+        lam = np.abs(derived_axes.jellett(plan.base, columns))
         ratios = {
             label: (np.log(lam / limit) + np.zeros(lam.shape)).reshape(grids[0].shape)
-            for label, limit in borders(derived.body(plan.base, columns)).items()
+            for label, limit in borders(derived_axes.body(plan.base, columns)).items()
         }
         return {label: v for label, v in ratios.items() if (v < 0).any() and (v > 0).any()}
 

@@ -1,8 +1,7 @@
-"""Measure what a sweep takes on this computer: some of its tops are run, and timed."""
+"""Estimate the cost of a sweep on this computer by timing some of its tops."""
 
 import time
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,7 @@ WRITING = 0.03  # [s] a chunk
 
 
 def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict[str, float]:
-    """Return what a sweep takes one core, from parts of some of its runs.
+    """Return the cost of a sweep on one core, from parts of some of its runs.
 
     Parameters
     ----------
@@ -37,22 +36,15 @@ def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict
     numbers = plan.columns(chosen)
     until = np.broadcast_to(numbers.get("run.until", plan.base.until), chosen.shape)
 
-    def piece(share: float) -> tuple[float, Any]:
-        began = clock()
-        outcomes = chunk.measure(plan.base, numbers | {"run.until": share * until}, plan.keep)
-        return clock() - began, outcomes
-
     share = min(1.0, WORTH / (plan.seconds_per_top * len(chosen)))
-    first, _ = piece(share / 100)  # which compiles
-    fixed, _ = piece(share / 100)
-    seconds, outcomes = piece(share)
-    steps = outcomes.columns["steps"]
-    ran = outcomes.status != Status.INVALID.code
-    whole = np.where(outcomes.status == Status.FINISHED.code, steps / share, steps)
-    longer = whole[ran].sum() / max(steps[ran].sum(), 1)
-    of_top = max(seconds - fixed, 0.0) * longer / len(chosen)
+    seconds = []
+    for part in (share / 100, share):  # the first compiles
+        began = clock()
+        outcomes = chunk.measure(plan.base, numbers | {"run.until": part * until}, plan.keep)
+        seconds.append(clock() - began)
+    of_top = seconds[1] / share / len(chosen)
     return {
-        "core_seconds": round(plan.chunks * (WRITING + fixed) + plan.n * of_top, 3),
-        "compiling": round(max(first - fixed, 0.0), 2),
-        "tops_measured": int(ran.sum()),
+        "core_seconds": round(plan.chunks * WRITING + plan.n * of_top, 3),
+        "compiling": round(seconds[0], 2),
+        "tops_measured": int((outcomes.status != Status.INVALID.code).sum()),
     }

@@ -21,7 +21,7 @@ from ..scenario import build, reading
 from ..scenario.contact import touches
 from ..scenario.schema import Table
 from ..scenario.sentences import error_sentence
-from . import derived
+from . import derived_axes
 from .design import MOST_TOPS, Axis, Design, Sample
 
 
@@ -121,10 +121,10 @@ class Plan:
             rule = base.rules.get(axis.of)
             _read_texts(axis, f"axis.{i}", rule.unit if rule else ONE)
             sentences += _axis_faults(axis, f"axis.{i}", rule is not None and rule.nonzero)
-        plain = [key for key in keys if key not in derived.DERIVED]
+        plain = [key for key in keys if key not in derived_axes.DERIVED]
         sentences += _design_faults(shape, keys)
-        sentences += derived.faults(base, keys) + ensemble.base_faults(base)
-        sentences += key_faults(base, plain, derived.DERIVED)
+        sentences += derived_axes.faults(base, keys) + ensemble.base_faults(base)
+        sentences += key_faults(base, plain, derived_axes.DERIVED)
         if sentences:
             raise InputError(sentences)
         plain_data = shape.model_dump(exclude_none=True, exclude={"set"})
@@ -175,7 +175,7 @@ class Plan:
 
     def columns(self, tops: np.ndarray) -> dict[str, np.ndarray]:
         """Return the numbers of some tops, under keys of the scenario."""
-        return derived.resolved(self.base, self.design.numbers(tops))
+        return derived_axes.resolved(self.base, self.design.numbers(tops))
 
     def problem(self, top: int) -> Problem:
         """Return the problem of one top, to run alone. Raises InputError."""
@@ -241,14 +241,12 @@ def _read_texts(axis: AxisTable, name: str, unit: Unit) -> None:
 
 
 def _axis(axis: Any) -> Axis:
-    if axis.between is not None:
-        return Axis(axis.of, (), (axis.between[0], axis.between[1]), bool(axis.log))
-    if axis.values is not None:
-        return Axis(axis.of, tuple(axis.values))
-    spread = np.linspace if axis.linspace else np.geomspace
-    first, last = axis.linspace or axis.geomspace or (1, 1)
-    values = tuple(spread(first, last, axis.n or 1).tolist())
-    return Axis(axis.of, values, log=axis.geomspace is not None)
+    values = axis.values or ()
+    if ends := axis.linspace or axis.geomspace:
+        spread: Any = np.linspace if axis.linspace else np.geomspace
+        values = spread(*ends, axis.n).tolist()
+    log = bool(axis.log or axis.geomspace)
+    return Axis(axis.of, tuple(values), tuple(axis.between or ()), log)
 
 
 def _axis_faults(axis: Any, name: str, nonzero: bool) -> list[str]:

@@ -3,63 +3,21 @@
 A finished store does not depend on who computed what or when: equal sweeps make equal files.
 """
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..columns import Column
-from ..store import files, ledger, provenance, zarr3
+from ..store import ledger, provenance, zarr3
 from ..store.ledger import Ledger
 from ..store.root import RUNS, finite
-from ..store.writer import Writer, begin_or_continue
-from . import chunk, derived
-from .chunk import Rows
+from ..store.writer import begin_or_continue
+from . import chunk, derived_axes
 from .plan import Plan
 
 
 GROUP = "sweep"
-FINISHED = {"status": "finished", "reason": "every top was run"}
-KEPT = "Stored chunks are kept: the same command continues it."
-
-
-class SweepStore(Writer):
-    """The store of a sweep, locked, with its writing thread."""
-
-    def __init__(self, plan: Plan, store: Ledger):
-        super().__init__(store)
-        self.plan = plan
-
-    def now(self, work: Callable[[], None]) -> None:
-        """Do work in the writing thread. Raises StoreError."""
-        with files.writing(self.store.path, KEPT):
-            super().now(work)
-
-    def todo(self) -> list[int]:
-        """Return the chunks that are not done."""
-        done = self.store.state.chunks
-        return [k for k in range(self.plan.chunks) if f"{GROUP}/{k}" not in done]
-
-    def write(self, chunk: int, rows: Rows) -> None:
-        """Write the columns of a chunk, and acknowledge it."""
-        tops = self.plan.tops(chunk)
-        values = {**self.plan.design.numbers(tops), **self.plan.columns(tops), **rows}
-
-        def work() -> None:
-            self.store.put(f"{GROUP}/{chunk}", values)
-            self.store.commit()
-
-        self.now(work)
-
-    def fail(self, chunk: int, sentence: str) -> None:
-        """Record why a chunk could not be computed."""
-        self.now(lambda: self.store.commit(failed={f"{GROUP}/{chunk}": sentence}))
-
-    def finish(self) -> None:
-        """Finish the store of a sweep whose chunks are all done."""
-        if not self.store.state.seal:
-            self.now(lambda: self.store.finish(self.store.state.changed | FINISHED))
 
 
 def chunk_counts(path: Path, attrs: dict[str, Any]) -> tuple[dict[str, int], dict[str, str]]:
@@ -71,10 +29,10 @@ def chunk_counts(path: Path, attrs: dict[str, Any]) -> tuple[dict[str, int], dic
     return {"todo": todo, "done": done, "failed": len(failed)}, failed
 
 
-def opened(path: str | Path, plan: Plan) -> SweepStore:
+def opened(path: str | Path, plan: Plan) -> Ledger:
     """Open the store of a sweep to write it, new or continued. Raises StoreError."""
     same = ("plan", "versions", "cpu", "chunk")
-    return SweepStore(plan, begin_or_continue(path, lambda: _header(plan), same))
+    return begin_or_continue(path, lambda: _header(plan), same)
 
 
 def _header(plan: Plan) -> dict[str, Any]:
@@ -104,12 +62,12 @@ def _header(plan: Plan) -> dict[str, Any]:
 
 
 def _coordinates(plan: Plan) -> dict[str, Column]:
-    """Return what varies, without rows: axes, and the keys that derived axes set."""
+    """Return the varied keys: axes, and the keys that derived axes set."""
     rules, first = plan.base.rules, np.zeros(1, int)
     about = {
         key: (rules[key].unit.symbol, rules[key].long_name)
         if key in rules
-        else ("1", derived.DERIVED[key].long_name)
+        else ("1", derived_axes.DERIVED[key].long_name)
         for key in {**plan.design.numbers(first), **plan.columns(first)}
     }
     return {

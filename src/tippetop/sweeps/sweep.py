@@ -15,10 +15,11 @@ from ..progress import reporting
 from ..runs import recording, resuming
 from ..scenario import build
 from ..store import files, provenance, root
+from ..store.ledger import Ledger
 from .chunk import Task
 from .plan import Plan
-from .store import RUNS, SweepStore, opened
-from .summary import open_sweep
+from .store import GROUP, RUNS, opened
+from .sweep_summary import open_sweep
 from .workers import SchedulerLost, Workers, connect, in_process, on_workers, processes
 
 
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
 # core seconds: a process needs 6 s to compile, so less is done sooner by threads of this one
 SMALL = 20.0
+FINISHED = {"status": "finished", "reason": "every top was run"}
+KEPT = "Stored chunks are kept: the same command continues it."
 
 
 def sweep(
@@ -90,11 +93,13 @@ def sweep(
         contextlib.nullcontext() if scheduler is None else connect(scheduler) as cluster,
         opened(place, checked) as store,
     ):
-        sentences = _fill(store, 1 if unknown else workers, cluster, report, stop)
+        sentences = _fill(store, checked, 1 if unknown else workers, cluster, report, stop)
         if not sentences:
             for top in checked.runs:
-                _run_alone(store, top, stop)
-            store.finish()
+                _run_alone(place, checked.problem(top), top, stop)
+            if not store.state.seal:
+                with files.writing(place, KEPT):
+                    store.finish(store.state.changed | FINISHED)
     if sentences:
         raise Unfinished(sentences)
     return open_sweep(place)
@@ -110,14 +115,15 @@ def _unknown_to_others(base: Problem) -> str:
 
 
 def _fill(
-    store: SweepStore,
+    store: Ledger,
+    plan: Plan,
     workers: int | None,
     cluster: Workers | None,
     progress: Callable[[int, int], None],
     stop: threading.Event | None,
 ) -> list[str]:
     """Compute and write the chunks that are todo; return a sentence for each that failed."""
-    plan, todo = store.plan, store.todo()
+    todo = [k for k in range(plan.chunks) if f"{GROUP}/{k}" not in store.state.chunks]
     done = plan.n - sum(len(plan.tops(chunk)) for chunk in todo)
     progress(done, plan.n)
     if not todo:
@@ -137,14 +143,17 @@ def _fill(
         results = on_workers(cluster or processes(threads), tasks)
     try:
         for task, result in results:
-            tops = plan.tops(task.chunk)
-            if isinstance(result, str):
+            tops, key = plan.tops(task.chunk), f"{GROUP}/{task.chunk}"
+            failed = {key: result} if isinstance(result, str) else {}
+            with files.writing(store.path, KEPT):
+                if not isinstance(result, str):
+                    store.put(key, {**plan.design.numbers(tops), **task.columns, **result})
+                store.commit(failed=failed)
+            if failed:
                 sentences.append(
                     f"chunk {task.chunk} (tops {tops[0]} to {tops[-1]}) failed: {result}."
                 )
-                store.fail(task.chunk, result)
             else:
-                store.write(task.chunk, result)
                 done += len(tops)
                 progress(done, plan.n)
             if stop is not None and stop.is_set():
@@ -154,10 +163,9 @@ def _fill(
     return sentences
 
 
-def _run_alone(store: SweepStore, top: int, stop: threading.Event | None) -> None:
-    """Run one top of a plan into its store, or continue it; one that is damaged is run again."""
-    place = files.own_folder(store.store.path / RUNS) / str(top)
-    problem = store.plan.problem(top)
+def _run_alone(path: Path, problem: Problem, top: int, stop: threading.Event | None) -> None:
+    """Run one top of a sweep into its store, or continue it; one that is damaged is run again."""
+    place = files.own_folder(path / RUNS) / str(top)
     with contextlib.suppress(StoreError):
         attrs = root.root_of(place)
         if root.finite(build.resolved(problem)).items() <= attrs.items():

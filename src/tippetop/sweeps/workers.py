@@ -180,5 +180,5 @@ def connect(scheduler: str) -> Iterator[Workers]:
 
 
 def _sentence(error: BaseException) -> str:
-    """Return what happened to a chunk, in a sentence."""
+    """Return a sentence about the failure or success of a chunk."""
     return f"{type(error).__name__}: {error}".rstrip(".: ")

@@ -33,7 +33,7 @@ def playground() -> str:
 
 
 def _preset(name: str) -> dict[str, Any] | None:
-    """Return a preset of a tippe top that slides as the page takes it; None for another system."""
+    """Return a preset of a sliding tippe top as JSON for the page; None for another system."""
     problem = build.load(name)
     if problem.system.name != TOP.name:
         return None

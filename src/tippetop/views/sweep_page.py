@@ -13,7 +13,7 @@ from ..scenario import build
 from ..sweeps import maps
 from ..sweeps.design import Axis
 from ..sweeps.plan import Plan
-from ..sweeps.summary import column, open_sweep
+from ..sweeps.sweep_summary import column, open_sweep
 from . import pages
 from .borders import borders
 from .encoding import encode
@@ -121,7 +121,7 @@ def changes(plan: Plan, tops: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _axis(axis: Axis, numbers: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return an axis as the page takes it."""
+    """Return an axis as JSON for the page."""
     log = axis.log and bool(np.nanmin(numbers) > 0)
     return {
         "key": axis.key,
@@ -138,7 +138,7 @@ def _values(path: Path, table: Any, name: str) -> np.ndarray:
 
 
 def _column(name: str, values: np.ndarray, attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return a column as the page takes it."""
+    """Return a column as JSON for the page."""
     about: dict[str, Any] = {"name": name, "words": greek(attrs["long_name"]).partition(";")[0]}
     about["unit"] = "" if attrs["units"] == "1" else units_text(attrs["units"])
     if name == "class":

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from nightly import at_night
 
-from tippetop.engine.compiled import compiled_from
 from tippetop.engine.driver import NO_ROWS, RUNNING, Driver
 from tippetop.engine.hybrid import formulas_of_phase
+from tippetop.engine.integrator import compiled_from
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import ON_ZERO, SIGN
 from tippetop.mechanics.contact.body import Touch, axis_rate, height
@@ -46,7 +46,7 @@ class Flights:
         q = FLIGHT.enter(x, b)
         driver.state[:] = 0
         driver.state[: len(q)] = q
-        driver.take(leaves(b)[: len(driver.motion.pars)])
+        driver.take(driver.place, leaves(b))
         driver.put(driver.state, (0.0, 0.0))
         driver.end_at(longest_flight(x, b))
         functions = driver.tallies.functions

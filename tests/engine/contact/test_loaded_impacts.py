@@ -2,19 +2,18 @@
 the normal impulse, and the balances of momentum and energy.
 """
 
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tippetop.engine.impacts import Impacts
+from tippetop.engine.impacts import ImpactMotions
 from tippetop.mechanics.contact.body import Touch, angular_velocity, arm, centre_velocity
 from tippetop.mechanics.contact.restitution import RESTITUTIONS
 from tippetop.mechanics.contact.state import Moving
 from tippetop.mechanics.disc_friction import drag
-from tippetop.mechanics.friction import LAWS
+from tippetop.mechanics.friction import LAWS, has_parts
 from tippetop.mechanics.operand import Vector
 
 
@@ -44,7 +43,7 @@ NUMBERS = {
     "contensou": {"mu": 0.3, "patch": PATCH},
 }
 every_law = pytest.mark.parametrize("law", NUMBERS)
-_impacts: dict[tuple, Impacts] = {}
+_impacts: dict[tuple, ImpactMotions] = {}
 
 
 def law_of(law: str, parts: Any = (MU_R, MU_D), **numbers: float) -> Any:
@@ -54,12 +53,10 @@ def law_of(law: str, parts: Any = (MU_R, MU_D), **numbers: float) -> Any:
     return (known if parts is None else known.with_parts)(**NUMBERS[law] | numbers | more)
 
 
-def impacts(friction: Any, restitution: str) -> Impacts:
+def impacts(friction: Any, restitution: str) -> ImpactMotions:
     key = type(friction), restitution, friction[-2:] == (0, 0)
     if key not in _impacts:
-        rules, system = SimpleNamespace(restitution=restitution), SimpleNamespace(laws=LAWS)
-        problem: Any = SimpleNamespace(contact=rules, system=system, precision="double")
-        _impacts[key] = Impacts(problem, friction)
+        _impacts[key] = ImpactMotions(type(friction), has_parts(friction), restitution)
     return _impacts[key]
 
 

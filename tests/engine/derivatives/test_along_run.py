@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.engine.derivatives.along_run import differentiate
+from tippetop.engine.derivatives.sensitivities import differentiate
 from tippetop.errors import InputError
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem

@@ -42,7 +42,7 @@ class Growth(NamedTuple):
 
     @property
     def horizon(self) -> float:
-        """When an error of 1e-16 has grown to 1e-3 [s]; NaN if it does not within the run."""
+        """Time at which an error of 1e-16 has grown to 1e-3 [s]; NaN if later than the run."""
         beyond = np.flatnonzero(self.factor * ROUNDING > LOST)
         if not len(beyond):
             return math.nan
@@ -64,8 +64,8 @@ class Growth(NamedTuple):
         return f"an error of 1e-16 at the start grows to at most {size:.2g} ({exponent})"
 
 
-def growth(problem: Problem, times: np.ndarray, *, uses: int = 1) -> Growth:
-    """The growth of errors of the start, by the variational equations.
+def growth(problem: Problem, times: np.ndarray) -> Growth:
+    """Return the growth of errors of the start, by the variational equations.
 
     Parameters
     ----------
@@ -73,8 +73,6 @@ def growth(problem: Problem, times: np.ndarray, *, uses: int = 1) -> Growth:
         The run, in doubles; in vector form where its system has one.
     times
         Of the rows [s], (n,), ascending, the first 0.
-    uses
-        How many such problems there are, about: for many the equations are compiled with more care.
 
     Raises
     ------
@@ -97,9 +95,8 @@ def growth(problem: Problem, times: np.ndarray, *, uses: int = 1) -> Growth:
     point = np.repeat(numbers.internal()[:, None], len(wrt), axis=1)
     moving = kind.variables.names[: kind.variables.moving]
     counted = [i for i, name in enumerate(moving) if name != "L3"]  # L.3hat is counted with L
-    states = Tangents(kind, problem.tolerance, uses=uses).states(
-        point, ways, times / float(problem.scales.of(SECOND)), moving
-    )
+    second = float(problem.scales.of(SECOND))
+    states = Tangents(kind, problem.tolerance).states(point, ways, times / second)
     moves = states[:, 1, counted]  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]

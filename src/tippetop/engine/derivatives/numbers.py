@@ -69,7 +69,7 @@ class Numbers:
         return np.array([[float(name == other) for other in wrt] for name in self.names])
 
     def kind(self, order: int = 1, orientation: bool | None = None) -> Kind:
-        """What tangents of the problem are compiled for."""
+        """Key of the compiled tangents of the problem."""
         problem = self.problem
         turning = problem.orientation if orientation is None else orientation
         names = tuple(self.initial)

@@ -9,7 +9,6 @@ from typing import Any, ClassVar, NamedTuple
 
 from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
-from ..inlining import inlined
 from ..number import Record
 from ..operand import Operand, Vector, cos, cross, dot, formula, plus, sin, times
 from ..units import ANGULAR_MOMENTUM, INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE
@@ -128,14 +127,12 @@ def arm2(z, b):
 
 
 @formula
-@inlined
 def axis_rate(u, L, b):
     """Return 3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
     return times(1 / b.I1, cross(L, u))
 
 
 @formula
-@inlined
 def angular_velocity(u, L, b):
     """Return omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
     return angular_velocity_of(u, L, dot(L, u), b)
@@ -155,7 +152,6 @@ def arm_velocity(u, L, b):
 
 
 @formula
-@inlined
 def contact_velocity(u, L, V, b):
     """Return v_A = V + omega x a, (3,) [m/s], of the lowest point; V is that of the centre of mass.
 
@@ -165,7 +161,6 @@ def contact_velocity(u, L, V, b):
 
 
 @formula
-@inlined
 def centre_velocity(u, L, v, b):
     """Return the velocity of the centre of mass, (3,) [m/s].
 

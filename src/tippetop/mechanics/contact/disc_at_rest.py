@@ -17,7 +17,7 @@ from .response import bias_vector, other_mobility_inverse_times, torque_accelera
 
 
 class Turning(NamedTuple):
-    """What a torque about the vertical does."""
+    """Effect of a torque about the vertical."""
 
     turn: Vector  # k: angular acceleration per torque
     along: Vector  # t: acceleration of the contact point per torque; and Omega_z' per force
@@ -70,7 +70,7 @@ def holding(u, L, rolling, body):
 
 @formula
 def held_disc(u, bias, free, rolling, body):
-    """Return what keeps a disc at rest.
+    """Return the force and torque that keep a disc at rest.
 
     Without it, the acceleration of its contact point would be `bias`, and Omega_z' = `free`.
     """

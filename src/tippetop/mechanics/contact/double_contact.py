@@ -16,7 +16,7 @@ from ..form import Phase
 from ..operand import Operand, Vector, cross, dot, plus, times
 from ..units import METRE_PER_SECOND
 from .body import Touch, angular_velocity, arm, arm_velocity, height, seen_from_other, state
-from .gliding.vector import axis, axis_rate, momentum
+from .gliding.gliding_vector import axis, axis_rate, momentum
 from .single_contact import borders, disc_friction, ending, force_of, phase_of, smooth_friction
 from .state import Moving, Reaction, gained
 
@@ -25,11 +25,11 @@ STATE = state(rx_dot=METRE_PER_SECOND, ry_dot=METRE_PER_SECOND)
 """Horizontal velocity of the centre of mass."""
 
 Scalars: Any = namedtuple("Scalars", "z force stem_force by stem")
-"""Normal forces of sphere and stem, and what the plane does to each."""
+"""Normal forces of sphere and stem, and the actions of the plane on each."""
 
 
 class Side(NamedTuple):
-    """What the plane does to one of the balls, per its normal force; and how it slides."""
+    """Action of the plane on one of the balls, per normal force; and its sliding velocity."""
 
     arm: Vector
     force: Vector

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from ..form import Next
-from ..inlining import inlined
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
@@ -107,7 +106,6 @@ def point(x: Moving, b: Touch) -> Vector:
     return contact.contact_velocity(x.u, x.L, x.velocity, b)
 
 
-@inlined
 def rise(x: Moving, b: Touch) -> Any:
     """Return its vertical component."""
     return x.velocity.z + b.c * contact.axis_rate(x.u, x.L, b).z
@@ -131,7 +129,7 @@ def both_rest(x: Moving, world: Any) -> bool:
 
 
 def first_touch(n: Next, world: Any) -> Next:
-    """Return what follows where a ball comes into contact.
+    """Return the phase after a ball comes into contact.
 
     From here on Jellett's integral is compared with that of this ball.
     """
@@ -202,7 +200,7 @@ def gap_rate(x: Moving, b: Touch, order: int) -> Any:
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return what follows where a ball touches the plane and its lowest point does not rise.
+    """Return the phase after a ball touches the plane without rising.
 
     The body slides, rolls or leaves.
     """
@@ -228,7 +226,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
 
 
 def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
-    """Return what follows where both balls touch and neither rises.
+    """Return the phase after both balls touch and neither rises.
 
     The body stays on both, if both press, or on the one that does.
     """
@@ -277,7 +275,7 @@ def left_alone(n: Next, world: Any, zeros: int) -> Next:
 
 
 def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return what follows an impact of a ball.
+    """Return the phase after an impact of a ball.
 
     The other one strikes too, should it be pressed into the plane.
     """
@@ -432,14 +430,14 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
 
 
 def lift_off(x: Moving, world: Any) -> Next:
-    """Return what follows where the normal force vanishes."""
+    """Return the phase after the normal force vanishes."""
     n = fly(x, world, world.phase.ball, 3, "liftoff")
     n.logged = ("liftoff",)
     return n
 
 
 def land(x: Moving, world: Any) -> Next:
-    """Return what follows a flight.
+    """Return the phase after a flight.
 
     Of the balls on the plane, the one that falls fastest strikes.
     """
@@ -450,17 +448,17 @@ def land(x: Moving, world: Any) -> Next:
 
 
 def change_ball(x: Moving, world: Any) -> Next:
-    """Return what follows where the other ball touches the plane."""
+    """Return the phase after the other ball touches the plane."""
     return strike(x, world, 1 - world.phase.ball, "other-ball")
 
 
 def stay_on(x: Moving, world: Any, ball: int) -> Next:
-    """Return what follows where one of two balls leaves the plane; this one stays."""
+    """Return the phase after one of two balls leaves the plane and this one stays."""
     return first_touch(left_alone(on_plane(x, world, ball, "other-leaves"), world, 3), world)
 
 
 def stick(x: Moving, world: Any) -> Next:
-    """Return what follows where sliding stops."""
+    """Return the phase after sliding stops."""
     v = point(x, world.body[world.phase.ball])
     delay = 0 * v.x
     if size(v) > 0:
@@ -472,7 +470,7 @@ def stick(x: Moving, world: Any) -> Next:
 
 
 def begin_slip(x: Moving, world: Any) -> Next:
-    """Return what follows where rolling needs more friction than there is."""
+    """Return the phase after rolling needs more friction than the law allows."""
     name = phase_name("slip", world.phase.ball)
     phase = world.phases[name]
     lasts, series = slide_from_cone(x, world, phase)
@@ -494,14 +492,14 @@ def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Ne
 
 
 def come_to_rest(x: Moving, world: Any, slides: str) -> Next:
-    """Return what follows where a disc that slides in a phase neither slides nor turns any more."""
+    """Return the phase after a sliding disc neither slides nor turns any more."""
     n = on_disc(Next(slides, x, "", zeros={RESTS.name: 1}, sides={RESTS.name: -1}), world)
     n.logged = ("stick",) if world.phases[n.phase].label == "rest" else ()
     return n
 
 
 def give_way(x: Moving, world: Any) -> Next:
-    """Return what follows where friction can no longer hold a disc at rest."""
+    """Return the phase after friction can no longer hold a disc at rest."""
     n = slide_from_rest(x, world, world.phase.ball, "gives")
     n.logged = ("slip",)
     return n
@@ -525,7 +523,7 @@ def on_disc(n: Next, world: Any) -> Next:
 
 
 def at_rest(n: Next, world: Any, ball: int) -> Next:
-    """Return what follows where sliding and turning of a disc have stopped together.
+    """Return the phase after sliding and turning of a disc have stopped together.
 
     A disc that friction cannot hold passes its rest if it soon leaves it again; otherwise it begins
     to slide with a small speed, so that its next rest is detected.

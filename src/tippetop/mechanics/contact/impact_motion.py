@@ -18,7 +18,6 @@ from ..disc_friction import Drag, rolling
 from ..event import Event
 from ..form import Form
 from ..friction import load
-from ..inlining import inlined
 from ..operand import Vector, cross, dot, exp, log, plus, sqrt, times
 from ..units import ONE
 from .body import angular_velocity, arm
@@ -175,7 +174,6 @@ def stages(law: Any) -> dict[str, Stage]:
             every = *slips, *(pace * w * one for one in works)
             return Motion._make(one / CLOCK_RATE for one in every)
 
-        @inlined
         def slope(q, b):
             by = acts(q, b)
             return gains(by, b).z, growth(q, by, b)

@@ -11,7 +11,6 @@ from typing import Any
 from ..event import Event
 from ..form import CLOCK, Exit, Form, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
-from ..inlining import inlined
 from ..number import Number
 from ..operand import formula, leaves, refill
 from ..system import System
@@ -19,7 +18,7 @@ from ..units import METRE, METRE_PER_SECOND
 from .body import Touch, seen_from_balls
 from .double_contact import double_contact
 from .exits import IMPACT, JUMPS, begin, come_to_rest, go_on, land, phase_name
-from .gliding import catalogue as gliding
+from .gliding import gliding_catalogue as gliding
 from .planar import in_plane
 from .single_contact import (
     CONE,
@@ -80,7 +79,7 @@ OCCURRENCES = (
         None,
     ),
 )
-"""What jumps log, as events of a run."""
+"""Events of a run that jumps log."""
 
 SETTLED = Event(
     "settled",
@@ -117,7 +116,7 @@ TABLES = {
 
 
 def kind_of(law: Any) -> tuple:
-    """Return what decides the phases of a contact, of a law."""
+    """Return the attributes of a law that determine the phases of a contact."""
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 
@@ -173,11 +172,10 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) 
             )
     flies = phase.label == "flight"
     names = [event.name for event in phase.events] + [CLOCK] * flies
-    exits = tuple(Exit(one, tuple(bare), land if flies else jumps[one], True) for one in names)
+    exits = tuple(Exit(one, tuple(bare), land if flies else jumps[one]) for one in names)
     carried = tuple(one for one in phase.form.integrals if one.name in integrals)
     form = replace(phase.form, integrals=carried, not_normalised=("R", "c"))
-    fast = {name: inlined(getattr(phase, name)) for name in ("enter", "leave", "reaction")}
-    return replace(phase, forms=form, exits=exits, parameters=itemgetter(ball), ball=ball, **fast)
+    return replace(phase, forms=form, exits=exits, parameters=itemgetter(ball), ball=ball)
 
 
 # --- systems ------------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-from ..inlining import inlined
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
 from .body import angular_velocity, arm, arm2, axis_rate, contact_velocity
 
@@ -50,7 +49,6 @@ def other_mobility_inverse_times(u, x, excess, b):
 
 
 @formula
-@inlined
 def bias_vector(u, L, b):
     """Return b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat.
 
@@ -83,7 +81,6 @@ class Struck(NamedTuple):
 
 
 @formula
-@inlined
 def after_impact(u, L, velocity, p, twist, b):
     """Return the body after an impulse at its contact and one of a torque."""
     after, newer = plus(velocity, times(1 / b.m, p)), plus(plus(L, cross(arm(u, b), p)), twist)

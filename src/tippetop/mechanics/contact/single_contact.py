@@ -15,14 +15,14 @@ from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
 from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height, state
+from .body_axes import carried_along
 from .coulomb import across_and_along, cone, contact_acceleration, sliding, sliding_along, sticking
 from .disc_at_rest import holding, margin
-from .gliding import catalogue as gliding
-from .gliding import vector as gliding_vector
-from .gliding.vector import VectorState, axis, axis_rate, momentum
+from .gliding import gliding_catalogue as gliding
+from .gliding import gliding_vector
+from .gliding.gliding_vector import VectorState, axis, axis_rate, momentum
 from .integrals import NAMED
-from .orientation import carried_along
-from .rolling.vector import spin
+from .rolling.rolling_vector import spin
 from .state import LOST, VELOCITY, Moving, Reaction
 
 
@@ -46,7 +46,7 @@ def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Ca
 
 
 class Acts(NamedTuple):
-    """What the plane does to a body, and how the contact moves, (3,) each."""
+    """Force and torque of the plane on a body, and the velocity of the contact, (3,) each."""
 
     force: Vector
     torque: Vector
@@ -55,7 +55,7 @@ class Acts(NamedTuple):
 
 
 Contact: Any = namedtuple("Contact", "z z_dot force by q")
-"""`force` is the normal force, `by` what the plane does, `q` the state."""
+"""`force` is the normal force, `by` the action of the plane, `q` the state."""
 
 
 def on_ball(

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from ..form import Form, Integral, Phase, Quantity
-from ..operand import Operand, Vector, dot, sqrt
+from ..operand import Operand, Vector, dot
 from ..units import (
     ANGULAR_MOMENTUM,
     JELLETT,
@@ -27,20 +27,20 @@ from ..units import (
 )
 from . import body as contact
 from .body import filled, kinematics, of_azimuth, state
-from .gliding import catalogue as gliding
-from .gliding.chart import axis_and_momentum, axis_angles
-from .gliding.euler import EULER_UNITS
-from .gliding.vector import axis, axis_rate, momentum
+from .body_axes import carried_along, planar
+from .gliding import gliding_catalogue as gliding
+from .gliding.gliding_chart import angles_by, axis_and_momentum
+from .gliding.gliding_euler import EULER_UNITS
+from .gliding.gliding_vector import axis, axis_rate, momentum
 from .integrals import NAMED
-from .orientation import carried_along, planar
-from .rolling.vector import spin
+from .rolling.rolling_vector import spin
 
 
 PHASES = ("slip", "roll", "flight", "both", "rest")
 """Labels of phases; the place of a label is its number in a store."""
 
 BALLS = ("body", "stem")
-"""What touches the plane; the place of a name is its number in a store."""
+"""Parts that touch the plane; the position of a name is its number in a store."""
 
 REFERENCE = ("jellett_reference", JELLETT, "Jellett's integral when its ball first touched")
 """An integral that only jumps change: the drift of Jellett's integral is relative to it."""
@@ -64,7 +64,7 @@ class Moving(NamedTuple):
 
 
 class Reaction(NamedTuple):
-    """What the plane does to a body."""
+    """Force and torque of the plane on a body."""
 
     force: Vector
     drilled: Operand = 0  # power that torques of the contact take
@@ -85,7 +85,7 @@ ROW_UNITS = state(
     drilled=WATT,
 )
 Row = type(ROW_UNITS)
-"""A common state as one record of numbers, and what else a row contains."""
+"""A common state as one record of numbers, with the other numbers of a row."""
 
 
 def moving(row: Any, carried: Any) -> Moving:
@@ -138,7 +138,7 @@ KNOWN = (
 )
 FIELDS = (*contact.Kinematics._fields, *KNOWN, *Row._fields[9:])
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
-"""The scalars of a gliding body, and what else a row contains."""
+"""The scalars of a gliding body, with the other numbers of a row."""
 
 
 def lowest_velocity(q, b):
@@ -176,7 +176,7 @@ ANGLES = filled(
     work=JOULE,
     impulse=NEWTON_SECOND,
 )
-"""What users give and read: as of a gliding body, and velocity and height of the lowest point."""
+"""Public variables: those of a gliding body, and velocity and height of the lowest point."""
 
 DISC_ANGLES = filled(**ANGLES._asdict(), jellett_lost=JELLETT)
 ACROSS = ("phi_dot", "omega3", "nu_y", "phi", "y")
@@ -199,19 +199,6 @@ def row_of_angles(e, s, z, b):
     height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(L.z, b.I3 * e.omega3, b)
     zeros = (none,) * 3
     return Row(*u, *L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none)
-
-
-def angles_of_row(q, carried, b):
-    """Return the angles of a row.
-
-    They are 0/0 exactly at a pole, where phi and components along it are undefined.
-    """
-    c = row_scalars(q, b)
-    theta, theta_dot, phi_dot, phi = axis_angles(c, axis(q))
-    s = sqrt(c.s2)
-    values = theta, theta_dot, phi_dot, c.L3 / b.I3, c.v_u / s, c.v_n / s, c.rise, c.gap, phi
-    record: Any = type(DISC_ANGLES if hasattr(carried, LOST[0]) else ANGLES)
-    return record(*values, *carried[: len(record._fields) - len(values)])
 
 
 def planar_angles_of_row(q, carried, b):
@@ -242,11 +229,15 @@ ROW = Form(
     None,
     row_scalars,
     row_of_angles,
-    angles_of_row,
+    angles_by(ANGLES, row_scalars),
     integrals=carried("x", "y", "work", "impulse"),
     orientation=carried_along(axis, axis_rate, spin),
 )
-DISC_ROW = replace(ROW, integrals=carried("x", "y", "work", "impulse", LOST[0]))
+DISC_ROW = replace(
+    ROW,
+    to_angles=angles_by(DISC_ANGLES, row_scalars),
+    integrals=carried("x", "y", "work", "impulse", LOST[0]),
+)
 PLANAR_ROW = replace(
     ROW,
     name="angle",
@@ -303,7 +294,11 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
     }
     text = "what touches the plane, or did last"
     quantities += [
-        *(replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES),
+        *(
+            replace(one, formula=formulas[one.name])
+            for one in gliding.QUANTITIES
+            if one.name in formulas
+        ),
         Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
         Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
         Quantity("ball", "ball", ONE, text, lambda s, b: s.ball, BALLS),

@@ -14,13 +14,12 @@ from typing import Any
 
 from ...errors import InputError
 from .. import friction
-from ..consistency import inconsistencies, unmet_requirements
 from ..contact.opening import kind_of, opened
 from ..friction import FrictionLaw
 from ..number import RecordType
 from ..system import System
+from .consistency import check
 from .cylinder import GLIDING_CYLINDER, Modified
-from .function_checks import check_answers
 from .gliding_heavy_top import GLIDING_HEAVY_TOP
 from .heavy_top import HEAVY_TOP
 from .rolling_cylinder import ROLLING_CYLINDER
@@ -55,18 +54,6 @@ def add(system: System) -> None:
         raise InputError(f"the name of a system must be new, but `{system.name}` is known.")
     check(system)
     SYSTEMS[system.name] = system
-
-
-def check(system: System) -> None:
-    """Raise InputError for a system whose records contradict one another, or that cannot be run."""
-    try:
-        if faults := inconsistencies(system) or unmet_requirements(system):
-            raise InputError(faults)
-        check_answers(system)
-    except (AttributeError, TypeError) as error:
-        raise InputError(
-            f"the records of `{system.name}` must be of the kinds that `System` has, but: {error}."
-        ) from error
 
 
 def add_law(law: type[FrictionLaw]) -> None:

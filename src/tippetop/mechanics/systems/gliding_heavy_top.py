@@ -3,9 +3,8 @@
 It is the body of `gliding` with R = 0, c = -l.
 """
 
-from ..contact.gliding import catalogue as gliding
-from ..contact.gliding import euler as gliding_euler
-from ..contact.gliding import rates
+from ..contact.gliding import gliding_catalogue as gliding
+from ..contact.gliding import gliding_euler, rates
 from ..friction import LAWS
 from ..operand import formula
 from ..system import Opening, Quantity, of_one_phase
@@ -37,7 +36,7 @@ GLIDING_HEAVY_TOP = of_one_phase(
     source=SOURCE + "5",
     initial=gliding.INITIAL,
     alternatives=gliding.ALTERNATIVES,
-    start=gliding.start,
+    start=gliding.start_of(gliding_euler.ANGLES),
     angles=gliding_euler.ANGLES,
     forms=gliding.FORMS,
     quantities=(*heavy_top.MOMENTA, *gliding.QUANTITIES),

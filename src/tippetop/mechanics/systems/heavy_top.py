@@ -8,21 +8,19 @@ They are bodies with R = 0, c = -l (see contact.body.Touch); the other one glide
 """
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..contact import body as contact
 from ..contact.body import Top, Touch, tip_inertia
-from ..contact.gliding import catalogue as gliding
-from ..contact.gliding import chart as gliding_chart
-from ..contact.gliding import vector as gliding_vector
-from ..contact.gliding.vector import axis
+from ..contact.body_axes import carried_along
+from ..contact.gliding import gliding_catalogue as gliding
+from ..contact.gliding import gliding_chart, gliding_vector
+from ..contact.gliding.gliding_vector import axis
 from ..contact.integrals import integral
-from ..contact.orientation import carried_along
-from ..contact.rolling import catalogue as rolling
-from ..contact.rolling import reaction
-from ..contact.rolling import vector as rolling_vector
+from ..contact.rolling import reaction, rolling_euler, rolling_vector
+from ..contact.rolling import rolling_catalogue as rolling
 from ..number import Number, number, reuse
-from ..operand import Operand, cos, cross, formula, plus, sin, sqrt, times
+from ..operand import cross, formula, plus, sqrt, times
 from ..potential_coefficients import PotentialCoefficients
 from ..system import Form, Landscape, Momentum, Quantity, of_one_phase
 from ..units import (
@@ -31,7 +29,6 @@ from ..units import (
     NEWTON_SECOND,
     PER_SECOND,
     RADIAN,
-    RADIAN_PER_SECOND,
 )
 from . import outlook
 from .tippe_top import SOURCE, TippeTop
@@ -76,7 +73,7 @@ def potential(z, Lz, L3, b):
 
 
 def coefficients(b) -> PotentialCoefficients:
-    """Return V of both heavy tops as the landscape takes it, seen upside down.
+    """Return V of both heavy tops in the variables of the landscape, seen upside down.
 
     q is cot(theta/2)^2, and the momenta are (L3, Lz).
     """
@@ -191,18 +188,10 @@ def vertical_reaction(q, carried, b):
     return b.m * (b.g - b.c * ((weight + turn / inertia) / inertia))
 
 
-class Angles(NamedTuple):
-    """Angles: theta, theta', phi', omega_3, phi; and the integral of the vertical reaction."""
+ANGLES = contact.filled(**rolling_euler.EULER_UNITS._asdict(), phi=RADIAN, impulse=NEWTON_SECOND)
+"""theta, theta', phi', omega_3, phi; and the integral of the vertical reaction."""
 
-    theta: Operand
-    theta_dot: Operand
-    phi_dot: Operand
-    omega3: Operand
-    phi: Operand
-    impulse: Operand
-
-
-ANGLES = Angles._make((RADIAN, *(RADIAN_PER_SECOND,) * 3, RADIAN, NEWTON_SECOND))
+Angles = type(ANGLES)
 
 
 @formula
@@ -212,32 +201,7 @@ def vector_of_angles(e, s, z, b):
     return rolling_vector.VectorState(*u, *L)
 
 
-@formula
-def angles_of_vector(q, carried, b):
-    """Return the angles of a state about the fixed tip.
-
-    They are 0/0 exactly at a pole, where phi is undefined.
-    """
-    c = fixed_scalars(q, b)
-    theta, theta_dot, phi_dot, phi = gliding_chart.axis_angles(c, axis(q))
-    return Angles(theta, theta_dot, phi_dot, c.L3 / b.I3, phi, carried.impulse)
-
-
-@formula
-def angles_of_euler(q, carried, b):
-    """Return the same angles with theta in [0, pi] and phi in (-pi, pi].
-
-    They are computed by way of the vector state.
-    """
-    e = Angles(q.theta, q.theta_dot, q.phi_dot, q.omega3, carried.phi, carried.impulse)
-    return angles_of_vector(vector_of_angles(e, sin(e.theta), cos(e.theta), b), carried, b)
-
-
-def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
-    """Return the angle record of the given initial values."""
-    return gliding.given_angles(Angles, data, z)
-
-
+angles_of_vector = gliding_chart.angles_by(ANGLES, fixed_scalars)
 FIXED_VECTOR = Form(
     "vector",
     rolling_vector.VECTOR_UNITS,
@@ -248,10 +212,13 @@ FIXED_VECTOR = Form(
     integrals=(integral("impulse", vertical_reaction),),
     orientation=carried_along(axis, tip_axis_rate, rolling_vector.spin),
 )
-FIXED_EULER = replace(
-    rolling.EULER,
-    to_angles=angles_of_euler,
-    integrals=tuple(i for i in rolling.EULER.integrals if i.name in ("phi", "impulse")),
+FIXED_EULER = gliding_chart.in_euler_angles(
+    FIXED_VECTOR,
+    ANGLES,
+    rolling_euler.EULER_UNITS,
+    rolling_euler.euler_rates,
+    rolling_euler.euler_scalars,
+    (integral("impulse", rolling_euler.vertical_force),),
 )
 
 
@@ -284,7 +251,7 @@ HEAVY_TOP = of_one_phase(
     source=SOURCE + "2",
     initial={name: p for name, p in rolling.INITIAL.items() if name not in ("x", "y")},
     alternatives=(gliding.BY_PSI_DOT,),
-    start=start,
+    start=gliding.start_of(ANGLES),
     angles=ANGLES,
     forms={"vector": FIXED_VECTOR, "euler": FIXED_EULER},
     quantities=(*MOMENTA, *gliding.ENERGIES, *rolling.REACTION[:2]),

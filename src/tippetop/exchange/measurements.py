@@ -13,8 +13,8 @@ from ..problem import Problem
 from ..progress import reporting
 from .fitting import Fit, fit
 from .motion import Convention, motion
+from .motion_table import Table, read
 from .observation import Observation
-from .table import Table, read
 
 
 Progress = Callable[[int, int], None] | bool
@@ -30,7 +30,7 @@ def observation_of(
     marker: tuple[float, float, float] | None,
     noise: float | str | None = None,
 ) -> Observation:
-    """Return measurements and what a scenario predicts for them.
+    """Return measurements and the prediction of a scenario for them.
 
     `noise`: the standard deviation of measured angles [rad], or a text such as "1 deg".
 

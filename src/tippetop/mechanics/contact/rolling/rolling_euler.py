@@ -13,10 +13,10 @@ from .reaction import Scalars, spin_determinant
 EULER_UNITS = filled(
     theta=RADIAN, theta_dot=RADIAN_PER_SECOND, phi_dot=RADIAN_PER_SECOND, omega3=RADIAN_PER_SECOND
 )
-"""theta, theta', phi', omega_3."""
+"""Variables theta, theta', phi', omega_3."""
 
 ANGLES = filled(**EULER_UNITS._asdict(), phi=RADIAN, x=METRE, y=METRE, impulse=NEWTON_SECOND)
-"""What users give and read: the state, phi, and the integrals."""
+"""Public variables: the state, phi, and the integrals."""
 
 EulerState, Angles = type(EULER_UNITS), type(ANGLES)
 

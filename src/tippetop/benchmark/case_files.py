@@ -226,7 +226,7 @@ def _columns(motion: Truth, thresholds: Mapping[str, float]) -> dict[str, np.nda
 
 def scaled(motion: Truth) -> dict[str, tuple[np.ndarray, float]]:
     """Return by header the numbers of a motion in units of their last digit, and 1/unit."""
-    columns = {}
+    columns: dict[str, tuple[np.ndarray, float]] = {}
     for name, headers in VECTORS.items():
         values = getattr(motion, name).astype(float)
         largest = np.abs(values).max() or 1.0

@@ -60,10 +60,9 @@ def surface(
 
     from ..awaiting import awaited
     from ..figures import drawing
-    from ..landscape import marked_lines, recording, surface
+    from ..landscape import marked_lines, surface, surface_recording
     from ..progress import Bar
-    from .plot import check_picture
-    from .sweep import finished
+    from .targets import check_picture, finished
 
     parameters, system = _tippe_top(scenario)
     if out is None and figure is None:
@@ -88,8 +87,8 @@ def surface(
                     "not."
                 )
             with Bar("chunks") as bar:
-                wanted = recording.Surface(parameters, Ds, lambdas, system)
-                recording.write(out, wanted, threads=threads, progress=bar.update)
+                wanted = surface_recording.Surface(parameters, Ds, lambdas, system)
+                surface_recording.write(out, wanted, threads=threads, progress=bar.update)
         except KeyboardInterrupt:
             return complain(["interrupted; the same command continues from here."], 130)
         if was_finished:
@@ -141,9 +140,8 @@ def potential(
 
     from ..awaiting import awaited
     from ..figures import drawing
-    from ..landscape import potential, recording, surface
-    from .plot import check_picture
-    from .sweep import finished
+    from ..landscape import potential, surface, surface_recording
+    from .targets import check_picture, finished
 
     parameters, system = _tippe_top(scenario)
     if not 2 <= n <= MOST_POINTS:
@@ -163,7 +161,9 @@ def potential(
     if out is not None:
         finished(out, overwrite)
         attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
-        recording.write_potential(out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": minimum})
+        surface_recording.write_potential(
+            out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": minimum}
+        )
     if figure is not None:
         drawing.write(_potential(V, least), figure, overwrite=overwrite)
     if as_json:
@@ -192,8 +192,7 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
     """Print the content of the store of `surface` or `potential`."""
     if as_json:
         return print_json(attrs)
-    from .show import plain
-    from .text import table
+    from .text import plain, table
 
     print(visible(attrs["title"]))
     names = ("system", "parameters", "axes", "D", "lambda", "minimum", "versions")
@@ -203,16 +202,16 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
 
 def _surface(grid: Any, parameters: dict[str, float], look: Look = PLAIN) -> Any:
     """Draw a surface with the lines of both spinning states."""
-    from ..figures import drawing
+    from ..figures import drawing, landscape_figures
     from ..landscape import marked_lines
 
     lines = marked_lines.marked_lines(parameters, grid["lambda"].values)
-    return drawing.composed("surface", (grid, lines), look)
+    return drawing.drawn(lambda: landscape_figures.surface(grid, lines), look)
 
 
 def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
     """Draw a potential with its minimum."""
-    from ..figures import drawing
+    from ..figures import drawing, well
 
     D, lam = float(least["D"]), float(least["lambda"])
     title = (
@@ -220,13 +219,13 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
         "× 10⁻⁶ kg m³ s⁻¹"
     )
     at = least.squeeze(drop=True).rename(theta="theta_star")
-    return drawing.composed("potential", ([("", V, at)], title), look)
+    return drawing.drawn(lambda: well.potential([("", V, at)], title), look)
 
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     """Return parameters and system of a scenario. Raises InputError if it has no (D, lambda)."""
     from ..errors import a_system
-    from ..landscape.along_run import SPINNING
+    from ..landscape.run_landscape import SPINNING
     from ..scenario import build
 
     problem = build.load(scenario)

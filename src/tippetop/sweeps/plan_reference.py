@@ -1,6 +1,6 @@
 """The keys of a plan as tables, for `tippetop help plan` and the manual."""
 
-from ..scenario.reference import KEYS, Section, keys_of
+from ..scenario.scenario_reference import KEYS, Section, keys_of
 from .design import Sample
 from .plan import AxisTable, PlanTable
 

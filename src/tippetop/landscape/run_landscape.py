@@ -10,7 +10,7 @@ from ..columns import flagged, on_sphere
 from ..errors import InputError, a_system
 from ..mechanics.friction import PARTS, Frictionless
 from ..mechanics.theory import thresholds, tumbling
-from .body import landscape_of
+from .landscape_body import landscape_of
 from .marked_lines import marked_lines
 from .potential import potential as potential_over
 from .surface import minimal_surface
@@ -53,7 +53,10 @@ def band(
 
 def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
     """Return the surface around a run, the marked lines, the run on its sphere, and a title."""
-    parameters, lam = _spinning(attrs, trajectory, "the surface is drawn around a run")
+    refuse_parts(attrs.get("friction", {}))
+    parameters, lam = attrs["parameters"], float(trajectory["jellett"][0])
+    if lam == 0:
+        raise InputError("the surface is drawn around a run with lambda other than 0, but it is 0.")
     lambdas = np.sort(np.linspace(0, 1.25 * lam, 201))
     lines, seen = marked_lines(parameters, lambdas), _on_sphere(trajectory)
     ends = np.append(lines["D"].values, seen["routh"].values)
@@ -138,14 +141,3 @@ def refuse_parts(friction: Mapping[str, Any]) -> None:
     if acts := [f"friction.{name}" for name in PARTS if friction.get(name)]:
         words = "this figure shows spinning states, which must last, but none does under"
         raise InputError(f"{words} `{acts[0]}`: draw theta or energy.")
-
-
-def _spinning(
-    attrs: dict[str, Any], trajectory: xr.Dataset, subject: str
-) -> tuple[dict[str, float], float]:
-    """Return the parameters and lambda of a run whose spinning states last. Raises InputError."""
-    refuse_parts(attrs.get("friction", {}))
-    lam = float(trajectory["jellett"][0])
-    if lam == 0:
-        raise InputError(f"{subject} with lambda other than 0, but it is 0.")
-    return attrs["parameters"], lam

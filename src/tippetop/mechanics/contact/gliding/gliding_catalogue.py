@@ -1,5 +1,6 @@
 """Input and output of a gliding body: initial data, forms, events, quantities."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -26,20 +27,18 @@ from ..body import (
     jellett,
     modified_energy,
 )
+from ..body_axes import carried_along
 from ..integrals import integral, place
-from ..orientation import by_angles, carried_along
-from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
-from .euler import (
+from .gliding_chart import angles_of_vector, in_euler_angles, vector_of_angles
+from .gliding_euler import (
+    ANGLES,
     EULER_UNITS,
-    Angles,
     centre_velocity,
     euler_rates,
     euler_scalars,
-    psi_rate,
-    sine_and_cosine,
     velocity,
 )
-from .vector import VECTOR_UNITS, axis, axis_rate, vector_rates, vector_scalars
+from .gliding_vector import VECTOR_UNITS, axis, axis_rate, vector_rates, vector_scalars
 
 
 INITIAL = {
@@ -63,36 +62,27 @@ BY_PSI_DOT = Alternative("psi_dot", ("omega3",))
 ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag=True))
 
 
-def given_angles(angles: Any, data: dict[str, Any], z: Any) -> Any:
-    """Return the record of angles of what the user gave, the rest zero.
+def start_of(angles: Any) -> Callable:
+    """Return `start` of a system with these angles: what the user gave, the rest zero.
 
-    psi_dot may stand for omega3.
+    psi_dot may be given instead of omega3, and centre_at_rest instead of nu_x and nu_y.
     """
-    e = angles(*(data.get(name, 0) for name in angles._fields))
-    return e._replace(omega3=data["psi_dot"] + e.phi_dot * z) if "psi_dot" in data else e
 
+    def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
+        e = type(angles)(*(data.get(name, 0) for name in angles._fields))
+        if "psi_dot" in data:
+            e = e._replace(omega3=data["psi_dot"] + e.phi_dot * z)
+        if data.get("centre_at_rest"):
+            along_e, along_2 = centre_velocity(e, s, z, b)
+            e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
+        return e
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-    """Return the angles of what the user gave; centre_at_rest may stand for nu_x and nu_y."""
-    e = given_angles(Angles, data, z)
-    if data.get("centre_at_rest"):
-        along_e, along_2 = centre_velocity(e, s, z, b)
-        e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
-    return e
-
-
-@formula
-def away_from_pole(s, b):
-    """Return sin(theta)^2."""
-    return s.s2
+    return start
 
 
 NOT_JAMMED = Domain(
     contact_mobility,
     "the friction jams the contact (denominator of g_n not positive): no solution of the model",
-)
-AWAY_FROM_POLE = Domain(
-    away_from_pole, 'this form is singular where sin(theta) = 0: use form = "vector"'
 )
 
 
@@ -112,27 +102,20 @@ VECTOR = Form(
     vector_of_angles,
     angles_of_vector,
     integrals=(
-        integral("x", lambda q, carried, b: q.rx_dot),
-        integral("y", lambda q, carried, b: q.ry_dot),
+        *place(lambda q, carried, b: (q.rx_dot, q.ry_dot)),
         *work_and_impulse(vector_scalars),
     ),
     orientation=carried_along(axis, axis_rate, lambda q, b: q.L3 / b.I3),
     domains=(NOT_JAMMED,),
 )
-EULER = Form(
-    "euler",
+EULER = in_euler_angles(
+    VECTOR,
+    ANGLES,
     EULER_UNITS,
     euler_rates,
     euler_scalars,
-    euler_of_angles,
-    angles_of_euler,
-    integrals=(
-        integral("phi", lambda q, carried, b: q.phi_dot),
-        *place(velocity),
-        *work_and_impulse(euler_scalars),
-    ),
-    orientation=by_angles(sine_and_cosine, psi_rate),
-    domains=(NOT_JAMMED, AWAY_FROM_POLE),
+    (*place(velocity), *work_and_impulse(euler_scalars)),
+    NOT_JAMMED,
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}
 UNDEFINED_AT_POLES = ("phi", "phi_dot", "nu_x", "nu_y")

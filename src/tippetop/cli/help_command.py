@@ -1,4 +1,4 @@
-"""`tippetop help, new, completion`: what may be written, and a scenario to begin with."""
+"""`tippetop help, new, completion`: the keys of scenarios and plans, and a first scenario."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .values import Place
 
 
 if TYPE_CHECKING:
-    from ..scenario.reference import Section
+    from ..scenario.scenario_reference import Section
 
 
 EXIT_CODES = {
@@ -28,8 +28,8 @@ EXIT_CODES = {
 
 def topics() -> dict[str, Any]:
     """Return the topics of `tippetop help`: name -> a function that returns the sections."""
-    from ..scenario.reference import TOPICS, Section
-    from ..sweeps.reference import plan
+    from ..scenario.scenario_reference import TOPICS, Section
+    from ..sweeps.plan_reference import plan
 
     rows = [(str(code), text) for code, text in EXIT_CODES.items()]
     codes = Section("Exit codes", "", ("code", "meaning"), rows)
@@ -37,7 +37,7 @@ def topics() -> dict[str, Any]:
 
 
 def help(topic: str | None = None, *, markdown: bool = False) -> int:
-    """Print what may be written in a scenario or a plan, and the columns and events of a run.
+    """Print the keys of a scenario or a plan, and the columns and events of a run.
 
     Parameters
     ----------

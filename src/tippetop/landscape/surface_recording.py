@@ -13,8 +13,8 @@ from ..store.ledger import Ledger
 from ..store.provenance import provenance
 from ..store.root import new_store
 from ..store.writer import begin_or_continue
-from . import body as bodies
-from . import labels, surface
+from . import landscape_body as bodies
+from . import landscape_labels, surface
 
 
 CHUNK = 1024  # rows and columns: 8 MB a variable
@@ -40,25 +40,20 @@ class Surface:
         chunk: int = CHUNK,
     ):
         self.top, self.chunk = bodies.top(parameters, system), chunk
-        self.x, self.y = map(labels.axis, self.top.momenta, (x, y))
+        self.x, self.y = map(landscape_labels.axis, self.top.momenta, (x, y))
 
     def axes(self) -> dict[str, Column]:
         """Return the axes as columns."""
         return {
             name: Column((name,), *values[1:])
-            for name, values in labels.momenta(self.top, self.x, self.y).items()
+            for name, values in landscape_labels.momenta(self.top, self.x, self.y).items()
         }
 
     def header(self) -> dict[str, Any]:
         """Return the header of the ledger: the axes, and F, z and status over them."""
         axes = self.axes()
         about = {
-            name: [
-                axis.values[0],
-                axis.values[-1],
-                axis.values.size,
-                ledger.digest(axis.values.tobytes()),
-            ]
+            name: [axis.values.size, ledger.digest(axis.values.tobytes())]
             for name, axis in axes.items()
         }
         attributes = {

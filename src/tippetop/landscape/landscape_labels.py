@@ -9,7 +9,7 @@ import xarray as xr
 from ..arguments import numbers
 from ..columns import flag_attributes
 from ..errors import InputError
-from .body import Top
+from .landscape_body import Top
 
 
 def axis(name: str, values: Any) -> np.ndarray:

@@ -1,32 +1,24 @@
 """Input and output of a rolling body: initial data, forms, events, quantities."""
 
 from dataclasses import replace
-from typing import Any
 
 from ...system import Form, Quantity
 from ...units import NEWTON, ONE
-from ..body import Touch
-from ..gliding import catalogue as gliding
-from ..gliding.catalogue import given_angles
-from ..gliding.euler import psi_rate, sine_and_cosine
-from ..gliding.vector import axis, axis_rate
+from ..body_axes import carried_along
+from ..gliding import gliding_catalogue as gliding
+from ..gliding.gliding_chart import in_euler_angles
+from ..gliding.gliding_vector import axis, axis_rate
 from ..integrals import integral, place
-from ..orientation import by_angles, carried_along
-from . import euler, vector
-from .chart import angles_of_euler, angles_of_vector, euler_of_angles, vector_of_angles
-from .euler import EULER_UNITS, Angles, euler_rates, euler_scalars
+from . import rolling_euler, rolling_vector
 from .reaction import friction_needed, horizontal_force, normal_force
-from .vector import VECTOR_UNITS, vector_rates, vector_scalars
+from .rolling_chart import angles_of_vector, vector_of_angles
+from .rolling_euler import ANGLES, EULER_UNITS, euler_rates, euler_scalars
+from .rolling_vector import VECTOR_UNITS, vector_rates, vector_scalars
 
 
 # --- initial data, events, quantities -----------------------------------------------------------
 
 INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith("nu_")}
-
-
-def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-    """Return the angle record of the given initial values."""
-    return given_angles(Angles, data, z)
 
 
 VECTOR = Form(
@@ -37,25 +29,18 @@ VECTOR = Form(
     vector_of_angles,
     angles_of_vector,
     integrals=(
-        *place(vector.velocity),
-        integral("impulse", vector.vertical_force),
+        *place(rolling_vector.velocity),
+        integral("impulse", rolling_vector.vertical_force),
     ),
-    orientation=carried_along(axis, axis_rate, vector.spin),
+    orientation=carried_along(axis, axis_rate, rolling_vector.spin),
 )
-EULER = Form(
-    "euler",
+EULER = in_euler_angles(
+    VECTOR,
+    ANGLES,
     EULER_UNITS,
     euler_rates,
     euler_scalars,
-    euler_of_angles,
-    angles_of_euler,
-    integrals=(
-        integral("phi", lambda q, carried, b: q.phi_dot),
-        *place(euler.velocity),
-        integral("impulse", euler.vertical_force),
-    ),
-    orientation=by_angles(sine_and_cosine, psi_rate),
-    domains=(gliding.AWAY_FROM_POLE,),
+    (*place(rolling_euler.velocity), integral("impulse", rolling_euler.vertical_force)),
 )
 UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}

@@ -27,7 +27,7 @@ EULER_UNITS = filled(
 ANGLES = filled(
     **EULER_UNITS._asdict(), phi=RADIAN, x=METRE, y=METRE, work=JOULE, impulse=NEWTON_SECOND
 )
-"""What users give and read: the state, phi, and the integrals."""
+"""Public variables: the state, phi, and the integrals."""
 
 EulerState, Angles = type(EULER_UNITS), type(ANGLES)
 

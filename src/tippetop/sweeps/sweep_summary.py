@@ -16,7 +16,7 @@ FAULTS = 5  # invalid tops whose faults are printed
 
 
 def open_sweep(path: str | Path) -> Any:
-    """Return the table of a sweep, (top,), read when needed; its coordinates are what varies.
+    """Return the lazy table of a sweep, (top,); its coordinates are the varied numbers.
 
     Raises StoreError.
     """

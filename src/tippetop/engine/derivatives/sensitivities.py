@@ -1,0 +1,161 @@
+"""Derivatives of every column, and of the times and angles of events, along a run."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...columns import Column, flag_attributes
+from ...errors import InputError
+from ...mechanics.units import SECOND
+from ...problem import Problem
+from ..expressions import AXES
+from ..observables import Source, sources
+from ..orientation import quaternion
+from ..tangent import Tangents
+from ..variational import TURN
+from .numbers import Numbers
+
+
+PARAMETER, OTHER = "parameter", "parameter_2"
+
+
+class Derivatives(NamedTuple):
+    """Columns of derivatives by name.
+
+    Parameters
+    ----------
+    trajectory
+        Along time and parameter.
+    events
+        Along event and parameter: of the time of an event, and of theta there.
+    second
+        Along time, parameter and a second parameter; none where they were not asked for.
+    """
+
+    trajectory: dict[str, Column]
+    events: dict[str, Column]
+    second: dict[str, Column]
+
+
+def differentiate(
+    problem: Problem, wrt: Sequence[str], times: np.ndarray, events: Any, order: int = 1
+) -> Derivatives:
+    """Return the derivatives of the columns and events of a run by some of its numbers.
+
+    Parameters
+    ----------
+    problem
+        The run, in doubles.
+    wrt
+        Dotted names of numbers.
+    times
+        Of the rows [s], (n,), ascending, up to the end of the run.
+    events
+        Those of the run: arrays `time` [s] and `kind`, (n,), and the names `kinds`.
+    order
+        1, or 2 for second derivatives of the columns too.
+
+    Returns
+    -------
+    Derivatives
+        SI units per SI unit.
+
+    Raises
+    ------
+    InputError
+        If the run has no derivatives, or a name is wrong.
+    """
+    if not wrt:
+        raise InputError(
+            ["`sensitivities` must name at least one number, such as friction.mu, but names none."]
+        )
+    numbers, n, second = Numbers(problem, wrt), len(wrt), float(problem.scales.of(SECOND))
+    sizes = np.array([numbers.scale(name) for name in wrt])
+    ways = numbers.directions(wrt)
+    if order == 2:  # along sums of two directions too
+        i, j = np.tril_indices(n, -1)
+        ways = np.concatenate([ways, ways[:, i] + ways[:, j]], axis=1)
+    point = np.repeat(numbers.internal()[:, None], ways.shape[1], axis=1)
+    every = np.unique(np.concatenate([[0.0], times, events.time]))
+    timed = ("theta", *(f"event {event.name}" for event in problem.system.events))
+    tangents = Tangents(numbers.kind(order), problem.tolerance)
+    values, rates = tangents.read(point, ways, every / second, None, timed)
+
+    rows = np.searchsorted(every, times)
+    time = Column(("time",), times, {"units": "s", "long_name": "time"})
+    found = Derivatives({"time": time}, {}, {"time": time} if order == 2 else {})
+    for name, source in sources(problem).items():
+        if source.flags:
+            continue
+        if name == "orientation":
+            whole = _quaternions(values)
+        else:
+            whole = np.array([values[part] for part in source.parts])
+        whole = whole[:, :, rows] * float(problem.scales.of(source.unit))
+        first = whole[:, 1, :, :n] / sizes
+        found.trajectory[name] = _column(name, source, first, PARAMETER)
+        if order == 2:
+            mixed = _mixed(whole[:, 2], n) / np.outer(sizes, sizes)
+            found.second[name] = _column(name, source, mixed, PARAMETER, OTHER)
+
+    by_time, by_theta = np.full((2, len(events.time), n), np.nan)
+    for event in problem.system.events:
+        of = np.flatnonzero(events.kind == events.kinds.index(event.name))
+        at, name = np.searchsorted(every, events.time[of]), f"event {event.name}"
+        with np.errstate(divide="ignore", invalid="ignore"):  # the function stays zero
+            shift = -values[name][1, at, :n] / rates[name][at, :n]
+        by_time[of] = shift * second / sizes
+        by_theta[of] = (values["theta"][1, at, :n] + rates["theta"][at, :n] * shift) / sizes
+    found.events.update(
+        kind=Column(("event",), events.kind, flag_attributes(events.kinds, "kind of event")),
+        time=_of_events(by_time, "s", "the time"),
+        theta=_of_events(by_theta, "rad", "theta"),
+    )
+    return found
+
+
+def _mixed(along: np.ndarray, n: int) -> np.ndarray:
+    """Return second derivatives by n numbers, (..., n, n), of those along the directions and along
+    sums of two, (..., lanes).
+    """
+    own, sums, (i, j) = along[..., :n], along[..., n:], np.tril_indices(n, -1)
+    mixed = np.zeros((*along.shape[:-1], n, n))
+    mixed[..., range(n), range(n)] = own
+    mixed[..., i, j] = mixed[..., j, i] = (sums - own[..., i] - own[..., j]) / 2
+    return mixed
+
+
+def _column(name: str, source: Source, values: np.ndarray, *by: str) -> Column:
+    """Return a column of derivatives (parts, rows, ...), SI per SI."""
+    about = {
+        "units": f"{source.unit.symbol} per unit of the parameter",
+        "long_name": f"derivative of {name}",
+    }
+    values = np.moveaxis(values, 0, -1) if source.dims else values[0]
+    return Column(("time", *by, *source.dims), values, about)
+
+
+def _of_events(values: np.ndarray, units: str, subject: str) -> Column:
+    """Return derivatives of events, SI per SI."""
+    about = {
+        "units": f"{units} per unit of the parameter",
+        "long_name": f"derivative of {subject} of the event, as the numbers change",
+    }
+    return Column(("event", PARAMETER), values, about)
+
+
+def _quaternions(values: dict[str, np.ndarray]) -> np.ndarray:
+    """Return unit quaternions with their derivatives along the line, (4, derivatives, rows, lanes).
+
+    The entries of P = 4 q q^t are known: P' q = 4 q' and P'' q = 4 (q'' - q |q'|^2), as |q| = 1.
+    """
+    products = np.array([values[name] for name in TURN])
+    products = products.reshape(4, 4, *products.shape[1:])
+    axes = np.array([values[name][0] for name in AXES])
+    q = quaternion(axes[:3].reshape(3, -1), axes[3:].reshape(3, -1)).T.reshape(4, *axes.shape[1:])
+    turns = np.einsum("ijk...,j...->ik...", products, q) / 4
+    turns[:, 0] = q
+    if turns.shape[1] > 2:
+        turns[:, 2] += q * (turns[:, 1] ** 2).sum(axis=0)
+    return turns

@@ -1,0 +1,238 @@
+"""Checks of a user-defined system: its records fit together, and its functions work."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
+from .. import friction
+from ..event import Event
+from ..form import CLOCK, Form, Phase
+from ..number import Number
+from ..operand import leaves
+from ..system import System
+from ..units import Unit
+
+
+KEEPS = 1e-9
+"""Relative error with which a phase must keep the common state."""
+
+ONCE = {
+    "sense": "turns of theta",
+    "lasting": "what a motion settles into",
+    "extremes": "the quantity whose least and greatest values are reported",
+}
+"""Fields that at most one event of a phase may have, and what that event then describes."""
+
+
+def check(system: System) -> None:
+    """Raise InputError for a system whose records contradict one another, or that cannot be run."""
+    try:
+        if faults := inconsistencies(system) or unmet_requirements(system):
+            raise InputError(faults)
+        check_answers(system)
+    except (AttributeError, TypeError) as error:
+        raise InputError(
+            f"the records of `{system.name}` must be of the kinds that `System` has, but: {error}."
+        ) from error
+
+
+def named(faults: dict[str, Iterable[str]]) -> list[str]:
+    """Return a sentence for each requirement that names do not meet; they follow it."""
+    listed = {must: ", ".join(names) for must, names in faults.items()}
+    return [f"{must} {names}." for must, names in listed.items() if names]
+
+
+def inconsistencies(system: System) -> list[str]:
+    """Return one message for each contradiction among the records of a system."""
+    if not system.phases:
+        return [f"`phases` of `{system.name}` must have a Phase, but has none."]
+    faults: list[str] = []
+    directions: dict[str, int] = {}
+    for name, phase in system.phases.items():
+        where = f"phase `{name}` of `{system.name}`"
+        detected = [CLOCK, *(event.name for event in phase.events if event.formula)]
+        names = [
+            *(f"event `{event.name}`" for event in phase.events),
+            *(f"quantity `{quantity.name}`" for quantity in phase.quantities),
+            *(f"exit by `{way.event}`" for way in phase.exits),
+        ]
+        faults += rivals(phase.events) + named(
+            {
+                f"{where} must have each name once, but has twice":
+                    [name for name, count in Counter(names).items() if count > 1],
+                f"{where} must have events with the directions of the phases before, but has": [
+                    event.name
+                    for event in phase.events
+                    if directions.setdefault(event.name, event.direction) != event.direction
+                ],
+                f"{where} must have events with a formula, as no jump logs them, but has":
+                    [one.name for one in phase.events if not (one.formula or system.is_hybrid)],
+                f"{where} must end in its events that have a formula, but has exits by":
+                    [way.event for way in phase.exits if way.event not in detected],
+                f"{where} must lead to phases of the system, but leads to":
+                    [to for way in phase.exits for to in way.to if to not in system.phases],
+            }
+        )  # fmt: skip
+    return faults
+
+
+def unmet_requirements(system: System) -> list[str]:
+    """Return what a run needs and a consistent system lacks: one message each."""
+    of, phase, angles = f"of `{system.name}`", system.phase, system.angles._fields
+    forms, quantities = phase.forms.values(), [*phase.quantities, *system.on_request]
+    works = any(integral.name == "work" for form in forms for integral in form.integrals)
+    needed = ([] if system.is_hybrid else ["theta", "theta_dot"]) + ["work"] * works
+    energy = ["energy"] if "work" in angles or not system.is_hybrid else []
+    components = {name for names in system.vectors.values() for name in names}
+    known = phase.forms["vector"].units._fields if "vector" in phase.forms else ()
+    described = [*angles, *system.vectors]
+    lifting = [event for event in phase.events if event.ends == "liftoff"]
+    return named(
+        {
+            f"`angles` {of} must have the fields `theta` and `theta_dot` of the event log, and "
+            "`work` where a form integrates it, but lacks":
+                [name for name in needed if name not in angles],
+            f"`long_names` {of} must describe each field of `angles` and `vectors`, but lacks":
+                [name for name in described if name not in system.long_names],
+            f"`quantities` {of} must have `energy`, which the energy balance reads, and each name "
+            "in `integrals`, but lack":
+                {*energy, *system.integrals} - {quantity.name for quantity in quantities},
+            f"states {of} must be numbers, each filled with its Unit, and each component of a "
+            "vector a field of its own, but these are not:": [
+                f"`{name}` of the form `{form.name}` is {type(unit).__name__}"
+                for form in forms
+                for name, unit in form.units._asdict().items()
+                if not isinstance(unit, Unit)
+            ],
+            f"`undefined_at_poles` {of} must name fields of `angles`, but has":
+                [name for name in system.undefined_at_poles if name not in angles],
+            f"`vectors` {of} must be variables of a form `vector`, but it lacks":
+                sorted(components.difference(known)),
+            f"`kept` {of} must have a Kept of the name `lifted_at` in events that end runs as "
+            "`liftoff`, but has none in": [
+                event.name
+                for event in lifting
+                if "lifted_at" not in [kept.name for kept in event.kept]
+            ],
+            **{
+                f"`{name}` {of} must be a function or None, but is": [f"{value!r:.60}"]
+                for name in ("outlook", "motion", "borders")
+                if not (callable(value := getattr(system, name)) or value is None)
+            },
+        }
+    )  # fmt: skip
+
+
+def rivals(events: Sequence[Event]) -> list[str]:
+    """Return messages on events of one phase that exclude each other, or never happen."""
+    faults = []
+    for field, what in ONCE.items():
+        names = [f"`{event.name}`" for event in events if getattr(event, field)]
+        if len(names) > 1:
+            faults.append(
+                f"`{field}` ({what}) must be that of one event, but is given in "
+                f"{' and '.join(names)}."
+            )
+    return faults + [
+        f"`direction` of the event `{event.name}` must be -1 or 1, for it is `lasting`, but is 0."
+        for event in events
+        if event.lasting and event.direction == 0
+    ]
+
+
+# --- functions, called once with numbers that are allowed ---------------------------------------
+
+
+def allowed(rule: Number) -> float:
+    """Return a number that a parameter may be."""
+    if rule.default is not None:
+        return rule.default
+    low = [bound for bound in (rule.above, rule.least) if bound is not None]
+    high = [bound for bound in (rule.below, rule.most) if bound is not None]
+    if low and high:
+        middle = (max(low) + min(high)) / 2
+        return (middle + min(high)) / 2 if rule.nonzero and not middle else middle
+    return max(1.0, 2 * max(low)) if low else min(1.0, min(high) - 1.0) if high else 1.0
+
+
+def answer(must: str, function: Callable, holds: Callable = lambda found: True) -> Any:
+    """Return what a function of the user gives, if it holds. Raises InputError."""
+    try:
+        found = function()
+        is_right = holds(found)
+    except Exception as error:
+        raise InputError(f"{must}, but fails: {type(error).__name__}: {error}.") from None
+    if not is_right:
+        raise InputError(f"{must}, but gives {found!r:.60}.")
+    return found
+
+
+def check_answers(system: System) -> None:
+    """Raise InputError for a system whose functions fail or return wrong results."""
+    of, names = f"of `{system.name}`", ", ".join(system.parameters) or "none"
+    law = next(iter(system.laws.values()), friction.LAWS["none"])
+    numbers = {name: allowed(rule) for name, rule in system.parameters.items()}
+    flags = {alternative.name for alternative in system.alternatives}
+    data = {name: allowed(rule) for name, rule in system.initial.items() if name not in flags}
+    theta = data.get("theta", 0.0)
+
+    body = answer(
+        f"`body` {of} must take its parameters ({names}) and give a NamedTuple",
+        lambda: system.body_of(numbers, law._make(map(allowed, law.parameters.values()))),
+        lambda body: hasattr(body, "_fields"),
+    )
+    answer(
+        f"`body_units` {of} must give a NamedTuple of the type of `body`",
+        lambda: system.body_units(law.units()),
+        lambda units: type(units) is type(body),
+    )
+    answer(
+        f"`scales` {of} must give a mass and a length, finite and greater than 0",
+        lambda: system.scales(body),
+        lambda scales: len(scales) == 2 and all(0 < float(one) < math.inf for one in scales),
+    )
+    answer(
+        f"`checks` {of} must give a list of sentences",
+        lambda: system.checks(numbers),
+        lambda faults: isinstance(faults, list | tuple),
+    )
+    answer(
+        f"`start` {of} must give a record as `angles` is",
+        lambda: system.start(data, math.sin(theta), math.cos(theta), body),
+        lambda angles: getattr(angles, "_fields", ()) == system.angles._fields,
+    )
+    for name, phase in system.phases.items():
+        answer(
+            f"`enter` and `leave` of phase `{name}` {of} must keep the common state",
+            lambda phase=phase: common_states(phase, body),
+            lambda found: all(
+                math.isclose(*pair, rel_tol=KEEPS) for pair in zip(*map(leaves, found), strict=True)
+            ),
+        )
+        answer(
+            f"`leave` of phase `{name}` {of} must take arrays, of rows",
+            lambda phase=phase: phase.leave(sample(phase.form, np.ones(2)), phase.parameters(body)),
+        )
+    for form in system.forms.values() if system.undefined_at_poles else ():
+        answer(
+            f"`scalars` of the form `{form.name}` {of} must have `s2` and `axis_speed2`, which the "
+            "angles of `undefined_at_poles` need",
+            lambda form=form: form.scalars(sample(form), body),
+            lambda scalars: hasattr(scalars, "s2") and hasattr(scalars, "axis_speed2"),
+        )
+
+
+def common_states(phase: Phase, body: Any) -> tuple[Any, Any]:
+    """Return a common state x of a phase, and leave(enter(x)), which must be x."""
+    b = phase.parameters(body)
+    x = phase.leave(sample(phase.form), b)
+    return x, phase.leave(phase.enter(x, b), b)
+
+
+def sample(form: Form, one: Any = 1.0) -> Any:
+    """Return a state without poles or zeros."""
+    return type(form.units)(*(one * (0.5 + k / 64) for k in range(len(form.units))))
