@@ -1,6 +1,4 @@
-"""When a run has settled, and what has become of it: near a pole that is unstable a motion is still
-under way.
-"""
+"""The end of sliding, and the fates of runs: near an unstable pole a motion is still under way."""
 
 from typing import Any
 
