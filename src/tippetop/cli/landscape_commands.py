@@ -84,8 +84,7 @@ def surface(
         try:
             if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
                 raise InputError(
-                    "`--D` and `--lambda` must leave V within the doubles, but at their ends do "
-                    "not."
+                    "`--D` and `--lambda` must keep V finite, but at their ends do not."
                 )
             with Bar("chunks") as bar:
                 wanted = surface_recording.Surface(parameters, Ds, lambdas, system)
@@ -155,8 +154,7 @@ def potential(
     minimum["status"] = least["status"].attrs["flag_meanings"].split()[minimum["status"]]
     if not math.isfinite(minimum["F"]):
         raise InputError(
-            f"`--D` and `--lambda` must leave V within the doubles, but D = {D:g}, lambda = "
-            f"{lambda_:g} do not."
+            f"`--D` and `--lambda` must keep V finite, but D = {D:g}, lambda = {lambda_:g} do not."
         )
     if out is not None:
         finished(out, overwrite)
