@@ -97,7 +97,11 @@ def _drawn(
         raise InputError(f"`--from` and `--until` require a run, but `{first}` is a {content}.")
     if content == "sweep":
         catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
-        return drawing.figure_of_sweep(kind or "class", first, look)
+        from ..figures.sweep_map import draw_map
+        from ..sweeps.maps import make_map
+
+        chosen = make_map(first, kind or "class")
+        return drawing.drawn(lambda: draw_map(chosen), look)
     from .landscape_commands import picture
 
     catalogue.check_kind(kind or content, [content])
@@ -107,6 +111,8 @@ def _drawn(
 def _states(scenario: str, look: Look) -> Any:
     """Return the diagram of states of the body of a scenario, with lambda of its start."""
     from ..figures import drawing
+    from ..figures.stability import states
+    from ..figures.style import literal
     from ..landscape import run_landscape
     from ..runs import forecast
     from ..scenario import build
@@ -115,7 +121,9 @@ def _states(scenario: str, look: Look) -> Any:
     run_landscape.refuse_parts(problem.friction._asdict())
     lam = forecast.at_start(problem).get("jellett", 0.0)
     parameters = {name: float(value) for name, value in problem.parameters.items()}
-    return drawing.states_of(problem.system.name, parameters, lam, look, scenario)
+    branches, marks = run_landscape.diagram(problem.system.name, parameters, lam)
+    marks["|λ| of the start"] = abs(lam)
+    return drawing.drawn(lambda: states(branches, marks, literal(scenario)), look)
 
 
 def _size(text: str | None) -> tuple[float, float] | None:

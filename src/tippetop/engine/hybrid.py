@@ -566,7 +566,7 @@ class HybridDriver(Driver):
     def give(self, first: int) -> None:
         if self.number is not float:
             states = self.states_of(self.wanted.rows, first).T
-            self.states[: len(states), first : self.wanted.made[0]] = states
+            self.states[: len(states), first : self.wanted.made[0]] = states[: len(self.states)]
 
     def _add(self, times: np.ndarray, states: np.ndarray) -> None:
         """Add rows that no step makes: times, and states of the present phase (k, variables)."""

@@ -99,7 +99,7 @@ class Pieces:
         if region not in self.drivers:
             law, has_torques, _, precision = self.kind
             formulas, wide = formulas_of_impact(law, region, has_torques), precision != "double"
-            code = compiled_when((formulas, precision, 0.0, 0, wide, False), self.stop)
+            code = compiled_when((formulas, precision, 0.0, 0, False), self.stop)
             start = np.zeros(len(formulas.form.units), PRECISIONS[precision])
             pars, functions = np.ones(len(code.integrator.pars)), np.ones(len(formulas.events))
             kind = WideDriver if wide else Driver

@@ -18,7 +18,7 @@ from ..units import METRE, METRE_PER_SECOND
 from .body import Touch, seen_from_balls
 from .double_contact import double_contact
 from .exits import IMPACT, JUMPS, begin, come_to_rest, go_on, land, phase_name
-from .gliding import catalogue as gliding
+from .gliding import gliding_catalogue as gliding
 from .planar import in_plane
 from .single_contact import (
     CONE,
@@ -253,6 +253,5 @@ def opened(system: System, law: Any, balls: int) -> System:
         outlook=opening.outlook,
         borders=None,
         motion=None,
-        long_form="",
         contact=(law, balls),
     )

@@ -28,12 +28,12 @@ from ..units import (
 from . import body as contact
 from .body import filled, kinematics, of_azimuth, state
 from .body_axes import carried_along, planar
-from .gliding import catalogue as gliding
-from .gliding.chart import angles_by, axis_and_momentum
-from .gliding.euler import EULER_UNITS
-from .gliding.vector import axis, axis_rate, momentum
+from .gliding import gliding_catalogue as gliding
+from .gliding.gliding_chart import angles_by, axis_and_momentum
+from .gliding.gliding_euler import EULER_UNITS
+from .gliding.gliding_vector import axis, axis_rate, momentum
 from .integrals import NAMED
-from .rolling.vector import spin
+from .rolling.rolling_vector import spin
 
 
 PHASES = ("slip", "roll", "flight", "both", "rest")

@@ -14,9 +14,9 @@ from typing import Any
 from ..contact import body as contact
 from ..contact.body import Top, Touch
 from ..contact.body_axes import planar
-from ..contact.gliding import catalogue as gliding
+from ..contact.gliding import gliding_catalogue as gliding
 from ..contact.integrals import integral
-from ..contact.rolling.euler import EulerState
+from ..contact.rolling.rolling_euler import EulerState
 from ..event import Event
 from ..friction import LAWS, FrictionLaw, slip_coefficient
 from ..number import Number, number, reuse
