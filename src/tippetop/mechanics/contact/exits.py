@@ -30,7 +30,7 @@ from .single_contact import (
     regions_of,
     rest_speed2,
 )
-from .state import BALLS, LOST, Moving, gained
+from .state import BALLS, Moving, gained
 
 
 BEGINS_AT = 1e-8
@@ -125,7 +125,7 @@ def touching(x: Moving, world: Any) -> list[int]:
 def both_rest(x: Moving, world: Any) -> bool:
     """Return whether both balls touch the plane, and neither moves up or down."""
     slow = (abs(rise(x, b)) < BOTH_AT for b in world.body)
-    return len(world.body) > 1 and all(slow) and len(touching(x, world)) > 1
+    return all(slow) and len(touching(x, world)) > 1
 
 
 def first_touch(n: Next, world: Any) -> Next:
@@ -135,7 +135,7 @@ def first_touch(n: Next, world: Any) -> Next:
     """
     x = n.x
     now = contact.jellett_of(x.L.z, dot(x.L, x.u), world.body[world.phases[n.phase].ball])
-    lost = getattr(x.carried, LOST[0], 0)
+    lost = getattr(x.carried, "jellett_lost", 0)
     n.x = x._replace(carried=x.carried._replace(jellett_reference=now + lost))
     return n
 
@@ -205,7 +205,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
     The body slides, rolls or leaves.
     """
     b, law = world.body[ball], law_of(world)
-    others = [k for k in touching(x, world) if k != ball] if len(world.body) > 1 else []
+    others = [k for k in touching(x, world) if k != ball]
     zeros = {"touch": 1} if others else {}  # the other ball leaves
     if not law.set_valued or size(point(x, b)) > STOPS_AT:
         name = phase_name("slip", ball, *regions_of(x, law.regions, b))
@@ -322,8 +322,8 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
 
 def pushed_by(x: Moving, after: Struck, b: Touch) -> Moving:
     """Return the body after impulses at its contact."""
-    has_lost = hasattr(x.carried, LOST[0])
-    lost = {LOST[0]: dot(after.twist, contact.arm(x.u, b))} if has_lost else {}
+    has_lost = hasattr(x.carried, "jellett_lost")
+    lost = {"jellett_lost": dot(after.twist, contact.arm(x.u, b))} if has_lost else {}
     x = gained(x, work=-after.gained, impulse=after.p.z, **lost)
     return x._replace(L=after.L, velocity=after.velocity)
 

@@ -19,6 +19,7 @@ from .body import Touch, seen_from_balls
 from .double_contact import double_contact
 from .exits import IMPACT, JUMPS, begin, come_to_rest, go_on, land, phase_name
 from .gliding import catalogue as gliding
+from .integrals import NAMED
 from .planar import in_plane
 from .single_contact import (
     CONE,
@@ -37,7 +38,6 @@ from .state import (
     BALLS,
     DISC_ANGLES,
     DISC_ROW,
-    LOST,
     PHASES,
     PLANAR_ANGLES,
     PLANAR_ROW,
@@ -60,7 +60,7 @@ LONG_NAMES = {
     "nu_z": "vertical velocity of the lowest point of that ball",
     "nu_x": "horizontal velocity of the lowest point along e; undefined (NaN) exactly at a pole",
     "nu_y": "horizontal velocity of the lowest point along 2hat; undefined (NaN) exactly at a pole",
-    LOST[0]: LOST[2],
+    "jellett_lost": NAMED["jellett_lost"][1],
 }
 OCCURRENCES = (
     Event(

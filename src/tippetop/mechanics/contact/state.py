@@ -8,7 +8,6 @@ functions of the `Scalars` of a row.
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from ..form import Form, Integral, Phase, Quantity
@@ -42,14 +41,6 @@ PHASES = ("slip", "roll", "flight", "both", "rest")
 BALLS = ("body", "stem")
 """Parts that touch the plane; the position of a name is its number in a store."""
 
-REFERENCE = ("jellett_reference", JELLETT, "Jellett's integral when its ball first touched")
-"""An integral that only jumps change: the drift of Jellett's integral is relative to it."""
-
-LOST = (
-    "jellett_lost",
-    JELLETT,
-    "Jellett's integral taken by the torque of the contact since the start",
-)
 VELOCITY = dict.fromkeys(("rx_dot", "ry_dot", "rz_dot"), METRE_PER_SECOND)
 
 
@@ -97,8 +88,8 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
     """Return the row of a state of a phase, of numbers or arrays; `bodies`: seen from each ball."""
     b, stem = bodies[phase.ball], bodies[-1]
     x, by = phase.leave(q, b), phase.reaction(q, b)
-    reference = carried.jellett_reference
-    if phase.label == "both" and not hasattr(carried, LOST[0]):  # nothing is conserved
+    reference = getattr(carried, "jellett_reference", math.nan)
+    if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     gap = x.height - stem.R + stem.c * x.u.z if len(bodies) > 1 else 0
     numbers = b.R, b.c, gap, PHASES.index(phase.label), phase.ball, reference, by.drilled
@@ -115,8 +106,7 @@ def row_within(
     """
     other = contact.seen_from_other(b)
     bodies = (b,) if not two else (b, other) if phase.ball == 0 else (other, b)
-    known = SimpleNamespace(**{REFERENCE[0]: math.nan, **carried._asdict()})
-    return row(phase, q, known, bodies), bodies[0]
+    return row(phase, q, carried, bodies), bodies[0]
 
 
 def gained(x: Moving, **integrals: Any) -> Moving:
@@ -193,7 +183,7 @@ def row_of_angles(e, s, z, b):
     e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     b = b._replace(R=b.R + none, c=b.c + none)
-    v = contact.contact_velocity(u, L, Vector(none, none, none), b)
+    v = contact.arm_velocity(u, L, b)
     along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
     velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
     height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(L.z, b.I3 * e.omega3, b)
@@ -219,8 +209,8 @@ def planar_theta_dot(q, b):
 
 def carried(*names: str) -> tuple[Integral, ...]:
     """Return the integrals of rows; a phase integrates some of them, the others stay."""
-    known = {**NAMED, LOST[0]: LOST[1:], REFERENCE[0]: REFERENCE[1:]}
-    return tuple(Integral(name, *known[name], rate=None) for name in (*names, REFERENCE[0]))
+    names = (*names, "jellett_reference")
+    return tuple(Integral(name, *NAMED[name], rate=None) for name in names)
 
 
 ROW = Form(
@@ -236,7 +226,7 @@ ROW = Form(
 DISC_ROW = replace(
     ROW,
     to_angles=angles_by(DISC_ANGLES, row_scalars),
-    integrals=carried("x", "y", "work", "impulse", LOST[0]),
+    integrals=carried("x", "y", "work", "impulse", "jellett_lost"),
 )
 PLANAR_ROW = replace(
     ROW,
