@@ -258,40 +258,44 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
 
     `routh`: Routh's function of a gliding body, if its system has one.
     """
-    lambda_ = of_ball(contact.jellett)
-    text = "Jellett's integral of the ball in contact"
-    quantities = [
-        Quantity("jellett", "lambda", JELLETT, text, lambda_),
-        Quantity(
-            "jellett_taken",
-            "",
-            JELLETT,
-            "Jellett's integral when its ball was taken",
-            lambda s, b: s.jellett_taken,
-            is_column=False,
-        ),
-    ]
-    text = "Routh's function of the ball in contact"
-    if planar:
-        quantities = []
-    if routh is not None:
-        quantities.append(Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
     formulas = {
         "energy": energy,
         "modified_energy": of_ball(contact.modified_energy),
         "normal_force": lambda s, b: s.force,
         "friction_power": lambda s, b: s.power,
     }
-    text = "what touches the plane, or did last"
-    quantities += [
-        *(replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES),
-        Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
-        Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
-        Quantity("ball", "ball", ONE, text, lambda s, b: s.ball, BALLS),
-    ]
+    quantities = [replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES]
+    if routh is not None:
+        text = "Routh's function of the ball in contact"
+        quantities.insert(0, Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
     if stem:
         text = "height of the stem's ball"
-        quantities.append(
-            Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap)
-        )
-    return tuple(quantities)
+        gap = Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap)
+        quantities.append(gap)
+    return (*(() if planar else JELLETT_COLUMNS), *quantities, *PLACE_COLUMNS)
+
+
+JELLETT_COLUMNS = (
+    Quantity(
+        "jellett",
+        "lambda",
+        JELLETT,
+        "Jellett's integral of the ball in contact",
+        of_ball(contact.jellett),
+    ),
+    Quantity(
+        "jellett_taken",
+        "",
+        JELLETT,
+        "Jellett's integral when its ball was taken",
+        lambda s, b: s.jellett_taken,
+        is_column=False,
+    ),
+)
+PLACE_COLUMNS = (
+    Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
+    Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
+    Quantity(
+        "ball", "ball", ONE, "what touches the plane, or did last", lambda s, b: s.ball, BALLS
+    ),
+)
