@@ -125,7 +125,7 @@ def touching(x: Moving, world: Any) -> list[int]:
 def both_rest(x: Moving, world: Any) -> bool:
     """Return whether both balls touch the plane, and neither moves up or down."""
     slow = (abs(rise(x, b)) < BOTH_AT for b in world.body)
-    return all(slow) and len(touching(x, world)) > 1
+    return len(world.body) > 1 and all(slow) and len(touching(x, world)) > 1
 
 
 def first_touch(n: Next, world: Any) -> Next:
@@ -205,7 +205,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
     The body slides, rolls or leaves.
     """
     b, law = world.body[ball], law_of(world)
-    others = [k for k in touching(x, world) if k != ball]
+    others = [k for k in touching(x, world) if k != ball] if len(world.body) > 1 else []
     zeros = {"touch": 1} if others else {}  # the other ball leaves
     if not law.set_valued or size(point(x, b)) > STOPS_AT:
         name = phase_name("slip", ball, *regions_of(x, law.regions, b))
