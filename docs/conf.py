@@ -60,7 +60,16 @@ def _describe_figures(app: object, doctree: nodes.document) -> None:
         image.setdefault("alt", f"Figure: {section.next_node(nodes.title).astext()}")
 
 
+def _keep_names_whole(app: object, doctree: nodes.document) -> None:
+    """Mark code without blanks in tables, which a browser would break after a hyphen."""
+    for entry in doctree.findall(nodes.entry):
+        for literal in entry.findall(nodes.literal):
+            if len(literal.astext()) <= 30 and " " not in literal.astext():
+                literal["classes"].append("name")
+
+
 def setup(app: Any) -> None:
-    """What Sphinx calls first."""
+    """Connect the functions above to Sphinx."""
     app.connect("autodoc-process-docstring", _formulas_as_text, priority=100)
     app.connect("doctree-read", _describe_figures)
+    app.connect("doctree-read", _keep_names_whole)

@@ -1037,19 +1037,17 @@ enum {
     UNEQUAL,
     UNIT,
     EXPECT,
-    EXPECT_NOT,
     MOTION,
     RESULT
 };
 
 /* What follows where a phase ends by an event. Registers begin with the state, the integrals of the
    run, the time left and the signs of event functions. From `out` on they have the state and the
-   integrals in which phase `next` begins, the time that it lasts (NaN: it has no clock), and the
-   numbers of tables. A sign 0 stays. */
+   integrals in which phase `next` begins, the time that it lasts (NaN: it has no clock), the
+   numbers of tables, and of event functions the signs, of which 0 stays, and the roots. */
 typedef struct {
     const Line *lines;
     real *registers;
-    const real *signs, *zeros;
     integer count, begin, out, next, logged, first, last;
 } Change;
 
@@ -1118,11 +1116,7 @@ static bool execute(const Change *c, const Loop *const *loops) {
             *to = ldexp(1, exponent);
             break;
         case EXPECT:
-            if (a == 0)
-                return false;
-            break;
-        case EXPECT_NOT:
-            if (a != 0)
+            if ((a != 0) != (b != 0))
                 return false;
             break;
         case MOTION: follow_motion(loops[(integer)b], r + line->a, to); break;
@@ -1175,9 +1169,10 @@ static bool change_phase(Phases *p) {
     m->high[0] = when;
     m->low[0] = 0;
     m->end[0] = p->clock < p->end ? p->clock : p->end;
+    const real *sides = others + p->width - 5, *roots = sides + events;
     for (integer e = 0; e < events; e++) {
-        signs[e] = c->signs[e] != 0 ? c->signs[e] : signs[e];
-        known(l, ON_ZERO, e)[0] = c->zeros[e];
+        signs[e] = sides[e] != 0 ? sides[e] : signs[e];
+        known(l, ON_ZERO, e)[0] = roots[e];
     }
     tally->status = RUNNING;
     tally->upto = 1;

@@ -93,7 +93,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("potential rolling-cylinder --D 1 --lambda 2", 2, "tippe tops only; this is a rolling cyl"),
     ("potential inverting --D '1 kg' --lambda 0", 2, "`--D` must be in kg m2 s-1"),
     ("surface inverting --D -1:1:1000000000000 --out f.zarr", 2, "at most 10000000 points"),
-    ("surface inverting --D 0:1e300:5 --out f.zarr", 2, "`--D` and `--lambda` must leave V within"),
+    ("surface inverting --D 0:1e300:5 --out f.zarr", 2, "`--D` and `--lambda` must keep V finite"),
     ("surface inverting", 2, "nothing is to be done: give --out F.zarr, --figure F.png, or both."),
     # measured motions
     (f"{FIT} --out film.csv --overwrite", 2, "--out must end with .toml, but is"),
@@ -101,7 +101,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     (f"{FIT} --out there.toml", 5, "`there.toml` must not exist yet"),
     (f"{FIT} --starts 1.5", 2, "`--starts` must be a whole number, at least 1, but is 1.5"),
     (f"{FIT} --quaternion zyxw", 2, "must be wxyz or xyzw, but is 'zyxw'"),
-    (f"{FIT} --quaternion wxyz", 2, "the columns q_0 ... q_3 for --quaternion, but has none"),
+    (f"{FIT} --quaternion wxyz", 2, "must have the columns q_0, q_1, q_2, q_3, all of them"),
     ("compare film.csv", 2, "a file and a reference must be given"),
     ("compare gone.csv inverting", 2, "`gone.csv` cannot be read: No such file or directory"),
     ("compare film.csv inverting --up x", 2, "the vertical must be z or y"),

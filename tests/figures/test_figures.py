@@ -28,10 +28,15 @@ def inverting() -> tuple[xr.Dataset, xr.Dataset, dict]:
     return groups["trajectory"], groups["events"], groups["trajectory"].attrs
 
 
+def figure_of(*given: Any) -> Figure:
+    figure: Figure = drawing.axes_of(*given).get_figure(root=True)
+    return figure
+
+
 def drawn(kind: str, inverting: tuple) -> Figure:
     """A figure of the inversion, as the catalogue feeds it."""
     trajectory, events, attrs = inverting
-    return drawing.figure_of(kind, {"trajectory": trajectory, "events": events}, attrs)
+    return figure_of(kind, {"trajectory": trajectory, "events": events}, attrs)
 
 
 def lines(figure: Figure) -> dict[str, Any]:
@@ -79,7 +84,7 @@ def test_a_title_is_text(inverting: tuple) -> None:
     """Bytes of a command line that are no UTF-8 come as lone surrogates, which no font has."""
     trajectory, events, attrs = inverting
     with pytest.raises(InputError, match="the title must be text in UTF-8"):
-        drawing.figure_of(
+        figure_of(
             "theta", {"trajectory": trajectory, "events": events}, attrs, catalogue.Look("b\udcff")
         )
 
@@ -88,9 +93,7 @@ def test_a_title_is_text(inverting: tuple) -> None:
 def test_a_title_that_is_not_a_formula_is_literal(title: str, inverting: tuple) -> None:
     trajectory, events, attrs = inverting
     look = catalogue.Look(title)
-    figure = drawing.figure_of(
-        "normal-force", {"trajectory": trajectory, "events": events}, attrs, look
-    )
+    figure = figure_of("normal-force", {"trajectory": trajectory, "events": events}, attrs, look)
     figure.canvas.draw()
     assert figure.axes[0].get_title(loc="left").replace(r"\$", "$") == title
 
@@ -102,18 +105,18 @@ def test_quantities_of_the_sphere_are_not_drawn_on_the_stem(inverting: tuple) ->
         (trajectory["time"] > 6.0).astype(np.int8), attrs={"flag_meanings": "body stem"}
     )
     groups = {"trajectory": trajectory.assign(ball=ball), "events": events}
-    shown = lines(drawing.figure_of("energy", groups, attrs))[
+    shown = lines(figure_of("energy", groups, attrs))[
         "modified energy Ẽ; none on the stem, in the air"
     ]
     assert np.asarray(shown.get_xdata())[np.isfinite(shown.get_ydata())].max() == 6.0
     for kind in ("states", "surface"):
-        assert "last on its sphere" in lines(drawing.figure_of(kind, groups, attrs))
-    wells = drawing.figure_of("potential", groups, attrs).axes
+        assert "last on its sphere" in lines(figure_of(kind, groups, attrs))
+    wells = figure_of("potential", groups, attrs).axes
     assert len(wells) == 6
     assert all(float(axes.get_title(loc="left").split()[2]) <= 6.0 for axes in wells)
     on_stem = groups | {"trajectory": groups["trajectory"].isel(time=slice(6100, None))}
     with pytest.raises(InputError, match="on its stem or in the air"):
-        drawing.figure_of("potential", on_stem, attrs)
+        figure_of("potential", on_stem, attrs)
 
 
 def test_a_title_has_the_letters_of_the_axes_and_units(inverting: tuple) -> None:
@@ -188,10 +191,10 @@ def test_surface_is_drawn_with_its_marked_lines() -> None:
     axes = landscape_figures.surface(grid, marked_lines.marked_lines(parameters, lam))
     shown = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
     assert {str(line.get_label()) for line in shown} >= {"spinning, θ = 0", "spinning, θ = π"}
-    assert axes.get_zlim() == pytest.approx((1e3 * float(grid.F.min()), 1e3 * float(grid.F.max())))
+    assert axes.get_zlim() == pytest.approx((float(grid.F.min()), float(grid.F.max())))
     assert "D" in axes.get_xlabel()
     assert "λ" in axes.get_ylabel()
-    assert axes.get_zlabel() == "energy (mJ)"
+    assert axes.get_zlabel() == "energy (J)"
     on, above = (
         next(line for line in shown if line.get_label() == f"spinning, θ = π{x}")
         for x in ("", ": above F")

@@ -16,14 +16,13 @@ BALL = {
     "balls": [{"offset": 0.006, "radius": 0.02}],
     "ellipsoid": [0.02, 0.02],
     "fixed": False,
-    "axes": rotation,
 }
 ATTRS = {"title": "a top", "initial": {"theta": 0.1}, "units": {"theta": "rad"}}
 
 
 def posed(*quaternion: float, body: dict[str, Any] = BALL) -> tuple[np.ndarray, ...]:
-    rows = xr.Dataset({"orientation": (("time", "wxyz"), np.array([quaternion]))})
-    return film.pose(rows, body, 0)
+    row = xr.Dataset({"orientation": ("wxyz", np.array(quaternion))})
+    return film.pose(row, body, rotation)
 
 
 def test_a_ball_is_a_disc_of_its_radius_on_the_floor() -> None:
@@ -48,7 +47,7 @@ def test_rows_become_poses_at_their_times() -> None:
         ),
     }
     trajectory = xr.Dataset(columns, {"time": t})
-    ax = film.film(trajectory, ATTRS, BALL)
+    ax = film.film(trajectory, ATTRS, BALL, rotation)
     labels = [tick.get_text() for tick in ax.get_xticklabels()]
     assert len(labels) == film.POSES
     times = [float(label.split()[2]) for label in labels]
@@ -69,7 +68,7 @@ def test_every_kind_of_body_has_a_picture() -> None:
         "parameters": {"m": 0.02, "R": 0.02, "alpha": 0.3, "I": 4e-6, "g": 9.82},
     }
     for attrs in (heavy, cylinder):
-        body = shape(attrs) | {"axes": rotation}
+        body = shape(attrs)
         facets, _, colours, _ = posed(1.0, 0, 0, 0, body=body)
         assert len(facets) == len(colours) > 50
         assert np.isfinite(facets).all()

@@ -12,7 +12,7 @@ import xarray as xr
 from tippetop.cli import outcome
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels, overlay
-from tippetop.figures.style import figure, save
+from tippetop.figures.style import COLOURS, figure, save
 from tippetop.figures.window import in_window
 
 
@@ -51,7 +51,7 @@ def test_runs_are_named_by_what_is_different_in_them() -> None:
         "no friction",
     ]
     assert ax.get_title(loc="left") == "Rolling and gliding tippe top\nθ(0) = 0.1 rad"
-    assert {line.get_color() for line in ax.get_lines()} == set(overlay.COLOURS[:3])
+    assert {line.get_color() for line in ax.get_lines()} == set(COLOURS[:3])
     np.testing.assert_array_equal(ax.get_lines()[1].get_ydata(), runs[1][0]["theta"])
     slower = [
         drawing.with_records(a_run(friction={"law": "viscous", "mu": mu})[1]) for mu in (0.1, 0.2)
@@ -63,7 +63,10 @@ def test_runs_are_named_by_what_is_different_in_them() -> None:
 
 
 def test_the_kinds_that_compare_runs_are_those_that_say_so() -> None:
-    assert {name for name, kind in catalogue.FIGURES.items() if kind.compares} == set(overlay.SHOWN)
+    assert {name for name, kind in catalogue.FIGURES.items() if kind.compares} == {
+        *overlay.LABELS,
+        *overlay.CHANGES,
+    }
     with pytest.raises(
         InputError, match=r"several runs are drawn together as theta, .*; `sphere` is drawn of one"
     ):

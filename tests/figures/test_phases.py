@@ -41,12 +41,15 @@ def shades(axes: Any) -> tuple[np.ndarray, np.ndarray]:
     return mesh.get_coordinates()[0, :, 0], np.asarray(mesh.get_array()).reshape(-1, 3)
 
 
+MARKS = {"body": "_impacts", "stem": "_impacts of the stem"}
+
+
 def ticks(axes: Any, ball: str) -> list[float]:
     """Times of the marks of a ball's impacts."""
     (marks,) = [
         c
         for c in axes.collections
-        if isinstance(c, LineCollection) and c.get_label().endswith(f"the {ball}")
+        if isinstance(c, LineCollection) and c.get_label() == MARKS[ball]
     ]
     return [float(segment[0, 0]) for segment in marks.get_segments()]
 
@@ -89,6 +92,19 @@ def test_phases_are_shaded_from_start_to_end_in_every_panel() -> None:
         "1 impact",
         "1 impact of the stem",
     ]
+
+
+def test_phases_of_a_user_s_system_have_shades_of_their_own() -> None:
+    """They have no ball and no impacts; names of ours keep their colours."""
+    fig = panels()
+    spans = table(start=[0, 1, 3], end=[1, 3, 4])
+    spans["phase"] = ("row", np.array([1, 0, 1], np.int8), {"flag_meanings": "slip fall stuck"})
+    shading.mark(list(fig.axes), spans, None)
+    fall, slip, again = shades(fig.axes[0])[1]
+    np.testing.assert_allclose(slip, to_rgb(LIGHT.shades["slip"][0]))
+    np.testing.assert_array_equal(fall, again)
+    assert not np.allclose(fall, slip)
+    assert legend(fig) == ["slip: 50.0 %", "fall: 50.0 %"]
 
 
 def test_the_drift_of_jellett_s_integral_begins_anew_with_another_ball() -> None:

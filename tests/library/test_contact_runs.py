@@ -110,6 +110,14 @@ def test_nothing_is_said_of_the_end_of_a_body_that_torques_bring_to_rest() -> No
         assert "outcome" not in str(run)
 
 
+def test_a_run_whose_contact_may_open_ends_at_a_liftoff_if_it_is_told_to() -> None:
+    run = tt.run(scenario(COULOMB, THROWN, 0.3), on_liftoff="stop")
+    flying = tt.run(scenario(COULOMB, THROWN, 0.3))
+    assert run.summary.status == "liftoff"
+    assert "the body lifted off" in run.attributes["reason"]
+    assert run.summary.t_end == times(run, "liftoff")[0] == times(flying, "liftoff")[0]
+
+
 def test_a_top_in_the_air_has_not_settled() -> None:
     dropped = scenario(VISCOUS, {"theta": 0.0, "omega3": 10.0, "gap": 1.0}, 0.2)
     run = tt.run(dropped, stop_when="settled", output="events")

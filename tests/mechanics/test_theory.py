@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.contact.gliding import euler as gliding_euler
+from tippetop.mechanics.contact.gliding import gliding_euler
 from tippetop.mechanics.friction import Coulomb, Viscous
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.theory import modes, regimes, thresholds, tumbling

@@ -148,7 +148,7 @@ def test_a_figure_needs_no_more_than_it_names() -> None:
     """
 
     def shown(kind: str, groups: dict[str, Any], attrs: dict[str, Any]) -> list[Any]:
-        picture = drawing.figure_of(kind, groups, attrs)
+        picture = drawing.axes_of(kind, groups, attrs).get_figure(root=True)
         lines = [line.get_xydata() for line in picture.findobj(Line2D)]
         return [*lines, np.array([text.get_text() for text in picture.findobj(Text)])]
 

@@ -43,11 +43,28 @@ def test_a_text_is_the_double_nearest_to_the_exact_number(
 
 
 def test_parameters_are_products_of_others() -> None:
-    names = {"m": 0.02, "R": ("2 cm", METRE), "b": ("m*R", ONE)}
+    names = {"m": (0.02, KILOGRAM), "R": ("2 cm", METRE), "b": ("m*R", Unit("kg m"))}
     assert number_of("235/625*m*R^2", "parameters.I1", INERTIA, names) == float(
         Fraction(235, 625) * Fraction("0.02") * Fraction("0.02") ** 2
     )
-    assert number_of("2*b", "parameters.k", ONE, names) == 0.0008
+    assert number_of("2*b", "parameters.k", Unit("kg m"), names) == 0.0008
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("2/5*m*R", "be in kg m2, but .* is in kg m"),
+        ("m*R^2 + R", "add numbers of one unit"),
+        ("m/m", "be in kg m2, but .* is in 1"),
+        ("R^-2", "is in m-2"),
+    ],
+)
+def test_a_formula_has_the_dimension_of_its_number(text: str, message: str) -> None:
+    names = {"m": (0.02, KILOGRAM), "R": ("2 cm", METRE)}
+    with pytest.raises(InputError, match=message):
+        number_of(text, "parameters.I1", INERTIA, names)
+    assert number_of("m*R^2 - 1e-6", "parameters.I1", INERTIA, names) == 7e-6
+    assert number_of("-(R/4)", "stem.h", METRE, names) == -0.005
 
 
 def test_parameters_of_a_scenario_must_not_lead_to_one_another() -> None:
@@ -77,7 +94,7 @@ def test_parameters_of_a_scenario_must_not_lead_to_one_another() -> None:
 )
 def test_what_is_no_number_is_a_sentence(text: str, words: str) -> None:
     with pytest.raises(InputError) as found:
-        number_of(text, "parameters.m", KILOGRAM, {"m": 1.0})
+        number_of(text, "parameters.m", KILOGRAM, {"m": (1.0, KILOGRAM)})
     assert words in str(found.value)
     assert "parameters.m" in str(found.value)
 

@@ -76,14 +76,21 @@ def where(run: tt.Run) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", ["viscous", "coulomb", "contensou", "mixed"])
+@pytest.mark.parametrize(
+    "law",
+    ["viscous", "coulomb", "regularised", "contensou", "mixed", "stribeck", "latitude", "none"],
+)
 def test_tops_drawn_by_chance_are_those_of_the_engine(tab: Any, law: str) -> None:
     rng = np.random.default_rng(20)
     make = {
         "viscous": lambda: tt.friction.Viscous(mu=rng.uniform(0.05, 1)),
         "coulomb": lambda: tt.friction.Coulomb(mu=rng.uniform(0.1, 0.4)),
+        "regularised": lambda: tt.friction.Coulomb(mu=rng.uniform(0.1, 0.4), eps=0.02),
         "contensou": lambda: tt.friction.Contensou(mu=rng.uniform(0.1, 0.4), patch=3e-4),
         "mixed": lambda: tt.friction.Mixed(mu=0.2, mu_coulomb=0.1, eps=0.02),
+        "stribeck": lambda: tt.friction.Stribeck(mu=0.2, mu_static=0.3, v_s=0.05, eps=0.02),
+        "latitude": lambda: tt.friction.Latitude(mu=0.3, mu_stem=0.6),
+        "none": tt.friction.Frictionless,
     }[law]
     worst = []
     for _ in range(10):
@@ -105,6 +112,7 @@ def test_tops_drawn_by_chance_are_those_of_the_engine(tab: Any, law: str) -> Non
 
 def test_sliders_change_the_motion_and_its_thresholds(tab: Any) -> None:
     verdict, cell = tab.locator("[data-part=verdict]"), tab.locator("[data-part=thresholds] td")
+    tab.locator("[data-part=preset]").select_option("inverting")
     assert "inverted" in verdict.inner_text()
     expected = tt.theory.thresholds(tt.load("inverting"))["lambda_s"].value
     assert float(cell.nth(5).inner_text()) == pytest.approx(1e6 * expected, rel=1e-3)

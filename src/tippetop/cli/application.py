@@ -1,9 +1,8 @@
-"""The commands by module, called from the words of the command line by cyclopts."""
+"""The commands, called from the words of the command line by cyclopts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from importlib import import_module
+from collections.abc import Sequence
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -18,7 +17,7 @@ PURPOSE = (
     "scenarios to start from, `tippetop new` writes one with every key, `tippetop help` explains "
     "them. The manual is README.md and docs/ of the source."
 )
-_NAMES = {
+_MODULES = {
     "run_command": "run resume replay",
     "landscape_commands": "surface potential",
     "sweep_command": "sweep",
@@ -30,13 +29,17 @@ _NAMES = {
     "reconstruct": "reconstruct",
     "help_command": "new help completion",
 }
-COMMANDS = {name: module for module, names in _NAMES.items() for name in names.split()}
-"""The module of each command."""
+COMMANDS = {
+    name: f"tippetop.cli.{module}:{name}"
+    for module, names in _MODULES.items()
+    for name in names.split()
+}
+"""The function of each command, which cyclopts imports when it is needed."""
 WITHOUT_ENGINE = {"export", "systems", "presets", "new", "help", "completion"}
 
 
-def application(names: Iterable[str] = COMMANDS) -> App:
-    """Return the application with these commands, whose modules are imported."""
+def application() -> App:
+    """Return the application."""
     app = App(
         name="tippetop",
         help=PURPOSE,
@@ -45,21 +48,21 @@ def application(names: Iterable[str] = COMMANDS) -> App:
         default_parameter=Parameter(negative=(), name_transform=_option),
         suppress_keyboard_interrupt=False,  # `cli.outcome` reports how the run ended
     )
-    for name in names:
-        module = import_module(f".{COMMANDS[name]}", __package__)
-        app.command(getattr(module, name), name=name)
+    for name, function in COMMANDS.items():
+        app.command(function, name=name)
     return app
 
 
 def called(words: Sequence[str]) -> int:
     """Call the command named by the first word and return its exit code."""
-    known = COMMANDS.keys() & words[:1]
-    app = application(known or COMMANDS)
+    app = application()
     if not words or {"--help", "-h"} & {*words}:
         from .text import console
 
         app.console = console()
-    elif known - WITHOUT_ENGINE:
+        for name in COMMANDS.keys() & words[:1] or COMMANDS:
+            app[name]  # imports its function, whose docstring is the help
+    elif words[0] in COMMANDS.keys() - WITHOUT_ENGINE:
         host.prepare()
     try:
         return app(words, exit_on_error=False, print_error=False) or 0

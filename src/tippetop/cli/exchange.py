@@ -49,7 +49,7 @@ def compare(
     """
     from ..library.exchanging import compare as compared
     from ..runs.starting import load_any
-    from .plot import check_picture
+    from .targets import check_picture
 
     if len(files) < 2:
         raise InputError(
@@ -125,7 +125,7 @@ def fit(
     from ..library.exchanging import fit as fitted
     from ..runs.starting import load_any
     from ..store import files
-    from .plot import check_picture
+    from .targets import check_picture
 
     check_picture(figure, "--figure", overwrite)
     if out and out.suffix != ".toml":

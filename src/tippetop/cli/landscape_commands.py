@@ -62,8 +62,7 @@ def surface(
     from ..figures import drawing
     from ..landscape import marked_lines, surface, surface_recording
     from ..progress import Bar
-    from .plot import check_picture
-    from .sweep_command import finished
+    from .targets import check_picture, finished
 
     parameters, system = _tippe_top(scenario)
     if out is None and figure is None:
@@ -84,8 +83,7 @@ def surface(
         try:
             if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
                 raise InputError(
-                    "`--D` and `--lambda` must leave V within the doubles, but at their ends do "
-                    "not."
+                    "`--D` and `--lambda` must keep V finite, but at their ends do not."
                 )
             with Bar("chunks") as bar:
                 wanted = surface_recording.Surface(parameters, Ds, lambdas, system)
@@ -142,8 +140,7 @@ def potential(
     from ..awaiting import awaited
     from ..figures import drawing
     from ..landscape import potential, surface, surface_recording
-    from .plot import check_picture
-    from .sweep_command import finished
+    from .targets import check_picture, finished
 
     parameters, system = _tippe_top(scenario)
     if not 2 <= n <= MOST_POINTS:
@@ -157,8 +154,7 @@ def potential(
     minimum["status"] = least["status"].attrs["flag_meanings"].split()[minimum["status"]]
     if not math.isfinite(minimum["F"]):
         raise InputError(
-            f"`--D` and `--lambda` must leave V within the doubles, but D = {D:g}, lambda = "
-            f"{lambda_:g} do not."
+            f"`--D` and `--lambda` must keep V finite, but D = {D:g}, lambda = {lambda_:g} do not."
         )
     if out is not None:
         finished(out, overwrite)
@@ -194,8 +190,7 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
     """Print the content of the store of `surface` or `potential`."""
     if as_json:
         return print_json(attrs)
-    from .show import plain
-    from .text import table
+    from .text import plain, table
 
     print(visible(attrs["title"]))
     names = ("system", "parameters", "axes", "D", "lambda", "minimum", "versions")
@@ -205,16 +200,16 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
 
 def _surface(grid: Any, parameters: dict[str, float], look: Look = PLAIN) -> Any:
     """Draw a surface with the lines of both spinning states."""
-    from ..figures import drawing
+    from ..figures import drawing, landscape_figures
     from ..landscape import marked_lines
 
     lines = marked_lines.marked_lines(parameters, grid["lambda"].values)
-    return drawing.composed("surface", (grid, lines), look)
+    return drawing.drawn(lambda: landscape_figures.surface(grid, lines), look)
 
 
 def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
     """Draw a potential with its minimum."""
-    from ..figures import drawing
+    from ..figures import drawing, well
 
     D, lam = float(least["D"]), float(least["lambda"])
     title = (
@@ -222,7 +217,7 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
         "× 10⁻⁶ kg m³ s⁻¹"
     )
     at = least.squeeze(drop=True).rename(theta="theta_star")
-    return drawing.composed("potential", ([("", V, at)], title), look)
+    return drawing.drawn(lambda: well.potential([("", V, at)], title), look)
 
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:

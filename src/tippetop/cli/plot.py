@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from ..errors import InputError, StoreError, refuse_without
+from ..errors import InputError
 from ..figures import catalogue
 from ..figures.catalogue import Look
 from .values import Place, Seconds
@@ -53,6 +53,7 @@ def plot(
     """
     from ..awaiting import awaited
     from ..figures import drawing
+    from .targets import check_picture
 
     check_picture(out, "--out", overwrite)
     look = Look(title, _size(size), dpi, dark)
@@ -96,7 +97,11 @@ def _drawn(
         raise InputError(f"`--from` and `--until` require a run, but `{first}` is a {content}.")
     if content == "sweep":
         catalogue.check_kind(kind or "class", catalogue.SWEEP_KINDS)
-        return drawing.figure_of_sweep(kind or "class", first, look)
+        from ..figures.sweep_map import draw_map
+        from ..sweeps.maps import make_map
+
+        chosen = make_map(first, kind or "class")
+        return drawing.drawn(lambda: draw_map(chosen), look)
     from .landscape_commands import picture
 
     catalogue.check_kind(kind or content, [content])
@@ -106,6 +111,8 @@ def _drawn(
 def _states(scenario: str, look: Look) -> Any:
     """Return the diagram of states of the body of a scenario, with lambda of its start."""
     from ..figures import drawing
+    from ..figures.stability import states
+    from ..figures.style import literal
     from ..landscape import run_landscape
     from ..runs import forecast
     from ..scenario import build
@@ -114,7 +121,9 @@ def _states(scenario: str, look: Look) -> Any:
     run_landscape.refuse_parts(problem.friction._asdict())
     lam = forecast.at_start(problem).get("jellett", 0.0)
     parameters = {name: float(value) for name, value in problem.parameters.items()}
-    return drawing.states_of(problem.system.name, parameters, lam, look, scenario)
+    branches, marks = run_landscape.diagram(problem.system.name, parameters, lam)
+    marks["|λ| of the start"] = abs(lam)
+    return drawing.drawn(lambda: states(branches, marks, literal(scenario)), look)
 
 
 def _size(text: str | None) -> tuple[float, float] | None:
@@ -128,17 +137,3 @@ def _size(text: str | None) -> tuple[float, float] | None:
             f"--size must be width x height in inches, such as 8x5, but is `{text}`."
         ) from None
     return width, height
-
-
-def check_picture(path: Path | None, option: str, overwrite: bool = False) -> None:
-    """Refuse a picture before the run rather than after it; `option` gives its file."""
-    from ..store.files import refuse_existing
-
-    if path is None:
-        return
-    refuse_without("matplotlib")
-    if path.suffix.lower() not in catalogue.ENDINGS:
-        raise InputError(f"{option} must end with .png, .svg or .pdf, but is `{path}`.")
-    if not path.parent.is_dir():
-        raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
-    refuse_existing(path, overwrite)

@@ -78,7 +78,7 @@ def run(
         raise
     warn(doubts(problem))
     if figure is not None:
-        from .plot import check_picture
+        from .targets import check_picture
 
         check_picture(figure, "--figure", overwrite)
         if problem.output == "keyframes":
@@ -101,9 +101,11 @@ def run(
             annotate(out, {"certificate": attrs["certificate"]})
     if figure is not None:
         from ..figures import drawing
+        from ..figures.window import in_window
 
         groups = attributes.groups(done) if out is None else for_figures(out)
-        drawing.write(drawing.figure_of("theta", groups, attrs), figure, overwrite=overwrite)
+        shown = in_window(groups, attrs, None, None)
+        drawing.write(drawing.axes_of("theta", *shown), figure, overwrite=overwrite)
     return _print(attrs, seconds, {"store": out, "figure": figure}, as_json)
 
 

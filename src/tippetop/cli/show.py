@@ -27,7 +27,7 @@ def info(store: Place, *, as_json: bool = False, errors: bool = False) -> int:
     from ..runs.results import summary_of
     from ..runs.summary import lines
     from ..store import root
-    from .text import table
+    from .text import entries, table, units_of
 
     attrs = root.attributes(store)
     content = attrs.get("content", "run")
@@ -110,7 +110,7 @@ def check(
     from ..scenario import build, reading
     from ..scenario.doubts import doubts
     from ..sweeps import plan
-    from .text import warn
+    from .text import units_of, warn
 
     tables = reading.override(reading.read(scenario), set_ or [])
     if plan.is_plan(tables):
@@ -130,7 +130,7 @@ def check(
 
 def _print_facts(facts: dict[str, Any], units: dict[str, str], as_json: bool) -> int:
     """Print a checked scenario or plan."""
-    from .text import table
+    from .text import plain, table
 
     if as_json:
         return print_json(facts)
@@ -230,37 +230,3 @@ def presets(*, as_json: bool = False) -> int:
         return print_json(sources)
     table(sources.items())
     return 0
-
-
-def units_of(tables: dict[str, Any]) -> dict[str, str]:
-    """Return the units of the keys of a scenario; none if its system is unknown here."""
-    from ..mechanics.systems import find
-    from ..scenario import build
-
-    system = find(tables["system"])
-    units = build.units_of(system, tables).values() if system is not None else ()
-    return {name: unit.symbol for table in units for name, unit in table.items()}
-
-
-def plain(value: Any, units: dict[str, str]) -> str:
-    """Return a value as text: numbers have eight digits, tables are written as `entries`."""
-    if isinstance(value, dict):
-        return entries(value, units)
-    if isinstance(value, list):
-        return ", ".join(plain(each, units) for each in value)
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return f"{value:.8g}" if isinstance(value, float) else str(value)
-
-
-def entries(table: Any, units: dict[str, str]) -> str:
-    """Return a table of a scenario, or of quantities, on one line: key = value unit."""
-    return ", ".join(f"{key} = {_with_unit(value, units.get(key))}" for key, value in table.items())
-
-
-def _with_unit(entry: Any, unit: str | None) -> str:
-    """Return a number with its unit: `entry` is the number, or a record of value and unit."""
-    if isinstance(entry, dict):
-        entry, unit = entry["value"], entry["unit"]
-    bare = unit in ("1", None) or isinstance(entry, bool | str)
-    return plain(entry, {}) if bare else f"{plain(entry, {})} {unit}"

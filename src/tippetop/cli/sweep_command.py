@@ -40,6 +40,7 @@ def sweep(
     from .. import errors
     from ..cli import CHUNKS, INTERRUPTED, TERMINATED
     from ..sweeps import sweep, sweep_summary
+    from .targets import finished
 
     words = ["tippetop", "sweep", str(plan), "--out", str(out)]
     for name, value in (("--workers", workers), ("--scheduler", scheduler)):
@@ -63,31 +64,6 @@ def sweep(
     return complain([*failed, f"the sweep ended without these chunks. {again}"], CHUNKS)
 
 
-def finished(store: Path, overwrite: bool) -> bool:
-    """Return whether a store exists and is finished; with `overwrite` remove it.
-
-    Raises StoreError if it is not a store of tippetop, is being written, or is not writable.
-    """
-    import os
-    import shutil
-
-    from ..errors import StoreError
-    from ..store import files, root
-    from ..store.ledger import Ledger
-
-    if not overwrite:
-        return store.is_dir() and root.attributes(store, whole=False).get("status") == "finished"
-    if store.is_symlink():
-        raise StoreError(f"`{store}` is a link: it is not overwritten; name the store itself.")
-    if store.exists():
-        root.refuse_foreign(store)  # a damaged one may be overwritten
-        with files.writing(store), Ledger.locked(store):  # raises StoreError, naming the writer
-            old = files.scratch_name(store)
-            os.rename(store, old)  # immediately: a kill leaves no half store under its name
-            shutil.rmtree(old, ignore_errors=True)
-    return False
-
-
 def describe(report: dict[str, Any], as_json: bool) -> int:
     """Print the content of a sweep's store."""
     from ..sweeps.sweep_summary import lines
@@ -107,7 +83,7 @@ def examine(tables: dict[str, Any], folder: Path) -> tuple[dict[str, Any], dict[
     from ..sweeps import chunk
     from ..sweeps.measuring import measured
     from ..sweeps.plan import Plan
-    from .show import units_of
+    from .text import units_of
 
     plan = Plan.from_tables(tables, folder)
     columns = chunk.column_schema(plan.base, plan.keep).values()

@@ -46,3 +46,37 @@ def table(rows: Iterable[tuple[str, str]]) -> None:
     for name, text in rows:
         first, *more = wrap(text, max(width() - indent, 20), break_on_hyphens=False) or [""]
         print(f"{name:<{indent}}{first}", *(" " * indent + line for line in more), sep="\n")
+
+
+def units_of(tables: dict[str, Any]) -> dict[str, str]:
+    """Return the units of the keys of a scenario; none if its system is unknown here."""
+    from ..mechanics.systems import find
+    from ..scenario import build
+
+    system = find(tables["system"])
+    units = build.units_of(system, tables).values() if system is not None else ()
+    return {name: unit.symbol for table in units for name, unit in table.items()}
+
+
+def plain(value: Any, units: dict[str, str]) -> str:
+    """Return a value as text: numbers have eight digits, tables are written as `entries`."""
+    if isinstance(value, dict):
+        return entries(value, units)
+    if isinstance(value, list):
+        return ", ".join(plain(each, units) for each in value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f"{value:.8g}" if isinstance(value, float) else str(value)
+
+
+def entries(table: Any, units: dict[str, str]) -> str:
+    """Return a table of a scenario, or of quantities, on one line: key = value unit."""
+    return ", ".join(f"{key} = {_with_unit(value, units.get(key))}" for key, value in table.items())
+
+
+def _with_unit(entry: Any, unit: str | None) -> str:
+    """Return a number with its unit: `entry` is the number, or a record of value and unit."""
+    if isinstance(entry, dict):
+        entry, unit = entry["value"], entry["unit"]
+    bare = unit in ("1", None) or isinstance(entry, bool | str)
+    return plain(entry, {}) if bare else f"{plain(entry, {})} {unit}"

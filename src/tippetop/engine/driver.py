@@ -244,11 +244,10 @@ class Driver:
 
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps; rows go to the request."""
+        self.request, n, before = request, self.variables, self.steps[0]
         self.forget()
-        before, n = self.steps[0], self.variables
-        self.drive(request, most)
-        when, last = self.reached()
-        code, steps = self.status[0], self.steps[0] - before
+        self.drive(most)
+        (when, last), code, steps = self.reached(), self.status[0], self.steps[0] - before
         ended = None if code == RUNNING else STATUSES[code]
         *columns, states = (column.copy() for column in self.passages())
         passages = Passages._make([*columns, states[:, :n]])
@@ -263,19 +262,27 @@ class Driver:
         """Forget samples and passages."""
         self.logged[0] = self.sampled_so_far[0] = 0
 
-    def drive(self, request: Request, most: int) -> None:
-        """Make the steps of a slice."""
+    def drive(self, most: int) -> int:
+        """Make at most `most` steps and their rows, and return the number of steps."""
         wanted, steps = self.wanted, 0
         while True:
-            if request.steps or wanted.is_made:
-                wanted.ask(request)
-            rows, first = wanted.rows, wanted.made[0]
-            steps += self.make(rows, most - steps if self.status[0] == RUNNING else 0)
-            made = wanted.made[0]
-            if made > first:
-                request.take(rows.times[first:made], self.states_of(rows, first))
-            if made == first or not wanted.is_made:
-                break
+            if wanted.is_made:
+                self.ask()
+            first = wanted.made[0]
+            steps += self.make(wanted.rows, most - steps if self.status[0] == RUNNING else 0)
+            if wanted.made[0] > first:
+                self.give(first)
+            if wanted.made[0] == first or not wanted.is_made:
+                return steps
+
+    def ask(self) -> None:
+        """Go on with the rows that are wanted next."""
+        self.wanted.ask(self.request)
+
+    def give(self, first: int) -> None:
+        """Give the rows that the last steps have made, from number `first` on."""
+        rows = self.wanted.rows
+        self.request.take(rows.times[first : self.wanted.made[0]], self.states_of(rows, first))
 
     def make(self, rows: Rows, most: int) -> int:
         """Make at most `most` steps, write these rows, and return the number of steps."""
@@ -383,11 +390,14 @@ class Driver:
 
 
 def extremes_of(records: np.ndarray, tallies: Tallies) -> Extremes:
-    """Return the extremes of the first event function whose extremes are kept; empty where there is
+    """Return the extremes of the event functions whose extremes are kept; empty where there is
     none.
     """
-    ranged = np.flatnonzero(records["extremes"])
-    if not len(ranged):
-        return Extremes()
-    known, scale = tallies.functions[:, ranged[0], 0].tolist(), float(records["scale"][ranged[0]])
-    return Extremes(known[LEAST] / scale, known[T_LEAST], known[MOST] / scale, known[T_MOST])
+    found = Extremes()
+    for k in np.flatnonzero(records["extremes"]):
+        known, scale = tallies.functions[:, k, 0].tolist(), float(records["scale"][k])
+        if known[LEAST] / scale < found.least:
+            found = found._replace(least=known[LEAST] / scale, t_least=known[T_LEAST])
+        if known[MOST] / scale > found.most:
+            found = found._replace(most=known[MOST] / scale, t_most=known[T_MOST])
+    return found

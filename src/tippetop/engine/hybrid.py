@@ -42,7 +42,7 @@ from .driver import (
 )
 from .expressions import Formulas
 from .impacts import ImpactMotions, Kind, Pieces, kind_of
-from .loop import MOST_COEFFICIENTS
+from .loop import MOST_COEFFICIENTS, Rows
 from .phase_tables import PhaseTables
 from .python_events import Sampler, zero_of
 from .status import Status
@@ -123,15 +123,6 @@ class World(NamedTuple):
         return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
 
 
-class Begun(NamedTuple):
-    """Start of a phase: the result of a jump, and the numbers that follow from it."""
-
-    n: Next
-    state: tuple = ()  # of the phase: its variables
-    whole: tuple = ()  # the integrals of the run, scaled
-    values: tuple = ()  # of the event functions
-
-
 @lru_cache(maxsize=256)
 def jump_of(
     system: System,
@@ -151,7 +142,7 @@ def jump_of(
     events, of_phase = events_of(system, known), Variables(phase.form, variables.orientation)
     record = type(phase.form.units)
 
-    def jump(state: Sequence, whole: tuple, left: Any, piece: Any, body: Any) -> Begun:
+    def jump(state: Sequence, whole: tuple, left: Any, piece: Any, body: Any) -> tuple:
         struck = ImpactMotions(*impacts, piece).struck if impacts else None
         world = World(body, system, rules, known, phase, left, variables, struck)
         x = phase.leave(record(*state[: of_phase.moving]), phase.parameters(body))
@@ -163,14 +154,16 @@ def jump_of(
         n = exit.jump(x, world)
         if fault := fault_of(n, exit, x, events):
             raise InputError([f"{where_of(exit.event, name, system)} must {fault}."])
-        return Begun(n) if n.ends else begun(n, carried, world)
+        return (n, (), (), ()) if n.ends else begun(n, carried, world)
 
     jump.calls, jump.program = 0, None  # type: ignore[attr-defined]
     return jump
 
 
-def begun(n: Next, carried: Any, world: World) -> Begun:
-    """Return how a phase begins."""
+def begun(n: Next, carried: Any, world: World) -> tuple[Next, tuple, tuple, tuple]:
+    """Return how a phase begins: what a jump returns, the variables of the phase, the integrals of
+    the run, scaled, and the values of the event functions.
+    """
     to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
     b = to.parameters(world.body)
     q = type(to.form.units)(*to.enter(n.x, b))
@@ -179,7 +172,7 @@ def begun(n: Next, carried: Any, world: World) -> Begun:
     moved = Variables(to.form, world.variables.orientation).integrals
     state = *q, *(getattr(carried, one.name) * INTEGRAL_SCALE for one in moved)
     whole = tuple(value * INTEGRAL_SCALE for value in carried)
-    return Begun(n, state, whole, tuple(functions(q, carried, b)))
+    return n, state, whole, tuple(functions(q, carried, b))
 
 
 def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
@@ -224,11 +217,11 @@ class Track:
         kinds: Any = type(self.b), type(self.b.friction)
         given: Any = problem.variables, problem.contact, run.impacts, *kinds
         phases = tuple(run.phases.items())
+        stops = problem.on_liftoff == "stop"
+        exits = [one for one in phase.exits if not (stops and one.event == Status.LIFTOFF.value)]
         self.exits: dict[str, Any] = {
-            exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in phase.exits
+            exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in exits
         }
-        stops = {Status.LIFTOFF.value} if problem.on_liftoff == "stop" else set()
-        self.pure = {exit.event for exit in phase.exits if exit.is_pure} - stops
         self.formulas = formulas_of_phase(problem.system, phase, *kinds)
         code = code_for(problem, self.formulas, run.stop)
         variables = Variables(phase.form, problem.orientation)
@@ -243,23 +236,18 @@ class Track:
         self.place = Place(code, run.stepper_of(code), rows, lasting, run.shared)
         run.take(self.place, leaves(self.b))
         if run.copies:
-            run.copies.loop.follow(self.at, self.place.loop)
+            run.copies.follow(self.at, self.place.loop)
         sampled = [event for event in phase.events if event.sampled]
-        self.sampler = Sampler(run, code, leaves(self.b), sampled, self._value) if sampled else None
-
-    def _value(self, state: np.ndarray, event: Event) -> Any:
-        """Return the value of an event in a state of the phase."""
-        return event.formula(self.phase.form.scalars(self.q(state), self.b), self.b)
+        self.sampler = Sampler(run, self, sampled) if sampled else None
 
     def _records(self, run: "HybridDriver", mine: EventRows) -> np.ndarray:
         """Return the events of the run, of which those of this phase are looked for."""
-        records = run.all_events.events.copy()
-        for flag in ("extremes", "watched", "ranged", "ends"):
-            records[flag] = 0
+        records = np.zeros_like(run.all_events.events)
         records["leader"] = -1
         for (number, event), record in zip(self.events.items(), mine.events, strict=True):
-            kept, leader = records[number][["first", "last"]].item(), record["leader"]
-            records[number] = record
+            kept = run.all_events.events[number][["first", "last"]].item()
+            leader = record["leader"]
+            records[number] = run.entered[number] = record
             if number in self.ways:  # its jump logs
                 kept, records[number]["ends"] = (0, 0), record["ends"] or Status.ENDED.code
             records[number]["first"], records[number]["last"] = kept
@@ -268,9 +256,10 @@ class Track:
         mark_bounded(records)
         return records
 
-    def q(self, state: np.ndarray) -> Any:
-        """Return the record of a state."""
-        return self.record._make(state[: self.moving].tolist())
+    def value(self, event: Event, state: np.ndarray) -> float:
+        """Return the value of an event of the phase in a state."""
+        q = self.record._make(state[: self.moving].tolist())
+        return float(event.formula(self.phase.form.scalars(q, self.b), self.b))
 
 
 class HybridDriver(Driver):
@@ -302,6 +291,7 @@ class HybridDriver(Driver):
         for event in (event for phase in self.phases.values() for event in phase.events):
             rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
         self.all_events, width = rows, self.width
+        self.entered = np.zeros_like(rows.events)  # those of the phases that have begun
         self.shared = Shared(
             new_tallies(rows, 1),
             new_log(PASSAGES + len(events) * MOST_COEFFICIENTS, width),
@@ -314,14 +304,14 @@ class HybridDriver(Driver):
         self.tracks: dict[str, Track] = {}
         self.changes = self.short = 0
         # the phases of a slice: their places, and the numbers of rows, passages and samples before
-        self.spans: list[list[int]] = []
-        self.wholes: list[Sequence] = []  # the integrals in which they begin
-        self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
-        self.impacts = self.piece = struck = None
+        # and the integrals in which they begin
+        self.spans: list[list[Any]] = []
+        self.copies = self.impacts = self.piece = struck = None
         if problem.contact is not None:
             self.impacts = kind_of(problem, self.body[0].friction)
             self.piece = Pieces(self.impacts, stop)
             struck = ImpactMotions(*self.impacts, self.piece).struck
+            self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
         start = problem.start()
         q, carried = problem.variables.split(start.tolist())
         x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
@@ -345,14 +335,6 @@ class HybridDriver(Driver):
             self.tracks[name] = Track(self, name)
         return self.tracks[name]
 
-    def prepare(self) -> None:
-        """Compile the phases that the present one may lead to, and those after them."""
-        waiting = [self.track.name]
-        while waiting:
-            track = self.track_of(waiting.pop())
-            following = {name for exit in track.phase.exits for name in exit.to}
-            waiting += [name for name in following if name not in self.tracks]
-
     def equations(self) -> list[tuple]:
         """Return the equations of every phase: pairs of a variable and its rate."""
         codes = (self.track_of(name).place.compiled for name in self.phases)
@@ -363,7 +345,7 @@ class HybridDriver(Driver):
         self.track, self.whole, self.began = track, whole, began
         self.work_in(track.place)
 
-    def _enter(self, begun: Begun, now: Any, before: Track | None) -> None:
+    def _enter(self, begun: tuple, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
         n, state, whole, values = begun
         if before and not math.isfinite(self._called(sum, state)):
@@ -374,8 +356,8 @@ class HybridDriver(Driver):
         time = min(now + self.number(n.delay), self.end)
         self.follow(track, whole, float(time))
         if self.copies and is_new:
-            for ending in track.pure:
-                if track.exits[ending].program:  # of another run
+            for ending, jump in track.exits.items():
+                if jump.program:  # of another run
                     self.copies.teach(ending, (state, whole, 0.0, None, self.body))
         if n.cause != "":
             names = track.name, track.phase, n.cause or self.way[0]
@@ -385,12 +367,7 @@ class HybridDriver(Driver):
         self._begin_events(n, state, values, now, before)
         self.begin()
         self.time[0] = self.began
-        self._end_phase_at(math.nan if n.lasts is None else time + self.number(n.lasts))
-
-    def _end_phase_at(self, until: Any) -> None:
-        """Put the end of the phase at an internal time; NaN: it has no such end."""
-        self.until = until
-        self.end_at(until if until < self.end else self.end)
+        self.until = math.nan if n.lasts is None else time + self.number(n.lasts)
 
     def _begin_events(
         self, n: Next, state: Sequence, values: Sequence, now: Any, before: Track | None
@@ -446,26 +423,25 @@ class HybridDriver(Driver):
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.spans, self.wholes = request, [], []
+        self.request, self.spans = request, []
         self.forget()
         self.given = self.wanted.made[0]
         self._begin_span()
-        if request.steps or self.wanted.is_made:
-            self._ask()
         steps, status, when = 0, None, self.end
         while self.clock[0] < self.end:
             self._fill(lambda times: np.repeat(self.state[None, :], len(times), axis=0))
-            sampled, logged = self._sample(), self.logged[0]
-            steps += self._drive(1 if self.track.sampler else most - steps)
-            track, code = self.track, self.status[0]
+            sampled = self._sample()
+            steps += self.drive(1 if self.track.sampler else most - steps)
+            track, code, ending = self.track, self.status[0], None
             when, self.last = self.reached()
             self.last = self.last[: track.width].copy()
             status = None if code == RUNNING else STATUSES[code]
-            ending = (
-                sampled if sampled and status is Status.FINISHED else self._ending(status, logged)
-            )
-            if ending not in (None, CLOCK, sampled):  # the jump logs it
-                self.drop()
+            if status is Status.FINISHED:
+                ending = sampled or (CLOCK if self.until < self.end else None)
+            elif self.upto[0] < 1.0 and (
+                ending := track.ways.get(self.log.event[self.logged[0] - 1])
+            ):
+                self.drop()  # the jump logs it
             if ending is not None:
                 status = self._jump(ending, when)
             if (
@@ -484,29 +460,18 @@ class HybridDriver(Driver):
         return self._slice(steps, when, status)
 
     def _sample(self) -> str:
-        """Let the phase end where a sampled event happens in its next step.
+        """Put the end of the next steps at that of the phase, or where a sampled event happens in
+        the next one.
 
         Return that event, or nothing.
         """
-        if not self.track.sampler:
-            return ""
-        self._end_phase_at(self.until)
-        name, when = self.track.sampler.next() or ("", math.nan)
-        if not when < (self.until if self.until < self.end else self.end):
-            return ""
+        end = self.until if self.until < self.end else self.end
+        sampler = self.track.sampler
+        name, when = (sampler and sampler.next()) or ("", end)
+        if not when < end:
+            name, when = "", end
         self.end_at(when)
         return name
-
-    def _ending(self, status: Status | None, logged: int) -> str | None:
-        """Return the exit by which the present phase ends, at the end of the run too; None if it
-        does not, or ends the run. Before its last steps the log had this length.
-        """
-        at = self.logged[0]
-        if status is not None and at > logged:
-            way = self.track.ways.get(int(self.log.event[at - 1]))
-            if way is not None:
-                return way
-        return CLOCK if status is Status.FINISHED and self.until < self.end else None
 
     def _jump(self, ending: str, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state.
@@ -522,17 +487,15 @@ class HybridDriver(Driver):
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
-        if self.copies and ending in track.pure:
+        if self.copies:
             self.copies.teach(ending, given)
-        n = begun.n
+        n: Next = begun[0]
         for name in n.logged:
             self._note(name, now + n.logged_after, state, 1)
         if n.ends:
             self.sentence = n.message or f"{self._where()} ends the run"
             self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
-        if ending == Status.LIFTOFF.value and self.problem.on_liftoff == "stop":
-            return Status.LIFTOFF
         if self.short > 2:
             often = f"more often than every {CHATTER * self.tables.second:.1g} s"
             self.sentence = (
@@ -545,7 +508,7 @@ class HybridDriver(Driver):
         if self.sentence:
             return Status.STALLED
         if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
-            self._give(np.array([when]), state[None])
+            self._add(np.array([when]), state[None])
         try:
             self._enter(begun, now, track)
         except ArithmeticError as error:
@@ -579,13 +542,11 @@ class HybridDriver(Driver):
     def _begin_span(self) -> None:
         """Note that rows, passages and samples belong to the present phase from now on."""
         counts = self.wanted.made[0], self.logged[0], self.sampled_so_far[0]
-        self.spans.append([self.track.at, *counts])
-        self.wholes.append(self.whole)
+        self.spans.append([self.track.at, *counts, self.whole])
 
-    def _ask(self) -> None:
-        """Give the rows that exist, and go on with those that are wanted next."""
+    def ask(self) -> None:
         self._hand_over()
-        self.wanted.ask(self.request)
+        super().ask()
         states, self.given = self.wanted.rows.states, 0
         self.states = states if self.number is float else np.empty(states.shape, self.number)
         for span in self.spans:
@@ -605,38 +566,23 @@ class HybridDriver(Driver):
         begin = [span[kind] for span in self.spans]
         return np.searchsorted(begin, np.arange(count), side="right") - 1
 
-    def _drive(self, most: int) -> int:
-        """Make at most `most` steps of the present phase and their rows.
+    def make(self, rows: Rows, most: int) -> int:
+        if self.copies is None or self.request.steps or self.track.sampler:
+            return super().make(rows, most)
+        changes = min(PER_SLICE - self.changes % PER_SLICE, MOST_CHANGES - self.changes)
+        return self.copies.drive(most, changes)
 
-        Return the number of steps.
-        """
-        wanted, steps = self.wanted, 0
-        while True:
-            first = wanted.made[0]
-            left = most - steps if self.status[0] == RUNNING else 0
-            if self.copies and not (self.request.steps or self.track.sampler):
-                most_changes = min(
-                    PER_SLICE - self.changes % PER_SLICE, MOST_CHANGES - self.changes
-                )
-                steps += self.copies.drive(left, most_changes)
-            else:
-                steps += self.make(wanted.rows, left)
-            made = wanted.made[0]
-            if self.number is not float and made > first:
-                states = self.states_of(wanted.rows, first).T
-                self.states[: len(states), first:made] = states
-            if made == first or not wanted.is_made:
-                return steps
-            self._ask()
+    def give(self, first: int) -> None:
+        if self.number is not float:
+            states = self.states_of(self.wanted.rows, first).T
+            self.states[: len(states), first : self.wanted.made[0]] = states[: len(self.states)]
 
-    def _give(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Give rows that no step makes: times, and states of the present phase (k, variables)."""
+    def _add(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Add rows that no step makes: times, and states of the present phase (k, variables)."""
         made, count = self.wanted.made, len(self.states)
         part = slice(made[0], made[0] + len(times))
         self.wanted.rows.times[part], made[0] = times, part.stop
         self.states[: states.shape[1], part] = states[:, :count].T
-        if self.wanted.is_made:
-            self._ask()
 
     def _note(self, name: str, time: Any, state: np.ndarray, sign: int) -> None:
         """Log an event that no step has logged, in a state of the phase of the last span."""
@@ -661,10 +607,11 @@ class HybridDriver(Driver):
         step.
         """
         while not self.request.steps:
+            if self.wanted.is_made:
+                self.ask()
             times = self.wanted.rows.times[self.wanted.made[0] :]
-            count = int(np.searchsorted(times, self.began))
-            if count:
-                self._give(times[:count], states_at(times[:count]))
+            if count := int(np.searchsorted(times, self.began)):
+                self._add(times[:count], states_at(times[:count]))
             if count < len(times) or not count:
                 break
 
@@ -684,7 +631,8 @@ class HybridDriver(Driver):
         """Return the rows of states (variables, k) of phases by number (k,)."""
         system, number, record = self.problem.system, self.number, self.carried
         rows = np.empty((self.variables, len(which)), number)
-        at, wholes = np.array([span[0] for span in self.spans])[which], np.array(self.wholes).T
+        places, *_, wholes = zip(*self.spans, strict=True)
+        at, wholes = np.array(places)[which], np.array(wholes).T
         moving = self.variables - len(wholes)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
@@ -722,18 +670,11 @@ class HybridDriver(Driver):
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        self.spans, self.wholes = [[self.track.at]], [self.whole]
+        self.spans = [[self.track.at, self.whole]]
         return self._rows(np.zeros(1, int), self.state[:, None])
 
     def extremes(self) -> Extremes:
-        """Return those of the normal force so far, internal units."""
-        places = (track.place for track in self.tracks.values())
-        known = [extremes_of(place.rows.events, self.tallies) for place in places]
-        known = [one for one in known if np.isfinite(one.least)]
-        if not known:
-            return Extremes()
-        low, high = min(known, key=lambda one: one.least), max(known, key=lambda one: one.most)
-        return Extremes(low.least, low.t_least, high.most, high.t_most)
+        return extremes_of(self.entered, self.tallies)
 
     @property
     def width(self) -> int:
@@ -745,24 +686,23 @@ class HybridDriver(Driver):
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,
         but for `state`.
         """
-        under_way = self.tables.under_way or [math.nan] * (1 + len(self.tables.tables["phases"]))
+        counts = self.track.at, self.changes, self.short
         return {
             **super().snapshot(),
-            "phase": [self.track.at, self.changes, self.short, self.began, *under_way],
+            "phase": [*counts, self.began, *self.tables.under_way],
             "carried": [*self.whole, self.number(self.until)],
         }
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        at, changes, short, began, *under_way = kept["phase"]
-        self.changes, self.short = int(changes), int(short)
+        *counts, began = kept["phase"][:4]
+        at, self.changes, self.short = map(int, counts)
         *whole, until = kept["carried"].tolist()
-        self.follow(self.track_of([*self.phases][int(at)]), tuple(whole), began)
+        self.follow(self.track_of([*self.phases][at]), tuple(whole), began)
         super().restore(kept, state[: len(self.state)], clock)
-        self._end_phase_at(until)
+        self.until = until
         self.tables = PhaseTables(self.problem)
-        if not math.isnan(under_way[0]):
-            self.tables.under_way = [under_way[0], *map(int, under_way[1:])]
+        self.tables.under_way = kept["phase"][4:]
 
 
 class WideHybridDriver(HybridDriver, WideDriver):

@@ -67,7 +67,7 @@ def formulas_of_impact(friction: Any, name: str, has_torques: bool) -> Formulas:
 def driver_of(formulas: Formulas, precision: str, stop: threading.Event | None) -> Driver:
     """Return the executor of a motion."""
     wide, number = precision != "double", PRECISIONS[precision]
-    code = compiled_when((formulas, precision, 0.0, 0, wide, False), stop)
+    code = compiled_when((formulas, precision, 0.0, 0, False), stop)
     start, functions = np.zeros(len(formulas.form.units), number), np.ones(len(formulas.events))
     pars = [number(1)] * len(code.integrator.pars)
     return (WideDriver if wide else Driver)(code, code.rows, pars, start, functions, 0.0)

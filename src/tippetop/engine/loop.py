@@ -7,7 +7,7 @@ hold them.
 
 import ctypes
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cache
 from math import comb
 from pathlib import Path
@@ -23,8 +23,8 @@ from .stepper import Called, Stepper
 from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules, Tallies
 
 
-MOST_COEFFICIENTS, MOST_LANES, MOST_MOTIONS = 64, 32, 8
-"""Coefficients of a polynomial, lanes and motions of impacts for which the loop has room; quadruple
+MOST_COEFFICIENTS, MOST_LANES = 64, 32
+"""Coefficients of a polynomial and lanes for which the loop has room; quadruple
 precision has 47 coefficients.
 """
 
@@ -137,38 +137,6 @@ class _Loop(NamedTuple):
     tables: Tables
     output: Rows
     ensemble: _Ensemble
-
-
-class Change(NamedTuple):
-    """A change of phase, in numbers of the loop."""
-
-    lines: np.ndarray
-    registers: np.ndarray
-    signs: np.ndarray
-    zeros: np.ndarray
-    length: int
-    begin: int
-    out: int
-    next: int
-    logged: int
-    first: int
-    last: int
-
-
-class _Phases(NamedTuple):
-    loops: np.ndarray
-    changes: int
-    whole: np.ndarray
-    made: np.ndarray
-    began: float
-    end: float
-    clock: float
-    chatter: float
-    present: int
-    length: int
-    most: int
-    integrals: int
-    width: int
 
 
 TABLES = Tables(
@@ -340,57 +308,6 @@ class Loop:
     def keep(self, event: np.void, when: float, sign: int) -> None:
         """Keep the numbers of an event of the first lane that no step has found."""
         self.library.loop_keep(self.place, *event[["first", "last"]].item(), 0, when, sign)
-
-
-class PhaseLoop:
-    """The loop of a run of several phases, which changes them by itself as it was taught.
-
-    Parameters
-    ----------
-    phases, events, integrals, numbers
-        How many there are; numbers are those of a change for tables.
-    most
-        Changes in a call.
-    end, chatter
-        Internal time of the end of the run; after a shorter phase the caller makes the change.
-    """
-
-    def __init__(
-        self,
-        phases: int,
-        events: int,
-        integrals: int,
-        numbers: int,
-        most: int,
-        end: float,
-        chatter: float,
-    ):
-        self.kept: list[Change] = []
-        self.loops = np.zeros(phases + MOST_MOTIONS, np.uint64)
-        self.table: Any = (structure(Change) * (phases * events))()
-        self.whole, self.made = np.zeros(integrals), np.zeros((most, 6 + integrals + numbers))
-        sizes = 0, 0, most, integrals, self.made.shape[1]
-        arrays = self.loops, ctypes.addressof(self.table), self.whole, self.made
-        self.record: Any = filled(_Phases(*arrays, 0.0, end, 0.0, chatter, *sizes))
-
-    def follow(self, place: int, loop: Loop) -> None:
-        """Follow a phase or a motion by a loop."""
-        self.loops[place] = ctypes.addressof(loop.structure)
-
-    def teach(self, number: int, change: Change) -> None:
-        """Make a change from now on."""
-        self.kept.append(change)
-        self.table[number] = filled(change)
-
-    def drive(self, phase: int, began: float, whole: Sequence, most: int, changes: int) -> int:
-        """Make at most `most` steps and `changes` changes of phase; return the number of steps."""
-        record, self.whole[:] = self.record, whole
-        record.present, record.began, record.length, record.most = phase, began, 0, changes
-        return library().loop_run(ctypes.byref(record), most)
-
-    def taken(self) -> list[list[float]]:
-        """Return the numbers of the changes that were made."""
-        return self.made[: self.record.length].tolist()
 
 
 def _callbacks(

@@ -1,5 +1,6 @@
 """Tables of the phases of a run and of occurrences between them: groups of its store."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -14,7 +15,7 @@ Table = dict[str, np.ndarray]
 
 
 class PhaseTables:
-    """New rows of the tables, in SI units; and the phase that is under way.
+    """New rows of the tables, in SI units; and the phase that is under way: NaN, where none is.
 
     Parameters
     ----------
@@ -25,14 +26,13 @@ class PhaseTables:
     def __init__(self, problem: Problem):
         self.tables, self.scales = problem.system.tables, problem.scales
         self.second = float(problem.scales.of(SECOND))
-        self.under_way: list[Any] | None = None
+        self.under_way = [math.nan] * (1 + len(self.tables["phases"]))
         self.rows: dict[str, list[Sequence[Any]]] = {name: [] for name in self.tables}
 
     def row_of(self, name: str, phase: Phase, cause: str) -> list[int]:
         """Return the row of a phase of this name without its times."""
         row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
-        words = self.tables.get("phases", {})
-        return [_number(row[key], kind) for key, kind in words.items()]
+        return [_number(row[key], kind) for key, kind in self.tables["phases"].items()]
 
     def numbers_of(self, name: str, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """Return rows of another table with the places of their words."""
@@ -42,15 +42,14 @@ class PhaseTables:
     def begin(self, time: float, row: Sequence[int]) -> None:
         """Begin a phase at an internal time."""
         self.end(time)
-        if row:
-            self.under_way = [time * self.second, *row]
+        self.under_way = [time * self.second, *row]
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""
-        if self.under_way is not None:
-            start, *rest = self.under_way
+        start, *rest = self.under_way
+        if not math.isnan(start):
             self.rows["phases"].append([start, time * self.second, *rest])
-            self.under_way = None
+            self.under_way[0] = math.nan
 
     def add(self, time: float, rows: Mapping[str, Sequence]) -> None:
         """Add rows of other tables at an internal time."""

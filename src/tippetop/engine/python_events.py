@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..mechanics.event import Event
+from ..mechanics.operand import leaves
 from .driver import Driver
-from .integrator import Compiled
 
 
 class Sampler:
@@ -14,58 +14,46 @@ class Sampler:
 
     Parameters
     ----------
-    driver
-        Of the run.
-    code
-        The integrator of the phase.
-    body
-        Its parameters, perhaps with others behind.
+    run
+        The driver.
+    track
+        The phase.
     events
         Those that are sampled.
-    function
-        function(state, event) -> value of an event in a state, (all variables,).
     """
 
-    def __init__(
-        self,
-        driver: Driver,
-        code: Compiled,
-        body: Sequence[Any],
-        events: Sequence[Event],
-        function: Callable,
-    ):
-        self.driver, self.events, self.function = driver, events, function
-        self.integrator = copy.deepcopy(code.integrator)
+    def __init__(self, run: Driver, track: Any, events: Sequence[Event]):
+        self.run, self.track, self.events = run, track, events
+        self.integrator = copy.deepcopy(track.place.compiled.integrator)
         pars = self.integrator.pars
-        pars[:] = [driver.number(number) for number in body[: len(pars)]]
+        pars[:] = [run.number(number) for number in leaves(track.b)[: len(pars)]]
 
     def next(self) -> tuple[str, Any] | None:
         """Return the event that ends the phase in the next step, and its internal time; None if
         none does.
         """
-        ta = self.integrator
-        ta.state[:], ta.time = self.driver.state, self.driver.number(0)
+        ta, run = self.integrator, self.run
+        ta.state[:], ta.time = run.state, run.number(0)
         _, h = ta.step(write_tc=True)
-        zeros = [
-            (t, event.name) for event in self.events if (t := self._zero(event, h)) is not None
-        ]
+        zeros = [(t, one.name) for one in self.events if (t := self._zero(one, h)) is not None]
         if not zeros:
             return None
         t, name = min(zeros)
-        high, low = self.driver.clock
-        return name, self.driver.number(high) + (low + t)
+        high, low = run.clock
+        return name, run.number(high) + (low + t)
 
     def _zero(self, event: Event, h: Any) -> Any:
         """Return the time in a step of length h at which an event function has become negative."""
+
+        def value(t: Any) -> float:
+            return self.track.value(event, self.integrator.update_d_output(t))  # type: ignore[no-any-return]
+
         low = 0 * h
         for high in (h / 2, h):
-            if not self._value(event, high) > 0:
-                return zero_of(lambda t: self._value(event, t), low, high)
+            if not value(high) > 0:
+                return zero_of(value, low, high)
             low = high
         return None
-
-    def _value(self, event: Event, t: Any) -> float:
-        return float(self.function(self.integrator.update_d_output(t), event))
 
 
 def zero_of(function: Callable, low: Any, high: Any) -> Any:

@@ -104,30 +104,22 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
 
 def _quaternion(table: Table, convention: Convention, turn: tuple[int, ...]) -> np.ndarray | None:
     """Return unit quaternions wxyz, (rows, 4); NaN in gaps."""
-    numbered, lettered = [f"q_{i}" for i in range(4)], [f"q_{c}" for c in "wxyz"]
     order = convention.quaternion
-    names = next((names for names in (numbered, lettered) if any(map(table.has, names))), None)
-    if names is None:
-        if order is None:
-            return None
-        raise InputError(
-            f"`{table.path}` must have the columns q_0 ... q_3 for --quaternion, but has none."
-        )
-    if not table.has(*names):
-        raise InputError(
-            f"`{table.path}`: a quaternion must have the columns {', '.join(names)}, all of them."
-        )
-    if names is numbered and order is None:
+    if order is None and any(table.has(f"q_{i}") for i in range(4)):
         raise InputError(
             f"`{table.path}`: the order of the quaternion q_0 ... q_3 must be named "
             "(--quaternion wxyz or xyzw)."
         )
-    if names is lettered and order is not None:
+    names = [f"q_{part}" for part in ORDERS.get(order or "", "wxyz")]
+    if order is None and not any(map(table.has, names)):
+        return None
+    if not table.has(*names):
         raise InputError(
-            "--quaternion must be given for columns q_0 ... q_3 only: these are named by letters."
+            f"`{table.path}`: a quaternion must have the columns {', '.join(sorted(names))}, all "
+            "of them: --quaternion names the order of numbered ones."
         )
-    q = table.stacked(*names)[:, ORDERS[order or "wxyz"]]
-    q = np.concatenate([q[:, :1], q[:, 1:][:, turn]], axis=1)
+    q = table.stacked(*names)
+    q[:, 1:] = q[:, 1:][:, turn]
     return _unit(table, q, "quaternion")
 
 

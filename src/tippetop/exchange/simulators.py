@@ -109,7 +109,7 @@ def text_of(problem: Problem, to: str) -> str:
         )
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")
-    return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](problem)
+    return {"mjcf": _mjcf, "urdf": _urdf, "sdf": _sdf}[to](_model(problem))
 
 
 DIGITS = 12
@@ -131,39 +131,85 @@ def _numbers(*values: Any) -> str:
     )
 
 
-def _balls(problem: Problem) -> list[tuple[str, float, float]]:
-    """Return name, offset along the axis and radius of each ball that touches the plane."""
-    body = problem.body()
-    if body.R == 0:
-        return [("tip", body.c, TIP * abs(body.c))]
-    balls = [("sphere", body.c, body.R)]
-    if problem.contact is not None and problem.contact.stem:
-        balls.append(("stem", body.c + problem.contact.h, problem.contact.r))
-    return balls
-
-
 DRILLING = 3 * math.pi / 16
 """Drilling torque of a disc that does not slide, per mu N and radius, under Hertz's pressure."""
 
 
-class Friction(NamedTuple):
-    """Friction coefficients: of sliding, and of drilling and rolling torques [m]."""
+class Model(NamedTuple):
+    """A body as simulators take it.
 
-    mu: float
-    torsion: float
-    rolling: float
+    Parameters
+    ----------
+    system, title
+        Name and title of the system.
+    body, start
+        In SI units.
+    fixed
+        Whether its tip is fixed.
+    balls
+        Name, offset along the axis and radius of each ball that touches the plane.
+    friction
+        Coefficients of sliding, and of drilling and rolling torques [m].
+    bounce
+        Restitution.
+    differences
+        Those of a simulator from the scenario, in sentences.
+    """
+
+    system: str
+    body: Any
+    start: Start
+    fixed: bool
+    balls: list[tuple[str, float, float]]
+    friction: tuple[float, float, float]
+    bounce: float
+    title: str
+    differences: list[str]
+
+    @property
+    def inertia(self) -> dict[str, str]:
+        """Moments of inertia about the centre of mass by their names in URDF and SDF."""
+        across, along = _numbers(self.body.I1), _numbers(self.body.I3)
+        return {"ixx": across, "iyy": across, "izz": along, "ixy": "0", "ixz": "0", "iyz": "0"}
+
+    def comment(self, *sentences: str) -> str:
+        """Return the differences of a simulator, and further ones, as a comment."""
+        sentences = (*self.differences, *sentences)
+        lines = "\n".join(f"    - {sentence}" for sentence in sentences).replace("--", "-")
+        return (
+            f"<!--\n  {self.title}, from tippetop. SI units, z up, z of the body along its "
+            "axis of symmetry.\n"
+            f"  Compare the output with: {RESULT}\n"
+            f"  Differences from tippetop:\n{lines}\n-->\n"
+        )
+
+    def settings(self) -> tuple[str, ...]:
+        """Return what a simulator must be told: gravity, friction, start, in sentences."""
+        start = self.start
+        return (
+            f"gravity 0 0 {_numbers(-self.body.g)}; friction {_numbers(self.friction[0])}; "
+            f"restitution {_numbers(self.bounce)}",
+            f"place of the centre of mass {_numbers(start.place)}; quaternion w x y z "
+            f"{_numbers(start.quaternion)}",
+            f"velocity {_numbers(start.velocity)}; angular velocity in body axes "
+            f"{_numbers(start.omega)}",
+        )
 
 
-def _cannot(problem: Problem) -> tuple[Friction, list[str]]:
-    """Return the friction coefficients, and the differences of a simulator in sentences."""
-    law, body = problem.friction, problem.body()
+def _model(problem: Problem) -> Model:
+    """Return the model of a problem."""
+    law, body, opens = problem.friction, problem.body(), problem.contact
     fixed = problem.system.name == "heavy-top"
-    sentences = (
-        []
-        if fixed
-        else ["contacts in simulators are soft, or solved once a step: refine step and stiffness"]
-    )
+    tip = TIP * abs(body.c)
+    balls = [("sphere", body.c, body.R) if body.R else ("tip", body.c, tip)]
+    if opens is not None and opens.stem:
+        balls.append(("stem", body.c + opens.h, opens.r))
     mu = float(getattr(law, "mu", 0.0))
+    sentences = []
+    if not fixed:
+        sentences.append(
+            "contacts in simulators are soft, or solved once a step: refine step and stiffness"
+        )
     if problem.system.name.startswith("rolling"):
         mu = 10.0
         sentences.append(
@@ -171,13 +217,11 @@ def _cannot(problem: Problem) -> tuple[Friction, list[str]]:
         )
     elif problem.system.frictional and is_frictionless(law):
         mu = 0.0
-    elif problem.law.set_valued:
-        pass
     elif "eps" in law._fields and problem.law.key == "coulomb":
         sentences.append(
             f"the regularisation speed eps = {law.eps:g} m/s of the law: a simulator has its own"
         )
-    elif problem.system.frictional:
+    elif problem.system.frictional and not problem.law.set_valued:
         words = problem.law.long_name
         sentences.append(
             f"the friction law {words}: here Coulomb friction with the number mu = {mu:g}, "
@@ -185,73 +229,65 @@ def _cannot(problem: Problem) -> tuple[Friction, list[str]]:
         )
     torsion = DRILLING * mu * getattr(law, "patch", 0.0) + getattr(law, "mu_d", 0.0)
     rolling = float(getattr(law, "mu_r", 0.0))
-    if problem.contact is not None and problem.contact.e_n:
-        sentences.append(f"restitution e_n = {problem.contact.e_n:g}: set it in the simulator")
+    bounce = opens.e_n if opens is not None else 0.0
+    if bounce:
+        sentences.append(f"restitution e_n = {bounce:g}: set it in the simulator")
     if "axis" not in problem.system.vectors:
         sentences.append("a cylinder: here a ball, with the same motion in the plane of motion")
     if body.R == 0 and not fixed:
-        sentences.append(f"a tip that is a point: here a ball of radius {TIP * abs(body.c):.3g} m")
-    if problem.contact is None and not fixed:
+        sentences.append(f"a tip that is a point: here a ball of radius {tip:.3g} m")
+    if opens is None and not fixed:
         sentences.append("a plane that the body cannot leave: here it can bounce and lift off")
-    return Friction(mu, torsion, rolling), sentences
-
-
-def _comment(problem: Problem, sentences: list[str]) -> str:
-    lines = "\n".join(f"    - {sentence}" for sentence in sentences).replace("--", "-")
-    return (
-        f"<!--\n  {problem.system.title}, from tippetop. SI units, z up, z of the body along its "
-        "axis of symmetry.\n"
-        f"  Compare the output with: {RESULT}\n"
-        f"  Differences from tippetop:\n{lines}\n-->\n"
+    return Model(
+        problem.system.name,
+        body,
+        start_of(problem),
+        fixed,
+        balls,
+        (mu, torsion, rolling),
+        bounce,
+        problem.system.title,
+        sentences,
     )
 
 
-def _mjcf(problem: Problem) -> str:
-    body, start = problem.body(), start_of(problem)
-    friction, sentences = _cannot(problem)
-    fixed = problem.system.name == "heavy-top"
+def _mjcf(model: Model) -> str:
+    body, start, (mu, torsion, rolling) = model.body, model.start, model.friction
     frame = body.c  # the centre of the ball that touches, or the fixed tip
     inertia = (
         f'<inertial pos="0 0 {_numbers(-frame)}" mass="{_numbers(body.m)}" '
         f'diaginertia="{_numbers(body.I1, body.I1, body.I3)}"/>'
     )
-    condim = 6 if friction.rolling else 4 if friction.torsion else 3 if friction.mu else 1
-    geoms = "\n".join(
-        f'      <geom name="{name}" type="sphere" size="{_numbers(radius)}" pos="0 0 '
-        f'{_numbers(offset - frame)}" '
-        f'condim="{condim}" friction="{_numbers(*friction)}"/>'
-        for name, offset, radius in _balls(problem)
-    )
-    floor = (
-        f'<geom name="floor" type="plane" size="1 1 0.1" condim="{condim}" '
-        f'friction="{_numbers(*friction)}"/>'
-    )
-    if fixed:
-        joint, geoms, floor = (
-            '<joint name="tip" type="ball" damping="0"/>',
-            "",
-            "",
-        )
-        qpos, qvel = _numbers(start.quaternion), _numbers(start.omega)
-    else:
-        joint = "<freejoint/>"
-        arm = frame * np.array(rotated(Quaternion(*start.quaternion), Vector(0.0, 0.0, 1.0)))
-        turning = rotated(Quaternion(*start.quaternion), Vector(*start.omega))
-        qpos = _numbers(start.place + arm, start.quaternion)
-        qvel = _numbers(start.velocity + np.cross(turning, arm), start.omega)
-    default = f'<default>\n    <geom solref="{_numbers(2 * STEP)} 1"/>\n  </default>\n  '
-    if fixed:
-        sentences.append("the tip is held by a ball joint at the origin: there is no plane")
-        default = ""
-    else:
-        sentences.append(
-            "the contact is as stiff as the step allows, solref = 2 timestep: change both together"
-        )
-    sentences.append(
+    condim = 6 if rolling else 4 if torsion else 3 if mu else 1
+    surface = f'condim="{condim}" friction="{_numbers(*model.friction)}"'
+    frames = (
         "the body frame is at the centre of the ball, or at a fixed tip: only there MuJoCo "
         "computes the acceleration of the contact in full; the centre of mass is xipos"
     )
-    return f"""{_comment(problem, sentences)}<mujoco model="{problem.system.name}">
+    if model.fixed:
+        joint, geoms, floor, default = '<joint name="tip" type="ball" damping="0"/>', "", "", ""
+        contact_words = "the tip is held by a ball joint at the origin: there is no plane"
+        qpos, qvel = _numbers(start.quaternion), _numbers(start.omega)
+    else:
+        joint = "<freejoint/>"
+        geoms = "\n".join(
+            f'      <geom name="{name}" type="sphere" size="{_numbers(radius)}" pos="0 0 '
+            f'{_numbers(offset - frame)}" {surface}/>'
+            for name, offset, radius in model.balls
+        )
+        floor = f'<geom name="floor" type="plane" size="1 1 0.1" {surface}/>'
+        default = f'<default>\n    <geom solref="{_numbers(2 * STEP)} 1"/>\n  </default>\n  '
+        contact_words = (
+            "the contact is as stiff as the step allows, solref = 2 timestep: change both together"
+        )
+        q = Quaternion(*start.quaternion)
+        arm, turning = (
+            frame * np.array(rotated(q, Vector(0.0, 0.0, 1.0))),
+            rotated(q, Vector(*start.omega)),
+        )
+        qpos = _numbers(start.place + arm, start.quaternion)
+        qvel = _numbers(start.velocity + np.cross(turning, arm), start.omega)
+    return f"""{model.comment(contact_words, frames)}<mujoco model="{model.system}">
   <option timestep="{_numbers(STEP)}" gravity="0 0 {_numbers(-body.g)}" cone="elliptic"
           integrator="RK4" impratio="10"
           density="0" viscosity="0"/>
@@ -270,15 +306,13 @@ def _mjcf(problem: Problem) -> str:
 """
 
 
-def _urdf(problem: Problem) -> str:
-    body = problem.body()
-    _, sentences = _cannot(problem)
-    sentences.append(
+def _urdf(model: Model) -> str:
+    body = model.body
+    sentences = [
         "URDF has no start, gravity or friction: set them in the simulator, as follows; "
         "the body frame is at the centre of mass"
-    )
-    fixed = problem.system.name == "heavy-top"
-    if fixed:
+    ]
+    if model.fixed:
         sentences.append(
             f"a ball joint, which URDF lacks, must hold the point 0 0 {_numbers(body.c)} of the "
             "body (the tip) at the origin"
@@ -286,11 +320,11 @@ def _urdf(problem: Problem) -> str:
     balls = "\n".join(
         f'    <collision name="{name}">\n      <origin xyz="0 0 {_numbers(offset)}"/>\n'
         f'      <geometry><sphere radius="{_numbers(radius)}"/></geometry>\n    </collision>'
-        for name, offset, radius in ([] if fixed else _balls(problem))
+        for name, offset, radius in ([] if model.fixed else model.balls)
     )
-    inertia = " ".join(f'{name}="{value}"' for name, value in _moments(problem).items())
+    inertia = " ".join(f'{name}="{value}"' for name, value in model.inertia.items())
     return f"""<?xml version="1.0"?>
-{_comment(problem, [*sentences, *_settings(problem)])}<robot name="{problem.system.name}">
+{model.comment(*sentences, *model.settings())}<robot name="{model.system}">
   <link name="top">
     <inertial>
       <origin xyz="0 0 0"/>
@@ -303,27 +337,6 @@ def _urdf(problem: Problem) -> str:
 """
 
 
-def _moments(problem: Problem) -> dict[str, str]:
-    """Return the moments of inertia about the centre of mass by their names in URDF and SDF."""
-    body = problem.body()
-    across, along = _numbers(body.I1), _numbers(body.I3)
-    return {"ixx": across, "iyy": across, "izz": along, "ixy": "0", "ixz": "0", "iyz": "0"}
-
-
-def _settings(problem: Problem) -> tuple[str, ...]:
-    """Return sentences about settings that a model file lacks: gravity, friction, start."""
-    start, friction = start_of(problem), _cannot(problem)[0]
-    bounce = problem.contact.e_n if problem.contact is not None else 0.0
-    return (
-        f"gravity 0 0 {_numbers(-problem.body().g)}; friction {_numbers(friction.mu)}; "
-        f"restitution {_numbers(bounce)}",
-        f"place of the centre of mass {_numbers(start.place)}; quaternion w x y z "
-        f"{_numbers(start.quaternion)}",
-        f"velocity {_numbers(start.velocity)}; angular velocity in body axes "
-        f"{_numbers(start.omega)}",
-    )
-
-
 def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
     """Return the angles of SDF: rotations about the fixed axes x, y and z [rad]."""
     w, x, y, z = rounded_to_digits(quaternion)
@@ -332,25 +345,22 @@ def _roll_pitch_yaw(quaternion: np.ndarray) -> list[float]:
     return [total - difference, pitch, total + difference]
 
 
-def _sdf(problem: Problem) -> str:
-    body, start = problem.body(), start_of(problem)
-    friction, sentences = _cannot(problem)
-    sentences.append(
+def _sdf(model: Model) -> str:
+    body, fixed, (mu, torsion, _) = model.body, model.fixed, model.friction
+    sentence = (
         "SDF has no initial velocity: set it in the simulator, as follows; the body frame is at "
         "the centre of mass, and the pose ends with roll, pitch and yaw"
     )
-    bounce = problem.contact.e_n if problem.contact is not None else 0.0
     surface = f"""<surface>
             <friction>
-              <ode><mu>{_numbers(friction.mu)}</mu><mu2>{_numbers(friction.mu)}</mu2></ode>
+              <ode><mu>{_numbers(mu)}</mu><mu2>{_numbers(mu)}</mu2></ode>
               <torsional>
-                <coefficient>{_numbers(friction.torsion)}</coefficient>
+                <coefficient>{_numbers(torsion)}</coefficient>
                 <use_patch_radius>false</use_patch_radius>
               </torsional>
             </friction>
-            <bounce><restitution_coefficient>{_numbers(bounce)}</restitution_coefficient></bounce>
+            <bounce><restitution_coefficient>{_numbers(model.bounce)}</restitution_coefficient></bounce>
           </surface>"""
-    fixed = problem.system.name == "heavy-top"
     balls = "".join(
         f"""
         <collision name="{name}">
@@ -358,10 +368,10 @@ def _sdf(problem: Problem) -> str:
           <geometry><sphere><radius>{_numbers(radius)}</radius></sphere></geometry>
           {surface}
         </collision>"""
-        for name, offset, radius in ([] if fixed else _balls(problem))
+        for name, offset, radius in ([] if fixed else model.balls)
     )
-    inertia = "".join(f"<{name}>{value}</{name}>" for name, value in _moments(problem).items())
-    pose = _numbers(start.place, _roll_pitch_yaw(start.quaternion))
+    inertia = "".join(f"<{name}>{value}</{name}>" for name, value in model.inertia.items())
+    pose = _numbers(model.start.place, _roll_pitch_yaw(model.start.quaternion))
     floor = f"""
     <model name="floor">
       <static>true</static>
@@ -379,7 +389,7 @@ def _sdf(problem: Problem) -> str:
         <pose>0 0 {_numbers(body.c)} 0 0 0</pose>
       </joint>"""
     return f"""<?xml version="1.0"?>
-{_comment(problem, [*sentences, *_settings(problem)])}<sdf version="1.6">
+{model.comment(sentence, *model.settings())}<sdf version="1.6">
   <world name="default">
     <gravity>0 0 {_numbers(-body.g)}</gravity>{"" if fixed else floor}
     <model name="top">

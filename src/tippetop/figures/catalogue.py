@@ -29,8 +29,6 @@ class RunFigure:
         Whether the x axis of every panel is the time; the phases of the contact are shaded then.
     compares
         Whether several runs can be drawn in one panel.
-    in_landscape
-        Whether it is drawn from the function of `landscape.run_landscape` of its name.
     """
 
     shows: str
@@ -39,7 +37,6 @@ class RunFigure:
     uses: tuple[str, ...] = ("theta",)
     over_time: bool = False
     compares: bool = False
-    in_landscape: bool = False
 
 
 @dataclass(frozen=True)
@@ -64,7 +61,7 @@ WITH_ENERGY = "systems with an energy"
 
 def _of_tippe_tops(shows: str) -> RunFigure:
     """Return a figure over the spinning states of a tippe top."""
-    return RunFigure(shows, "routh", "tippe tops", OF_LANDSCAPES, in_landscape=True)
+    return RunFigure(shows, "routh", "tippe tops", OF_LANDSCAPES)
 
 
 def _over_time(shows: str, needs: str, drawn_for: str, *uses: str) -> RunFigure:
@@ -111,13 +108,9 @@ FIGURES: dict[str, RunFigure] = {
     "states": _of_tippe_tops(
         "asymptotic states over lambda, and the run among them; also of a scenario"
     ),
-    "band": RunFigure(
-        "turning angles that the main equation predicts", uses=OF_LANDSCAPES, in_landscape=True
-    ),
+    "band": RunFigure("turning angles that the main equation predicts", uses=OF_LANDSCAPES),
     "surface": _of_tippe_tops("the run on the minimal surface F(D, lambda)"),
-    "potential": RunFigure(
-        "the effective potential V(z) at six times", uses=OF_LANDSCAPES, in_landscape=True
-    ),
+    "potential": RunFigure("the effective potential V(z) at six times", uses=OF_LANDSCAPES),
 }
 """The figures of a run, by name."""
 

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .labels import number, title
-from .style import compact, dashes, ink, legend, panel
+from .labels import title
+from .style import compact, draw_curves, ink, legend, panel
 from .thinning import span, worst
 
 
@@ -17,54 +17,61 @@ INTEGRALS = {
     "Lz": "angular momentum $L_z$",
 }
 UNIT = 2.2e-16  # rounding unit
+Curve = tuple[str, np.ndarray, np.ndarray]
 
 
 def drift(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw the relative changes of the conserved quantities; curves are open where they are 0."""
-    ax = panel(ax, 10, 5.0)
-    t = trajectory["time"].values
-    curves = [(words, *worst(t, values)) for words, values in changes(trajectory, attrs)]
-    since = number(0.0 if attrs.get("first_row") else float(t[0]))
-    words = (
-        "relative change" if compact() else f"relative change since t = {since} s, worst per bin"
-    )
-    ax.set(ylabel=words, xlim=span(t))
-    return _drawn(ax, curves, attrs, marker=".")
+    return draw_drift(_curves(trajectory, attrs), attrs, ax)
 
 
 def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw the largest change so far over the time, and sqrt(t) as of a random walk."""
-    ax = panel(ax, 9, 5.4)
-    later = trajectory["time"].values > 0
-    t = trajectory["time"].values[later]
-    curves = [
-        (words, t, np.maximum.accumulate(values)[later])
-        for words, values in changes(trajectory, attrs)
-    ]
-    most = max((grown.max() for _, _, grown in curves if len(grown)), default=0)
+    return draw_growth(_curves(trajectory, attrs), attrs, ax)
+
+
+def _curves(trajectory: Any, attrs: dict[str, Any]) -> list[Curve]:
+    t = trajectory["time"].values
+    return [(words, t, values) for words, values in changes(trajectory, attrs)]
+
+
+def draw_drift(curves: list[Curve], attrs: dict[str, Any], ax: Axes | None) -> Axes:
+    """Draw the worst of changes per bin, each with its words and times."""
+    ax = panel(ax, 10, 5.0)
+    words = "relative change since the start"
+    ax.set(
+        ylabel=words.partition(" since")[0] if compact() else f"{words}, worst per bin",
+        xlim=span(np.concatenate([t for _, t, _ in curves])),
+    )
+    binned = [(words, *worst(t, values)) for words, t, values in curves]
+    return _draw(ax, binned, attrs, marker=".")
+
+
+def draw_growth(curves: list[Curve], attrs: dict[str, Any], ax: Axes | None) -> Axes:
+    """Draw the largest of changes so far, each with its words and times."""
+    ax = panel(ax, 10, 5.0)
+    grown = [(words, t[t > 0], np.maximum.accumulate(values)[t > 0]) for words, t, values in curves]
+    t = np.unique(np.concatenate([t for _, t, _ in grown]))
+    most = max((values.max(initial=0) for _, _, values in grown), default=0)
     if most > 0:
-        label = "∝ √t"
-        ax.plot(t, most * np.sqrt(t / t[-1]), color=ink().quiet, lw=1.0, ls="--", label=label)
+        ax.plot(t, most * np.sqrt(t / t[-1]), color=ink().quiet, ls="--", label="∝ √t")
     ax.set(ylabel="worst relative change up to t", xscale="log")
     if len(t) > 1:
         ax.set_xlim(t[0], t[-1])
-    return _drawn(ax, curves, attrs)
+    return _draw(ax, grown, attrs)
 
 
-def _drawn(
-    ax: Axes, curves: list[tuple[str, np.ndarray, np.ndarray]], attrs: dict[str, Any], **style: Any
-) -> Axes:
+def _draw(ax: Axes, curves: list[Curve], attrs: dict[str, Any], **style: Any) -> Axes:
     """Draw curves on a logarithmic axis with the rounding unit, title and legend."""
-    ax.set_yscale("log")
     ax.axhline(UNIT, color=ink().quiet, lw=0.8, ls=":", label="rounding unit")
-    known = [UNIT]
-    for i, ((words, t, values), color) in enumerate(zip(curves, ink()[:5], strict=False)):
-        seen = np.where(values > 0, values, np.nan)
-        label = words if values.any() else f"{words}: exactly 0"
-        ax.plot(t, seen, color=color, ls=dashes(i), lw=1.3, ms=2.5, label=label, **style)
-        known += [np.nanmin(seen), np.nanmax(seen)] if values.any() else []
-    ax.set_ylim(min(0.5 * min(known), 0.3 * UNIT), max(3 * max(known), 20 * UNIT))
-    ax.set(xlabel="time t (s)", title=title(attrs))
+    shown = [
+        (words if values.any() else f"{words}: exactly 0", t, np.where(values > 0, values, np.nan))
+        for words, t, values in curves
+    ]
+    draw_curves(ax, shown, ms=2.5, **style)
+    known = np.concatenate([[UNIT], *(values[values > 0] for _, _, values in shown)])
+    ax.set(xlabel="time t (s)", title=title(attrs), yscale="log")
+    ax.set_ylim(min(0.5 * known.min(), 0.3 * UNIT), max(3 * known.max(), 20 * UNIT))
     legend(ax, "upper right", ncols=3)
     return ax
 
@@ -76,11 +83,13 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
     for name, words in INTEGRALS.items():
         if name not in attrs["report"]["drift"] or name not in trajectory:
             continue
-        values, handed = trajectory[name].values, rows if name == "jellett" else rows[:0]
-        lost = trajectory["jellett_lost"].values if "jellett_lost" in trajectory else np.zeros(1)
-        if name == "jellett" and lost.any():
-            values, words = values + lost, "λ + lost to torques"
-        words += ", since its ball touched first" if len(handed) else ""
+        values, handed = trajectory[name].values, rows[:0]
+        if name == "jellett":  # it is that of the ball in contact
+            handed = rows
+            if "jellett_lost" in trajectory and (lost := trajectory["jellett_lost"].values).any():
+                values, words = values + lost, "λ + lost to torques"
+            if len(handed):
+                words += ", since its ball touched first"
         piece, *others = np.split(values, handed)
         begun = None if "ball" in trajectory else first.get(name)
         curves.append((words, np.concatenate([relative(piece, begun), *map(relative, others)])))

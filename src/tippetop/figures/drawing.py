@@ -14,7 +14,15 @@ from .catalogue import FIGURES, PLAIN, Look, check_kind
 
 def _drawings() -> dict[str, Callable]:
     """Return the function for each kind of figure of a run; this imports matplotlib."""
+    from ..landscape import run_landscape
+    from ..runs import shape as bodies
     from . import conservation, energetics, film, landscape_figures, sphere, stability, theta, well
+
+    def in_landscape(draw: Callable, data_of: Callable) -> Callable:
+        return lambda *run, ax: draw(*data_of(*run), ax=ax)
+
+    def filmed(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Any) -> Any:
+        return film.film(trajectory, attrs, bodies.shape(attrs), bodies.rotation, ax)
 
     return {
         "theta": theta.theta,
@@ -23,17 +31,12 @@ def _drawings() -> dict[str, Callable]:
         "growth": conservation.growth,
         "sphere": sphere.sphere,
         "energy": energetics.energy,
-        "film": film.film,
-        "states": stability.states,
-        "band": landscape_figures.band,
-        "surface": landscape_figures.surface,
-        "potential": well.potential,
+        "film": filmed,
+        "states": in_landscape(stability.states, run_landscape.states),
+        "band": in_landscape(landscape_figures.band, run_landscape.band),
+        "surface": in_landscape(landscape_figures.surface, run_landscape.surface),
+        "potential": in_landscape(well.potential, run_landscape.potential),
     }
-
-
-def figure_of(kind: str, groups: dict[str, Any], attrs: dict[str, Any], look: Look = PLAIN) -> Any:
-    """Draw one kind of figure of a run; return the matplotlib Figure. See `axes_of`."""
-    return axes_of(kind, groups, attrs, look).get_figure(root=True)
 
 
 def axes_of(
@@ -46,8 +49,7 @@ def axes_of(
     kind
         A name of `FIGURES`.
     groups
-        trajectory and events, and phases and impacts where the run has them; Datasets or columns by
-        name.
+        trajectory and events, and phases and impacts where the run has them, as Datasets.
     attrs
         The root attributes of the run's store.
     look
@@ -60,35 +62,24 @@ def axes_of(
     InputError
         For another kind, and where the run lacks what the figure shows.
     """
-    from .style import styled
-    from .window import datasets, handed_over
+    from .shading import handed_over, mark
 
     check_kind(kind)
-    groups = datasets(groups)
-    chosen = FIGURES[kind]
     _refuse(kind, groups["trajectory"], attrs)
     if ax is not None and (kind == "surface") != (getattr(ax, "name", "") == "3d"):
         shape = "in 3-D" if kind == "surface" else "flat"
         raise InputError(f"`ax` of `{kind}` must be {shape}, but is not.")
-    attrs = with_records(attrs) | {"handed_over": handed_over(groups)}
-    given: Any = (groups["trajectory"], groups["events"], attrs)
-    if kind == "film":
-        from ..runs import shape as bodies
+    phases = groups.get("phases")
+    attrs = with_records(attrs) | {"handed_over": handed_over(phases)}
 
-        body = bodies.shape(attrs) | {"axes": bodies.rotation}
-        given = groups["trajectory"], attrs, body
-    elif chosen.in_landscape:
-        from ..landscape import run_landscape
-
-        given = getattr(run_landscape, kind)(*given)
-    with styled(dark=look.dark, size=look.size, ax=ax):
-        axes = _drawings()[kind](*given, ax=ax)
-        if chosen.over_time and "impacts" in groups:
-            from .shading import mark
-
+    def draw() -> Any:
+        axes = _drawings()[kind](groups["trajectory"], groups["events"], attrs, ax=ax)
+        if FIGURES[kind].over_time and phases is not None:
             panels = [axes] if ax is not None else axes.get_figure(root=True).axes
-            mark(panels, groups["phases"], groups["impacts"])
-        return _finished(axes, look)
+            mark(panels, phases, groups.get("impacts"))
+        return axes
+
+    return drawn(draw, look, ax)
 
 
 def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
@@ -109,7 +100,7 @@ def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
         )
     if not trajectory["time"].size:
         raise InputError(
-            f"`{kind}` is drawn of rows, but a run has none: replay a part of it, or resume it."
+            f"`{kind}` requires rows, but a run has none: replay a part of it, or resume it."
         )
 
 
@@ -126,7 +117,7 @@ def several(
     InputError.
     """
     from .overlay import overlay
-    from .style import literal, styled
+    from .style import literal
 
     check_kind(kind)
     if not FIGURES[kind].compares:
@@ -134,27 +125,8 @@ def several(
         raise InputError(f"several runs are drawn together as {known}; `{kind}` is drawn of one.")
     for trajectory, attrs in runs:
         _refuse(kind, trajectory, attrs)
-    with styled(dark=look.dark, size=look.size, ax=ax):
-        axes = overlay(
-            kind, [(run, with_records(attrs)) for run, attrs in runs], [*map(literal, names)], ax
-        )
-        return _finished(axes, look)
-
-
-def states_of(
-    system: str, parameters: dict[str, float], lam: float, look: Look = PLAIN, title: str = ""
-) -> Any:
-    """Draw the asymptotic states of a body with the |lambda| of its start [kg m^3/s].
-
-    Raises InputError for a system that has none.
-    """
-    from ..landscape import run_landscape
-    from .style import literal
-
-    branches, marks = run_landscape.diagram(system, parameters, lam)
-    return composed(
-        "states", (branches, marks | {"|λ| of the start": abs(lam)}, literal(title)), look
-    )
+    known_runs = [(trajectory, with_records(attrs)) for trajectory, attrs in runs]
+    return drawn(lambda: overlay(kind, known_runs, [*map(literal, names)], ax), look, ax)
 
 
 def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
@@ -179,46 +151,33 @@ def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _finished(axes: Any, look: Look) -> Any:
-    """Return the Axes with the requested title."""
-    from .style import as_given, is_ours
+def drawn(draw: Callable[[], Any], look: Look = PLAIN, ax: Any = None) -> Any:
+    """Return the Axes that a function draws in our style, with the title of `look`.
 
-    figure = axes.get_figure(root=True)
+    `ax` is the panel in which it draws, if that is the user's. Raises InputError.
+    """
+    from .style import as_given, styled
+
     if look.title is not None:
         try:
             look.title.encode()
         except UnicodeEncodeError:  # bytes of a command line
             raise InputError(f"the title must be text in UTF-8, but is {look.title!r}.") from None
-        if is_ours() and figure.get_suptitle():
+    with styled(dark=look.dark, size=look.size, ax=ax):
+        axes = draw()
+        figure = axes.get_figure(root=True)
+        if look.title is None:
+            pass
+        elif ax is None and figure.get_suptitle():
             figure.suptitle(as_given(look.title), x=0.01, ha="left")
         else:
             axes.set_title(as_given(look.title))
     return axes
 
 
-def write(figure: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = False) -> None:
-    """Write a figure in the format of the ending of `path`. Raises StoreError."""
+def write(picture: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = False) -> None:
+    """Write Axes, or a Figure, in the format of the ending of `path`. Raises StoreError."""
     from .style import save, styled
 
     with styled(dark=look.dark):
-        save(figure, path, dpi=look.dpi, overwrite=overwrite)
-
-
-def figure_of_sweep(kind: str, store: Path, look: Look = PLAIN) -> Any:
-    """Draw one kind of figure of a sweep. Raises InputError, StoreError."""
-    from ..sweeps import maps
-    from .sweep_map import draw_map
-
-    return _composed(draw_map, (maps.make_map(store, kind),), look)
-
-
-def composed(kind: str, given: tuple[Any, ...], look: Look = PLAIN) -> Any:
-    """Draw one kind of figure from the arguments of its function; return the Figure."""
-    return _composed(_drawings()[kind], given, look)
-
-
-def _composed(draw: Callable, given: tuple[Any, ...], look: Look) -> Any:
-    from .style import styled
-
-    with styled(dark=look.dark, size=look.size):
-        return _finished(draw(*given), look).get_figure(root=True)
+        save(picture.get_figure(root=True), path, dpi=look.dpi, overwrite=overwrite)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from ..columns import on_sphere
 from .labels import number, title
-from .style import dashes, ink, legend, panel, ticks_in_joules
+from .style import draw_curves, ink, legend, panel, ticks_in_joules
 from .thinning import span, thinned
 
 
@@ -49,30 +49,23 @@ def normal_force(
 def energy(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw energy E, modified energy E~ and the energy taken by friction."""
     ax = panel(ax, 10, 4.8)
-    colours, t = ink(), trajectory["time"].values
+    t = trajectory["time"].values
     taken = "taken by friction and impacts" if "phase" in trajectory else "taken by friction"
-    curves = {
-        words: (trajectory[name].values, color)
-        for name, words, color in (
-            ("modified_energy", "modified energy Ẽ", colours.upper),
-            ("energy", "energy E", colours.run),
-            ("work", taken, colours.lower),
-        )
-        if name in trajectory
-    }
-    touches = on_sphere(trajectory)
-    if not touches.all() and "modified energy Ẽ" in curves:
-        values, color = curves.pop("modified energy Ẽ")
-        words = "modified energy Ẽ; none on the stem, in the air"
-        curves[words] = np.where(touches, values, np.nan), color
-    energies = trajectory["energy"].values
-    change = max(np.nanmax(v) - np.nanmin(v) for v, _ in curves.values() if np.isfinite(v).any())
-    level = np.abs(energies).max() or 1.0
-    for i, (words, (values, color)) in enumerate(curves.items()):
-        ax.plot(*thinned(t, values), color=color, ls=dashes(i), label=words)
+    curves = []
+    for name, words in (
+        ("modified_energy", "modified energy Ẽ"),
+        ("energy", "energy E"),
+        ("work", taken),
+    ):
+        if name in trajectory:
+            touches = on_sphere(trajectory) if name == "modified_energy" else np.array(True)
+            words += "" if touches.all() else "; none on the stem, in the air"
+            curves.append((words, t, np.where(touches, trajectory[name].values, np.nan)))
+    draw_curves(ax, curves)
     ax.set(xlabel="time t (s)", ylabel="energy", title=title(attrs), xlim=span(t))
     ticks_in_joules(ax.yaxis)
-    if change <= CONSTANT * level:
-        ax.set_ylim(min(0, 1.3 * energies[0]), max(0, 1.3 * energies[0]))
+    start = trajectory["energy"].values[0]
+    if np.ptp(ax.dataLim.intervaly) <= CONSTANT * (abs(start) or 1.0):
+        ax.set_ylim(min(0, 1.3 * start), max(0, 1.3 * start))
     legend(ax, "upper right", ncols=3)
     return ax

@@ -3,19 +3,21 @@
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
 
-from . import style
+from .style import COLOURS, DASHES, LIGHT, figure, legend, styled
 
 
 EXACT = 1e-16
 """Errors below this are drawn as this."""
 
+UPRIGHT = 1e-3
+"""Least range of theta that is drawn [rad]."""
 
+
+@styled()
 def errors_by_step(title: str, results: Sequence[Any]) -> Figure:
-    """Draw the results of one case.
+    """Draw the results of one case; the errors of positions if no attitude differs.
 
     Parameters
     ----------
@@ -24,34 +26,26 @@ def errors_by_step(title: str, results: Sequence[Any]) -> Figure:
     results
         Each has `engine`, `setting`, `compared`, by engine and setting; the largest step first.
     """
-    figure = Figure(figsize=(10, 4.2), layout="constrained")
-    left, right = figure.subplots(1, 2)
+    fig = figure(10, 4.8)
+    left, right = fig.subplots(1, 2)
+    turned = any(result.compared.numbers["attitude"]["max"] for result in results)
+    moved, unit = ("attitude", "rad") if turned else ("position", "m")
     by_setting: dict[str, list[Any]] = {}
     for result in results:
         by_setting.setdefault(f"{result.engine} {result.setting}", []).append(result.compared)
     for k, (label, compared) in enumerate(by_setting.items()):
-        stepped = [c for c in compared if c.step]
-        errors = [max(c.numbers["attitude"]["max"], EXACT) for c in stepped]
-        look = {"color": f"C{k % 10}", "ls": ("-", "--", ":")[k // 10 % 3], "label": label}
-        left.plot([c.step for c in stepped], errors, marker="o", **look)
-        finest = compared[-1]
-        right.plot(finest.t, finest.theta, lw=1, **look)
-    last = max((c for group in by_setting.values() for c in group), key=lambda c: c.t[-1])
-    right.plot(last.t, last.reference, color=style.RUN, lw=1.6, zorder=0, label="reference")
-    steps = sorted({c.step for group in by_setting.values() for c in group if c.step})
-    if steps:
-        left.set(
-            xscale="log", yscale="log", xlabel="step [s]", ylabel="largest error of attitude [rad]"
-        )
-        low, high = np.log10(left.get_ylim())
-        left.set_ylim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))
-        left.set_xticks(steps, [f"{step:g}" for step in steps], rotation=45)
-        for axis in (left.xaxis, left.yaxis):
-            axis.set_minor_formatter(NullFormatter())
-    else:
-        left.set_axis_off()
-        left.text(0.5, 0.5, "no file name contains dt=STEP", ha="center")
+        stepped = [c for c in compared if c.step and moved in c.numbers]
+        errors = [max(c.numbers[moved]["max"], EXACT) for c in stepped]
+        look = {"color": COLOURS[k % len(COLOURS)], "ls": DASHES[k % len(DASHES)], "label": label}
+        left.loglog([c.step for c in stepped], errors, marker="o", **look)
+        right.plot(compared[-1].t, compared[-1].theta, **look)
+    last = max((group[-1] for group in by_setting.values()), key=lambda c: c.t[-1])
+    reference = {"color": LIGHT.run, "lw": 1.6, "zorder": 0, "label": "reference"}
+    right.plot(last.t, last.reference, **reference)
+    left.set(xlabel="step [s]", ylabel=f"largest error of {moved} [{unit}]")
     right.set(xlabel="t [s]", ylabel="theta [rad]")
-    figure.suptitle(title)
-    figure.legend(*right.get_legend_handles_labels(), loc="outside right upper", fontsize="small")
-    return figure
+    if max(map(abs, right.get_ylim())) < UPRIGHT:
+        right.set_ylim(-UPRIGHT, UPRIGHT)
+    fig.suptitle(title)
+    legend(right, "lower center", ncols=4)
+    return fig

@@ -4,13 +4,14 @@ The body is made of surfaces of revolution; their facets are painted from the fa
 ones. The camera looks along y, from somewhat above; z is up. Lengths are in units of the body.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
-from .labels import title
+from .labels import number, title
 from .sphere import busy
 from .style import compact, figure, ink
 
@@ -32,24 +33,29 @@ Array = np.ndarray
 
 
 def film(
-    trajectory: Any, attrs: dict[str, Any], shape: dict[str, Any], ax: Axes | None = None
+    trajectory: Any,
+    attrs: dict[str, Any],
+    shape: dict[str, Any],
+    rotation: Callable[[Array], Array],
+    ax: Axes | None = None,
 ) -> Axes:
     """Draw eight poses of the body, evenly spread over the part of the run in which it turns over.
 
     `trajectory` has time, theta, orientation and, where the contact may open, z; `shape` is the
-    body as `runs.shape.shape` returns it, and `axes`, the function of its rotation matrix.
+    body as `runs.shape.shape` returns it, `rotation` returns the matrix of an orientation.
     """
     t, theta = trajectory["time"].values, trajectory["theta"].values
     rows = np.searchsorted(t, np.linspace(*busy(theta, t), POSES))
     rows = np.unique(np.clip(rows, 0, len(t) - 1))
-    poses = [pose(trajectory, shape, row) for row in rows]
+    poses = [pose(trajectory.isel(time=row), shape, rotation) for row in rows]
     ends = np.array([[(p.min((0, 1)), p.max((0, 1))) for p in parts[:2]] for parts in poses])
     (left, bottom), (right, top) = ends[..., 0, :].min((0, 1)), ends[..., 1, :].max((0, 1))
     step = right - left + GAP
+    places = step * np.arange(len(rows))
     if ax is None:
         strip = 12.0 * (top - bottom) / (len(rows) * step)
         ax = figure(12.0, 0.6 + 0.19 * len(title(attrs).splitlines()) + strip).subplots()
-    for x, (facets, shadow, colours, mass) in zip(np.arange(len(rows)) * step, poses, strict=True):
+    for x, (facets, shadow, colours, mass) in zip(places, poses, strict=True):
         aside = np.array([x, 0.0])
         ax.add_collection(PolyCollection(shadow + aside, facecolor="black", alpha=0.2, lw=0))
         painted = PolyCollection(facets + aside, facecolors=colours, edgecolors=colours, lw=0.5)
@@ -57,43 +63,40 @@ def film(
         ax.add_collection(painted)
         if shape["kind"] != "heavy":  # the hidden mass shines through
             ax.plot(*(mass + aside), "o", color=IRON, alpha=0.5, ms=4)
-    between = float(np.min(np.diff(t[rows]))) if len(rows) > 1 else 1.0
-    decimals = max(0, 1 - int(np.floor(np.log10(max(between, 1e-12)))))
     names = ("", "") if compact() else ("t = ", "θ = ")
-    words = [
-        f"{names[0]}{t[row]:.{decimals}f} s\n{names[1]}{np.degrees(theta[row]):.1f}°".replace(
-            "-", "−"
-        )
+    shown = [
+        f"{names[0]}{number(t[row])} s\n{names[1]}{number(np.degrees(theta[row]), 4)}°"
         for row in rows
     ]
-    ax.set_xticks(np.arange(len(rows)) * step, words)
+    ax.set_xticks(places, shown)
     ax.set_yticks([])
     ax.grid(visible=False)
     ax.spines[["left", "top", "right"]].set_visible(False)
     ax.tick_params(axis="x", labelsize="small")
     ax.set(
-        xlim=(left - GAP / 2, (len(rows) - 1) * step + right + GAP / 2),
+        xlim=(left - GAP / 2, places[-1] + right + GAP / 2),
         ylim=(bottom - 0.08, top + 0.08),
         aspect="equal",
+        title=title(attrs),
     )
-    ax.set_title(title(attrs))
     if shape["kind"] != "heavy" and not compact():
         ax.set_title("grey dot: centre of mass", loc="right", fontsize="small", color=ink().quiet)
     return ax
 
 
-def pose(trajectory: Any, shape: dict[str, Any], row: int) -> tuple[Array, Array, Array, Array]:
-    """Return the body at a row, on the screen.
+def pose(
+    row: Any, shape: dict[str, Any], rotation: Callable[[Array], Array]
+) -> tuple[Array, Array, Array, Array]:
+    """Return the body on the screen, at one row of its trajectory.
 
     Facets (n, 4, 2), the far ones first, shadows, colours of the facets, centre of mass.
     """
-    unit, kind = shape["unit"], shape["kind"]
-    axes = shape["axes"](trajectory["orientation"].values[row])
-    third = axes[:, 2]
+    axes = rotation(row["orientation"].values)
+    unit, third = shape["unit"], axes[:, 2]
     balls = [(ball["offset"] / unit, ball["radius"] / unit) for ball in shape["balls"]]
     (offset, radius), stems = balls[0], balls[1:]
-    if "z" in trajectory:
-        height = float(trajectory["z"].values[row]) / unit
+    if "z" in row:
+        height = float(row["z"]) / unit
     elif shape["fixed"]:
         height = -offset * third[2]
     else:  # the lowest point is on the floor
@@ -101,7 +104,8 @@ def pose(trajectory: Any, shape: dict[str, Any], row: int) -> tuple[Array, Array
     # the ball, or the tip, stays in the middle
     mass = np.array([0, 0, height]) - offset * third * (1, 1, 0)
     thick = [(mass + at * third, size) for at, size in balls]
-    if kind == "heavy":
+    centre = thick[0][0]
+    if shape["kind"] == "heavy":
         across, along = (half / unit for half in shape["ellipsoid"])
         thick = [(mass, max(across, along))]
         parts = [
@@ -109,15 +113,16 @@ def pose(trajectory: Any, shape: dict[str, Any], row: int) -> tuple[Array, Array
             _facets(mass, axes, *_capsule(0.05, 0.05, offset, -along), IRON),
             _facets(mass, axes, *_capsule(0.05, 0.05, along, along + 0.3), IRON),
         ]
-    elif kind == "cylinder":
-        lying, half = axes[:, [2, 0, 1]], 0.7 * radius
+    elif shape["kind"] == "cylinder":
+        half = 0.7 * radius
         profile = np.array([0, radius, radius, 0]), np.array([-half, -half, half, half])
-        parts = [_facets(thick[0][0], lying, *profile, np.where(_even()[:, None], CREAM, BLUE))]
+        paint = np.where(_even()[:, None], CREAM, BLUE)
+        parts = [_facets(centre, axes[:, [2, 0, 1]], *profile, paint)]
     else:
-        parts = [_facets(thick[0][0], axes, *_capsule(radius, radius), None)]
+        parts = [_facets(centre, axes, *_capsule(radius, radius), None)]
     for at, size in stems:
         rod = np.sqrt(radius**2 - size**2), at - offset
-        parts.append(_facets(thick[0][0], axes, *_capsule(size, size, *rod), WOOD))
+        parts.append(_facets(centre, axes, *_capsule(size, size, *rod), WOOD))
     corners, colours = (np.concatenate(each) for each in zip(*parts, strict=True))
     far_first = np.argsort(-corners.mean(axis=1) @ AHEAD)
     hangs = shape["fixed"] and offset * third[2] > 0  # then there is no floor

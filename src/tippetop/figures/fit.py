@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from .style import QUIET, RUN, UPPER, dashes, figure, styled
+from .style import COLOURS, LIGHT, draw_curves, figure, styled
 
 
 NAMES = {
@@ -45,18 +45,17 @@ def fit(
     times, curves = predicted
     fig = figure(9.5, 1.3 + 3.6 * len(measured) + 0.2 * len(text))
     panels: Any = fig.subplots(2 * len(measured), sharex=True, height_ratios=[2, 1] * len(measured))
-    colors = (RUN, UPPER, "#6d28d9", "#0f766e")
     for above, below, (name, seen) in zip(panels[::2], panels[1::2], measured.items(), strict=True):
         off = residuals[name]
         words, unit = NAMES.get(name, (name, ""))
-        above.plot(t, seen, ".", ms=4, color=QUIET, label="measured")
-        for i, (curve, color) in enumerate(zip(curves[name].T, colors, strict=False)):
-            label = f"fit {PARTS[i]}" if seen.shape[1] > 1 else "fit"
-            above.plot(times, curve, color=color, ls=dashes(i), lw=0.8, label=label)
-        for part, color in zip(off.T, colors, strict=False):
+        above.plot(t, seen, ".", ms=4, color=LIGHT.quiet, label="measured")
+        parts = [f"fit {part}" for part in PARTS] if seen.shape[1] > 1 else ["fit"]
+        fitted = zip(parts, curves[name].T, strict=False)
+        draw_curves(above, [(label, times, curve) for label, curve in fitted])
+        for part, color in zip(off.T, COLOURS, strict=False):
             below.plot(t, part, ".", ms=2.5, color=color)
         size = float(np.sqrt(np.nanmean(off**2)))
-        below.axhspan(-2 * size, 2 * size, color=QUIET, alpha=0.15, lw=0)
+        below.axhspan(-2 * size, 2 * size, color=LIGHT.quiet, alpha=0.15, lw=0)
         below.set(ylabel=f"residual ({unit or 'rad'})", ylim=(-4.5 * size, 4.5 * size))
         above.set_ylabel(f"{words} ({unit})" if unit else words)
         handles = {str(line.get_label()): line for line in above.get_lines()}

@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import numpy as np
-
 from ..columns import SUPERSCRIPTS, units_text
 from .style import broken, compact, letters
 
@@ -27,11 +25,6 @@ def quantity(value: float, unit: str, digits: int = 6) -> str:
         if unit in ("", "1")
         else f"{number(value, digits)} {units_text(unit)}"
     )
-
-
-def end_of(values: Any) -> str:
-    """Return the words for the last finite value of a curve, which is NaN on the stem."""
-    return "its end" if np.isfinite(values[-1]) else "last on its sphere"
 
 
 def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False) -> list[str]:
@@ -71,6 +64,13 @@ def title(attrs: dict[str, Any]) -> str:
     return "\n".join(broken(text, most) for text in (head, kept) if text)
 
 
+def _differ(runs: list[dict[str, Any]], table: str, key: str) -> bool:
+    """Return whether runs differ in a number; the same letter in another law is another number."""
+    keys = (key, "law") if table == "friction" else (key,)
+    values = {str([attrs.get(table, {}).get(name) for name in keys]) for attrs in runs}
+    return len(values) > 1
+
+
 def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the attributes that several runs have in common, for their title."""
     first = runs[0]
@@ -80,23 +80,14 @@ def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
     if any(attrs["title"] != first["title"] for attrs in runs):
         same = all(attrs.get("system") == first.get("system") for attrs in runs)
         common["title"] = first["title"].partition(",")[0] if same else f"{len(runs)} runs"
-    laws = {str(attrs.get("friction", {}).get("law")) for attrs in runs}
-    # the same letter in another law is another number
-    for name in ("initial", "friction") if len(laws) == 1 else ("initial",):
-        common[name] = {
-            key: value
-            for key, value in first.get(name, {}).items()
-            if all(attrs.get(name, {}).get(key) == value for attrs in runs)
-        }
+    for name in ("initial", "friction"):
+        table = first.get(name, {})
+        common[name] = {key: table[key] for key in table if not _differ(runs, name, key)}
     return common
 
 
 def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
     """Return a label for each run: the numbers in which it differs, and its name if none do."""
-
-    def differ(table: str, key: str) -> bool:
-        return len({str(attrs.get(table, {}).get(key)) for attrs in runs}) > 1
-
     words = []
     # a contact that only some runs have follows from their friction law
     tables = [name for name in TABLES if name != "contact" or all(name in attrs for attrs in runs)]
@@ -107,9 +98,9 @@ def differences(runs: list[dict[str, Any]], names: list[str]) -> list[str]:
             own = {
                 key: value
                 for key, value in table.items()
-                if differ(name, key) and (name != "run" or key in RUN_KEYS)
+                if _differ(runs, name, key) and (name != "run" or key in RUN_KEYS)
             }
-            if name == "friction" and "law" in own:
+            if "law" in own:
                 parts.append(friction(table, attrs))
             elif name == "parameters" and len(own) > MOST_NUMBERS:
                 parts.append(called)

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import EngFormatter
 
-from ..columns import SUPERSCRIPTS, greek, units_text
-from .labels import end_of
+from ..columns import greek, units_text
 from .style import (
     compact,
     figure,
@@ -15,9 +15,8 @@ from .style import (
     legend,
     mark_ends,
     panels_over_time,
-    ticks_of_pi,
+    ticks_of_inclination,
 )
-from .theta import WIDE
 from .thinning import every
 
 
@@ -43,53 +42,51 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
         figure(8.6, 6.4).add_subplot(projection="3d", computed_zorder=False) if ax is None else ax
     )
     few = (np.unique(np.linspace(0, n - 1, FACETS).astype(int)) for n in grid["F"].shape)
-    part = grid["F"][*few]
-    momenta = [part[name] for name in part.dims]
-    sizes = [_size(momentum.values) for momentum in momenta]
-    X, Y = np.meshgrid(*(v / s for v, s in zip(momenta, sizes, strict=True)), indexing="ij")
-    F = 1e3 * part.values
+    F = grid["F"][*few]
+    X, Y = np.meshgrid(*(F[name] for name in F.dims), indexing="ij")
     axes.plot_surface(X, Y, F, cmap="viridis", rstride=1, cstride=1, lw=0, antialiased=False)
-    low, high = np.nanmin(F), np.nanmax(F)
+    high = F.max()
     if lines is not None:
-        _spinning(axes, lines, X.min(), X.max(), sizes)
+        _spinning(axes, lines, X.min(), X.max())
     if run is not None:
         run = run.isel(time=every(run.sizes["time"]))
-        x, y, z = run["routh"] / sizes[0], run["jellett"] / sizes[1], 1e3 * run["modified_energy"]
-        axes.plot(x, y, z, color=ink().mark, lw=1.1, label="run", zorder=4)
-        mark_ends(axes, x.values, y.values, z.values, last=end_of(z.values))
-        high = max(high, float(np.nanmax(z)))
+        path = [run[name].values for name in ("routh", "jellett", "modified_energy")]
+        axes.plot(*path, color=ink().mark, lw=1.1, label="run", zorder=4)
+        mark_ends(axes, *path)
+        high = max(high, np.nanmax(path[2]))
     small = compact()
-    for name, momentum, size in zip("xy", momenta, sizes, strict=True):
-        label = _label(momentum, size, brief=small)
-        getattr(axes, f"set_{name}label")(label, labelpad=-4 if small else 12)
+    names = [F[name].attrs["long_name"] if not small else name for name in F.dims]
+    units = [units_text(F[name].attrs["units"]) for name in F.dims]
+    labels = [f"{greek(word)} ({unit})" for word, unit in zip(names, units, strict=True)]
     axes.zaxis.set_rotate_label(False)
-    axes.set_zlabel("energy (mJ)", labelpad=-2 if small else 6, rotation=90)
+    axes.set(xlabel=labels[0], ylabel=labels[1])
+    axes.set_zlabel("energy (J)", rotation=90)
+    for axis, pad in ((axes.xaxis, 12), (axes.yaxis, 12), (axes.zaxis, 6)):
+        axis.labelpad = -4 if small else pad
+        axis.set_major_formatter(EngFormatter(sep=""))
+        axis.set_pane_color(ink().paper)
     axes.locator_params(nbins=4 if small else 5)
     axes.tick_params(pad=-2 if small else 3)
-    axes.set_zlim(low, high)
+    axes.set_zlim(F.min(), high)
     axes.set_box_aspect((1.15, 1, 0.75), zoom=0.85 if small else 1.0)
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.set_pane_color(ink().paper)
     axes.view_init(elev=28, azim=-108)
-    words = f"Minimal surface F({greek(', '.join(part.dims))}), the least energy"
+    words = f"Minimal surface F({greek(', '.join(F.dims))}), the least energy"
     axes.set_title(f"{title}\n{words}" if title and not small else words)
     legend(axes, "lower center", ncols=3)
     return axes
 
 
-def _spinning(axes: Any, lines: Any, least: float, most: float, sizes: list[float]) -> None:
+def _spinning(axes: Any, lines: Any, least: float, most: float) -> None:
     """Draw the spinning states as lines: solid on the surface, dotted above it."""
     for i, color in enumerate((ink().lower, ink().upper)):
         end = lines.isel(end=i)
-        angle = end["end"].item().replace("theta", "θ").replace("pi", "π")
-        words = f"spinning, {angle}"
-        D = end["D"].values / sizes[0]
-        inside = (least <= D) & (most >= D)
+        words = f"spinning, {greek(end['end'].item())}"
+        path = [end[name].values for name in ("D", "lambda", "E")]
+        inside = (least <= path[0]) & (most >= path[0])
         on = inside & end["on_surface"].values
         for keep, style, label in ((inside, ":", f"{words}: above F"), (on, "-", words)):
             if keep.any() and (style == "-" or (inside != on).any()):
-                place = (D, end["lambda"].values / sizes[1], 1e3 * end["E"].values)
-                known = (np.where(keep, values, np.nan) for values in place)
+                known = (np.where(keep, values, np.nan) for values in path)
                 axes.plot(*known, color=color, ls=style, lw=2.0, label=label, zorder=3)
 
 
@@ -118,8 +115,7 @@ def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
         dots: Any = {"s": 6, "lw": 0, "zorder": 3, "label": "logged turnings"}
         ax.scatter(when, events["theta"], color=colours.mark, **dots)
     ax.margins(y=0.04)
-    if np.ptp(ax.dataLim.intervaly) > WIDE:
-        ticks_of_pi(ax)
+    ticks_of_inclination(ax)
     ax.set(ylabel="inclination θ (rad)", title=heading(title), xlim=(t[0], t[-1]))
     legend(ax, "upper right", ncols=4, markerscale=2)
     if below is not None:
@@ -128,16 +124,3 @@ def band(dataset: Any, events: Any, title: str, ax: Axes | None = None) -> Axes:
         below.set_ylabel("|logged − edge|\n(rad)")
     (below or ax).set_xlabel("time t (s)")
     return ax
-
-
-def _size(values: np.ndarray) -> float:
-    """Return the power of ten in units of which values are readable."""
-    largest = float(np.nanmax(np.abs(values)))
-    return 10.0 ** (3 * int(np.floor(np.log10(largest) / 3)) if largest > 0 else 0)
-
-
-def _label(values: Any, size: float, *, brief: bool = False) -> str:
-    """Return the label of an axis: the name of a momentum, a power of ten and its unit."""
-    power = str(round(np.log10(size))).translate(SUPERSCRIPTS)
-    words = greek(values.name if brief else values.attrs["long_name"])
-    return f"{words} ({f'10{power} ' if size != 1 else ''}{units_text(values.attrs['units'])})"

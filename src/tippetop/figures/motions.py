@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from .style import LOWER, RUN, UPPER, figure, legend, literal, styled
+from .style import COLOURS, LIGHT, figure, legend, literal, styled
 
 
-COLORS = (UPPER, LOWER, "#6d28d9", "#0369a1", "#a16207", "#be185d")
 FLOOR = 1e-17  # smaller differences are not drawn
 SHOWN = {
     "theta": ("θ", "rad"),
@@ -35,8 +34,10 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
     fig = figure(9.0, 8.5 if drifts else 6.5)
     panels: Any = fig.subplots(3 if drifts else 2, 1, sharex=True)
     longest = max(motions, key=lambda m: m.t[-1])
-    panels[0].plot(longest.t, longest.reference, color=RUN, lw=2.2, alpha=0.55, label="reference")
-    for m, color in zip(motions, itertools.cycle(COLORS)):
+    panels[0].plot(
+        longest.t, longest.reference, color=LIGHT.run, lw=2.2, alpha=0.55, label="reference"
+    )
+    for m, color in zip(motions, itertools.cycle(COLOURS)):
         panels[0].plot(m.t, m.theta, color=color, lw=0.9, label=literal(m.path.stem))
         name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in m.curves)
         for axes, curve, style in (

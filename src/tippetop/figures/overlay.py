@@ -5,24 +5,21 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .conservation import changes
+from .conservation import changes, draw_drift, draw_growth
 from .energetics import weight
 from .labels import differences, shared, title
-from .style import compact, dashes, ink, legend, panel, ticks_in_joules, ticks_of_pi
-from .theta import WIDE
-from .thinning import span, thinned, worst
+from .style import draw_curves, legend, panel, ticks_in_joules, ticks_of_inclination
+from .thinning import span
 
 
-Curve = tuple[np.ndarray, np.ndarray]
-SHOWN = {
+LABELS = {
     "theta": "inclination θ (rad)",
     "normal-force": "normal force $g_n\\,/\\,mg$",
     "energy": "energy E",
-    "drift": "worst relative change since t = 0",
-    "growth": "worst relative change up to t",
 }
-"""Figures of several runs, and the label of their axis."""
-COLOURS = ("#1f77b4", "#d95f02", "#1b9e77", "#b3258f", "#8c6d1f", "#666666", "#e7298a", "#5254a3")
+"""Quantities of several runs, and the label of their axis."""
+CHANGES = {"drift": draw_drift, "growth": draw_growth}
+"""Figures of the worst change of each run."""
 
 
 def overlay(
@@ -33,45 +30,35 @@ def overlay(
     Parameters
     ----------
     kind
-        A name of `SHOWN`.
+        A name of `LABELS` or `CHANGES`.
     runs
         Trajectory and attributes of each.
     names
         Labels of runs without a difference.
     """
-    ax = panel(ax, 10, 5.4)
     attrs = [each for _, each in runs]
-    labels = differences(attrs, names)
-    for i, ((trajectory, each), label) in enumerate(zip(runs, labels, strict=True)):
-        t, values = _curve(kind, trajectory, each)
-        width = 1.6 - 0.8 * i / len(runs)  # the first curves can be seen below the last
-        ax.plot(t, values, color=COLOURS[i % len(COLOURS)], ls=dashes(i), lw=width, label=label)
-    times = np.array([trajectory["time"].values[[0, -1]] for trajectory, _ in runs])
-    words = SHOWN[kind].partition(" since")[0] if compact() else SHOWN[kind]
-    ax.set(xlabel="time t (s)", ylabel=words, title=title(shared(attrs)))
-    ax.set_xlim(*span(np.array([times.min(), times.max()])))
-    if kind in ("drift", "growth"):
-        ax.set_yscale("log")
-        ax.axhline(2.2e-16, color=ink().quiet, lw=0.8, ls=":", label="rounding unit")
-    if kind == "growth":
-        ax.set_xscale("log")
-        ax.set_xlim(max(times.min(), 1e-3 * times.max()), times.max())
-    low, high = ax.get_ylim()
-    if kind == "theta" and low > -0.2 and WIDE < high < np.pi + 0.2:
-        ticks_of_pi(ax)
+    curves = [
+        (label, trajectory["time"].values, _values(kind, trajectory, each))
+        for label, (trajectory, each) in zip(differences(attrs, names), runs, strict=True)
+    ]
+    if kind in CHANGES:
+        return CHANGES[kind](curves, shared(attrs), ax)
+    ax = panel(ax, 10, 5.4)
+    draw_curves(ax, curves)
+    times = span(np.concatenate([t for _, t, _ in curves]))
+    ax.set(xlabel="time t (s)", ylabel=LABELS[kind], title=title(shared(attrs)), xlim=times)
+    if kind == "theta":
+        ticks_of_inclination(ax)
     if kind == "energy":
         ticks_in_joules(ax.yaxis)
     legend(ax, "lower center", ncols=4)
     return ax
 
 
-def _curve(kind: str, trajectory: Any, attrs: dict[str, Any]) -> Curve:
-    """Return times and values of a run."""
-    t = trajectory["time"].values
+def _values(kind: str, trajectory: Any, attrs: dict[str, Any]) -> np.ndarray:
+    """Return the values of a run."""
+    if kind in CHANGES:
+        return np.max([values for _, values in changes(trajectory, attrs)], axis=0)
     if kind == "normal-force":
-        return thinned(t, trajectory["normal_force"].values / weight(attrs))
-    if kind in ("theta", "energy"):
-        return thinned(t, trajectory[kind].values)
-    most = np.max([values for _, values in changes(trajectory, attrs)], axis=0)
-    when, values = (t, np.maximum.accumulate(most)) if kind == "growth" else worst(t, most)
-    return when, np.where(values > 0, values, np.nan)
+        return trajectory["normal_force"].values / weight(attrs)
+    return np.asarray(trajectory[kind].values)

@@ -1,5 +1,6 @@
 """The phases of a contact as shades behind the curves of a run, and impacts as ticks."""
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,14 @@ from ..columns import flag_names, flagged
 from .style import ink, is_ours, legend
 
 
-ORDER = ("slip", "roll", "rest", "flight", "both")
 ON_ONE = ("slip", "roll", "rest")  # phases with one ball in contact
+
+
+def handed_over(phases: Any) -> np.ndarray:
+    """Return the times at which another ball touches the plane than before [s]."""
+    if phases is None or "ball" not in phases:
+        return np.empty(0)
+    return np.asarray(phases["start"].values[1:][np.diff(phases["ball"].values) != 0])
 
 
 def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
@@ -24,20 +31,28 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
     panels
         Panels whose x axis is the time.
     phases, impacts
-        The groups of the run's store, Datasets or columns by name.
+        The groups of the run's store, as Datasets; without impacts None.
     """
     begun, ended = phases["start"].values, phases["end"].values
     if not len(begun):
         return
     colours, lengths = ink(), ended - begun
+    known = phases["phase"].attrs["flag_meanings"].split()
+    spare = itertools.cycle(pair for name, pair in colours.shades.items() if name not in known)
+    pairs = {name: colours.shades.get(name) or next(spare) for name in known}
+    balls = flag_names(phases["ball"]) if "ball" in phases else itertools.repeat("body")
     kinds = [
-        (phase, ball == "stem" and phase in ON_ONE)
-        for phase, ball in zip(flag_names(phases["phase"]), flag_names(phases["ball"]), strict=True)
+        (ball == "stem" and phase in ON_ONE, phase)
+        for phase, ball in zip(flag_names(phases["phase"]), balls, strict=False)
     ]
-    shades = np.array([to_rgb(colours.shades[phase][on_stem]) for phase, on_stem in kinds])
+    shades = np.array([to_rgb(pairs[phase][on_stem]) for on_stem, phase in kinds])
     ticks = [
-        (ball, color, impacts["time"].values[flagged(impacts["ball"], ball)])
-        for ball, color in (("body", colours.alarm), ("stem", colours.stem))
+        (words, color, impacts["time"].values[flagged(impacts["ball"], ball)])
+        for ball, color, words in (
+            ("body", colours.alarm, ""),
+            ("stem", colours.stem, " of the stem"),
+        )
+        if impacts is not None
     ]
     for axes in panels:
         limits = axes.get_xlim(), axes.get_ylim()
@@ -45,19 +60,19 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
         over: Any = {"transform": axes.get_xaxis_transform(), "rasterized": True}
         edges = np.append(begun, ended[-1])
         axes.pcolormesh(edges, [0, 1], shades[None], zorder=0, antialiased=True, **over)
-        for ball, color, when in ticks:
-            label = f"_impacts of the {ball}"
+        for words, color, when in ticks:
+            label = f"_impacts{words}"
             axes.vlines(when, 0, 0.035, color=color, lw=0.7, label=label, zorder=2.5, **over)
         axes.set(xlim=limits[0], ylim=limits[1])
     handles: list[Any] = []
-    for phase, on_stem in sorted(set(kinds), key=lambda kind: (kind[1], ORDER.index(kind[0]))):
-        share = lengths[[kind == (phase, on_stem) for kind in kinds]].sum() / lengths.sum()
+    for on_stem, phase in sorted(set(kinds), key=lambda kind: (kind[0], [*pairs].index(kind[1]))):
+        share = lengths[[kind == (on_stem, phase) for kind in kinds]].sum() / lengths.sum()
         words = f"{phase}{' on the stem' if on_stem else ''}: {share:.1%}".replace("%", " %")
-        handles.append(Patch(color=colours.shades[phase][on_stem], label=words))
-    for ball, color, when in ticks:
+        handles.append(Patch(color=pairs[phase][on_stem], label=words))
+    for words, color, when in ticks:
         if count := len(when):
-            words = f"{count} impact{'s' * (count > 1)}{' of the stem' * (ball == 'stem')}"
+            label = f"{count} impact{'s' * (count > 1)}{words}"
             style: Any = {"marker": "|", "ms": 9, "mew": 1.4, "ls": "none"}
-            handles.append(Line2D([], [], color=color, label=words, **style))
+            handles.append(Line2D([], [], color=color, label=label, **style))
     if is_ours():
         legend(panels[0], "lower center", handles=handles, ncols=len(handles))

@@ -1,6 +1,6 @@
 """The path of a top's axis on the unit sphere, coloured by the time, in up to three views."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,27 +14,16 @@ from .thinning import every, span
 
 # A path within this of the vertical is enlarged in the views from above and below
 SMALL = 0.3
-# A path that is no nearer to the viewer is not shown
-FLAT = 0.01
 # Fractions of the way that the axis goes before and after its colours change
 CALM = 0.02
 # Colours cover the whole run if the mean inclination [rad] changes by less
 INCLINED = 0.3
-
-
-class View(NamedTuple):
-    """A view: its name, directions to the right, up and to the viewer as rows, labels of two."""
-
-    words: str
-    frame: np.ndarray
-    labels: tuple[str, str]
-
-
-VIEWS = (
-    View("from the side", np.eye(3)[[1, 2, 0]], ("y", "z")),
-    View("from above", np.eye(3), ("x", "y")),
-    View("from below", np.diag([1.0, -1.0, -1.0]), ("x", "−y")),
-)
+VIEWS = {
+    "from the side": (np.eye(3)[[1, 2, 0]], "y", "z"),
+    "from above": (np.eye(3), "x", "y"),
+    "from below": (np.diag([1.0, -1.0, -1.0]), "x", "−y"),
+}
+"""Directions to the right, up and to the viewer as rows, and labels of the first two."""
 
 
 def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
@@ -45,7 +34,7 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     path, t = trajectory["axis"].values, trajectory["time"].values
     limits = busy(np.arccos(np.clip(path[:, 2], -1, 1)), t)
     path, t = path[every(len(t))], t[every(len(t))]
-    views = [view for view in VIEWS if _shows(view, path)] or [VIEWS[0]]
+    views = [name for name, (frame, *_) in VIEWS.items() if (path @ frame[2] > 0).any()]
     if ax is not None or compact():
         views = views[:1]
     panels: Any = [ax]
@@ -53,8 +42,8 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
         size = max(7.0, 1.2 + 3.6 * len(views)), 4.9 if len(views) > 1 else 6.0
         panels = figure(*size).subplots(1, len(views), squeeze=False)[0]
     for axes, view in zip(panels, views, strict=True):
-        lines = _view(axes, view, path, t, limits)
-        axes.set_title(view.words)
+        lines = _view(axes, view, path, t)
+        lines.set_clim(*limits)
     whole = panels[0].get_figure(root=True)
     extend = "both" if limits != span(t) else "neither"
     whole.colorbar(lines, ax=list(panels), shrink=0.8, label="time t (s)", extend=extend)
@@ -66,33 +55,23 @@ def sphere(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None 
     return panels[0]
 
 
-def _shows(view: View, path: np.ndarray) -> bool:
-    """Return whether a view shows more than a dot: from the side, a path near a pole is one."""
-    *plane, depth = view.frame @ path.T
-    near = depth > FLAT
-    return bool(near.any()) and (view is not VIEWS[0] or np.ptp(np.array(plane)[:, near]) > SMALL)
-
-
-def _view(
-    axes: Axes, view: View, path: np.ndarray, t: np.ndarray, limits: tuple[float, float]
-) -> Any:
+def _view(axes: Axes, view: str, path: np.ndarray, t: np.ndarray) -> Any:
     """Draw one view; return its lines, coloured by the time."""
-    colours = ink()
-    seen = path @ view.frame.T
+    colours, (frame, along, up) = ink(), VIEWS[view]
+    seen = path @ frame.T
     plane, near = seen[:, :2], seen[:, 2] >= 0
     both = near[1:] & near[:-1]
     segments = np.stack([plane[:-1], plane[1:]], axis=1)[both]
     lines = LineCollection(list(segments), array=t[1:][both], cmap="viridis", lw=0.6)
-    lines.set_clim(*limits)
     axes.add_collection(lines)
     reach = np.abs(plane[near]).max(initial=1e-3)
-    size = 1.08 if reach > SMALL or view is VIEWS[0] else 1.15 * reach
+    size = 1.08 if reach > SMALL or view == "from the side" else 1.15 * reach
     axes.add_patch(Circle((0, 0), 1, fill=False, color=colours.quiet, lw=0.8))
     for row, style, words, face in ((0, "o", "start", colours.mark), (-1, "D", "end", "none")):
-        place = plane[row] if near[row] else (np.nan, np.nan)
-        axes.plot(*place, style, color=colours.mark, mfc=face, ms=5, label=words, zorder=4)
-    along, up = (f"$\\hat{{3}}$ along {label}" for label in view.labels)
-    axes.set(xlim=(-size, size), ylim=(-size, size), aspect="equal", xlabel=along, ylabel=up)
+        if near[row]:
+            axes.plot(*plane[row], style, color=colours.mark, mfc=face, ms=5, label=words, zorder=4)
+    labels = {"xlabel": f"$\\hat{{3}}$ along {along}", "ylabel": f"$\\hat{{3}}$ along {up}"}
+    axes.set(xlim=(-size, size), ylim=(-size, size), aspect="equal", title=view, **labels)
     axes.locator_params(nbins=5)
     return lines
 

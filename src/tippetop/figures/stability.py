@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .labels import end_of
 from .style import compact, ink, legend, mark_ends, panel
 
 
@@ -46,7 +45,7 @@ def states(
     if path is not None:
         z, lam = path[0], np.abs(path[1]) * LARGEST
         ax.plot(lam, z, color=ink_.quiet, lw=4, alpha=0.4, label="this run", solid_capstyle="butt")
-        mark_ends(ax, lam, z, last=end_of(z))
+        mark_ends(ax, lam, z)
     words = "Jellett's integral |λ| (10⁻⁶ kg m³ s⁻¹)"
     ax.set(xlabel=words, ylabel="cos θ", xlim=(0, most), ylim=(-1.06, 1.06))
     heading = "Asymptotic states: solid stable, dashed unstable"

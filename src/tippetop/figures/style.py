@@ -1,8 +1,9 @@
 """The common style of the figures: colours, panels, legends, and saving."""
 
+import itertools
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from io import BytesIO
@@ -18,6 +19,7 @@ from matplotlib.mathtext import MathTextParser
 from matplotlib.ticker import EngFormatter
 
 from ..store.files import replacing, writing
+from .thinning import thinned
 
 
 class Ink(NamedTuple):
@@ -61,7 +63,6 @@ DARK = Ink(
     },
     "#c4a5ff",
 )  # fmt: skip
-RUN, UPPER, LOWER, QUIET = LIGHT[:4]
 
 
 class Setting(NamedTuple):
@@ -78,9 +79,12 @@ FONT = 10.0
 """Font size [points] of figures that are at least FONT_WIDTH [inches] wide."""
 FONT_WIDTH = 7.0
 LEAST_FONT = 6.5
+WIDE = 1.2  # [rad] an axis over more than this has ticks at multiples of pi/4
 WIDTH = 95  # letters of a line of a title
 COMPACT = (5.0, 4.0)
 """Figures below this width or height [inches] have one line of title and one panel."""
+COLOURS = ("#1f77b4", "#d95f02", "#1b9e77", "#b3258f", "#8c6d1f", "#666666", "#e7298a", "#5254a3")
+"""Colours of curves in one panel."""
 DASHES: tuple[Any, ...] = (
     "-",
     (0, (6, 2)),
@@ -150,9 +154,11 @@ def panels_over_time(ax: Axes | None, below: float) -> tuple[Axes, Axes | None]:
     return panel(ax, 10, 5.0), None
 
 
-def ticks_of_pi(ax: Axes) -> None:
-    """Set ticks of an angle at quarters of pi."""
-    ax.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
+def ticks_of_inclination(ax: Axes) -> None:
+    """Set ticks at quarters of pi where the curves extend over much of 0 to pi."""
+    low, high = ax.dataLim.intervaly
+    if low > -0.2 and high < np.pi + 0.2 and high - low > WIDE:
+        ax.set_yticks(np.arange(5) * np.pi / 4, ["0", "π/4", "π/2", "3π/4", "π"])
 
 
 def ticks_in_joules(axis: Any) -> None:
@@ -160,9 +166,10 @@ def ticks_in_joules(axis: Any) -> None:
     axis.set_major_formatter(EngFormatter("J"))
 
 
-def mark_ends(axes: Any, *path: np.ndarray, last: str = "its end") -> None:
+def mark_ends(axes: Any, *path: np.ndarray) -> None:
     """Draw the first and the last finite point of a path: a full circle, an open diamond."""
     colours, known = ink(), np.flatnonzero(np.isfinite(sum(path)))
+    last = "its end" if known.max(initial=0) == len(path[0]) - 1 else "last on its sphere"
     ends = (known[:1], "o", "its start", colours.mark), (known[-1:], "D", last, colours.paper)
     for at, style, words, face in ends:
         place = (part[at] for part in path)
@@ -220,9 +227,14 @@ def compact() -> bool:
     return size is not None and (size[0] < COMPACT[0] or size[1] < COMPACT[1])
 
 
-def dashes(number: int) -> Any:
-    """Return the line style of a curve by its number in the panel."""
-    return DASHES[number % len(DASHES)]
+def draw_curves(
+    ax: Axes, curves: Sequence[tuple[str, np.ndarray, np.ndarray]], **style: Any
+) -> None:
+    """Draw curves, each with its label, times and values, thinned; the first ones are wider."""
+    looks = zip(itertools.cycle(COLOURS), itertools.cycle(DASHES))
+    for i, ((label, *curve), (color, dashes)) in enumerate(zip(curves, looks, strict=False)):
+        width = 1.6 - 0.8 * i / len(curves)  # the first curves can be seen below the last
+        ax.plot(*thinned(*curve), color=color, ls=dashes, lw=width, label=label, **style)
 
 
 def heading(text: str) -> str:

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 
-from .style import DASHES, heading, ink, legend, panel, ticks_of_pi
+from .style import DASHES, draw_curves, heading, ink, legend, panel, ticks_of_inclination
 
 
 CLASSES = {
@@ -46,24 +46,18 @@ FIELDS = {
     "lyapunov": ("inferno", "largest growth rate of a small error (s⁻¹)"),
 }
 """Colour map and label of numbers."""
-CURVES: dict[str, tuple[str, dict[str, tuple[str, str, str | None]]]] = {
+CURVES = {
     "inversion": (
         "time t (s)",
-        {
-            "first_equator": ("lower", "--", "first θ = π/2"),
-            "inverted_at": ("upper", "-", "first θ = π − 0.1"),
-        },
+        {"first_equator": "first θ = π/2", "inverted_at": "first θ = π − 0.1"},
     ),
     "normal-force": (
         "normal force $g_n\\,/\\,mg$",
-        {
-            "normal_force_min": ("run", "--", "least"),
-            "normal_force_max": ("upper", "-", "greatest"),
-        },
+        {"normal_force_min": "least", "normal_force_max": "greatest"},
     ),
-    "lyapunov": (FIELDS["lyapunov"][1], {"lyapunov": ("run", "-", None)}),
+    "lyapunov": (FIELDS["lyapunov"][1], {"lyapunov": ""}),
 }
-"""Curves over one axis: the label, and colour, style and words of each column."""
+"""Curves over one axis: the label of the axis, and the words of each column."""
 # Fraction of m g: a top that was stopped at liftoff ends within rounding of zero force
 TOUCH = 1e-9
 
@@ -95,20 +89,24 @@ def _over_two(axes: Any, sweep_map: Any) -> list[Any]:
         cmap, label = FIELDS[kind]
         mesh = axes.pcolormesh(x.edges, y.edges, field, cmap=cmap, rasterized=True)
         axes.get_figure(root=True).colorbar(mesh, ax=axes, label=label, pad=0.02)
-        if kind == "normal-force":
-            entries += _liftoff(axes, x, y, field)
+        touches = field <= TOUCH
+        if kind == "normal-force" and touches.any():
+            shade = {"cmap": ListedColormap([ink().alarm]), "rasterized": True}
+            axes.pcolormesh(x.edges, y.edges, np.where(touches, 0.0, np.nan), **shade)
+            entries.append(Patch(color=ink().alarm, label="liftoff: $g_n$ reaches 0"))
     if kind == "inversion" and np.isnan(field).any():
         axes.set_facecolor(ink().grid)
         ends = sweep_map.fields.get("class", np.full_like(field.T, np.nan)).T
         entries += _classes(axes, sweep_map, ends)
         if (np.isnan(field) & np.isnan(ends)).any():
             entries.append(Patch(color=ink().grid, label="not inverted in time"))
-    for (label, values), style in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
-        # white below black, so that lines are visible on every colour
-        axes.contour(x.span, y.span, values.T, [0.0], colors="white", linewidths=3.0, alpha=0.7)
-        line: Any = {"linewidths": 1.3, "linestyles": [style]}
-        axes.contour(x.span, y.span, values.T, [0.0], colors="black", **line)
-        entries.append(Line2D([], [], color="black", lw=1.3, ls=style, label=_mathematical(label)))
+    for (label, values), dashes in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
+        line: Any = {"colors": "black", "linewidths": 1.3, "linestyles": [dashes]}
+        drawn = axes.contour(x.span, y.span, values.T, [0.0], **line)
+        # visible on every colour
+        drawn.set_path_effects([withStroke(linewidth=3.0, foreground="white", alpha=0.7)])
+        words = _mathematical(label)
+        entries.append(Line2D([], [], color="black", lw=1.3, ls=dashes, label=words))
     return entries
 
 
@@ -122,26 +120,10 @@ def _classes(axes: Any, sweep_map: Any, values: np.ndarray) -> list[Any]:
     return [Patch(color=of_class[name], label=CLASSES[name][1]) for name in present]
 
 
-def _liftoff(axes: Any, x: Any, y: Any, field: np.ndarray) -> list[Any]:
-    """Draw the edges between cells where the normal force reaches zero and other cells."""
-    touches = np.where(np.isnan(field), np.nan, field <= TOUCH)
-    edges = [
-        [(x.edges[j + side], y.edges[i + 1 - side]), (x.edges[j + 1], y.edges[i + 1])]
-        for side in (1, 0)
-        for i, j in zip(*np.nonzero(np.abs(np.diff(touches, axis=side)) == 1), strict=True)
-    ]
-    if not edges:
-        return []
-    style: Any = {"colors": ink().alarm, "linewidths": 1.6, "capstyle": "projecting"}
-    axes.add_collection(LineCollection(edges, **style))
-    return [Line2D([], [], color=ink().alarm, lw=1.6, label="liftoff: $g_n$ reaches 0")]
-
-
 def _over_one(axes: Any, sweep_map: Any) -> None:
     """Draw curves over one axis."""
-    inks, of_class = ink(), colours()
+    of_class = colours()
     (x,), fields = sweep_map.axes, sweep_map.fields
-    marker = "." if len(x.centres) < 200 else ""
     if sweep_map.kind == "class":
         for i, name in enumerate(sweep_map.classes):
             theta = np.where(fields["class"] == i, fields["theta_end"], np.nan)
@@ -149,19 +131,18 @@ def _over_one(axes: Any, sweep_map: Any) -> None:
                 style: Any = {"marker": ".", "ms": 7, "lw": 0.8, "label": CLASSES[name][1]}
                 axes.plot(x.centres, theta, color=of_class[name], **style)
         axes.set(ylabel="inclination θ at the end (rad)", ylim=(-0.1, np.pi + 0.1))
-        ticks_of_pi(axes)
+        ticks_of_inclination(axes)
     else:
-        label, curves = CURVES[sweep_map.kind]
-        for name, (colour, style, words) in curves.items():
-            line: Any = {"color": getattr(inks, colour), "ls": style, "label": words}
-            axes.plot(x.centres, fields[name], marker=marker, **line)
+        label, words = CURVES[sweep_map.kind]
+        curves = [(text, x.centres, fields[name]) for name, text in words.items()]
+        draw_curves(axes, curves, marker="." if len(x.centres) < 200 else "")
         axes.set_ylabel(label)
         if sweep_map.kind != "inversion":
-            axes.axhline(0, color=inks.alarm, lw=0.9)
-    for (label, values), style in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
-        passed = np.abs(np.diff(np.where(np.isnan(values), np.nan, values > 0))) == 1
-        for at in x.span[:-1][passed]:
-            axes.axvline(at, color=inks.mark, lw=1.0, ls=style, label=_mathematical(label))
+            axes.axhline(0, color=ink().alarm, lw=0.9)
+    for (label, values), dashes in zip(sweep_map.borders.items(), itertools.cycle(DASHES)):
+        above = np.where(np.isnan(values), np.nan, values > 0)
+        for at in x.span[:-1][np.abs(np.diff(above)) == 1]:
+            axes.axvline(at, color=ink().mark, ls=dashes, label=_mathematical(label))
 
 
 def _mathematical(label: str) -> str:

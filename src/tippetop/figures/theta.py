@@ -8,13 +8,13 @@ from matplotlib.ticker import NullFormatter
 
 from ..columns import flagged
 from .labels import title
-from .style import ink, legend, panels_over_time, ticks_of_pi
+from .style import ink, legend, panels_over_time, ticks_of_inclination
 from .thinning import MOST_POINTS, span, thinned
 
 
 Curve = tuple[np.ndarray, np.ndarray]
+Piece = tuple[np.ndarray, np.ndarray, np.ndarray]
 TREMBLING = 0.02  # fraction of the usual swing
-WIDE = 1.2  # [rad] an axis over more than this has ticks at multiples of pi/4
 
 
 def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
@@ -22,81 +22,64 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
 
     A run without a band and a panel of the user's have no panel below.
     """
-    t, angle = trajectory["time"].values, trajectory["theta"].values
-    low, high = _turnings(events, +1), _turnings(events, -1)
-    pieces = bands(
-        _turnings(events, +1, True),
-        _turnings(events, -1, True),
-        np.array(attrs.get("handed_over", ())),
-    )
+    t = trajectory["time"].values
+    breaks = np.array(attrs.get("handed_over", ()))
+    pieces = bands(_turnings(events, +1, True), _turnings(events, -1, True), breaks)
     ax, below = panels_over_time(ax, 1.2 if pieces else 0)
     colours = ink()
-    inclined = "inclination" in trajectory["theta"].attrs.get("long_name", "inclination")
-    for when, bottom, top in pieces:
+    for when, low, high in pieces:
         ax.fill_between(
-            when, bottom, top, color=colours.upper, alpha=0.22, lw=0, label="nutational band"
+            when, low, high, color=colours.upper, alpha=0.22, lw=0, label="nutational band"
         )
-    ax.plot(*thinned(t, angle), color=colours.run, lw=0.7, label="θ(t)")
-    size = 5 if len(low[0]) + len(high[0]) < 1000 else 1.5
-    for (when, where), color, name in (
-        (high, colours.upper, "maxima: upper envelope"),
-        (low, colours.lower, "minima: lower envelope"),
+    ax.plot(*thinned(t, trajectory["theta"].values), color=colours.run, lw=0.7, label="θ(t)")
+    for sign, color, name in (
+        (-1, colours.upper, "maxima: upper envelope"),
+        (+1, colours.lower, "minima: lower envelope"),
     ):
+        when, where = _turnings(events, sign)
         if len(when):
+            size = 5 if len(when) < 500 else 1.5
             ax.scatter(*thinned(when, where), s=size, color=color, lw=0, zorder=3, label=name)
-    ax.set(
-        ylabel="inclination θ (rad)" if inclined else "angle θ (rad)",
-        title=title(attrs),
-        xlim=span(t),
-    )
-    least, most = float(np.min(angle)), float(np.max(angle))
-    if least >= 0 and most <= np.pi + 0.01 and most - least > WIDE:
-        ticks_of_pi(ax)
-        ax.set_ylim(-0.08, min(np.pi + 0.12, max(most * 1.15, 0.9)))
-    lifted = events["time"].values[flagged(events["kind"], "liftoff")]
-    for when in lifted[:1]:
+    words = trajectory["theta"].attrs.get("long_name", "inclination")
+    label = "inclination θ (rad)" if "inclination" in words else "angle θ (rad)"
+    ax.set(ylabel=label, title=title(attrs), xlim=span(t))
+    ticks_of_inclination(ax)
+    for when in events["time"].values[flagged(events["kind"], "liftoff")][:1]:
         label = f"first liftoff at {when:.4g} s"
-        ax.axvline(when, color=colours.alarm, lw=1.0, ls="--", label=label)
+        ax.axvline(when, color=colours.alarm, ls="--", label=label)
     legend(ax, "upper right", ncols=5, markerscale=2.5)
     if below is not None:
-        _width(below, pieces)
+        for when, low, high in pieces:
+            width = np.where(high > low, high - low, np.nan)
+            below.plot(*thinned(when, width), color=colours.upper, lw=0.9, marker=".", ms=2)
+        below.set(ylabel="width (rad)", yscale="log")
+        below.yaxis.set_minor_formatter(NullFormatter())
     (below or ax).set_xlabel("time t (s)")
     return ax
 
 
-def _width(ax: Axes, pieces: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> None:
-    """Draw the width of the band over time, open where the band is."""
-    for when, low, high in pieces:
-        width = np.where(high > low, high - low, np.nan)
-        ax.plot(*thinned(when, width), color=ink().upper, lw=0.9, marker=".", ms=2)
-    ax.set(ylabel="width (rad)", yscale="log")
-    ax.yaxis.set_minor_formatter(NullFormatter())
-
-
-def bands(
-    low: Curve, high: Curve, breaks: np.ndarray
-) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+def bands(low: Curve, high: Curve, breaks: np.ndarray) -> list[Piece]:
     """Return pieces of the band (times, low, high), broken at `breaks` and where turnings pause.
 
     theta is monotone in a pause, as in the rise of an inversion. More turnings than can be seen
     are one piece.
     """
     times = np.union1d(low[0], high[0])
-    if len(low[0]) < 2 or len(high[0]) < 2:
-        return []
     if len(times) > MOST_POINTS:
-        grid = np.linspace(times[0], times[-1], 2000)
-        return [(grid, np.interp(grid, *low), np.interp(grid, *high))]
-    gaps = np.diff(times)
-    pauses = np.flatnonzero(gaps > 3 * _usual(gaps)) + 1
+        starts, times = np.array([], int), np.linspace(times[0], times[-1], 2000)
+    else:
+        gaps = np.diff(times)
+        pauses = np.flatnonzero(gaps > 3 * _usual(gaps)) + 1
+        starts = np.union1d(pauses, np.searchsorted(times, breaks))
     pieces = []
-    for piece in np.split(times, np.union1d(pauses, np.searchsorted(times, breaks))):
-        parts = [
-            np.compress(np.isin(when, piece), (when, angles), axis=1)
-            for when, angles in (low, high)
+    for piece in np.split(times, starts):
+        within = [
+            np.compress((when >= piece[0]) & (when <= piece[-1]), (when, angles), axis=1)
+            for when, angles in ((low, high) if len(piece) else ())
         ]
-        if all(part.shape[1] >= 2 for part in parts):
-            pieces.append((piece, *(np.interp(piece, *part) for part in parts)))
+        if within and all(part.shape[1] >= 2 for part in within):
+            bottom, top = (np.interp(piece, *part) for part in within)
+            pieces.append((piece, bottom, top))
     return pieces
 
 

@@ -30,6 +30,7 @@ def worst(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return t[edges], np.maximum.reduceat(values, edges)
 
 
-def span(t: np.ndarray) -> tuple[float, float]:
-    """Return the limits of an axis over these times."""
-    return (float(t[0]), float(t[-1])) if len(t) > 1 and t[-1] > t[0] else (-1.0, 1.0)
+def span(times: np.ndarray) -> tuple[float, float]:
+    """Return the limits of an axis over these times, at least one."""
+    first, last = float(times.min()), float(times.max())
+    return (first, last) if first < last else (-1.0, 1.0)

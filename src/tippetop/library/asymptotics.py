@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arguments import measured, measured_values, numbers, within
 from ..errors import InputError
-from ..mechanics.contact.rolling.euler import EulerState, general_accelerations
+from ..mechanics.contact.rolling.rolling_euler import EulerState, general_accelerations
 from ..mechanics.systems.tippe_top import TippeTop
 from ..mechanics.theory import least_energy as least
 from ..mechanics.theory.least_energy import AsymptoticState

@@ -118,13 +118,12 @@ class Plots:
     ) -> Any:
         """Draw a part of the run."""
         from ..figures.window import in_window
-        from .finished_run import Run
 
         if ax is not None and not hasattr(ax, "get_figure"):
             raise InputError(f"`ax` must be Axes of matplotlib, but is {ax!r:.60}.")
         window = seconds("start", start), seconds("until", until)
-        runs = [others] if isinstance(others, Run) else others
-        if not isinstance(runs, list | tuple) or not all(isinstance(run, Run) for run in runs):
+        runs = others if isinstance(others, list | tuple) else [others]
+        if not all(hasattr(run, "_for_figures") for run in runs):
             raise InputError(f"`others` must be a list of Runs, but is {others!r:.60}.")
         parts = [
             in_window(run._for_figures(kind, window), run.attributes, *window)

@@ -219,14 +219,11 @@ class Exit:
         has `body`, `system`, `rules` (of the contact), `phases` and the present `phase` by record,
         `left` (time to the end of the run), and `rates(phase, q, carried)` of the integrals of the
         run.
-    is_pure
-        Whether the jump depends on its arguments alone, so that copies of it may be executed.
     """
 
     event: str
     to: tuple[str, ...]
     jump: Callable
-    is_pure: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from .operand import leaves, refill
 OPERATIONS = (
     *("add", "subtract", "multiply", "divide", "power", "negative", "sqrt", "absolute", "maximum"),
     *("less", "less_equal", "greater", "greater_equal", "equal", "not_equal"),
-    *("unit", "expect", "expect not", "motion", "result"),
+    *("unit", "expect", "motion", "result"),
 )
 """As in the loop; the first ones are functions of NumPy."""
 
@@ -50,7 +50,7 @@ class Number(NDArrayOperatorsMixin):
 
     def __bool__(self) -> bool:
         is_true = bool(self.value)
-        self.program.line("expect" if is_true else "expect not", self)
+        self.program.line("expect", self, is_true)
         return is_true
 
 

@@ -1,5 +1,8 @@
 """Numbers as texts, "3/10", "2/5*m*R^2", "20 g": computed exactly, rounded once.
 
+A formula with names must have the dimension of its number; literals in it are pure numbers, but a
+sum may have one in SI units.
+
 `ast` reads the arithmetic and pint the units, in fractions. They are not mixed, because `m`, `g`
 and `R` are names of both: a text is arithmetic of numbers and names, or arithmetic of numbers
 followed by a unit.
@@ -62,7 +65,7 @@ def number_of(
     unit
         The unit of the result.
     names
-        Numbers by name, or pairs of a text and its unit. They must not depend on themselves.
+        Pairs of a number, or a text, and its unit. They must not depend on themselves.
     own
         The name among them whose number the text is, if any.
 
@@ -113,7 +116,11 @@ class _Reading:
             else None
         )
         if measured is None or head is None:
-            return self.value(_tree(self.text))
+            tree = _tree(self.text)
+            value, powers = self.value(tree), self.powers(tree)
+            if powers not in (None, self.unit.powers):
+                self.refuse(f"be in {self.unit.symbol}", f'"{self.text}" is in {_symbol(powers)}')
+            return value
         if (
             isinstance(head, ast.BinOp)
             and isinstance(head.op, ast.Add | ast.Sub)
@@ -145,6 +152,33 @@ class _Reading:
                 return _small(OPERATORS[type(op)](self.value(left), self.value(right)))
         return self.refuse(FORMS)
 
+    def powers(self, node: ast.expr | None) -> tuple[int, ...] | None:
+        """Return the powers of kg, m and s of an expression; None without names."""
+        match node:
+            case ast.Name(id=name) if name != "pi":
+                return self.names[name][1].powers
+            case ast.UnaryOp(operand=inner):
+                return self.powers(inner)
+            case ast.BinOp(left=left, op=ast.Pow(), right=right):
+                base, power = self.powers(left), int(self.value(right))
+                return base and tuple(power * each for each in base)
+            case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
+                terms = {self.powers(left), self.powers(right)} - {None}
+                if len(terms) > 1:
+                    first, second = map(_symbol, terms)
+                    self.refuse(
+                        "add numbers of one unit", f'"{self.text}" adds {first} to {second}'
+                    )
+                return terms.pop() if terms else None
+            case ast.BinOp(left=left, op=op, right=right):
+                sign = -1 if isinstance(op, ast.Div) else 1
+                factors = self.powers(left), self.powers(right)
+                if factors == (None, None):
+                    return None
+                one, other = (each or (0, 0, 0) for each in factors)
+                return tuple(a + sign * b for a, b in zip(one, other, strict=True))
+        return None
+
     def named(self, name: str) -> Fraction:
         """Return the number of a name in an expression."""
         if name in self.under:
@@ -165,12 +199,11 @@ class _Reading:
                 f'"{self.text}" has {name!r}',
                 near,
             )
-        value = self.names[name]
-        if isinstance(value, tuple):  # a text and its unit
-            inner = _Reading(
-                value[0], f"parameters.{name}", value[1], self.names, (*self.under, name)
-            )
-            value = self.names[name] = inner.exact()
+        value, unit = self.names[name]
+        if isinstance(value, str):
+            inner = _Reading(value, f"parameters.{name}", unit, self.names, (*self.under, name))
+            value = inner.exact()
+            self.names[name] = value, unit
         return value if isinstance(value, Fraction) else Fraction(str(value))
 
     def converted(self, value: Fraction, given: str) -> Fraction:
@@ -214,6 +247,12 @@ class _Reading:
         if "count" in parts or (turned != asked.get("radian", 0) and (turned or not parts)):
             self.refuse(must)
         return number
+
+
+def _symbol(powers: tuple[int, ...]) -> str:
+    """Return the symbol of a unit with these powers of kg, m and s."""
+    pairs = zip(("kg", "m", "s"), powers, strict=True)
+    return " ".join(f"{name}{'' if n == 1 else n}" for name, n in pairs if n) or "1"
 
 
 def _python(text: str) -> str:
@@ -291,7 +330,7 @@ def worked_out(
     given, faults = tables.get("parameters"), []
     of_body = units.get("parameters", {})
     names = {
-        name: (value, of_body[name]) if isinstance(value, str) else value
+        name: (value, of_body[name])
         for name, value in (given.items() if isinstance(given, Mapping) else ())
         if name in of_body and (isinstance(value, str) or _is_number(value))
     }

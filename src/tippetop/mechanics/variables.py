@@ -123,7 +123,8 @@ class Variables:
 
     def weights(self, scales: Scales) -> list:
         """Return the SI value of one internal unit of each variable."""
-        units = [scales.of(unit) for unit in self.units.values()]
+        known = {unit: scales.of(unit) for unit in {*self.units.values()}}
+        units = [known[unit] for unit in self.units.values()]
         whole = units[: self.moving]
         return [
             *whole,

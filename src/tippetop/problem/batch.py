@@ -143,7 +143,10 @@ class Problems:
     @cached_property
     def variables(self) -> Variables:
         """The integrated variables."""
-        return Variables(self.base.form, self.orientation)
+        base, orientation = self.base, self.orientation
+        return (
+            base.variables if orientation == base.orientation else Variables(base.form, orientation)
+        )
 
     @cached_property
     def pars(self) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import InputError, owner, suggestion
 from ..mechanics.friction import PARTS, SLIP
 from ..mechanics.moment import moment
-from ..mechanics.system import Form, System
+from ..mechanics.system import System
 from ..mechanics.units import METRE_PER_SECOND, SECOND_PER_METRE
 from ..mechanics.variables import INTEGRAL_SCALE
 
@@ -106,7 +106,7 @@ def contradictions(problems: "Problems", valid: np.ndarray) -> list[tuple[int, s
 def start_faults(problems: "Problems") -> list[Fault]:
     """Return sentences on the starts: numbers that overflow together, or no motion from there."""
     base, variables = problems.base, problems.variables
-    evaluated, formulas = _values_at(base.system, base.form)
+    evaluated, formulas = _values_at(base.system, base.form.name)
     plain = np.float64 if base.precision == "double" else np.longdouble
     start, pars = (a.astype(float).astype(plain) for a in (problems.start, problems.pars))
     values: Any = None
@@ -121,9 +121,9 @@ def start_faults(problems: "Problems") -> list[Fault]:
     table = np.empty((len(values), problems.n))
     for row, value in zip(table, values, strict=True):
         row[:] = value
-    kept, domains = len(base.system.quantities), len(base.form.domains)
+    kept, domains = len(base.system.quantities), base.form.domains
     weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
-    finite = np.logical_and.reduce([np.isfinite(a).all(axis=0) for a in (pars, start, weights)])
+    finite = np.isfinite(pars).all(axis=0) & np.isfinite(start * weights).all(axis=0)
     faults = [] if base.contact is not None else _law_faults(problems)
     for formula, row in zip(formulas, table, strict=True):
         if owner(formula) and (bad := finite & ~np.isfinite(row)).any():
@@ -135,22 +135,28 @@ def start_faults(problems: "Problems") -> list[Fault]:
         "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
     )
     faults.append((together, ~finite | ~(abs(table[:kept]) < LARGEST).all(axis=0)))
-    for name, integral in zip(
-        variables.names[variables.moving :], start[variables.moving :], strict=True
-    ):
+    large = abs(start[variables.moving :]) > 1
+    for i in np.flatnonzero(large.any(axis=1)):
+        name = variables.names[variables.moving + i]
         sentence = (
             f"`initial` must keep {name} within {1 / INTEGRAL_SCALE:.2g} of its unit (R, rad), but "
             "it is so large that it would decide how long the steps are."
         )
-        faults.append((sentence, abs(integral) > 1))
-    for domain, row in zip(base.form.domains, table[kept : kept + domains], strict=True):
-        faults.append((f"`initial` must allow a motion, but {domain.meaning}.", ~(row > 0)))
+        faults.append((sentence, large[i]))
+    outside = ~(table[kept : kept + len(domains)] > 0)
+    for i in np.flatnonzero(outside.any(axis=1)):
+        sentence = f"`initial` must allow a motion, but {domains[i].meaning}."
+        faults.append((sentence, outside[i]))
     return faults
 
 
 @lru_cache(maxsize=64)
-def _values_at(system: System, form: Form) -> tuple[Callable, list[Callable]]:
-    """Return the function of the values of quantities, domains and user events; their formulas."""
+def _values_at(system: System, name: str) -> tuple[Callable, list[Callable]]:
+    """Return the function of the values of quantities, domains and user events; their formulas.
+
+    `name` is that of the form.
+    """
+    form = system.forms[name]
     records: list[Any] = [*system.quantities, *form.domains]
     formulas = [record.formula for record in records]
     formulas += [event.formula for event in system.events if owner(event.formula)]

@@ -63,7 +63,7 @@ def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -
     size = max(FEWEST, min(STEPS, int(ROWS * expected / max(len(problem.times), 1))))
     began = clock()
     if problem.system.is_hybrid:  # later phases would be compiled on the way
-        driver_of(problem).prepare()  # type: ignore[attr-defined]
+        driver_of(problem).equations()
     _timed(problem, size, 0.0, clock)
     compiled = clock() - began
     seconds, progress = _timed(problem, size, WORTH, clock)

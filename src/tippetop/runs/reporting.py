@@ -8,7 +8,7 @@ import numpy as np
 
 from ..engine.driver import Extremes
 from ..engine.observables import Observables
-from ..engine.settling import CLASSES, classes_of, with_phases
+from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
 from ..errors import owner
 from ..mechanics.caching import cached_property
@@ -123,15 +123,13 @@ def outcome(progress: RunProgress) -> dict[str, str]:
     if progress.lifted_at is not None and problem.on_liftoff != "fly":
         return {"outcome": "lifted-off"}
     values = view.evaluate(progress.last)
-    theta, omega3 = (values[name].astype(float) for name in ("theta", "omega3"))
-    settled = np.array([progress.settled_since is not None])
-    omega3 = omega3 / float(problem.scales.of(SECOND))
-    kinds = classes_of(system, theta, omega3, settled, problem.body())
     rates = ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y")
     speeds = [float(abs(values[name][0])) for name in rates if name in values]
     if has_parts(problem.friction) and np.nanmax(speeds) < STILL:
         return {}
-    return {"outcome": CLASSES[with_phases(kinds, theta, values)[0]]}
+    settled = np.array([progress.settled_since is not None])
+    second = float(problem.scales.of(SECOND))
+    return {"outcome": CLASSES[classes_of(system, values, second, settled, problem.body())[0]]}
 
 
 def reason(progress: RunProgress) -> str:
@@ -149,6 +147,8 @@ def reason(progress: RunProgress) -> str:
     if status is Status.SETTLED:
         since = f"sliding died at t = {progress.settled_since:.6g} s"
         return f"settled: {since}, stopped at t = {t:.6g} s{_beyond(progress)}"
+    if status is Status.LIFTOFF and progress.problem.contact is not None:
+        return f'the body lifted off {at}, where `run.on_liftoff = "stop"` ends the run'
     last = _ending(progress)
     if status is Status.ENDED:
         return f"an event of the system ended the run {at}: {last.long_name}"

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from ..arguments import measured, path_of, plain
 from ..errors import InputError, first_sentences, suggestion
-from ..mechanics.contact.gliding.chart import AWAY_FROM_POLE
+from ..mechanics.contact.gliding.gliding_chart import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw
 from ..mechanics.friction import LAWS, FrictionLaw
 from ..mechanics.quantity import worked_out

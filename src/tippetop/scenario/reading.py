@@ -1,6 +1,5 @@
 """TOML text becomes tables: files, presets, and `--set` assignments."""
 
-import copy
 import re
 import tomllib
 from collections.abc import Collection, Mapping
@@ -9,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from ..arguments import plain
 from ..errors import InputError, suggestion
 
 
@@ -55,7 +55,7 @@ def read(source: str) -> dict[str, Any]:
                     f"`{source}` is neither a TOML file nor a preset.{suggestion(source, known)} "
                     f"The presets are {', '.join(known)}."
                 )
-            return copy.deepcopy(_preset(source))
+            return plain(_preset(source))
         return _parsed(path.read_text(encoding="utf-8-sig"))
     except InputError:
         raise

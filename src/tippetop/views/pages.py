@@ -9,9 +9,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..arguments import flag, in_python, path_of
+from ..arguments import in_python, path_of
 from ..errors import StoreError
-from ..store.files import write_text
+from ..store.files import refuse_existing, write_text
 from .javascript import rotations
 
 
@@ -110,11 +110,9 @@ def page(
 
 def check(path: Path, *, overwrite: bool) -> None:
     """Raise StoreError if a page cannot be written there."""
-    flag("overwrite", overwrite)
     if path.is_dir():
         raise StoreError(f"`{path}` must be a file that ends with .html, but is a folder.")
-    if path.exists() and not overwrite:
-        raise StoreError(f"`{path}` must not exist yet, but does: remove it, or say --overwrite.")
+    refuse_existing(path, overwrite)
 
 
 class Page:

@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import flag_names, flagged, greek, units_text
+from ..columns import flag_names, flagged, greek, require, units_text
 from ..errors import InputError, StoreError
 from ..mechanics.systems import find
 from ..runs.attributes import headline_of
-from ..runs.shape import body_of, is_planar, shape
+from ..runs.shape import body_of, columns_of, is_planar, shape
 from ..store import chunks
 from . import pages, spacing
 from .encoding import encode
 from .phase_formulas import potential
-from .samples import needed, samples, without
+from .samples import needed, samples
 
 
 MOST = 200_000  # samples of a page: 20 MB
@@ -50,13 +50,11 @@ def refuse(attrs: dict[str, Any], what: str) -> None:
             "a page needs the column `orientation`, but the run has not kept it: set "
             "run.orientation = true."
         )
-    if missing := ", ".join(f"`{name}`" for name in without(attrs)):
-        raise InputError(
-            f"a page needs the columns {missing}, but the run has not kept them: see its "
-            "run.columns."
-        )
+    if "columns" in attrs["run"]:
+        wanted = columns_of(attrs) & {*needed(attrs)}
+        require(sorted(wanted), attrs["run"]["columns"], "a page")
     if attrs["run"].get("output") == "keyframes" and "replay" not in attrs:
-        raise InputError("a page is made of rows, and this run keeps none: replay a part of it.")
+        raise InputError("a page requires rows, but the run has none: replay a part of it.")
 
 
 def page(
@@ -142,23 +140,19 @@ def end_of(attrs: dict[str, Any]) -> float:
 def _events(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[str, Any]]:
     """Return the events within a part of a run, without insignificant turnings."""
     events = groups["events"]
-    names = events["kind"].attrs["flag_meanings"].split()
     keep = (events["time"].values >= begin) & (events["time"].values <= end)
     keep &= ~flagged(events["kind"], "turning") | events["significant"].values.astype(bool)
     rows = np.flatnonzero(keep)
     rows = rows[:: max(1, -(-len(rows) // MOST_EVENTS))]
-    columns = (
-        events[name].values[rows].tolist() for name in ("time", "kind", "theta", "theta_dot_sign")
-    )
-    return [
-        {
-            "time": t,
-            "kind": names[kind],
-            "theta": theta if math.isfinite(theta) else None,
-            "least": sign > 0,
-        }
-        for t, kind, theta, sign in zip(*columns, strict=True)
-    ]
+    kinds = np.array(flag_names(events["kind"]))
+    thetas = events["theta"].values[rows].tolist()
+    columns = {
+        "time": events["time"].values[rows].tolist(),
+        "kind": kinds[rows].tolist(),
+        "theta": [theta if math.isfinite(theta) else None for theta in thetas],
+        "least": (events["theta_dot_sign"].values[rows] > 0).tolist(),
+    }
+    return _records(columns)
 
 
 def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[str, Any]]:
@@ -167,10 +161,12 @@ def _phases(groups: Mapping[str, Any], begin: float, end: float) -> list[dict[st
         return []
     table = groups["phases"]
     columns = {
-        "start": table["start"].values.tolist(),
-        "end": table["end"].values.tolist(),
-        "phase": flag_names(table["phase"]),
-        "ball": flag_names(table["ball"]),
+        **{name: table[name].values.tolist() for name in ("start", "end")},
+        **{name: flag_names(table[name]) for name in ("phase", "ball") if name in table},
     }
-    rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
-    return [row for row in rows if row["end"] >= begin and row["start"] <= end]
+    return [row for row in _records(columns) if row["end"] >= begin and row["start"] <= end]
+
+
+def _records(columns: dict[str, list]) -> list[dict[str, Any]]:
+    """Return the rows of columns, each with its names."""
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]

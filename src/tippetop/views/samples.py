@@ -10,7 +10,7 @@ from ..mechanics.friction import SLIP, slip_coefficient
 from ..mechanics.operand import Vector, cross, times
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
-from ..runs.shape import body_of, columns_of, is_fixed, is_planar
+from ..runs.shape import body_of, is_fixed, is_planar
 
 
 Columns = Mapping[str, np.ndarray]
@@ -24,24 +24,7 @@ NEEDED = (
 
 def needed(attrs: dict[str, Any]) -> list[str]:
     """Return the columns of a trajectory from which samples are made."""
-    return [*NEEDED, *well_columns(attrs)]
-
-
-def without(attrs: dict[str, Any]) -> list[str]:
-    """Return the columns that samples need and that a run has not kept."""
-    kept = attrs["run"].get("columns")
-    if kept is None:
-        return []
-    system: Any = find(attrs["system"])
-    own = columns_of(attrs) - {"normal_force", *well_columns(attrs)[-1:], *kept}
-    own -= {"theta_dot"} if system.vectors else set()
-    own -= set() if "nu_x" in system.angles._fields else {"phi"}
-    return [name for name in needed(attrs) if name in own]
-
-
-def well_columns(attrs: dict[str, Any]) -> list[str]:
-    """Return the columns of the potential, in its order, and of the energy of its level."""
-    return well_quantities(find(attrs["system"]))
+    return [*NEEDED, *well_quantities(find(attrs["system"]))]
 
 
 def well_quantities(system: Any) -> list[str]:
@@ -77,19 +60,24 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     slip = _slip(columns, n)
     turning = cross(omega, arm)
     velocity = np.stack([slip[0] - turning.x, slip[1] - turning.y])
-    *momenta, level = well_columns(attrs) or [""]
-    out = np.zeros((n, STRIDE))
-    out[:, ORIENTATION] = columns["orientation"]
-    out[:, OMEGA] = np.stack(omega, axis=1)
-    out[:, 7:10] = _place(columns, third, offset, radius, is_fixed(attrs))
-    out[:, 10:13] = _force(columns, velocity, slip, third.z, b)
-    out[:, 13:15] = slip.T
-    out[:, 16:19] = np.stack(momentum, axis=1)
-    out[:, 19] = columns["theta"]
-    for i, name in enumerate(momenta):
-        out[:, 20 + i] = columns[name]
-    out[:, 22] = columns.get(level, np.nan)
-    return out
+    well = [
+        columns.get(name, np.full(n, np.nan)) for name in well_quantities(find(attrs["system"]))
+    ]
+    return np.column_stack(
+        [
+            columns["orientation"],
+            *omega,
+            _place(columns, third, offset, radius, is_fixed(attrs)),
+            _force(columns, velocity, slip, third.z, b),
+            *slip,
+            np.zeros(n),
+            *momentum,
+            columns["theta"],
+            *well[:-1],
+            *np.zeros((3 - len(well), n)),
+            *well[-1:],
+        ]
+    )
 
 
 def _ball(columns: Columns, attrs: dict[str, Any], b: Touch) -> tuple[Any, Any]:

@@ -16,7 +16,7 @@ from ..form import Phase
 from ..operand import Operand, Vector, cross, dot, plus, times
 from ..units import METRE_PER_SECOND
 from .body import Touch, angular_velocity, arm, arm_velocity, height, seen_from_other, state
-from .gliding.vector import axis, axis_rate, momentum
+from .gliding.gliding_vector import axis, axis_rate, momentum
 from .single_contact import borders, disc_friction, ending, force_of, phase_of, smooth_friction
 from .state import Moving, Reaction, gained
 

@@ -19,7 +19,7 @@ from ..units import METRE, METRE_PER_SECOND
 from .body import Touch, seen_from_balls
 from .double_contact import double_contact
 from .exits import IMPACT, JUMPS, begin, come_to_rest, go_on, land, phase_name
-from .gliding import catalogue as gliding
+from .gliding import gliding_catalogue as gliding
 from .integrals import NAMED, integral
 from .single_contact import (
     CONE,
@@ -195,7 +195,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) 
             )
     flies = phase.label == "flight"
     names = [event.name for event in phase.events] + [CLOCK] * flies
-    exits = tuple(Exit(one, tuple(bare), land if flies else jumps[one], True) for one in names)
+    exits = tuple(Exit(one, tuple(bare), land if flies else jumps[one]) for one in names)
     carried = tuple(one for one in phase.form.integrals if one.name in integrals)
     form = replace(phase.form, integrals=carried, not_normalised=("R", "c"))
     return replace(phase, forms=form, exits=exits, parameters=itemgetter(ball), ball=ball)

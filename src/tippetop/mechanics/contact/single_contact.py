@@ -18,11 +18,11 @@ from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocit
 from .body_axes import carried_along
 from .coulomb import across_and_along, cone, contact_acceleration, sliding, sliding_along, sticking
 from .disc_at_rest import holding, margin
-from .gliding import catalogue as gliding
-from .gliding import vector as gliding_vector
-from .gliding.vector import VectorState, axis, axis_rate, momentum
+from .gliding import gliding_catalogue as gliding
+from .gliding import gliding_vector
+from .gliding.gliding_vector import VectorState, axis, axis_rate, momentum
 from .integrals import NAMED
-from .rolling.vector import spin
+from .rolling.rolling_vector import spin
 from .state import VELOCITY, Moving, Reaction
 
 

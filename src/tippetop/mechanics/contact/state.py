@@ -27,12 +27,12 @@ from ..units import (
 from . import body as contact
 from .body import filled, kinematics, of_azimuth, state
 from .body_axes import carried_along, planar
-from .gliding import catalogue as gliding
-from .gliding.chart import angles_by, axis_and_momentum
-from .gliding.euler import EULER_UNITS
-from .gliding.vector import axis, axis_rate, momentum
+from .gliding import gliding_catalogue as gliding
+from .gliding.gliding_chart import angles_by, axis_and_momentum
+from .gliding.gliding_euler import EULER_UNITS
+from .gliding.gliding_vector import axis, axis_rate, momentum
 from .integrals import NAMED
-from .rolling.vector import spin
+from .rolling.rolling_vector import spin
 
 
 PHASES = ("slip", "roll", "flight", "both", "rest")
@@ -264,7 +264,11 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
         "normal_force": lambda s, b: s.force,
         "friction_power": lambda s, b: s.power,
     }
-    quantities = [replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES]
+    quantities = [
+        replace(one, formula=formulas[one.name])
+        for one in gliding.QUANTITIES
+        if one.name in formulas
+    ]
     if routh is not None:
         text = "Routh's function of the ball in contact"
         quantities.insert(0, Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))

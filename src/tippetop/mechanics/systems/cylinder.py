@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from ..contact import body as contact
 from ..contact.body import Top, Touch
 from ..contact.body_axes import planar
-from ..contact.gliding import catalogue as gliding
+from ..contact.gliding import gliding_catalogue as gliding
 from ..contact.integrals import integral
 from ..event import Event
 from ..friction import LAWS, FrictionLaw, slip_coefficient

@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 from ..contact import body as contact
 from ..contact.body_axes import planar
-from ..contact.gliding import catalogue as gliding
+from ..contact.gliding import gliding_catalogue as gliding
 from ..contact.integrals import integral
-from ..contact.rolling import catalogue as rolling
 from ..contact.rolling import reaction
+from ..contact.rolling import rolling_catalogue as rolling
 from ..operand import Operand, formula
 from ..system import Form, of_one_phase
 from ..units import METRE, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND

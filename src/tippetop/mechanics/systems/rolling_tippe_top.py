@@ -3,9 +3,9 @@
 [T ch. 4]
 """
 
-from ..contact.gliding import catalogue as gliding
-from ..contact.rolling import catalogue as rolling
-from ..contact.rolling import euler as rolling_euler
+from ..contact.gliding import gliding_catalogue as gliding
+from ..contact.rolling import rolling_catalogue as rolling
+from ..contact.rolling import rolling_euler
 from ..system import of_one_phase
 from . import outlook, tippe_top
 from .tippe_top_contact import CONTACT

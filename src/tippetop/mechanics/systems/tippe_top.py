@@ -9,9 +9,8 @@ from typing import Any
 
 from ..contact import body as contact
 from ..contact.body import Top, Touch
-from ..contact.gliding import catalogue as gliding
-from ..contact.gliding import euler as gliding_euler
-from ..contact.gliding import rates
+from ..contact.gliding import gliding_catalogue as gliding
+from ..contact.gliding import gliding_euler, rates
 from ..friction import LAWS
 from ..number import Number, number
 from ..operand import formula, sqrt
@@ -34,9 +33,9 @@ from . import outlook
 class TippeTop(Top):
     """A tippe top: a sphere whose centre of mass lies alpha*R below its centre; a peg if alpha < 0.
 
-    Each number may be a text: with a unit, "20 g", which must fit; or arithmetic of the others in
-    SI units, "2/5*m*R^2", whose dimension is not checked. Rutstam, N.: Study of equations for Tippe
-    Top and related rigid bodies. Linkoping (2010), chapter 3.
+    Each number may be a text: with a unit, "20 g", or arithmetic of the others, "2/5*m*R^2", whose
+    dimension must fit. Rutstam, N.: Study of equations for Tippe Top and related rigid bodies.
+    Linkoping (2010), chapter 3.
 
     >>> import tippetop as tt
     >>> tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=2.994e-6, I3=3.2e-6, g=9.82)

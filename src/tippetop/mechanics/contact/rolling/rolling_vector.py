@@ -2,7 +2,7 @@
 
 from ...operand import Vector, dot, formula
 from ..body import kinematics, moment, state
-from ..gliding.vector import axis, axis_rate, momentum
+from ..gliding.gliding_vector import axis, axis_rate, momentum
 from .reaction import completed, normal_force, reaction
 
 
