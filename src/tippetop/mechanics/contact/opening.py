@@ -276,6 +276,5 @@ def opened(system: System, law: Any, balls: int) -> System:
         outlook=opening.outlook,
         borders=None,
         motion=None,
-        long_form="",
         contact=(law, balls),
     )
