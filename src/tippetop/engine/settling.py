@@ -81,10 +81,35 @@ CLASSES = (
     "on-stem",
     "bouncing",
     "nutating",
+    "at-rest",
 )
 """Fates of a top, by number in a store."""
 
+RATES = ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y")
+# Rates, in internal units, of a body that torques have brought to rest: they are smooth below 1e-6
+STILL = 1e-5
 NEAR = 0.1  # rad from a pole: upright or inverted
+
+
+def fates(
+    system: System, omega3: np.ndarray, settled: np.ndarray, body: Any, values: dict[str, Any]
+) -> np.ndarray:
+    """Return the fates of tops that have not lifted off, as numbers of CLASSES, (n,).
+
+    Parameters
+    ----------
+    system, omega3, settled, body
+        As `classes_of` takes them.
+    values
+        The quantities at the end by name, (n,) each, internal units.
+    """
+    theta = values["theta"].astype(float)
+    kinds = with_phases(classes_of(system, theta, omega3, settled, body), theta, values)
+    if isinstance(body, Touch) and has_parts(body.friction):
+        rates = [np.nan_to_num(values[name].astype(float)) for name in RATES if name in values]
+        still = np.abs(rates).max(axis=0) < STILL
+        kinds = np.where(still, CLASSES.index("at-rest"), kinds)
+    return kinds
 
 
 def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any) -> np.ndarray:

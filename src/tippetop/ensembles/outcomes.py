@@ -7,7 +7,7 @@ import numpy as np
 
 from ..columns import Column, flag_attributes
 from ..engine.observables import orientations_of, values_of
-from ..engine.settling import CLASSES, classes_of, with_phases
+from ..engine.settling import CLASSES, fates
 from ..engine.status import Status
 from ..mechanics.contact.gliding.catalogue import EVENTS
 from ..mechanics.event import Event
@@ -130,12 +130,11 @@ def _conclude(outcomes: Outcomes) -> None:
     which = np.flatnonzero(ended)
     if len(which):
         values = values_of(tops, outcomes.final[:, ended], which)
-        theta = columns["theta_end"][ended] = values["theta"]
+        columns["theta_end"][ended] = values["theta"]
         spin = values.get("omega3", np.full(len(which), np.nan))  # not every system has a spin
         omega3 = spin / np.broadcast_to(tops.unit(SECOND), (tops.n,))[ended]
         body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
-        classes = classes_of(tops.base.system, theta, omega3, outcomes.settled[ended], body)
-        kind[ended] = with_phases(classes, theta, values)
+        kind[ended] = fates(tops.base.system, omega3, outcomes.settled[ended], body, values)
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
     ordinary = {status for status in Status if status.ordinary}

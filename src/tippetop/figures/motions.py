@@ -39,7 +39,7 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
     )
     for m, color in zip(motions, itertools.cycle(COLOURS)):
         panels[0].plot(m.t, m.theta, color=color, lw=0.9, label=literal(m.path.stem))
-        name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in m.curves)
+        name = m.main
         for axes, curve, style in (
             (panels[1], name, "-"),
             (panels[1], "theta", ":"),

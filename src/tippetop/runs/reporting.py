@@ -8,19 +8,14 @@ import numpy as np
 
 from ..engine.driver import Extremes
 from ..engine.observables import Observables
-from ..engine.settling import CLASSES, classes_of, with_phases
+from ..engine.settling import CLASSES, fates
 from ..engine.status import Status
 from ..errors import owner
 from ..mechanics.caching import cached_property
 from ..mechanics.event import Event
-from ..mechanics.friction import has_parts
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
 from .event_log import LogReport
-
-
-STILL = 1e-5
-"""Internal velocity of a body that torques have brought to rest: they are smooth below 1e-6."""
 
 
 @dataclass(frozen=True)
@@ -123,15 +118,10 @@ def outcome(progress: RunProgress) -> dict[str, str]:
     if progress.lifted_at is not None and problem.on_liftoff != "fly":
         return {"outcome": "lifted-off"}
     values = view.evaluate(progress.last)
-    theta, omega3 = (values[name].astype(float) for name in ("theta", "omega3"))
+    omega3 = values["omega3"].astype(float) / float(problem.scales.of(SECOND))
     settled = np.array([progress.settled_since is not None])
-    omega3 = omega3 / float(problem.scales.of(SECOND))
-    kinds = classes_of(system, theta, omega3, settled, problem.body())
-    rates = ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y")
-    speeds = [float(abs(values[name][0])) for name in rates if name in values]
-    if has_parts(problem.friction) and np.nanmax(speeds) < STILL:
-        return {}
-    return {"outcome": CLASSES[with_phases(kinds, theta, values)[0]]}
+    (kind,) = fates(system, omega3, settled, problem.body(), values)
+    return {"outcome": CLASSES[kind]}
 
 
 def reason(progress: RunProgress) -> str:
