@@ -1,6 +1,7 @@
 """Plain English: turns of phrase to avoid, counted in the source and in the manual."""
 
 import re
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -36,3 +37,11 @@ def hits(*patterns: str) -> list[str]:
 def test_few_lines_use_these_turns(patterns: tuple[str, ...], most: int) -> None:
     found = hits(*patterns)
     assert len(found) <= most, "\n".join(found)
+
+
+def test_a_file_name_occurs_once() -> None:
+    """Public modules aside: they share names with the modules whose content they offer."""
+    source = ROOT / "src" / "tippetop"
+    public = {path.name for path in source.glob("*.py")}
+    names = Counter(p.name for p in source.rglob("*.py") if p.name not in public | {"__init__.py"})
+    assert [name for name, count in names.items() if count > 1] == []

@@ -13,12 +13,9 @@ from typing import Any
 import mpmath as mp
 
 from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.contact.gliding import chart as gliding_chart
-from tippetop.mechanics.contact.gliding import vector as gliding_vector
-from tippetop.mechanics.contact.gliding.euler import Angles
-from tippetop.mechanics.contact.rolling import chart as rolling_chart
-from tippetop.mechanics.contact.rolling import euler as rolling_euler
-from tippetop.mechanics.contact.rolling import vector as rolling_vector
+from tippetop.mechanics.contact.gliding import gliding_chart, gliding_vector
+from tippetop.mechanics.contact.gliding.gliding_euler import Angles
+from tippetop.mechanics.contact.rolling import rolling_chart, rolling_euler, rolling_vector
 from tippetop.mechanics.friction import Viscous
 from tippetop.mechanics.operand import Vector, cross, dot, plus, times
 from tippetop.mechanics.systems import cylinder, heavy_top, tippe_top

@@ -171,20 +171,20 @@ def potentials(prepare, slopes, value):
     return potentials
 
 
-def turnings(prepare, slopes, value, excess, bend):
+def turnings(prepare, slopes, value, excess, bend, inertia):
     """Return the kernel of a minimum, the crossings around it, and a Level, at points.
 
     The points are (xs, ys, levels). It takes the minimum in whose basin `at` lies, the lowest one
-    if `at` is NaN; then the lowest that the band contains. It fills `other` (2, n) with the
-    crossings of a band elsewhere. All other arrays are (n,).
+    if `at` is NaN; then the lowest that the band contains. It fills status (n,) and the rows of out
+    (8, n): the crossings, q of the minimum, the value and the bend there, the period of the swing
+    between the crossings, and the crossings of a band elsewhere.
     """
 
     @entry
-    def turnings(allowance, xs, ys, levels, at, r, low, high, other, q, F, bends, status):
+    def turnings(allowance, xs, ys, levels, at, r, b, status, out):
         turns = np.full(MOST_EXTREMES, np.nan)
         for i in range(xs.size):
-            low[i] = high[i] = other[0, i] = other[1, i] = q[i] = F[i] = bends[i] = np.nan
-            status[i] = Level.UNDEFINED
+            status[i], out[:, i] = Level.UNDEFINED, np.nan
             if not np.isfinite(xs[i] + ys[i]):
                 continue
             p = prepare(xs[i], ys[i], r)
@@ -197,29 +197,15 @@ def turnings(prepare, slopes, value, excess, bend):
                 while well + 1 < minima and at[i] > turns[2 * well + 1]:
                     well += 1
             band = band_of(excess, turns, count, well, levels[i], allowance, p, r)
-            low[i], high[i], status[i], first, last = band
-            k = lowest(value, turns, first, last, p, r)
-            q[i] = turns[2 * k]
-            F[i], bends[i] = value(q[i], p, r), bend(q[i], p, r)
+            low, high, status[i], first, last = band
+            q = turns[2 * lowest(value, turns, first, last, p, r)]
+            period = swing(excess, inertia, low, high, levels[i], p, r, b)
+            out[0, i], out[1, i], out[2, i] = low, high, q
+            out[3, i], out[4, i], out[5, i] = value(q, p, r), bend(q, p, r), period
             for another in range(minima):
                 if another < first or another > last:
                     band = band_of(excess, turns, count, another, levels[i], allowance, p, r)
                     if band[2] != Level.BELOW:
-                        other[0, i], other[1, i] = band[0], band[1]
+                        out[6, i], out[7, i] = band[0], band[1]
 
     return turnings
-
-
-def periods(prepare, excess, inertia):
-    """Return the kernel of the period of the swing between low and high at each point.
-
-    Fills period (n,).
-    """
-
-    @entry
-    def periods(low, high, xs, ys, levels, r, b, period):
-        for i in range(xs.size):
-            p = prepare(xs[i], ys[i], r)
-            period[i] = swing(excess, inertia, low[i], high[i], levels[i], p, r, b)
-
-    return periods

@@ -127,7 +127,7 @@ def test_what_an_extra_brings_is_missed_before_anything_is_made(
     monkeypatch.chdir(place)
     monkeypatch.setitem(sys.modules, missing, None)
     assert (
-        said(words.format(store), code=2)[1] == f"tippetop: this must find {missing}, but it is "
-        f"not installed: pip install 'tippetop[{extra}]'.\n"
+        said(words.format(store), code=2)[1] == f"tippetop: {missing} is required, but not "
+        f"installed: pip install 'tippetop[{extra}]'.\n"
     )
     assert list(place.iterdir()) == []

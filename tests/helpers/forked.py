@@ -54,6 +54,8 @@ class Forked:
 
     def __init__(self, arguments: Sequence[str] = (), prelude: str = ""):
         self._streams = Path(tempfile.mkdtemp())  # among the temporary files of the session
+        for name in ("out", "err"):
+            (self._streams / name).touch()
         given = arguments, prelude, dict(os.environ), os.getcwd(), self._streams
         self._process = SERVER.Process(target=_work, args=given, daemon=True)
         self._process.start()

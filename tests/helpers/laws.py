@@ -476,7 +476,7 @@ def general_system(case: Case) -> Pairs:
     """
     import importlib
 
-    rolling = importlib.import_module("tippetop.mechanics.contact.rolling.euler")
+    rolling = importlib.import_module("tippetop.mechanics.contact.rolling.rolling_euler")
     e, b = case.state, case.body
     rates = case.rates(e)
     w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x

@@ -1,6 +1,4 @@
-"""When a run has settled, and what has become of it: near a pole that is unstable a motion is still
-under way.
-"""
+"""The end of sliding, and the fates of runs: near an unstable pole a motion is still under way."""
 
 from typing import Any
 
@@ -9,7 +7,6 @@ import numpy as np
 from ..mechanics.contact.body import Touch
 from ..mechanics.contact.state import BALLS, PHASES
 from ..mechanics.friction import has_parts, takes_nothing
-from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.theory.modes import LINEAR, SLIDES, is_unstable, shows_sliding, will_leave
 from ..problem import Problems
@@ -91,72 +88,55 @@ STILL = 1e-5
 NEAR = 0.1  # rad from a pole: upright or inverted
 
 
-def fates(
-    system: System, omega3: np.ndarray, settled: np.ndarray, body: Any, values: dict[str, Any]
+def classes_of(
+    system: System, values: dict[str, np.ndarray], second: Any, settled: Any, body: Any
 ) -> np.ndarray:
-    """Return the fates of tops that have not lifted off, as numbers of CLASSES, (n,).
-
-    Parameters
-    ----------
-    system, omega3, settled, body
-        As `classes_of` takes them.
-    values
-        The quantities at the end by name, (n,) each, internal units.
-    """
-    theta = values["theta"].astype(float)
-    kinds = with_phases(classes_of(system, theta, omega3, settled, body), theta, values)
-    if isinstance(body, Touch) and has_parts(body.friction):
-        rates = [np.nan_to_num(values[name].astype(float)) for name in RATES if name in values]
-        still = np.abs(rates).max(axis=0) < STILL
-        kinds = np.where(still, CLASSES.index("at-rest"), kinds)
-    return kinds
-
-
-def classes_of(system: System, theta: Any, omega3: Any, settled: Any, body: Any) -> np.ndarray:
     """Return the fates of tops that have not lifted off, as numbers of CLASSES, (n,).
 
     Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under
     way, for it will leave. Tumbling is one in which nothing slides any more. Without friction a
     motion ends nowhere: it nutates. Under rolling resistance or a drilling torque no spin lasts,
-    and every top is under way.
+    and every top is under way until it is at rest.
 
     Parameters
     ----------
     system
         Its `classes` are the names that apply.
-    theta, omega3
-        At the end, (n,) [rad, rad/s].
+    values
+        The values at the end by name, (n,) each, internal units.
+    second
+        Internal units of time [s].
     settled
         Whether sliding has died out for good, (n,).
     body
         The bodies in SI, with numbers (n,); a record other than that of a sphere or a heavy top has
         no modes.
     """
-    known = isinstance(body, Touch)
+    theta, number = values["theta"].astype(float), CLASSES.index
+    kinds = np.full(len(theta), number("under-way"))
+    known, gliding = isinstance(body, Touch), system.frictional
     if known and has_parts(body.friction):
-        return np.full(len(theta), CLASSES.index("under-way"))
-    if known and system.frictional:
+        rates = [np.nan_to_num(values[name].astype(float)) for name in RATES if name in values]
+        still = np.abs(rates).max(axis=0) < STILL
+        return np.where(still, number("at-rest"), with_phases(kinds, theta, values))
+    if known and gliding:
         settled = settled & shows_sliding(body, np.cos(theta))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
-    kinds = np.full(len(theta), CLASSES.index("under-way"))
     for name in system.classes:
-        kinds[ends[name]] = CLASSES.index(name)
-    for name, inverted in (("upright", False), ("inverted", True)):
-        if name not in system.classes or not known or not ends[name].any():
-            continue
-        here = np.flatnonzero(ends[name])
-        some = refill(body, (np.broadcast_to(x, theta.shape)[here] for x in leaves(body)))
-        leaves_it = here[
-            is_unstable(omega3[here], some, inverted=inverted, gliding=system.frictional)
-        ]
-        away = np.minimum(theta[leaves_it], np.pi - theta[leaves_it]) >= LINEAR
-        tumbles = settled[leaves_it] & away if "tumbling" in system.classes else np.zeros_like(away)
-        kinds[leaves_it] = np.where(tumbles, CLASSES.index("tumbling"), CLASSES.index("under-way"))
-    if known and system.frictional:
-        kinds[np.broadcast_to(takes_nothing(body.friction), theta.shape)] = CLASSES.index(
-            "nutating"
-        )
-    return kinds
+        kinds[ends[name]] = number(name)
+    if known:
+        omega3 = values["omega3"].astype(float) / second
+        away = np.minimum(theta, np.pi - theta) >= LINEAR
+        tumbles = settled & away & ("tumbling" in system.classes)
+        for name in system.classes:
+            if name != "tumbling":
+                unstable = is_unstable(omega3, body, inverted=name == "inverted", gliding=gliding)
+                leaves = ends[name] & unstable
+                kinds[leaves] = number("under-way")
+                kinds[leaves & tumbles] = number("tumbling")
+        if gliding:
+            kinds[np.broadcast_to(takes_nothing(body.friction), theta.shape)] = number("nutating")
+    return with_phases(kinds, theta, values)
 
 
 def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) -> np.ndarray:
@@ -165,7 +145,7 @@ def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) ->
     Parameters
     ----------
     kinds
-        As `classes_of` gives them.
+        Their fates if the phase is left out of account.
     theta
         At the end, (n,) [rad]: a body that rolls is in steady spin only at a pole, and
         never in the air.

@@ -99,26 +99,18 @@ def event_rows(
     3hat, none in a form without it.
     """
     rate_of = {s[0]: e for e, s in reversed(list(enumerate(sources))) if s[1:] == (1, 1.0, 0.0)}
-    records = np.zeros(len(events), EVENT_RECORD)
+    records: list[tuple] = []
     numbers: list[tuple[int, int]] = []
-    for record, event, (variable, shift, scale, offset) in zip(
-        records, events, sources, strict=True
-    ):
-        record["row"], record["shift"] = variable, shift
-        record["scale"], record["offset"] = scale, offset
-        record["leader"] = rate_of.get(variable, -1) if shift == 0 else -1
-        record["direction"], record["sense"], record["extremes"] = (
-            event.direction,
-            event.sense,
-            bool(event.extremes),
-        )
-        record["watched"], record["ranged"] = True, bool(event.extremes)
-        record["bounded"] = True
-        record["ends"] = Status.of_event(event.ends).code if event.ends else 0
-        record["first"] = len(numbers)
+    for event, (variable, shift, scale, offset) in zip(events, sources, strict=True):
+        first, ranged = len(numbers), bool(event.extremes)
         numbers += [(WHAT[kept.what], kept.direction) for kept in event.kept]
-        record["last"] = len(numbers)
-    return EventRows(records, np.array(numbers, NUMBER_RECORD), np.array(axis, int))
+        leader = rate_of.get(variable, -1) if shift == 0 else -1
+        ends = Status.of_event(event.ends).code if event.ends else 0
+        place = variable, shift, leader, event.direction, ends, event.sense, first, len(numbers)
+        records.append((*place, scale, offset, ranged, True, ranged, True))
+    return EventRows(
+        np.array(records, EVENT_RECORD), np.array(numbers, NUMBER_RECORD), np.array(axis, int)
+    )
 
 
 def mark_bounded(records: np.ndarray) -> None:

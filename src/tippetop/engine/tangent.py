@@ -23,7 +23,7 @@ class Tangents:
     Parameters
     ----------
     kind
-        What moves.
+        The system that moves.
     tolerance
         Of the integrator; 0 is the rounding unit.
     most
@@ -34,13 +34,7 @@ class Tangents:
     def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0):
         self.kind, self.tolerance, self.most = kind, tolerance, most
 
-    def states(
-        self,
-        numbers: np.ndarray,
-        ways: np.ndarray,
-        times: np.ndarray,
-        wanted: tuple[str, ...] | None = None,
-    ) -> np.ndarray:
+    def states(self, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Return states with derivatives at given times.
 
         Parameters
@@ -49,8 +43,6 @@ class Tangents:
             The user's numbers in internal units, and the direction: (numbers, lanes) each.
         times
             Internal, (rows,) or (rows, lanes), ascending; the start is at 0.
-        wanted
-            Variables that must be right; None: all.
 
         Returns
         -------
@@ -58,17 +50,17 @@ class Tangents:
             (rows, order + 1, variables, lanes); NaN from where a motion cannot be integrated
             further.
         """
-        kind, names, total = self.kind, self.kind.variables.names, numbers.shape[1]
+        kind, total = self.kind, numbers.shape[1]
         lanes = 1 << min(total - 1, MOST_LANES - 1).bit_length()
         times = np.broadcast_to(times[:, None] if times.ndim == 1 else times, (len(times), total))
         starts = awaited_once(compiled_starts, (kind,), "the start is being compiled")
-        key = kind, lanes, self.tolerance, names if wanted is None else wanted
-        integrator, places = awaited_once(
+        key = kind, lanes, self.tolerance
+        integrator = awaited_once(
             compiled_motion, key, "the variational equations are being compiled"
         )
         pars = _parameters(numbers, ways)
-        begin = starts(np.empty((0, total)), pars=pars[: starts.nparams])[places]
-        rows = np.zeros((len(times), (kind.order + 1) * len(names), total))
+        begin = starts(np.empty((0, total)), pars=pars[: starts.nparams])
+        rows = np.empty((len(times), *begin.shape))
 
         def follow(lane: np.ndarray) -> np.ndarray:
             with _one_at_a_time:
@@ -84,10 +76,10 @@ class Tangents:
                     # a lane that breaks down ends all of them
                     alone = [follow(np.full(lanes, lane))[..., 0] for lane in block]
                     part = np.stack(alone, axis=-1)
-                rows[:, places, first : first + lanes] = part[..., : total - first]
+                rows[..., first : first + lanes] = part[..., : total - first]
 
         awaited(fill, "the variational equations are integrated")
-        return rows.reshape(len(times), kind.order + 1, len(names), total)
+        return rows.reshape(len(times), kind.order + 1, -1, total)
 
     def read(
         self,
@@ -116,18 +108,16 @@ class Tangents:
             name -> (rows, lanes), by internal time, of the `timed` ones.
         """
         key = self.kind, names, timed
-        readings = awaited_once(
+        known, function = awaited_once(
             compiled_readings, key, "the derivatives of columns are being compiled"
         )
-        states = self.states(numbers, ways, times, readings.needs)
+        states = self.states(numbers, ways, times)
         rows, orders, variables, lanes = states.shape
         inputs = states.transpose(1, 2, 0, 3).reshape(orders * variables, rows * lanes)
-        pars = np.tile(_parameters(numbers, ways)[: readings.function.nparams], (1, rows))
-        outputs = readings.function(np.ascontiguousarray(inputs), pars=pars).reshape(
-            -1, rows, lanes
-        )
-        n = len(readings.names)
-        columns = {name: outputs[i : orders * n : n] for i, name in enumerate(readings.names)}
+        pars = np.tile(_parameters(numbers, ways)[: function.nparams], (1, rows))
+        outputs = function(np.ascontiguousarray(inputs), pars=pars).reshape(-1, rows, lanes)
+        n = len(known)
+        columns = {name: outputs[i : orders * n : n] for i, name in enumerate(known)}
         return columns, dict(zip(timed, outputs[orders * n :], strict=True))
 
 

@@ -39,7 +39,7 @@ class Kind(NamedTuple):
     Parameters
     ----------
     system, form_name, friction
-        What moves; friction is the type of the record of the law.
+        The equations of motion; friction is the type of the record of the law.
     orientation
         Whether the orientation of the body is integrated too.
     initial
@@ -111,51 +111,23 @@ def compiled_starts(kind: Kind) -> Any:
 
 
 @lru_cache(maxsize=16)
-def compiled_motion(
-    kind: Kind, lanes: int, tolerance: float, wanted: tuple[str, ...]
-) -> tuple[Any, np.ndarray]:
-    """Return heyoka's integrator of the state and its derivatives, in lanes, and the places of its
-    variables among all.
-
-    `wanted`: the variables that must be right; those that they do not depend on are left out.
-    """
-    variables, names, line = kind.variables, kind.variables.names, kind.line()
-    symbols = [hy.expression(name) for name in names]
+def compiled_motion(kind: Kind, lanes: int, tolerance: float) -> Any:
+    """Return heyoka's integrator of the state and its derivatives, in lanes."""
+    variables, line = kind.variables, kind.line()
+    symbols = [hy.expression(name) for name in variables.names]
     body, _ = kind.numbers(line)
     rates = [ZERO + rate for rate in variables.rates(*variables.split(symbols), body)]
-    keep = _closure(names, rates, wanted)
-    equations = [(symbols[i], rates[i]) for i in keep]
+    equations = list(zip(symbols, rates, strict=True))
     if kind.order:
         equations = hy.var_ode_sys(equations, [ALONG], order=kind.order).sys
     # numbers instead of sums, of which heyoka would compute every Taylor coefficient
-    kept, expressions = zip(*equations, strict=True)
-    equations = list(zip(kept, hy.subs(list(expressions), line), strict=True))
-    careful = tolerance < COARSE  # sums of steps keep what rounding takes: a quarter of the cost
+    all_symbols, expressions = zip(*equations, strict=True)
+    equations = list(zip(all_symbols, hy.subs(list(expressions), line), strict=True))
+    careful = tolerance < COARSE  # compensated sums of steps: a quarter of the cost
     options = {"tol": tolerance, "high_accuracy": careful, "compact_mode": True}
-    zero = np.zeros((len(equations), lanes))
-    integrator = compiled_once(hy.taylor_adaptive_batch, equations, zero, **options)
-    return integrator, np.array([k * len(names) + i for k in range(kind.order + 1) for i in keep])
-
-
-def _closure(names: tuple[str, ...], rates: list[Any], wanted: Iterable[str]) -> list[int]:
-    """Return the variables that the wanted ones depend on, in order."""
-    needs = {name: set(hy.get_variables(rate)) for name, rate in zip(names, rates, strict=True)}
-    known: set[str] = set()
-    new = set(wanted)
-    while new:
-        known |= new
-        new = set().union(*(needs[name] for name in new)) - known
-    return [i for i, name in enumerate(names) if name in known]
-
-
-class Readings(NamedTuple):
-    """A compiled function of states with derivatives: the names of its values, the variables that
-    they need, the function.
-    """
-
-    names: tuple[str, ...]
-    needs: tuple[str, ...]
-    function: Any
+    return compiled_once(
+        hy.taylor_adaptive_batch, equations, np.zeros((len(equations), lanes)), **options
+    )
 
 
 def expressions_of(kind: Kind, q: Any, carried: Any, body: Any) -> dict[str, Any]:
@@ -199,10 +171,10 @@ def _own_units(kind: Kind, q: Any, carried: Any, body: Any) -> tuple[Any, Any, A
 @lru_cache(maxsize=32)
 def compiled_readings(
     kind: Kind, names: tuple[str, ...] | None, timed: tuple[str, ...]
-) -> Readings:
-    """Return readings of states with derivatives, f(inputs=((order + 1) variables, n), pars=(the
-    parameters, n)): the values, their derivatives along the line, and derivatives of the `timed`
-    ones by time.
+) -> tuple[tuple[str, ...], Any]:
+    """Return the names of readings, and the compiled function of states with derivatives,
+    f(inputs=((order + 1) variables, n), pars=(the parameters, n)): their values, their derivatives
+    along the line, and derivatives of the `timed` ones by time.
 
     `names`: None for all.
     """
@@ -222,7 +194,5 @@ def compiled_readings(
         outputs.append(
             sum((hy.diff(value, y) * rate for y, rate in zip(jets[0], rates, strict=True)), ZERO)
         )
-    needs = set(variables.names) & set().union(*map(hy.get_variables, outputs))
     inputs = [variable for jet in jets for variable in jet]
-    function = compiled_once(hy.cfunc, outputs, vars=inputs, compact_mode=True)
-    return Readings(names, tuple(sorted(needs)), function)
+    return names, compiled_once(hy.cfunc, outputs, vars=inputs, compact_mode=True)

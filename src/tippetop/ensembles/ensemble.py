@@ -30,11 +30,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-Starts = dict[
-    str, tuple[np.ndarray, np.ndarray]
-]  # of invariants by name: at the start, what drifts are relative to
-
-
 def measure(
     tops: Problems,
     *,
@@ -70,22 +65,26 @@ def measure(
     """
     measured = Outcomes(tops)
     measured.status[~tops.valid] = Status.INVALID.code
-    everything = np.arange(tops.n)
     with np.errstate(all="ignore"):
-        at_start = values_of(tops, tops.start, everything)
-        relative_to = sizes(tops.base, at_start)
-        starts = {
-            name: (value, relative_to[name])
-            for name, value in invariants(tops.base, at_start).items()
-        }
+        at_start = values_of(tops, tops.start, np.arange(tops.n))
+        start, size = invariants(tops.base, at_start), sizes(tops.base, at_start)
         functions = event_functions(tops)
-    measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in starts}
+    measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in start}
+
+    def look(states: np.ndarray, some: np.ndarray) -> None:
+        """Compare invariants with the start."""
+        values = values_of(tops, states[: len(tops.start)], some)
+        for name, value in invariants(tops.base, values).items():
+            with np.errstate(all="ignore"):  # the drift of a top that is not finite is NaN
+                off = np.abs(value - start[name][some]) / size[name][some]
+                np.maximum.at(measured.drift[name], some, off)
+
     numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
     clock = time.perf_counter()
     if len(numbers) and tops.base.system.is_hybrid:
         run_each(measured, numbers, progress)
     elif len(numbers):
-        _run(measured, numbers, starts, functions, threads, progress, lanes, wanted)
+        _run(measured, numbers, look, functions, threads, progress, lanes, wanted)
     _conclude(measured)
     if lyapunov:
         measured.lyapunov = _exponents(tops, measured.columns["t_end"])
@@ -127,7 +126,7 @@ def _exponents(tops: Problems, ends: np.ndarray) -> np.ndarray:
 def _run(
     measured: Outcomes,
     numbers: np.ndarray,
-    starts: Starts,
+    look: Callable[[np.ndarray, np.ndarray], None],
     functions: np.ndarray,
     threads: int | None,
     progress: Callable[[int, int], None] | None,
@@ -144,14 +143,6 @@ def _run(
             with lock:
                 for _ in range(count):
                     progress(next(counted), len(numbers))
-
-    def look(states: np.ndarray, some: np.ndarray) -> None:
-        """Compare invariants with the start."""
-        values = invariants(every.base, values_of(every, states[: len(every.start)], some))
-        for name, value in values.items():
-            start, size = starts[name]
-            with np.errstate(all="ignore"):  # the drift of a top that is not finite is NaN
-                np.maximum.at(measured.drift[name], some, np.abs(value - start[some]) / size[some])
 
     def work(worker: Lanes) -> float:
         """Run tops from the queue until none is left. Return the processor time."""
@@ -213,7 +204,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     Parameters
     ----------
     base
-        What they have in common.
+        Their base.
     variations
         Arrays (n,) in SI units, under dotted keys like `friction.mu`.
     orientation
@@ -231,7 +222,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     """
     sentences = base_faults(base)
     if orientation and base.form.orientation is None:
-        sentences.append("`orientation` must be false, of a form that does not know it.")
+        sentences.append("`orientation` must be false: the form does not integrate it.")
     if sentences:
         raise InputError(sentences)
     return Problems.vary(base, variations, orientation)
@@ -243,7 +234,7 @@ def base_faults(base: Problem) -> list[str]:
     Parameters
     ----------
     base
-        What the tops have in common.
+        The base of the tops.
 
     Returns
     -------
@@ -260,7 +251,7 @@ def base_faults(base: Problem) -> list[str]:
     if base.form.name not in able:
         others = " or ".join(f'"{name}"' for name in able) or "none of this system"
         sentences.append(
-            "`form` must be one in an ensemble that integrates the axis, as ux, uy, uz: "
+            "`form` must integrate the axis (ux, uy, uz) in an ensemble: "
             f'{others}, but is "{base.form.name}".'
         )
     if base.precision != "double":
@@ -286,7 +277,7 @@ def of_problem(
     Parameters
     ----------
     base
-        What the tops have in common.
+        The base of the tops.
     variations
         Arrays (n,) in SI units, under dotted keys.
     threads

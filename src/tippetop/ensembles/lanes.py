@@ -61,32 +61,22 @@ class Lanes:
     ):
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
-        code = compiled_when((formulas, "double", base.tolerance, lanes, False, tops.orientation))
+        code = compiled_when((formulas, "double", base.tolerance, lanes, tops.orientation))
         self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
         self.tallies, self.fresh = new_tallies(self.rows, lanes), new_tallies(self.rows, 1)
         drifts = wanted is None or any(name.startswith("drift") for name in wanted)
         self.samples = new_samples(SAMPLES * lanes if drifts else 0, n, lanes)
-        self.top = self.samples.in_lane  # which top is in a lane
+        self.top = self.samples.in_lane  # which top is in a lane; -1: none, and it takes no steps
+        self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
-        self._park()
         self.stepper = stepper_of(code)
         lasting = code.lasting if base.stop_when == "settled" else -1
         rules = StopRules(lasting, code.way, SETTLED_FOR, MOST_STEPS, every, 0)
         self.loop = Loop(
             self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, self.stepper
         )
-
-    def _park(self) -> None:
-        """Put a sound top, at its end, into every lane: it takes no steps."""
-        motion, every = self.motion, self.problems
-        top = int(np.flatnonzero(every.valid)[0])
-        motion.pars[:] = every.pars[
-            : len(motion.pars), [top]
-        ]  # the integrator has none beyond the last that it reads
-        motion.state[: len(every.start)] = every.start[:, [top]]
-        self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
 
     def run(
         self,
@@ -167,7 +157,7 @@ def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> E
     rows
         All events of the system.
     base
-        What the tops have in common.
+        The base of the tops.
     wanted
         Names of columns, and of groups of columns.
 

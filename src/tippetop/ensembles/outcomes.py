@@ -7,9 +7,9 @@ import numpy as np
 
 from ..columns import Column, flag_attributes
 from ..engine.observables import orientations_of, values_of
-from ..engine.settling import CLASSES, fates
+from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
-from ..mechanics.contact.gliding.catalogue import EVENTS
+from ..mechanics.contact.gliding.gliding_catalogue import EVENTS
 from ..mechanics.event import Event
 from ..mechanics.system import System
 from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit
@@ -23,16 +23,12 @@ if TYPE_CHECKING:
 
 LYAPUNOV = "lyapunov"  # a column that is left out unless it is asked for
 Form = tuple[Any, Unit, str]  # of a column: type, unit, meaning
-ORIENTATION = {  # columns of the orientation at the end, where it is wanted: unit, meaning
-    **{
-        f"orientation_{part}_end": (
-            ONE,
-            f"{part} of the unit quaternion that turns body axes into space axes, at the end",
-        )
-        for part in "wxyz"
-    },
-    "psi_end": (RADIAN, f"{PSI}; at the end"),
+TURNS = "of the unit quaternion that turns body axes into space axes, at the end"
+ORIENTATION: dict[str, Form] = {
+    **{f"orientation_{part}_end": (np.float64, ONE, f"{part} {TURNS}") for part in "wxyz"},
+    "psi_end": (np.float64, RADIAN, f"{PSI}; at the end"),
 }
+"""Columns of the orientation at the end, where it is wanted."""
 
 
 def _kept_columns(events: Sequence[Event]) -> dict[str, Form]:
@@ -86,7 +82,7 @@ class Outcomes:
 
     def __init__(self, tops: Problems):
         self.tops, n = tops, tops.n
-        self.forms = columns_of(tops.base.system)
+        self.forms = columns_of(tops.base.system) | (ORIENTATION if tops.orientation else {})
         self.status = np.zeros(n, np.int8)
         self.kind = np.zeros(n, np.int8)
         self.columns = {
@@ -97,9 +93,6 @@ class Outcomes:
         self.settled = np.zeros(n, bool)
         self.drift: dict[str, np.ndarray] = {}
         self.lyapunov: np.ndarray | None = None  # [1/s], where it is wanted
-        self.orientation = (
-            {name: np.full(n, np.nan) for name in ORIENTATION} if tops.orientation else {}
-        )
         self.steps_made = self.steps_possible = 0
         # "heyoka" where its own loop made steps, because the machine code could not be called
         self.steps_by = ""
@@ -114,7 +107,7 @@ class Outcomes:
 
 
 def _conclude(outcomes: Outcomes) -> None:
-    """Compute what follows from the ends: SI units, theta at the end, the class."""
+    """Compute SI units, theta at the end and the class of each top from its end."""
     tops, columns = outcomes.tops, outcomes.columns
     for name, (dtype, unit, _) in outcomes.forms.items():
         if dtype is np.float64:
@@ -124,17 +117,17 @@ def _conclude(outcomes: Outcomes) -> None:
     if tops.orientation:
         turns, psi = orientations_of(tops, outcomes.final[:, ended], np.flatnonzero(ended))
         turned = [*turns.T, *([] if psi is None else [psi])]
-        for column, value in zip(outcomes.orientation.values(), turned, strict=False):
-            column[ended] = value
+        for name, value in zip(ORIENTATION, turned, strict=False):
+            columns[name][ended] = value
     kind = np.full(tops.n, CLASSES.index("under-way"))
     which = np.flatnonzero(ended)
     if len(which):
         values = values_of(tops, outcomes.final[:, ended], which)
         columns["theta_end"][ended] = values["theta"]
-        spin = values.get("omega3", np.full(len(which), np.nan))  # not every system has a spin
-        omega3 = spin / np.broadcast_to(tops.unit(SECOND), (tops.n,))[ended]
+        second = np.broadcast_to(tops.unit(SECOND), (tops.n,))[ended]
         body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
-        kind[ended] = fates(tops.base.system, omega3, outcomes.settled[ended], body, values)
+        settled = outcomes.settled[ended]
+        kind[ended] = classes_of(tops.base.system, values, second, settled, body)
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
     ordinary = {status for status in Status if status.ordinary}
@@ -181,8 +174,6 @@ def table(outcomes: Outcomes) -> dict[str, Column]:
 
     for name, (_, unit, text) in outcomes.forms.items():
         add(name, outcomes.columns[name], unit, text)
-    for name, values in outcomes.orientation.items():
-        add(name, values, *ORIENTATION[name])
     for name, worst in outcomes.drift.items():
         add(f"drift_{name}", worst, ONE, f"worst relative drift: {name}")
     if outcomes.lyapunov is not None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.contact import body as contact
-from ..mechanics.contact.gliding.vector import VectorState, vector_scalars
+from ..mechanics.contact.gliding.gliding_vector import VectorState, vector_scalars
 from ..mechanics.friction import Frictionless
 from ..problem import Problem
 from ..runs.run import Solution, solve

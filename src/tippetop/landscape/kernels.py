@@ -21,10 +21,9 @@ from .formulas import (
 minima = grid.minima(at_momenta, guess, slopes, value, ends)
 gradients = grid.gradients(at_momenta, surface_gradient)
 potentials = grid.potentials(at_momenta, slopes, value)
-turnings = grid.turnings(at_momenta, slopes, value, excess, curvature)
 
 
 @cache
-def periods(theta_inertia: Callable) -> Entry:
-    """Return the kernel of periods for the theta_inertia(z, b) of a system."""
-    return grid.periods(at_momenta, excess, inlined(theta_inertia))
+def turnings(theta_inertia: Callable) -> Entry:
+    """Return the kernel of turning angles and periods for the theta_inertia(z, b) of a system."""
+    return grid.turnings(at_momenta, slopes, value, excess, curvature, inlined(theta_inertia))

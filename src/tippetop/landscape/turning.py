@@ -75,11 +75,10 @@ def turning_angles(
     at = np.tan(at / 2) ** (2 * t.upright)
     c, inertia = t.coefficients, t.system.theta_inertia
     assert inertia is not None
-    low, high, q, F, curvature, period = np.empty((6, x.size))
-    other, level = np.full((2, x.size), np.nan), np.empty(x.size, np.int8)
-    kernels.turnings(ALLOWANCE, x, y, E, at, c, low, high, other, q, F, curvature, level)
+    level, found = np.empty(x.size, np.int8), np.empty((8, x.size))
     turned = t.body._replace(c=abs(t.body.c))  # kernels have z = 1 at q = 0
-    kernels.periods(inertia)(low, high, x, y, E, c, turned, period)
+    kernels.turnings(inertia)(ALLOWANCE, x, y, E, at, c, turned, level, found)
+    low, high, q, F, curvature, period, *other = found
     # 2 pi sqrt(2 g/V''): d2V/dtheta2 = 4/sin(theta)^2 d2V/dln(q)^2, sin(theta)^2 = 4q/(1 + q)^2
     square = 2 * inertia(cosine(q, t.upright), t.body) * (4 * q / (1 + q) ** 2) / curvature
     (inner, outer), others = (low, high)[:: t.upright], other[:: t.upright]

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..engine.driver import Extremes
 from ..engine.observables import Observables
-from ..engine.settling import CLASSES, fates
+from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
 from ..errors import owner
 from ..mechanics.caching import cached_property
@@ -118,10 +118,9 @@ def outcome(progress: RunProgress) -> dict[str, str]:
     if progress.lifted_at is not None and problem.on_liftoff != "fly":
         return {"outcome": "lifted-off"}
     values = view.evaluate(progress.last)
-    omega3 = values["omega3"].astype(float) / float(problem.scales.of(SECOND))
     settled = np.array([progress.settled_since is not None])
-    (kind,) = fates(system, omega3, settled, problem.body(), values)
-    return {"outcome": CLASSES[kind]}
+    second = float(problem.scales.of(SECOND))
+    return {"outcome": CLASSES[classes_of(system, values, second, settled, problem.body())[0]]}
 
 
 def reason(progress: RunProgress) -> str:

@@ -84,8 +84,8 @@ class Summary(Record):
         The integrated variables at the end, in SI units.
     versions, cpu
         What computed it.
-    motion, regularisation
-        The name of a heavy top's motion; what eps decides. Only where they apply.
+    motion
+        The name of a heavy top's motion, only of such a top.
     """
 
     def __repr__(self) -> str:

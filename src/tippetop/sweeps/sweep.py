@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-# core seconds: a process needs 6 s to compile, so less is done sooner by threads of this one
+# core seconds: processes must start and may compile, so less is done sooner by threads of this one
 SMALL = 20.0
 FINISHED = {"status": "finished", "reason": "every top was run"}
 KEPT = "Stored chunks are kept: the same command continues it."

@@ -17,8 +17,8 @@ from ..mechanics.contact.body import (
     kinematics,
 )
 from ..mechanics.contact.coulomb import sliding, sticking
-from ..mechanics.contact.gliding.catalogue import COS_INVERTED
-from ..mechanics.contact.gliding.vector import axis, momentum
+from ..mechanics.contact.gliding.gliding_catalogue import COS_INVERTED
+from ..mechanics.contact.gliding.gliding_vector import axis, momentum
 from ..mechanics.contact.response import mobility_inverse_times
 from ..mechanics.contact.single_contact import (
     FLIGHT,

@@ -95,9 +95,8 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     point = np.repeat(numbers.internal()[:, None], len(wrt), axis=1)
     moving = kind.variables.names[: kind.variables.moving]
     counted = [i for i, name in enumerate(moving) if name != "L3"]  # L.3hat is counted with L
-    states = Tangents(kind, problem.tolerance).states(
-        point, ways, times / float(problem.scales.of(SECOND)), moving
-    )
+    second = float(problem.scales.of(SECOND))
+    states = Tangents(kind, problem.tolerance).states(point, ways, times / second)
     moves = states[:, 1, counted]  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]

@@ -3,9 +3,8 @@
 It is the body of `gliding` with R = 0, c = -l.
 """
 
-from ..contact.gliding import catalogue as gliding
-from ..contact.gliding import euler as gliding_euler
-from ..contact.gliding import rates
+from ..contact.gliding import gliding_catalogue as gliding
+from ..contact.gliding import gliding_euler, rates
 from ..friction import LAWS
 from ..operand import formula
 from ..system import Opening, Quantity, of_one_phase

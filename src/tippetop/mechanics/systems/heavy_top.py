@@ -13,15 +13,12 @@ from typing import Any
 from ..contact import body as contact
 from ..contact.body import Top, Touch, tip_inertia
 from ..contact.body_axes import carried_along
-from ..contact.gliding import catalogue as gliding
-from ..contact.gliding import chart as gliding_chart
-from ..contact.gliding import vector as gliding_vector
-from ..contact.gliding.vector import axis
+from ..contact.gliding import gliding_catalogue as gliding
+from ..contact.gliding import gliding_chart, gliding_vector
+from ..contact.gliding.gliding_vector import axis
 from ..contact.integrals import integral
-from ..contact.rolling import catalogue as rolling
-from ..contact.rolling import euler as rolling_euler
-from ..contact.rolling import reaction
-from ..contact.rolling import vector as rolling_vector
+from ..contact.rolling import reaction, rolling_euler, rolling_vector
+from ..contact.rolling import rolling_catalogue as rolling
 from ..number import Number, number, reuse
 from ..operand import cross, formula, plus, sqrt, times
 from ..potential_coefficients import PotentialCoefficients

@@ -3,9 +3,9 @@
 [T ch. 4]
 """
 
-from ..contact.gliding import catalogue as gliding
-from ..contact.rolling import catalogue as rolling
-from ..contact.rolling import euler as rolling_euler
+from ..contact.gliding import gliding_catalogue as gliding
+from ..contact.rolling import rolling_catalogue as rolling
+from ..contact.rolling import rolling_euler
 from ..system import of_one_phase
 from . import outlook, tippe_top
 from .tippe_top_contact import CONTACT
@@ -36,6 +36,5 @@ ROLLING_TIPPE_TOP = of_one_phase(
     events=rolling.EVENTS,
     undefined_at_poles=rolling.UNDEFINED_AT_POLES,
     outlook=outlook.rolling_tippe_top,
-    long_form="reduced",
     **tippe_top.COMMON,
 )

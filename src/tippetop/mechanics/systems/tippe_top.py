@@ -9,9 +9,8 @@ from typing import Any
 
 from ..contact import body as contact
 from ..contact.body import Top, Touch
-from ..contact.gliding import catalogue as gliding
-from ..contact.gliding import euler as gliding_euler
-from ..contact.gliding import rates
+from ..contact.gliding import gliding_catalogue as gliding
+from ..contact.gliding import gliding_euler, rates
 from ..friction import LAWS
 from ..number import Number, number
 from ..operand import formula, sqrt

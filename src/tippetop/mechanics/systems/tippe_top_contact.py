@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 from ..contact import body as contact
 from ..contact.body_axes import carried_along
-from ..contact.gliding import vector as gliding_vector
-from ..contact.gliding.vector import axis
+from ..contact.gliding import gliding_vector
+from ..contact.gliding.gliding_vector import axis
 from ..contact.integrals import integral
-from ..contact.rolling import chart, reaction
-from ..contact.rolling.vector import VectorState
+from ..contact.rolling import reaction, rolling_chart
+from ..contact.rolling.rolling_vector import VectorState
 from ..operand import Operand, Vector, cross, formula, plus, times
 from ..system import Form
 from ..units import ANGULAR_MOMENTUM, JELLETT, ONE
@@ -131,7 +131,7 @@ def vectors(q, b):
 @formula
 def contact_of_angles(e, s, z, b):
     """Return the state about the contact of the angles. [section 1]"""
-    v = chart.vector_of_angles(e, s, z, b)
+    v = rolling_chart.vector_of_angles(e, s, z, b)
     u, L = axis(v), gliding_vector.momentum(v)
     k = contact.kinematics(u, L, gliding_vector.axis_rate(v, b), b)
     w, arm = contact.angular_velocity(u, L, b), contact.arm(u, b)
@@ -146,7 +146,7 @@ def angles_of_contact(q, carried, b):
 
     They are 0/0 exactly at a pole, where phi is undefined.
     """
-    return chart.angles_of_vector(vectors(q, b), carried, b)
+    return rolling_chart.angles_of_vector(vectors(q, b), carried, b)
 
 
 CONTACT = Form(

@@ -10,10 +10,9 @@ from typing import NamedTuple
 
 from ..contact import body as contact
 from ..contact.body_axes import by_angles
-from ..contact.gliding.chart import AWAY_FROM_POLE
+from ..contact.gliding.gliding_chart import AWAY_FROM_POLE
 from ..contact.integrals import integral, place
-from ..contact.rolling import euler as rolling_euler
-from ..contact.rolling import reaction
+from ..contact.rolling import reaction, rolling_euler
 from ..operand import Operand, atan2, cos, formula, sin, sqrt
 from ..system import Form
 from ..units import ANGULAR_MOMENTUM, JELLETT, ONE, PER_SECOND

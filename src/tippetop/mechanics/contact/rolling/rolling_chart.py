@@ -1,9 +1,9 @@
 """The chart between Euler angles and vectors of a rolling body."""
 
 from ...operand import formula
-from ..gliding import chart as gliding_chart
-from .euler import ANGLES
-from .vector import VectorState, vector_scalars
+from ..gliding import gliding_chart
+from .rolling_euler import ANGLES
+from .rolling_vector import VectorState, vector_scalars
 
 
 @formula

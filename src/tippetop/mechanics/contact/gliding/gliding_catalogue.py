@@ -29,8 +29,8 @@ from ..body import (
 )
 from ..body_axes import carried_along
 from ..integrals import integral, place
-from .chart import angles_of_vector, in_euler_angles, vector_of_angles
-from .euler import (
+from .gliding_chart import angles_of_vector, in_euler_angles, vector_of_angles
+from .gliding_euler import (
     ANGLES,
     EULER_UNITS,
     centre_velocity,
@@ -38,7 +38,7 @@ from .euler import (
     euler_scalars,
     velocity,
 )
-from .vector import VECTOR_UNITS, axis, axis_rate, vector_rates, vector_scalars
+from .gliding_vector import VECTOR_UNITS, axis, axis_rate, vector_rates, vector_scalars
 
 
 INITIAL = {

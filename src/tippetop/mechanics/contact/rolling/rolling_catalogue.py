@@ -5,15 +5,15 @@ from dataclasses import replace
 from ...system import Form, Quantity
 from ...units import NEWTON, ONE
 from ..body_axes import carried_along
-from ..gliding import catalogue as gliding
-from ..gliding.chart import in_euler_angles
-from ..gliding.vector import axis, axis_rate
+from ..gliding import gliding_catalogue as gliding
+from ..gliding.gliding_chart import in_euler_angles
+from ..gliding.gliding_vector import axis, axis_rate
 from ..integrals import integral, place
-from . import euler, vector
-from .chart import angles_of_vector, vector_of_angles
-from .euler import ANGLES, EULER_UNITS, euler_rates, euler_scalars
+from . import rolling_euler, rolling_vector
 from .reaction import friction_needed, horizontal_force, normal_force
-from .vector import VECTOR_UNITS, vector_rates, vector_scalars
+from .rolling_chart import angles_of_vector, vector_of_angles
+from .rolling_euler import ANGLES, EULER_UNITS, euler_rates, euler_scalars
+from .rolling_vector import VECTOR_UNITS, vector_rates, vector_scalars
 
 
 # --- initial data, events, quantities -----------------------------------------------------------
@@ -29,10 +29,10 @@ VECTOR = Form(
     vector_of_angles,
     angles_of_vector,
     integrals=(
-        *place(vector.velocity),
-        integral("impulse", vector.vertical_force),
+        *place(rolling_vector.velocity),
+        integral("impulse", rolling_vector.vertical_force),
     ),
-    orientation=carried_along(axis, axis_rate, vector.spin),
+    orientation=carried_along(axis, axis_rate, rolling_vector.spin),
 )
 EULER = in_euler_angles(
     VECTOR,
@@ -40,7 +40,7 @@ EULER = in_euler_angles(
     EULER_UNITS,
     euler_rates,
     euler_scalars,
-    (*place(euler.velocity), integral("impulse", euler.vertical_force)),
+    (*place(rolling_euler.velocity), integral("impulse", rolling_euler.vertical_force)),
 )
 UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}

@@ -8,8 +8,8 @@ from ...system import Domain, Form, Integral
 from ..body import of_azimuth
 from ..body_axes import by_angles
 from ..integrals import integral
-from .euler import ANGLES, centre_velocity, psi_rate, sine_and_cosine
-from .vector import VectorState, axis, vector_scalars
+from .gliding_euler import ANGLES, centre_velocity, psi_rate, sine_and_cosine
+from .gliding_vector import VectorState, axis, vector_scalars
 
 
 @formula
