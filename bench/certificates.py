@@ -3,6 +3,7 @@
 The error of a reference is the largest difference between its runs in double and in 80-bit numbers.
 Its horizon is the time at which an error of 1e-10 of the start has grown to 1e-3: by the
 variational equations, or, where the contact may open, by a second run whose start differs by 1e-12.
+`rounding` are the fractions of the last digit from which the export rounds up.
 The result is a data file of the package; with `--check` nothing is written, and the exit code is 1
 if a reference has lost its certificate.
 """
@@ -17,7 +18,7 @@ import numpy as np
 
 import tippetop
 from tippetop.benchmark import Case, case, names
-from tippetop.benchmark.case_files import sample_times
+from tippetop.benchmark.case_files import sample_times, scaled
 from tippetop.benchmark.truth import Truth, theta_of, truth
 from tippetop.engine.derivatives.growth import growth
 from tippetop.exchange.motion import angle_between
@@ -49,9 +50,9 @@ def length_of(each: Case) -> float:
     return float(body.R or abs(body.c))
 
 
-def growth_of(each: Case, exact: Truth) -> tuple[str, np.ndarray]:
+def growth_of(each: Case, double: Truth) -> tuple[str, np.ndarray]:
     """Return how the growth of small errors was found, and the growth at each row."""
-    problem, t = each.problem, exact.t
+    problem, t = each.problem, double.t
     if problem.contact is None:
         return "variational equations (lyapunov)", growth(problem, t).factor
     moved = dict(problem.initial)
@@ -59,17 +60,26 @@ def growth_of(each: Case, exact: Truth) -> tuple[str, np.ndarray]:
     if moved.get("omega3"):
         moved["omega3"] *= 1 + APART
     near, _ = truth(dataclasses.replace(problem, initial=moved), t)
-    apart = differences(near, exact)
+    apart = differences(near, double)
     size = np.maximum(apart["attitude [rad]"], apart["position [m]"] / length_of(each))
     return "two runs started 1e-12 apart", size / APART
+
+
+def threshold(values: np.ndarray) -> float:
+    """Return the fraction from which numbers are rounded up: the middle of the widest gap."""
+    fractions = values % 1
+    fractions = np.sort(fractions[(fractions > 0.25) & (fractions < 0.75)])
+    ends = np.concatenate([[0.25], fractions, [0.75]])
+    widest = int(np.diff(ends).argmax())
+    return round(float(ends[widest] + ends[widest + 1]) / 2, 6)
 
 
 def certificate(name: str) -> dict[str, Any]:
     """Return the certificate of a case."""
     each = case(name)
     times = sample_times(each.problem)
-    (exact, _), (double, _) = truth(each.problem, times), truth(each.problem, times, "longdouble")
-    by, factor = growth_of(each, exact)
+    (double, _), (exact, _) = truth(each.problem, times), truth(each.problem, times, "longdouble")
+    by, factor = growth_of(each, double)
     beyond = np.flatnonzero(factor > BLIND)
     rows = len(times) if not len(beyond) else int(beyond[0])
     off = {key: float(curve[:rows].max()) for key, curve in differences(double, exact).items()}
@@ -81,6 +91,7 @@ def certificate(name: str) -> dict[str, Any]:
         "horizon": float(f"{times[rows - 1]:.6g}"),
         "horizon_by": by,
         "growth": float(f"{factor[:rows].max():.2g}"),
+        "rounding": {header: threshold(values) for header, (values, _) in scaled(exact).items()},
     }
 
 

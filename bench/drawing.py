@@ -7,24 +7,25 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from tippetop.figures import style
+from tippetop.figures.style import LIGHT
 
 
 LOOKS = {  # colour, marker, line
-    "tippetop, motion alone": (style.RUN, "D", "-"),
-    "tippetop, motion, turnings, liftoff": (style.RUN, "D", "--"),
-    "tippetop, equations only": (style.RUN, "o", "-"),
-    "tippetop, lanes": (style.RUN, "o", "-"),
-    "tippetop, lanes, motion alone": (style.RUN, "s", "--"),
-    "tippetop, events on": (style.RUN, "s", "--"),
-    "tippetop, whole run without rows": (style.RUN, "v", ":"),
-    "tippetop, whole run with rows": (style.RUN, "^", ":"),
-    "tippetop, whole run with rows and orientation": (style.RUN, "P", ":"),
-    "heyoka by hand": (style.LOWER, "o", "-"),
-    "heyoka by hand, events on": (style.LOWER, "s", "--"),
-    "DOP853, C++": (style.UPPER, "o", "-"),
-    "DOP853, numbalsoda": (style.UPPER, "s", "--"),
-    "Dopri8, diffrax": (style.UPPER, "^", ":"),
-    "DOP853, SciPy": (style.QUIET, "D", "-"),
+    "tippetop, motion alone": (LIGHT.run, "D", "-"),
+    "tippetop, motion, turnings, liftoff": (LIGHT.run, "D", "--"),
+    "tippetop, equations only": (LIGHT.run, "o", "-"),
+    "tippetop, lanes": (LIGHT.run, "o", "-"),
+    "tippetop, lanes, motion alone": (LIGHT.run, "s", "--"),
+    "tippetop, events on": (LIGHT.run, "s", "--"),
+    "tippetop, whole run without rows": (LIGHT.run, "v", ":"),
+    "tippetop, whole run with rows": (LIGHT.run, "^", ":"),
+    "tippetop, whole run with rows and orientation": (LIGHT.run, "P", ":"),
+    "heyoka by hand": (LIGHT.lower, "o", "-"),
+    "heyoka by hand, events on": (LIGHT.lower, "s", "--"),
+    "DOP853, C++": (LIGHT.upper, "o", "-"),
+    "DOP853, numbalsoda": (LIGHT.upper, "s", "--"),
+    "Dopri8, diffrax": (LIGHT.upper, "^", ":"),
+    "DOP853, SciPy": (LIGHT.quiet, "D", "-"),
 }
 
 
@@ -48,7 +49,7 @@ def precision(result: dict[str, Any]) -> Figure:
     for name, entry in result["contestants"].items():
         found = sorted(entry.get("points", []), key=lambda p: p["seconds"])
         if found:
-            colour, marker, line = LOOKS.get(name, (style.ALARM, "x", "-"))
+            colour, marker, line = LOOKS.get(name, (LIGHT.alarm, "x", "-"))
             ms, errors = [1e3 * p["seconds"] for p in found], [p["error"] for p in found]
             axes.loglog(
                 ms, errors, color=colour, marker=marker, ls=line, ms=4.5, mfc="white", label=name
@@ -84,7 +85,7 @@ def scaling(result: dict[str, Any]) -> Figure:
                     sizes,
                     cost,
                     look,
-                    color=style.QUIET if extrapolated else style.RUN,
+                    color=LIGHT.quiet if extrapolated else LIGHT.run,
                     ms=4,
                     label=label,
                 )
@@ -92,7 +93,7 @@ def scaling(result: dict[str, Any]) -> Figure:
         axes.set_ylabel("processor time [s]")
         axes.legend(loc="upper left")
     axes = panels.flat[3]
-    for precision, colour in (("double", style.RUN), ("longdouble", style.UPPER)):
+    for precision, colour in (("double", LIGHT.run), ("longdouble", LIGHT.upper)):
         chosen = [r for r in result["tolerance"]["rows"] if r["precision"] == precision]
         label = (
             f"{precision}, exponent of the digits {result['tolerance']['exponents'][precision]:.2f}"
@@ -118,7 +119,7 @@ def startup(result: dict[str, Any]) -> Figure:
     made = style.figure(9.5, 2.8)
     axes = made.add_subplot()
     stages = list(result["cold"]["stages"])
-    colours = [style.QUIET, "#aab3bd", "#cfd5db", style.LOWER, style.UPPER, style.RUN]
+    colours = [LIGHT.quiet, "#aab3bd", "#cfd5db", LIGHT.lower, LIGHT.upper, LIGHT.run]
     for y, name in enumerate(("warm", "cold")):
         left = 0.0
         for stage, colour in zip(stages, colours, strict=False):

@@ -1,5 +1,6 @@
 """The adapters of contact engines, and the friction derived for MuJoCo's contact."""
 
+import importlib
 import math
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from tippetop import benchmark
 
 from .simulators import mujoco as adapter
-from .simulators.__main__ import run
+from .simulators.__main__ import ENGINES, run
 from .simulators.case import read
 from .simulators.soft_contact import (
     SoftContact,
@@ -20,6 +21,31 @@ from .simulators.soft_contact import (
 
 
 mujoco = pytest.importorskip("mujoco")
+MODULES = {"drake": "pydrake", "dart": "dartpy"}
+
+
+@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize(
+    ("case", "until", "attitude", "position"),
+    [
+        ("steady-precession", 0.05, 2e-3, 5e-5),
+        ("rocking-cylinder", 0.1, 0.2, 2e-3),
+        ("stem-landing", 0.06, 0.05, 1e-3),
+    ],
+)
+def test_engines_have_the_body_and_the_start(
+    tmp_path: Path, name: str, case: str, until: float, attitude: float, position: float
+) -> None:
+    """Until the next impact, rolling, lift-off and landing are those of the case."""
+    pytest.importorskip(MODULES.get(name, name))
+    engine = importlib.import_module(f"bench.simulators.{name}")
+    benchmark.export(tmp_path, [case])
+    path = tmp_path / f"{name}/best/{case}/dt=0.0005.csv"
+    begun = read(tmp_path / case)._replace(until=until)
+    run(engine, begun, engine.SETTINGS["best"], 5e-4, path, limit=600)
+    [scored] = benchmark.score(path).to_dict()
+    assert scored["largest"]["attitude"] < attitude
+    assert scored["largest"]["position"] < position
 
 
 def test_flight_in_mujoco_scores_well(tmp_path: Path) -> None:

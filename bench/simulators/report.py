@@ -14,14 +14,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, NullLocator
 
 from tippetop import benchmark
-from tippetop.figures import style
+from tippetop.figures.style import LIGHT
 
 
 LOOKS = {
-    "mujoco": style.RUN,
-    "pybullet": style.UPPER,
-    "drake": style.LOWER,
-    "dart": style.QUIET,
+    "mujoco": LIGHT.run,
+    "pybullet": LIGHT.upper,
+    "drake": LIGHT.lower,
+    "dart": LIGHT.quiet,
     "newton": "tab:purple",
     "genesis": "tab:olive",
 }

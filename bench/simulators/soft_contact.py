@@ -22,7 +22,7 @@ from scipy.optimize import brentq
 import tippetop as tt
 from tippetop.columns import flagged
 from tippetop.exchange.simulators import start_of
-from tippetop.figures import style
+from tippetop.figures.style import LIGHT
 from tippetop.mechanics.operand import Vector
 from tippetop.mechanics.rotation import Quaternion, rotated
 
@@ -260,7 +260,7 @@ def draw(path: Path) -> None:
     """Draw theta(t) of MuJoCo, of the exact top, and of the top that creeps as derived."""
     figure = Figure(figsize=(7, 4.6), layout="constrained")
     axes = figure.subplots()
-    for cone, colour in (("pyramidal", style.RUN), ("elliptic", style.UPPER)):
+    for cone, colour in (("pyramidal", LIGHT.run), ("elliptic", LIGHT.upper)):
         axes.semilogy(*simulated(cone)[:2], color=colour, label=f"MuJoCo, {cone} cone")
         law = tt.friction.Coulomb(mu=1.0, eps=1.0 / effective(SoftContact(cone=cone)))
         run = tt.run("mujoco-tutorial", law)
@@ -270,15 +270,15 @@ def draw(path: Path) -> None:
         )
     run = tt.run("mujoco-tutorial")
     axes.semilogy(
-        run.trajectory.time, run.trajectory.theta, color=style.LOWER, label="exact Coulomb"
+        run.trajectory.time, run.trajectory.theta, color=LIGHT.lower, label="exact Coulomb"
     )
     axes.semilogy(
         *simulated("elliptic", "centre of mass")[:2],
         ":",
-        color=style.QUIET,
+        color=LIGHT.quiet,
         label="MuJoCo, body frame at the centre of mass",
     )
-    axes.axhline(math.pi / 2, color=style.QUIET, lw=0.5)
+    axes.axhline(math.pi / 2, color=LIGHT.quiet, lw=0.5)
     axes.set(xlabel="t [s]", ylabel="theta [rad]", xlim=(0, 8), ylim=(1e-3, 4))
     figure.legend(loc="outside lower center", ncols=2, fontsize=8)
     figure.savefig(path, dpi=150)

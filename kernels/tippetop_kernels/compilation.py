@@ -12,6 +12,7 @@ import inspect
 import os
 import shutil
 import stat
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -161,15 +162,19 @@ def sources_digest() -> str | None:
     return total.hexdigest()[:16]
 
 
+_settings = threading.Lock()
+
+
 @contextlib.contextmanager
 def _numba_cache(folder: Path) -> Iterator[None]:
     """Let numba keep machine code in a folder within the block; its settings belong to the host."""
     from numba import config
 
     ours = {"CACHE_DIR": str(folder), "CACHE_LOCATOR_CLASSES": ""}
-    before = {name: getattr(config, name, "") for name in ours}
-    vars(config).update(ours)
-    try:
-        yield
-    finally:
-        vars(config).update(before)
+    with _settings:
+        before = {name: getattr(config, name, "") for name in ours}
+        vars(config).update(ours)
+        try:
+            yield
+        finally:
+            vars(config).update(before)

@@ -139,7 +139,7 @@ def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
         fits = [key for key in known if key == name or key.partition(".")[2] == name]
         if len(fits) > 1:
             sentences.append(
-                f"`{name}` must be one of {' or '.join(fits)}: it stands in several tables."
+                f"`{name}` must be one of {' or '.join(fits)}: it occurs in several tables."
             )
         keys.append(fits[0] if fits else str(name))
     for key in dict.fromkeys(keys):

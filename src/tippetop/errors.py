@@ -108,7 +108,7 @@ def missing_extra(error: ImportError) -> str | None:
     name = (error.name or "").partition(".")[0].replace("llvmlite", "numba")
     extra = EXTRAS.get(name)
     return (
-        f"this must find {name}, but it is not installed: pip install 'tippetop[{extra}]'."
+        f"{name} is required, but not installed: pip install 'tippetop[{extra}]'."
         if extra
         else None
     )

@@ -13,6 +13,8 @@ from scipy.spatial.transform import Rotation
 
 import tippetop as tt
 from tippetop import benchmark, cli
+from tippetop.benchmark.case_files import sample_times, scaled
+from tippetop.benchmark.truth import truth
 from tippetop.exchange.simulators import text_of
 
 
@@ -64,6 +66,17 @@ def test_parquet_and_csv_are_equal(exported, name):
     csv = pd.read_csv(exported / name / "reference.csv")
     parquet = pd.read_parquet(exported / name / "reference.parquet")
     pd.testing.assert_frame_equal(csv, parquet, check_dtype=False, check_exact=True)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_last_bits_do_not_change_the_digits(exported, name):
+    """No number lies near the threshold of its rounding; digits are those of the motion."""
+    each = benchmark.case(name)
+    motion, _ = truth(each.problem, sample_times(each.problem), "longdouble")
+    rows = pd.read_csv(exported / name / "reference.csv")
+    for header, (values, power) in scaled(motion).items():
+        assert np.abs(values % 1 - each.certificate["rounding"][header]).min() > 5e-4
+        assert np.abs(rows[header] * power - values).max() < 0.76
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -181,7 +194,7 @@ def test_times_in_the_text_are_those_of_the_phases(exported, name):
 def test_command_line(tmp_path, capsys):
     assert cli.outcome(["benchmark", "list"]) == 0
     assert "steady-precession" in capsys.readouterr().out
-    assert cli.outcome(["benchmark", "export", str(tmp_path), "bounce"]) == 0
+    assert cli.outcome(["benchmark", "export", str(tmp_path), "bounce", "bounce"]) == 0
     assert (tmp_path / "bounce" / "reference.csv").exists()
     assert cli.outcome(["benchmark", "export", str(tmp_path), "bounce"]) != 0
     assert cli.outcome(["benchmark", "export", str(tmp_path), "nothing"]) == 2

@@ -127,6 +127,9 @@ def test_references_are_no_results(tmp_path):
     benchmark.export(tmp_path, ["joint"])
     with pytest.raises(InputError, match="contains exported references"):
         benchmark.score(tmp_path)
+    result("joint").to_csv(tmp_path / "joint" / "mine.csv", index=False)
+    [only] = benchmark.score([tmp_path, tmp_path]).results
+    assert (only.case, only.compared.path.name) == ("joint", "mine.csv")
 
 
 def test_the_good_files_are_scored(tmp_path, capsys):

@@ -64,6 +64,7 @@ def test_negative_ranges_work_as_typed(tmp_path: Path, said: Callable) -> None:
     grid = "--D -1e-4:1e-4:3 --lambda -1e-6:1e-6:3"
     said(f"surface inverting {grid} --out {tmp_path}/s.zarr")
     assert "F = " in said("potential inverting --D -1e-4 --lambda -4e-6")[0]
+    assert "F = " in said("potential flying --D -1e-4 --lambda 4e-6")[0]  # its sphere's
 
 
 def test_momenta_of_a_landscape_are_texts_with_units(tmp_path: Path, said: Callable) -> None:
@@ -126,7 +127,7 @@ def test_what_an_extra_brings_is_missed_before_anything_is_made(
     monkeypatch.chdir(place)
     monkeypatch.setitem(sys.modules, missing, None)
     assert (
-        said(words.format(store), code=2)[1] == f"tippetop: this must find {missing}, but it is "
-        f"not installed: pip install 'tippetop[{extra}]'.\n"
+        said(words.format(store), code=2)[1] == f"tippetop: {missing} is required, but not "
+        f"installed: pip install 'tippetop[{extra}]'.\n"
     )
     assert list(place.iterdir()) == []

@@ -93,7 +93,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("potential rolling-cylinder --D 1 --lambda 2", 2, "tippe tops only; this is a rolling cyl"),
     ("potential inverting --D '1 kg' --lambda 0", 2, "`--D` must be in kg m2 s-1"),
     ("surface inverting --D -1:1:1000000000000 --out f.zarr", 2, "at most 10000000 points"),
-    ("surface inverting --D 0:1e300:5 --out f.zarr", 2, "`--D` and `--lambda` must leave V within"),
+    ("surface inverting --D 0:1e300:5 --out f.zarr", 2, "`--D` and `--lambda` must keep V finite"),
     ("surface inverting", 2, "nothing is to be done: give --out F.zarr, --figure F.png, or both."),
     # measured motions
     (f"{FIT} --out film.csv --overwrite", 2, "--out must end with .toml, but is"),

@@ -196,7 +196,6 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
             base.tolerance,
             lanes,
             False,
-            False,
         ).integrator
     )
     for first in range(0, n, lanes):

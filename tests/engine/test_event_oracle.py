@@ -63,7 +63,7 @@ def oracle(
 ) -> tuple[Any, list]:
     """heyoka's integrator of the same equations, which writes down (event, time, sign)."""
     formulas = formulas_of(system, form, law)
-    made = compiled_from(formulas, "double", tolerance, 0, False, orientation)
+    made = compiled_from(formulas, "double", tolerance, 0, orientation)
     q, _, body, _ = equations_of_motion(formulas, Variables(system.forms[form], orientation))
     scalars = system.forms[form].scalars(q, body)
     seen: list[tuple[int, float, int]] = []

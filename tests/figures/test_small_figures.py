@@ -51,5 +51,5 @@ def test_the_growth_of_a_run_of_keyframes_is_drawn(tmp_path: Path) -> None:
     line = run.plot("growth").axes[0].lines[0]
     assert np.nanmax(line.get_ydata()) <= max(run.drift.to_dict().values())
     assert len(line.get_xdata()) > 3
-    with pytest.raises(tt.InputError, match="drawn of rows"):
+    with pytest.raises(tt.InputError, match="requires rows"):
         run.plot("theta")

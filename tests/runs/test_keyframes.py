@@ -87,7 +87,7 @@ def test_a_replay_does_not_take_the_place_of_its_run(kept: Path, tmp_path: Path)
     (tmp_path / "link").symlink_to(kept)
     before = files(kept)
     for out in (kept, tmp_path / "link"):
-        with pytest.raises(StoreError, match="must be another store than the one that is replayed"):
+        with pytest.raises(StoreError, match="must not be the store that is replayed"):
             replay.into_store(kept, EvenTimes(1e-3, 30.01, 30.0), out, overwrite=True)
     assert files(kept) == before
 

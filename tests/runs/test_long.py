@@ -87,7 +87,7 @@ def test_a_run_without_rows_is_exported_by_its_other_tables(
     assert outcome(["run", "inverting", "--until", "1", *sets, "--out", run]) == 0
     assert typed(f"export {run} --to csv --out {rows}") == 2
     assert (
-        "must have rows to be exported, but has none: say --group events" in capsys.readouterr().err
+        "must have rows to be exported, but has none: use --group events" in capsys.readouterr().err
     )
     assert typed(f"export {run} --to csv --group trajectory --out {rows}") == 0
     assert "L_x [kg m2 s-1],L_y [kg m2 s-1],L_z [kg m2 s-1]" in rows.read_text()

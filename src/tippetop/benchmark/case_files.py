@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 
 from ..arguments import path_of
 from ..exchange.fit_text import toml_of
-from ..exchange.simulators import rounded_to_digits, text_of
+from ..exchange.simulators import DIGITS, rounded_to_digits, text_of
 from ..mechanics.contact.state import PHASES
 from ..runs import phases
 from ..runs.run import Solution
@@ -58,7 +59,8 @@ Each folder is a case; `case.json` describes it (`case.schema.json` is its schem
    The first row of `reference.csv` is the start.
 2. Write `ENGINE/SETTING/CASE/dt=STEP.csv` with the columns of `reference.csv`.
    `t [s]` and the quaternion `q_w,q_x,q_y,q_z` are required, the other columns are optional.
-3. Run `tippetop benchmark score ENGINE/*/*/*.csv`.
+3. Install the score, `pip install tippetop`, and run `tippetop benchmark score ENGINE`.
+   One file with another name: `tippetop benchmark score FILE --case CASE`.
 
 `case.json` contains the certified error of the reference and its horizon.
 Beyond the horizon a small error of the start has grown so much that a difference means nothing
@@ -122,7 +124,8 @@ def export(folder: str | Path, cases: Iterable[str] = (), *, overwrite: bool = F
     StoreError
         If a file exists or cannot be written.
     """
-    root, chosen = path_of("folder", folder), [case(name) for name in cases or names()]
+    root = path_of("folder", folder)
+    chosen = [case(name) for name in dict.fromkeys(cases or names())]
     for each in chosen:
         with disk.writing(root / each.name):
             (root / each.name).mkdir(parents=True, exist_ok=True)
@@ -163,7 +166,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
     """Return the text files of a case by name; write the Parquet file."""
     problem = given.problem
     motion, run = truth(problem, sample_times(problem), "longdouble")
-    columns = _columns(motion)
+    columns = _columns(motion, given.certificate.get("rounding", {}))
     if problem.contact is not None:
         state, _ = run.problem.variables.split(run.rows.T)
         labels = np.array(PHASES)[np.rint(state.phase.astype(float)).astype(int)]
@@ -190,7 +193,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
         "certificate": {
             "against": "not computed",
             "horizon_by": "not computed",
-            **{key: value for key, value in given.certificate.items() if key != "error"},
+            **{k: v for k, v in given.certificate.items() if k not in ("error", "rounding")},
         },
         "friction_law": given.law["words"],
         "settings": given.settings,
@@ -209,12 +212,26 @@ def _scenario(given: Case) -> dict[str, Any]:
     return tables | {"run": {key: tables["run"][key] for key in kept}}
 
 
-def _columns(motion: Truth) -> dict[str, np.ndarray]:
-    """Return the columns of a reference by header, rounded."""
+def _columns(motion: Truth, thresholds: Mapping[str, float]) -> dict[str, np.ndarray]:
+    """Return the columns of a reference by header, rounded.
+
+    A number is rounded up if the fraction of its last digit exceeds the threshold of its column.
+    No number is near the threshold, so last bits, which differ between processors, do not matter.
+    """
     columns = {"t [s]": rounded_to_digits(motion.t)}
+    for header, (values, power) in scaled(motion).items():
+        columns[header] = np.floor(values + 1 - thresholds.get(header, 0.5)) / power + 0.0
+    return columns
+
+
+def scaled(motion: Truth) -> dict[str, tuple[np.ndarray, float]]:
+    """Return by header the numbers of a motion in units of their last digit, and 1/unit."""
+    columns: dict[str, tuple[np.ndarray, float]] = {}
     for name, headers in VECTORS.items():
-        values = rounded_to_digits(getattr(motion, name))
-        columns |= dict(zip(headers, values.T, strict=True))
+        values = getattr(motion, name).astype(float)
+        largest = np.abs(values).max() or 1.0
+        power = 10.0 ** (DIGITS - 1 - math.floor(math.log10(largest)))
+        columns |= {h: (column * power, power) for h, column in zip(headers, values.T, strict=True)}
     return columns
 
 

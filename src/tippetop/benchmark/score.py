@@ -13,6 +13,7 @@ from ..errors import InputError, suggestion
 from ..exchange.comparison import STEP, Compared, orders, size_of
 from ..exchange.motion import angle_between, motion
 from ..exchange.motion_table import Table, read
+from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
 from .truth import VECTORS, Truth, axis_of, energy, theta_of, truth
@@ -176,7 +177,7 @@ def score(
         If a file or its name is wrong.
     """
     given: Any = [results] if isinstance(results, str | Path) else results
-    paths = [file for each in given for file in _files(path_of("results", each))]
+    paths = dict.fromkeys(file for each in given for file in _files(path_of("results", each)))
     if not paths:
         raise InputError("at least one result must be given: ENGINE/SETTING/CASE/dt=STEP.csv.")
     known: dict[tuple[str, bytes], Truth] = {}
@@ -204,7 +205,7 @@ def _files(path: Path) -> list[Path]:
 
 def _is_reference(path: Path) -> bool:
     """Return whether a file belongs to an exported case."""
-    return (path.parent / "case.json").exists()
+    return path.name in CONTENT and (path.parent / "case.json").exists()
 
 
 def _case_of(path: Path, name: str | None) -> Case:

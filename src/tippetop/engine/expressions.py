@@ -111,8 +111,8 @@ AXES = tuple(f"{axis}_{c}" for axis in ("first", "third") for c in "xyz")
 
 
 def integrated(variable: str) -> str:
-    """The name of an integrated component of 3hat among the values of a row, where it is not what
-    the column `axis` is taken from.
+    """Return the name of an integrated component of 3hat among the values of a row, where the
+    column `axis` is taken from others.
     """
     return f"integrated_{variable}"
 
@@ -172,7 +172,7 @@ def compile_observables(
     f(inputs=(variables, n), pars=(leaves, n)) of them. They are compiled apart, so that neither
     changes the bits of the other.
 
-    11 ns a row where numpy takes 590: that is what lets a store keep pace with the integrator.
+    They take 11 ns a row where numpy takes 590, so that a store keeps pace with the integrator.
     """
     form = system.forms[form_name]
     symbols, *records = in_symbols(

@@ -91,7 +91,6 @@ def compiled_from(
     precision: str,
     tolerance: float,
     lanes: int,
-    compact: bool,
     orientation: bool,
 ) -> Compiled:
     """Return an integrator: compiled once, then loaded from disk.
@@ -104,8 +103,6 @@ def compiled_from(
         Of the integrator.
     lanes
         How many runs it advances at a time; 0 is one run, with heyoka's integrator for one.
-    compact
-        Whether heyoka's compact code is made: it compiles at once, and runs a third slower.
     orientation
         Whether the orientation of the body is integrated too.
 
@@ -115,11 +112,15 @@ def compiled_from(
 
     Notes
     -----
+    Numbers wider than doubles get heyoka's compact code: it runs a third slower, but other code
+    would take 6 s (longdouble) or 25 s (quad) to compile.
+
     Taylor coefficients of an event function are those of a variable, or of a rate; if it is
     neither, its integral is integrated too, scaled not to control the step. heyoka's own detection
     takes three times the integration.
     """
     number, variables = PRECISIONS[precision], Variables(formulas.form, orientation)
+    compact = precision != "double"
     q, carried, body, equations = equations_of_motion(formulas, variables)
     sources, of_integrals = [], [integral.of or None for integral in variables.integrals]
     for e, (event, formula) in enumerate(
@@ -149,7 +150,7 @@ def compiled_from(
         options |= {"tol": kind(tolerance), "fp_type": kind}
         zero = np.zeros(len(equations), dtype=number)
         integrator = compiled_once(hy.taylor_adaptive, equations, zero, **options)
-    machine = _machine(integrator) if precision == "double" and not compact else None
+    machine = None if compact else _machine(integrator)
     if machine and not lanes:
         machine = machine._replace(fused=is_fused(machine.dense, len(equations), integrator.order))
     rows = event_rows(formulas.events, sources, axis)

@@ -8,12 +8,12 @@ from .expressions import component, integrated, integrates_axis
 
 
 def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """What a run must keep, of all that its states say.
+    """Return the quantities that a run must conserve.
 
     Parameters
     ----------
     problem
-        The run, or what runs have in common.
+        The run, or the base of several.
     values
         Arrays (k,) by name, internal units.
 
@@ -40,7 +40,7 @@ def invariants(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.
 
 
 def taken(name: str) -> str:
-    """The quantity that says what an integral was when the ball in contact was taken, if the ball
+    """Return the name of the value of an integral when the ball in contact was taken, if the ball
     may change.
     """
     return f"{name}_taken"
@@ -59,7 +59,7 @@ def sizes(problem: Problem, values: dict[str, np.ndarray]) -> dict[str, np.ndarr
     Parameters
     ----------
     problem
-        The run, or what runs have in common.
+        The run, or the base of several.
     values
         Arrays (k,) by name at the start, internal units.
 

@@ -25,9 +25,7 @@ from .orientation import quaternion
 
 
 class Observables:
-    """Reads rows of internal states (n, variables) of a problem; computes in internal units,
-    answers in SI.
-    """
+    """Values and columns of rows of internal states (n, variables) of a problem."""
 
     def __init__(self, problem: Problem):
         self.problem, self.form, self.system = problem, problem.form, problem.system
@@ -46,7 +44,7 @@ class Observables:
         return Observables, (self.problem,)
 
     def state(self, rows: np.ndarray) -> tuple[Any, Any]:
-        """The state record of the rows and the record of their integrals, in internal units."""
+        """Return the state record of the rows and the record of their integrals, internal units."""
         return self.problem.variables.split(_widened(np.asarray(rows), self._wide).T)
 
     def moment(self, rows: np.ndarray) -> Moment:
@@ -54,7 +52,7 @@ class Observables:
         return moment(self.system, self.form, *self.state(rows), self.body)
 
     def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:
-        """All that the rows say, by name, in internal units; NaN where an angle is undefined,
+        """Return all values of the rows by name, internal units; NaN where an angle is undefined,
         exactly at a pole. Not to be changed: a single row, the start or the end of a run, is read
         several times, and kept.
         """
@@ -84,11 +82,11 @@ class Observables:
         return _turned(self._computed(orientation_of, rows))
 
     def theta(self, row: np.ndarray) -> float:
-        """theta of one row, (1, variables) [rad]."""
+        """Return theta of one row, (1, variables) [rad]."""
         return float(self.evaluate(row)["theta"][0])
 
     def domains(self, rows: np.ndarray) -> dict[str, float]:
-        """Smallest value of each function that must stay positive, by its meaning."""
+        """Return the least value of each function that must stay positive, by its meaning."""
         state = self.moment(rows)
         return {h.meaning: float(np.min(h.formula(state, self.body))) for h in self.form.domains}
 
@@ -182,8 +180,8 @@ def sources(problem: Problem) -> dict[str, Source]:
 
 
 def values_of(problems: Problems, states: np.ndarray, which: np.ndarray) -> dict[str, np.ndarray]:
-    """All that states (variables, k) of the runs `which` (k,) say, by name, in internal units; (k,)
-    each, doubles.
+    """Return all values of states (variables, k) of the runs `which` (k,) by name, in internal
+    units; (k,) each, doubles.
 
     Parameters
     ----------
@@ -215,7 +213,7 @@ def _at_poles(system: System, values: dict[str, np.ndarray]) -> dict[str, np.nda
 def orientations_of(
     problems: Problems, states: np.ndarray, which: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """The orientation in states (variables, k) of the runs `which` (k,), as
+    """Return the orientation in states (variables, k) of the runs `which` (k,), as
     `Observables.orientation` has it.
 
     Parameters

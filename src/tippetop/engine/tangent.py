@@ -23,7 +23,7 @@ class Tangents:
     Parameters
     ----------
     kind
-        What moves.
+        The system that moves.
     tolerance
         Of the integrator; 0 is the rounding unit.
     most

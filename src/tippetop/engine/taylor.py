@@ -19,9 +19,6 @@ from .tallies import looked_for
 from .wide import WideDriver
 
 
-LONG = 1e5  # internal time beyond which 6 s (longdouble) or 25 s (quad) of compilation pay
-
-
 def silence() -> None:
     """Stop heyoka's warnings for the whole process: they go to standard output, and every outcome
     that they are about has a status here. Call it in processes of this package only: the
@@ -72,15 +69,7 @@ def code_for(problem: Problem, formulas: Formulas, stop: threading.Event | None 
 
     Raises Interrupted if `stop` is set meanwhile.
     """
-    compact = problem.precision != "double" and float(internal_end(problem)) < LONG
-    key: tuple[Any, ...] = (
-        formulas,
-        problem.precision,
-        problem.tolerance,
-        0,
-        compact,
-        problem.orientation,
-    )
+    key = formulas, problem.precision, problem.tolerance, 0, problem.orientation
     return compiled_when(key, stop)
 
 

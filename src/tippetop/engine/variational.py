@@ -39,7 +39,7 @@ class Kind(NamedTuple):
     Parameters
     ----------
     system, form_name, friction
-        What moves; friction is the type of the record of the law.
+        The equations of motion; friction is the type of the record of the law.
     orientation
         Whether the orientation of the body is integrated too.
     initial
@@ -123,7 +123,7 @@ def compiled_motion(kind: Kind, lanes: int, tolerance: float) -> Any:
     # numbers instead of sums, of which heyoka would compute every Taylor coefficient
     all_symbols, expressions = zip(*equations, strict=True)
     equations = list(zip(all_symbols, hy.subs(list(expressions), line), strict=True))
-    careful = tolerance < COARSE  # sums of steps keep what rounding takes: a quarter of the cost
+    careful = tolerance < COARSE  # compensated sums of steps: a quarter of the cost
     options = {"tol": tolerance, "high_accuracy": careful, "compact_mode": True}
     return compiled_once(
         hy.taylor_adaptive_batch, equations, np.zeros((len(equations), lanes)), **options

@@ -204,7 +204,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     Parameters
     ----------
     base
-        What they have in common.
+        Their base.
     variations
         Arrays (n,) in SI units, under dotted keys like `friction.mu`.
     orientation
@@ -222,7 +222,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     """
     sentences = base_faults(base)
     if orientation and base.form.orientation is None:
-        sentences.append("`orientation` must be false, of a form that does not know it.")
+        sentences.append("`orientation` must be false: the form does not integrate it.")
     if sentences:
         raise InputError(sentences)
     return Problems.vary(base, variations, orientation)
@@ -234,7 +234,7 @@ def base_faults(base: Problem) -> list[str]:
     Parameters
     ----------
     base
-        What the tops have in common.
+        The base of the tops.
 
     Returns
     -------
@@ -251,7 +251,7 @@ def base_faults(base: Problem) -> list[str]:
     if base.form.name not in able:
         others = " or ".join(f'"{name}"' for name in able) or "none of this system"
         sentences.append(
-            "`form` must be one in an ensemble that integrates the axis, as ux, uy, uz: "
+            "`form` must integrate the axis (ux, uy, uz) in an ensemble: "
             f'{others}, but is "{base.form.name}".'
         )
     if base.precision != "double":
@@ -277,7 +277,7 @@ def of_problem(
     Parameters
     ----------
     base
-        What the tops have in common.
+        The base of the tops.
     variations
         Arrays (n,) in SI units, under dotted keys.
     threads

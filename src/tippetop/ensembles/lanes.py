@@ -61,7 +61,7 @@ class Lanes:
     ):
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
-        code = compiled_when((formulas, "double", base.tolerance, lanes, False, tops.orientation))
+        code = compiled_when((formulas, "double", base.tolerance, lanes, tops.orientation))
         self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
@@ -157,7 +157,7 @@ def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> E
     rows
         All events of the system.
     base
-        What the tops have in common.
+        The base of the tops.
     wanted
         Names of columns, and of groups of columns.
 

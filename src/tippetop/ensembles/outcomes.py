@@ -107,7 +107,7 @@ class Outcomes:
 
 
 def _conclude(outcomes: Outcomes) -> None:
-    """Compute what follows from the ends: SI units, theta at the end, the class."""
+    """Compute SI units, theta at the end and the class of each top from its end."""
     tops, columns = outcomes.tops, outcomes.columns
     for name, (dtype, unit, _) in outcomes.forms.items():
         if dtype is np.float64:

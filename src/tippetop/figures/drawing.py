@@ -100,7 +100,7 @@ def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
         )
     if not trajectory["time"].size:
         raise InputError(
-            f"`{kind}` is drawn of rows, but a run has none: replay a part of it, or resume it."
+            f"`{kind}` requires rows, but a run has none: replay a part of it, or resume it."
         )
 
 

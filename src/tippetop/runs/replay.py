@@ -79,8 +79,7 @@ def into_store(
     """
     if os.path.realpath(out) == os.path.realpath(path):
         raise StoreError(
-            f"`{out}` must be another store than the one that is replayed, which holds its "
-            "keyframes."
+            f"`{out}` must not be the store that is replayed, because it contains the keyframes."
         )
     integration = _taken_up(path, times, accept_other_version)
     began, steps, clock = integration.t_end, integration.monitor.steps, time.perf_counter()

@@ -39,7 +39,7 @@ def export(
     first = next(iter(tables))
     if to != "netcdf" and group is None and first == "trajectory" and not tables[first].time.size:
         raise InputError(
-            f"`{store}` must have rows to be exported, but has none: say --group "
+            f"`{store}` must have rows to be exported, but has none: use --group "
             f"{' or '.join(groups[1:])}, or replay it."
         )
     if attrs["status"] == "running":

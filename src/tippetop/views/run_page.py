@@ -54,7 +54,7 @@ def refuse(attrs: dict[str, Any], what: str) -> None:
         wanted = columns_of(attrs) & {*needed(attrs)}
         require(sorted(wanted), attrs["run"]["columns"], "a page")
     if attrs["run"].get("output") == "keyframes" and "replay" not in attrs:
-        raise InputError("a page is made of rows, and this run keeps none: replay a part of it.")
+        raise InputError("a page requires rows, but the run has none: replay a part of it.")
 
 
 def page(
