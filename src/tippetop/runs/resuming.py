@@ -112,13 +112,13 @@ def opened(target: Path) -> Ledger:
         files.remove_stale(target)
         files.refuse_links(target)
         store = Ledger.opened(target)
-        if unsound := store.unsound():
-            store.release()
-            name = store.state.files(unsound[0])[0].rpartition("/")[0]
-            raise StoreError(
-                f"`{target}` must be a whole store, but is damaged: a chunk of `{name}` or its "
-                "table is."
-            )
+        with store.released_on_failure():
+            if unsound := store.unsound():
+                name = store.state.files(unsound[0])[0].rpartition("/")[0]
+                raise StoreError(
+                    f"`{target}` must be a whole store, but is damaged: a chunk of `{name}` or "
+                    "its table is."
+                )
     return store
 
 
