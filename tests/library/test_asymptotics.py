@@ -47,32 +47,6 @@ def test_no_state_has_less_energy_than_the_least() -> None:
     assert np.all(rows.energy > tt.theory.least_energy(run, rows.theta, rows.jellett))
 
 
-def test_the_general_system_is_the_gliding_top_with_its_contact_acceleration() -> None:
-    """From differences of a run: w_x = nu_x' - phi' nu_y, w_y = nu_y' + phi' nu_x."""
-    h, columns = 1e-6, ["theta", "theta_dot", "phi_dot", "omega3", "nu_x", "nu_y"]
-    start = dict(zip(columns, (0.8, 3.0, 10.0, 90.0, 0.2, -0.1), strict=True))
-    run = tt.run(
-        TOP,
-        tt.friction.Viscous(mu=0.3),
-        start=start,
-        until=2 * h,
-        output_times=[0.0, h, 2 * h],
-        columns=columns,
-    )
-    before, now, after = (run.trajectory.isel(time=i) for i in range(3))
-    rate = {name: (float(after[name]) - float(before[name])) / (2 * h) for name in columns}
-    state = {name: float(now[name]) for name in columns[:4]}
-    push = {
-        "w_x": rate["nu_x"] - state["phi_dot"] * float(now.nu_y),
-        "w_y": rate["nu_y"] + state["phi_dot"] * float(now.nu_x),
-    }
-    expected = [rate[name] for name in ("theta_dot", "phi_dot", "omega3")]
-    np.testing.assert_allclose(tt.theory.accelerations(TOP, **state, **push), expected, rtol=1e-6)
-    for theta in (0.0, math.pi):
-        with pytest.raises(tt.InputError, match="theta"):
-            tt.theory.accelerations(TOP, theta=theta)
-
-
 @pytest.mark.parametrize(
     ("source", "start", "pairs"),
     [

@@ -12,7 +12,7 @@ import tippetop as tt
 
 
 def test_a_text_stands_for_its_number() -> None:
-    """In modes, regimes and accelerations, as in scenarios."""
+    """In modes and regimes, as in scenarios."""
     spin = 1480 * 2 * math.pi / 60
     np.testing.assert_array_equal(
         tt.theory.linear_modes("inverting", omega3="1480 rpm"),
@@ -22,10 +22,6 @@ def test_a_text_stands_for_its_number() -> None:
     assert tt.theory.asymptotic_states(
         "inverting", "7e-6 kg m3 s-1"
     ) == tt.theory.asymptotic_states("inverting", 7e-6)
-    half = tt.theory.accelerations("inverting", theta="30 deg", omega3="100 rad/s")
-    assert half == pytest.approx(
-        tt.theory.accelerations("inverting", theta=math.radians(30), omega3=100.0), rel=1e-14
-    )
 
 
 def test_landscapes_rows_and_replays_take_texts_too(tmp_path: Path) -> None:

@@ -162,7 +162,7 @@ def test_nothing_is_said_of_a_system_that_brings_no_theory(name: str) -> None:
     """No threshold, no regime, no fate: knowledge comes with the record, not with a name."""
     made = start_of(name)
     known = dict.fromkeys(("outlook", "motion", "borders", "landscape"))
-    toy = dataclasses.replace(made.system, inverts=False, long_form="", **known)
+    toy = dataclasses.replace(made.system, inverts=False, **known)
     made = dataclasses.replace(made, system=toy, until=1e6)
     assert set(forecast.assessment(made)) == {"at_start", "expected"}
     assert forecast.comments(made) == {}
@@ -183,7 +183,6 @@ def test_mu_zero_is_no_friction_under_any_law(law: tuple) -> None:
     tippe = forecast.assessment(start_of("tippe-top", law=law, omega3=155.0))
     assert tippe["fate"] == "theta nutates for ever, unless it lifts off"
     assert tippe["regime"] == "no friction: nothing is lost, and no state attracts"
-    assert "regularisation" not in tippe
     heavy = forecast.assessment(start_of("gliding-heavy-top", law=law, omega3=155.0))
     assert heavy["regime"].startswith("without friction the upright spin is ")
     assert "fate" not in heavy

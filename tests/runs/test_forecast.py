@@ -60,33 +60,6 @@ def test_cost_is_proportional_to_what_is_asked_for() -> None:
     assert seconds[0] < seconds[1] / 10 < seconds[2] / 100
 
 
-def test_advice_is_given_to_long_runs_in_double_only() -> None:
-    """Of the other form, or of a tolerance where the form is the better one already."""
-    better = build.load("rolling").system.long_form
-    vector = forecast.assessment(build.load("rolling", ["form=vector"], forecast.LONG))["advice"]
-    assert f'form = "{better}"' in vector
-    in_better_form = forecast.assessment(build.load("rolling", [f"form={better}"], forecast.LONG))[
-        "advice"
-    ]
-    assert "form" not in in_better_form
-    assert "tolerance" in in_better_form
-    for sets, until in (
-        ([f"form={better}", "run.tolerance=1e-18"], forecast.LONG),
-        (["form=vector", "run.precision=longdouble", "run.output_step=10.0"], forecast.LONG),
-        (["form=vector"], 0.9 * forecast.LONG),
-    ):
-        assert "advice" not in forecast.assessment(build.load("rolling", sets, until))
-
-
-def test_only_regularised_friction_of_what_inverts_speaks_of_eps() -> None:
-    coulomb = ["friction.law=coulomb", "friction.mu=0.3", "friction.eps=1e-3"]
-    found = forecast.assessment(build.load("inverting", coulomb, until=1e6))
-    assert "eps decides" in found["regularisation"]
-    assert "regularisation" not in forecast.assessment(build.load("inverting"))
-    frictionless = forecast.assessment(build.load("inverting", [*coulomb, "friction.mu=0.0"]))
-    assert "regularisation" not in frictionless
-
-
 def test_the_spin_that_a_stem_needs_is_the_published_one():
     """Leine and Glocker's top: 21.700 rad/s upright, 88.107 on its stem; nothing is promised where
     sliding may stop.

@@ -38,12 +38,11 @@ def test_names_come_in_one_order_and_only_where_they_apply() -> None:
         normal_force=force,
         motion="loops",
         event_counts={"turning": 0, "turning_significant": 0, "liftoff": 1},
-        regularisation="eps decides",
         certificate={"against": None, "reason": "no wider precision than quad"},
     )
     assert [name for name, _ in lines(more)] == [
         *("status", "inversion", "turning angles", "other events", "normal force", "drift"),
-        *("motion", "regularisation", "certificate"),
+        *("motion", "certificate"),
     ]
 
 

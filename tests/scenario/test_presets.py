@@ -87,9 +87,6 @@ def test_check_says_the_regime(
     assert (
         found.get("regime") or load(name).contact is not None
     )  # the outlook is that of a contact that stays
-    assert ("regularisation" in found) == (
-        "eps" in found.get("friction", {}) and found["system"] == "tippe-top"
-    )
     monkeypatch.setattr(
         cost, "measured", lambda *_: {}
     )  # most of the time goes there, and it was said above

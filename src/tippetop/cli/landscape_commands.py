@@ -68,9 +68,10 @@ def surface(
     if out is None and figure is None:
         raise InputError("nothing is to be done: give --out F.zarr, --figure F.png, or both.")
     check_picture(figure, "--figure", overwrite)
-    default = np.linspace(0, 4.5 * _lambda_pi(parameters), SHOWN)
+    lambda_pi = _lambda_pi(parameters)
+    default = np.linspace(0, 4.5 * lambda_pi, SHOWN)
     lambdas = _axis("--lambda", lambda_, JELLETT) if lambda_ else default
-    _warn_if_far(parameters, np.abs(lambdas).max())
+    _warn_if_far(np.abs(lambdas).max(), lambda_pi)
     ends = marked_lines.marked_lines(parameters, lambdas)["D"].values
     default = np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), SHOWN)
     Ds = _axis("--D", D, ANGULAR_MOMENTUM) if D else default
@@ -97,8 +98,7 @@ def surface(
         grid = awaited(lambda: minimal(*few), COMPILING)
         drawing.write(_surface(grid, parameters), figure, overwrite=overwrite)
     print(
-        f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = "
-        f"{_lambda_pi(parameters):.6g} kg m^3/s"
+        f"F(D, lambda) at {Ds.size} x {lambdas.size} points; lambda_pi = {lambda_pi:.6g} kg m^3/s"
     )
     return 0
 
@@ -146,7 +146,7 @@ def potential(
     if not 2 <= n <= MOST_POINTS:
         raise InputError(f"--n must be at least 2 and at most {MOST_POINTS}, but is {n}.")
     check_picture(figure, "--figure", overwrite)
-    _warn_if_far(parameters, abs(lambda_))
+    _warn_if_far(abs(lambda_), _lambda_pi(parameters))
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
     V = awaited(lambda: potential.potential(parameters, z, D, lambda_, system), COMPILING)
     least = awaited(lambda: surface.minimal_surface(parameters, D, lambda_, system), COMPILING)
@@ -224,15 +224,12 @@ def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     """Return parameters and system of a scenario. Raises InputError if it has no (D, lambda)."""
     from ..errors import a_system
     from ..landscape.run_landscape import SPINNING
+    from ..mechanics.systems import find
     from ..scenario import build
 
     problem = build.load(scenario)
-    landscape = problem.system.landscape
-    if landscape is None and problem.contact is not None and problem.system.inverts:
-        raise InputError(
-            "D and lambda belong to a sphere that stays on the plane; the contact of this top "
-            "changes its phase."
-        )
+    record = find(problem.system.name)  # the sphere on the plane, whatever its contact does
+    landscape = None if record is None else record.landscape
     if landscape is None or landscape.symbols != SPINNING:
         raise InputError(
             f"D and lambda belong to tippe tops only; this is {a_system(problem.system.name)}."
@@ -247,11 +244,10 @@ def _lambda_pi(parameters: dict[str, float]) -> float:
     return marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
 
 
-def _warn_if_far(parameters: dict[str, float], lam: float) -> None:
+def _warn_if_far(lam: float, limit: float) -> None:
     """Warn of a lambda that looks as if it were in another unit."""
     from .text import warn
 
-    limit = _lambda_pi(parameters)
     if lam > FAR * limit:
         warn(
             [

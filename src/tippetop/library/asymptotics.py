@@ -1,17 +1,15 @@
-"""The states in which a tippe top may end, their energy, and the general system."""
+"""The states in which a tippe top may end, and their energy."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ..arguments import measured, measured_values, numbers, within
 from ..errors import InputError
-from ..mechanics.contact.rolling.rolling_euler import EulerState, general_accelerations
 from ..mechanics.systems.tippe_top import TippeTop
 from ..mechanics.theory import least_energy as least
 from ..mechanics.theory.least_energy import AsymptoticState
-from ..mechanics.units import JELLETT, METRE_PER_SECOND2, RADIAN, RADIAN_PER_SECOND
+from ..mechanics.units import JELLETT, RADIAN
 from ..problem import Problem
 from .finished_run import Run
 from .sources import top_of
@@ -96,61 +94,3 @@ def least_energy(
             f"`theta` and `lam` must have shapes that broadcast, but have {shapes}."
         ) from None
     return least.least_energy(np.cos(theta), lam, top_of(top, TippeTop).body())
-
-
-class Accelerations(NamedTuple):
-    """theta'', phi'' and omega_3' [rad/s^2]."""
-
-    theta_ddot: float
-    phi_ddot: float
-    omega3_dot: float
-
-
-def accelerations(
-    top: TippeTop | Run | Problem | str,
-    *,
-    theta: float | str,
-    theta_dot: float | str = 0.0,
-    phi_dot: float | str = 0.0,
-    omega3: float | str = 0.0,
-    w_x: float | str = 0.0,
-    w_y: float | str = 0.0,
-) -> Accelerations:
-    """Compute the accelerations of a tippe top from that of its contact point.
-
-    Parameters
-    ----------
-    top : TippeTop, Run, Problem or str
-        The body, or what has one, as for `asymptotic_states`.
-    theta : float or str
-        Inclination [rad], in (0, pi); each number may be a text with a unit: "30 deg".
-    theta_dot, phi_dot, omega3 : float or str
-        Rates [rad/s].
-    w_x, w_y : float or str
-        Acceleration of the contact point [m/s^2], dv_A/dt = w_x e + w_y 2hat; none is pure rolling.
-        Under friction it is w_x = nu_x' - phi' nu_y, w_y = nu_y' + phi' nu_x.
-
-    Returns
-    -------
-    Accelerations
-        theta_ddot, phi_ddot, omega3_dot [rad/s^2].
-
-    Raises
-    ------
-    InputError
-        If the body is another one, or theta is not in (0, pi).
-
-    Notes
-    -----
-    Whatever friction does, F = m s'' + m g zhat follows from the motion. Rutstam (2010), eqs. 3.36,
-    4.2-4.4.
-    """
-    body, angle = top_of(top, TippeTop).body(), measured("theta", theta, RADIAN)
-    if not 0 < angle < math.pi:
-        raise InputError(f"`theta` must lie in (0, pi), but is {theta}.")
-    rates = (("theta_dot", theta_dot), ("phi_dot", phi_dot), ("omega3", omega3))
-    state = EulerState(angle, *(measured(name, value, RADIAN_PER_SECOND) for name, value in rates))
-    pushes = measured("w_x", w_x, METRE_PER_SECOND2), measured("w_y", w_y, METRE_PER_SECOND2)
-    return Accelerations(
-        *general_accelerations(state, math.sin(angle), math.cos(angle), *pushes, body)
-    )

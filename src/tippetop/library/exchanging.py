@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import instance, path_of, whole
+from ..arguments import in_python, instance, path_of, whole
 from ..errors import InputError
 from ..exchange import fit_text, measurements
 from ..exchange.fitting import STARTS, names_of
@@ -232,7 +232,8 @@ def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
     if path is not None:
         place = path_of("path", path)
         catalogue.check_format(place)
-        drawing.write(figure, place, overwrite=overwrite)
+        with in_python():
+            drawing.write(figure, place, overwrite=overwrite)
     return figure
 
 

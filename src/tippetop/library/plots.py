@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import finite, flag, instance, path_of, seconds
+from ..arguments import finite, flag, in_python, instance, path_of, seconds
 from ..errors import InputError
 from ..figures import catalogue, drawing
 from ..figures.catalogue import FIGURES, Look
@@ -93,7 +93,8 @@ class Plots:
         look = _look(options)
         figure = self._axes(kind, ax, look, others, **options).get_figure(root=True)
         if file is not None:
-            drawing.write(figure, file, look, overwrite=overwrite)
+            with in_python():
+                drawing.write(figure, file, look, overwrite=overwrite)
         return figure
 
     def __getattr__(self, name: str) -> "Callable[..., Axes]":

@@ -37,20 +37,16 @@ def problem_behind(source: Any, kinds: tuple[type[Top], ...] = KINDS) -> Problem
 
 def top_of(source: Any, *kinds: type[Top]) -> Any:
     """Return the body of a source. Raises InputError if it is of none of these kinds."""
-    problem = problem_behind(source, kinds)
-    if problem is None:
-        if isinstance(source, kinds):
-            return source
-        raise InputError(f"the body must be {_words(kinds)}, but is {source!r:.60}.")
-    for kind in kinds:
-        names = (kind.gliding, kind.resting)
-        if problem.system.name in names or any(
-            problem.system.body == SYSTEMS[name].body for name in names
-        ):
-            return kind(**{name: float(value) for name, value in problem.parameters.items()})
-    raise InputError(
-        f"the body must be {_words(kinds)}, but is that of the system {problem.system.name}."
-    )
+    problem, found = problem_behind(source, kinds), f"{source!r:.60}"
+    if problem is None and isinstance(source, kinds):
+        return source
+    if problem is not None:
+        system, found = problem.system, f"that of the system {problem.system.name}"
+        for kind in kinds:
+            names = (kind.gliding, kind.resting)
+            if system.name in names or system.body in [SYSTEMS[name].body for name in names]:
+                return kind(**problem.parameters)
+    raise InputError(f"the body must be {_words(kinds)}, but is {found}.")
 
 
 def _words(kinds: tuple[type, ...]) -> str:

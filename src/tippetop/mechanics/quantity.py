@@ -163,13 +163,13 @@ class _Reading:
                 base, power = self.powers(left), int(self.value(right))
                 return base and tuple(power * each for each in base)
             case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
-                terms = {self.powers(left), self.powers(right)} - {None}
-                if len(terms) > 1:
+                terms = [term for term in map(self.powers, (left, right)) if term is not None]
+                if terms[1:] and terms[0] != terms[1]:
                     first, second = map(_symbol, terms)
                     self.refuse(
                         "add numbers of one unit", f'"{self.text}" adds {first} to {second}'
                     )
-                return terms.pop() if terms else None
+                return terms[0] if terms else None
             case ast.BinOp(left=left, op=op, right=right):
                 sign = -1 if isinstance(op, ast.Div) else 1
                 factors = self.powers(left), self.powers(right)

@@ -193,8 +193,6 @@ class System:
     motion: Callable | None = None
     # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
     borders: Callable | None = None
-    # the form that keeps E over runs of 1e5 s and more, if another one does not
-    long_form: str = ""
     # whether friction can turn it over: its inversion is then always reported
     inverts: bool = False
     # how the contact was opened; None: it does not open

@@ -8,7 +8,7 @@ from .batch import Problems
 from .derivability import derivative_faults, refuse
 from .faults import key_faults
 from .options import KEYFRAME_STEPS, ROUNDING, UNTIL
-from .problem import AUTO, PRECISIONS, Problem
+from .problem import AUTO, PRECISIONS, Problem, numbers_of
 from .row_columns import ORIENTATION, PSI, TURN, column_faults, column_names
 
 
@@ -27,5 +27,6 @@ __all__ = [
     "column_names",
     "derivative_faults",
     "key_faults",
+    "numbers_of",
     "refuse",
 ]

@@ -106,11 +106,11 @@ def contradictions(problems: "Problems", valid: np.ndarray) -> list[tuple[int, s
 def start_faults(problems: "Problems") -> list[Fault]:
     """Return sentences on the starts: numbers that overflow together, or no motion from there."""
     base, variables = problems.base, problems.variables
-    evaluated, formulas = _values_at(base.system, base.form.name)
+    evaluated, owners = _values_at(base.system, base.form.name)
     plain = np.float64 if base.precision == "double" else np.longdouble
     start, pars = (a.astype(float).astype(plain) for a in (problems.start, problems.pars))
     values: Any = None
-    if problems.n == 1 and not any(map(owner, formulas)):
+    if problems.n == 1 and not owners:
         try:  # numbers are faster than arrays of one
             body = problems.body_of_pars(pars[:, 0].tolist())
             values = evaluated(*variables.split(start[:, 0].tolist()), body)
@@ -125,12 +125,10 @@ def start_faults(problems: "Problems") -> list[Fault]:
     weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
     finite = np.isfinite(pars).all(axis=0) & np.isfinite(start * weights).all(axis=0)
     faults = [] if base.contact is not None else _law_faults(problems)
-    for formula, row in zip(formulas, table, strict=True):
-        if owner(formula) and (bad := finite & ~np.isfinite(row)).any():
-            found = f"is {row[bad][0]}"
-            faults.append(
-                (f"the formula of {owner(formula)} must be finite at the start, but {found}.", bad)
-            )
+    for number, name in owners.items():
+        if (bad := finite & ~np.isfinite(table[number])).any():
+            found = f"is {table[number][bad][0]}"
+            faults.append((f"the formula of {name} must be finite at the start, but {found}.", bad))
     together = (
         "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
     )
@@ -151,21 +149,22 @@ def start_faults(problems: "Problems") -> list[Fault]:
 
 
 @lru_cache(maxsize=64)
-def _values_at(system: System, name: str) -> tuple[Callable, list[Callable]]:
-    """Return the function of the values of quantities, domains and user events; their formulas.
+def _values_at(system: System, name: str) -> tuple[Callable, dict[int, str]]:
+    """Return the function of the values of quantities, domains and user events, and the owners.
 
-    `name` is that of the form.
+    `name` is that of the form; owners of formulas of the user are by number.
     """
     form = system.forms[name]
     records: list[Any] = [*system.quantities, *form.domains]
     formulas = [record.formula for record in records]
     formulas += [event.formula for event in system.events if owner(event.formula)]
+    owners = {number: owner(formula) for number, formula in enumerate(formulas) if owner(formula)}
 
     def values(q: Any, carried: Any, b: Any) -> list:
         state = moment(system, form, q, carried, b)
         return [formula(state, b) for formula in formulas]
 
-    return values, formulas
+    return values, owners
 
 
 def _law_faults(problems: "Problems") -> list[Fault]:

@@ -1,6 +1,7 @@
 """One run: a checked body, a start and a span, all in SI units."""
 
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
@@ -122,19 +123,13 @@ class Problem(RunOptions):
     @cached_property
     def rules(self) -> dict[str, Number]:
         """The records of the numbers, by dotted key: the keys that may vary."""
-        tables: dict[str, Any] = {
-            "parameters": self.system.parameters,
-            "friction": self.law.parameters if self.system.frictional else {},
-            "initial": self.system.initial,
-            "contact": CONTACT,
-            "stem": STEM,
-            "run": {"until": UNTIL},
-        }
+        law = self.law.parameters if self.system.frictional else {}
+        tables = numbers_of(self.system, law) | {"run": {"until": UNTIL}}
         return {
             f"{t}.{name}": rule
-            for t in tables
+            for t, rules in tables.items()
             if t in self.tables
-            for name, rule in tables[t].items()
+            for name, rule in rules.items()
         }
 
     def clashes(self) -> list[str]:
@@ -206,6 +201,17 @@ class Problem(RunOptions):
     def start(self) -> np.ndarray:
         """Return the internal state at t = 0, (variables,), in the working precision."""
         return self.alone.start[:, 0].copy()
+
+
+def numbers_of(system: System, law: Mapping[str, Number]) -> dict[str, Mapping[str, Number]]:
+    """Return the records of the numbers of a scenario, by table; `law` has those of its law."""
+    return {
+        "parameters": system.parameters,
+        "friction": law,
+        "initial": system.initial,
+        "contact": CONTACT,
+        "stem": STEM,
+    }
 
 
 def _again(form: str, given: dict[str, Any]) -> Problem:

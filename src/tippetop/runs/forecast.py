@@ -11,10 +11,6 @@ from ..problem import Problem
 from .cost import estimate
 
 
-# Time [s] after which the vector form of a rolling top has changed E by 1e-12.
-LONG = 1e5
-
-
 def assessment(problem: Problem) -> dict[str, Any]:
     """Return the quantities at the start (SI, with units), predictions, and the expected cost."""
     start = at_start(problem)
@@ -29,8 +25,6 @@ def assessment(problem: Problem) -> dict[str, Any]:
     return {
         "at_start": quantities,
         **_outlook(problem, start),
-        **_regularisation(problem),
-        **_advice(problem),
         "expected": estimate(problem),
     }
 
@@ -53,19 +47,9 @@ def at_start(problem: Problem) -> dict[str, float]:
 
 
 def comments(problem: Problem) -> dict[str, Any]:
-    """Return the part of a report that follows from theory: name of the motion, effect of eps."""
-    result = _regularisation(problem)
-    if problem.system.motion is not None:
-        result["motion"] = problem.system.motion(problem.body(), at_start(problem))
-    return result
-
-
-def _regularisation(problem: Problem) -> dict[str, Any]:
-    """Return that the speed eps of a Coulomb law decides, where it does."""
-    friction = problem.friction
-    if not problem.system.inverts or "eps" not in friction._fields or is_frictionless(friction):
-        return {}
-    return {"regularisation": "eps decides when a top with Coulomb friction inverts"}
+    """Return the part of a report that follows from theory: the name of the motion."""
+    motion = problem.system.motion
+    return {} if motion is None else {"motion": motion(problem.body(), at_start(problem))}
 
 
 def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
@@ -79,18 +63,3 @@ def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
     }
     parts = {"thresholds": limits, "regime": outlook.regime, "fate": outlook.fate}
     return {name: part for name, part in parts.items() if part}
-
-
-def _advice(problem: Problem) -> dict[str, str]:
-    """Recommend a better form for a run so long that rounding would break the contract."""
-    better = problem.system.long_form
-    if not better or problem.tolerance or problem.precision != "double" or problem.until < LONG:
-        return {}
-    if problem.form.name == better:
-        return {
-            "advice": "truncation changes E by some 4.6e-17 a second: tolerance = 1e-18 keeps it"
-        }
-    return {
-        "advice": f'rounding changes E by some 1.5e-17 a second: form = "{better}" with '
-        "tolerance = 1e-18 keeps it"
-    }

@@ -17,6 +17,7 @@ WORDS = {
     "on-stem": "on its stem",
     "bouncing": "in the air",
     "nutating": "nutates for ever: without friction nothing is lost",
+    "at-rest": "at rest",
 }
 """Outcomes of a run, by the name of their class."""
 COUNTED = {
@@ -80,7 +81,6 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
         "normal force": _force(info["normal_force"]) if "normal_force" in info else "",
         "drift": f"{', '.join(drift)} (relative, worst of the run)" if drift else "",
         "motion": info.get("motion", ""),
-        "regularisation": info.get("regularisation", ""),
         "start": START.format(**info["start"]) if "start" in info else "",
         "replay": REPLAY.format(**info["replay"]) if "replay" in info else "",
         "certificate": _certificate(info["certificate"]) if "certificate" in info else "",

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ from pydantic import ValidationError
 from ..arguments import measured, path_of, plain
 from ..errors import InputError, first_sentences, suggestion
 from ..mechanics.contact.gliding.gliding_chart import AWAY_FROM_POLE
-from ..mechanics.contact.restitution import CONTACT, STEM, ContactLaw
+from ..mechanics.contact.restitution import ContactLaw
 from ..mechanics.friction import LAWS, FrictionLaw
 from ..mechanics.quantity import worked_out
 from ..mechanics.system import Form, System
@@ -22,6 +23,7 @@ from ..problem import (
     Problem,
     column_faults,
     column_names,
+    numbers_of,
 )
 from ..problem.options import UNITS, RunOptions
 from ..sampling import EvenTimes, ListedTimes
@@ -156,14 +158,13 @@ def checked(given: Problem) -> Problem:
 def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit]]:
     """Return the units of the numbers of a scenario, by table and key."""
     law = system.laws.get(law_name(tables) or "")
-    rules: dict[str, Any] = {
-        "parameters": system.parameters,
-        "friction": law.given(tables["friction"]).parameters if law else {},
-        "initial": system.initial,
-        "stem": STEM,
-        "contact": CONTACT,
-    }
-    units = {table: {name: rule.unit for name, rule in its.items()} for table, its in rules.items()}
+    return _units(system, law.given(tables["friction"]) if law else None)
+
+
+@lru_cache(maxsize=64)
+def _units(system: System, law: type[FrictionLaw] | None) -> dict[str, dict[str, Unit]]:
+    numbers = numbers_of(system, law.parameters if law else {})
+    units = {table: {name: n.unit for name, n in its.items()} for table, its in numbers.items()}
     return units | {"run": UNITS}
 
 

@@ -36,6 +36,5 @@ ROLLING_TIPPE_TOP = of_one_phase(
     events=rolling.EVENTS,
     undefined_at_poles=rolling.UNDEFINED_AT_POLES,
     outlook=outlook.rolling_tippe_top,
-    long_form="reduced",
     **tippe_top.COMMON,
 )
