@@ -128,7 +128,7 @@ def modules() -> list[str]:
 def judges(module: str) -> list[tuple[str, ...]]:
     """Return the arguments of pytest for each judge of a module."""
     by_laws = module.startswith("mechanics.") and module not in UNREAD
-    return [LAWS] * by_laws + [JUDGES[module]] * (module in JUDGES)
+    return [LAWS] * by_laws + ([JUDGES[module]] if module in JUDGES else [])
 
 
 def sites(tree: ast.Module) -> list[tuple[str, ast.AST]]:

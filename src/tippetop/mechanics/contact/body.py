@@ -177,6 +177,17 @@ def of_azimuth(along_e, along_2, phi):
 
 
 @formula
+def moment(u, F, b):
+    """Return a x F, (3,) [N m]: the torque of a force at the contact about the centre of mass."""
+    h = height(u.z, b)
+    return Vector(
+        b.c * (u.y * F.z) + h * F.y,
+        -(b.c * (u.x * F.z)) - h * F.x,
+        b.c * (u.x * F.y - u.y * F.x),
+    )
+
+
+@formula
 def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
     """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
 

@@ -92,15 +92,14 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
     that is smooth in the velocity.
     """
 
+    frictions = [disc_friction(region.drag, torque) for region in regions] or [smooth_friction] * 2
+
     def sides(x, b):
         omega, none, sides = angular_velocity(x.u, x.L, b), 0 * x.u.z, []
-        for k, ball in enumerate((b, seen_from_other(b))):
+        for friction, ball in zip(frictions, (b, seen_from_other(b)), strict=True):
             turned, a = arm_velocity(x.u, x.L, ball), arm(x.u, ball)
             v = Vector(x.velocity.x + turned.x, x.velocity.y + turned.y, none)
-            if regions:
-                push, twist = disc_friction(regions[k].drag, torque)(omega, v, x.u.z, ball)
-            else:
-                push, twist = smooth_friction(omega, v, x.u.z, ball)
+            push, twist = friction(omega, v, x.u.z, ball)
             force = Vector(-push.x, -push.y, 1 + none)
             turn = plus(cross(a, force), twist)
             sides.append(Side(a, force, twist, v, omega, turn, turn.x * x.u.y - turn.y * x.u.x))

@@ -30,7 +30,7 @@ from .single_contact import (
     regions_of,
     rest_speed2,
 )
-from .state import BALLS, LOST, Moving, gained
+from .state import BALLS, Moving, gained
 
 
 BEGINS_AT = 1e-8
@@ -135,7 +135,7 @@ def first_touch(n: Next, world: Any) -> Next:
     """
     x = n.x
     now = contact.jellett_of(x.L.z, dot(x.L, x.u), world.body[world.phases[n.phase].ball])
-    lost = getattr(x.carried, LOST[0], 0)
+    lost = getattr(x.carried, "jellett_lost", 0)
     n.x = x._replace(carried=x.carried._replace(jellett_reference=now + lost))
     return n
 
@@ -322,8 +322,8 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
 
 def pushed_by(x: Moving, after: Struck, b: Touch) -> Moving:
     """Return the body after impulses at its contact."""
-    has_lost = hasattr(x.carried, LOST[0])
-    lost = {LOST[0]: dot(after.twist, contact.arm(x.u, b))} if has_lost else {}
+    has_lost = hasattr(x.carried, "jellett_lost")
+    lost = {"jellett_lost": dot(after.twist, contact.arm(x.u, b))} if has_lost else {}
     x = gained(x, work=-after.gained, impulse=after.p.z, **lost)
     return x._replace(L=after.L, velocity=after.velocity)
 

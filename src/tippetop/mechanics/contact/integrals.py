@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from ..operand import formula
 from ..system import Integral
-from ..units import JOULE, METRE, NEWTON_SECOND, RADIAN
+from ..units import JELLETT, JOULE, METRE, NEWTON_SECOND, RADIAN
 
 
 NAMED = {
@@ -14,6 +14,11 @@ NAMED = {
     "y": (METRE, "y of the centre of mass"),
     "work": (JOULE, "energy taken by friction since the start"),
     "impulse": (NEWTON_SECOND, "integral of the normal force since the start"),
+    "jellett_lost": (
+        JELLETT,
+        "Jellett's integral taken by the torque of the contact since the start",
+    ),
+    "jellett_reference": (JELLETT, "Jellett's integral when its ball first touched"),
 }
 
 
@@ -25,9 +30,9 @@ def integral(name: str, rate: Callable) -> Integral:
     )
 
 
-def place(velocity: Callable) -> tuple[Integral, Integral]:
+def place(velocity: Callable) -> tuple[Integral, ...]:
     """Return the integrals x and y of a body with velocity(q, carried, b) of the centre of mass."""
-    return (
-        integral("x", lambda q, carried, b: velocity(q, carried, b)[0]),
-        integral("y", lambda q, carried, b: velocity(q, carried, b)[1]),
+    return tuple(
+        integral(name, lambda q, carried, b, k=k: velocity(q, carried, b)[k])
+        for k, name in enumerate("xy")
     )

@@ -1,9 +1,10 @@
 """Systems whose contact may open and close: the phases of their body, and the exits that lead from
 one to another."""
 
+from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from itertools import product
 from operator import itemgetter
 from typing import Any
@@ -19,7 +20,7 @@ from .body import Touch, seen_from_balls
 from .double_contact import double_contact
 from .exits import IMPACT, JUMPS, begin, come_to_rest, go_on, land, phase_name
 from .gliding import gliding_catalogue as gliding
-from .planar import in_plane
+from .integrals import NAMED, integral
 from .single_contact import (
     CONE,
     DIRECTED_SLIP,
@@ -37,13 +38,13 @@ from .state import (
     BALLS,
     DISC_ANGLES,
     DISC_ROW,
-    LOST,
     PHASES,
     PLANAR_ANGLES,
     PLANAR_ROW,
     ROW,
     columns,
     moving,
+    planar_theta_dot,
     row,
     row_within,
 )
@@ -60,7 +61,7 @@ LONG_NAMES = {
     "nu_z": "vertical velocity of the lowest point of that ball",
     "nu_x": "horizontal velocity of the lowest point along e; undefined (NaN) exactly at a pole",
     "nu_y": "horizontal velocity of the lowest point along 2hat; undefined (NaN) exactly at a pole",
-    LOST[0]: LOST[2],
+    "jellett_lost": NAMED["jellett_lost"][1],
 }
 OCCURRENCES = (
     Event(
@@ -123,6 +124,28 @@ def kind_of(law: Any) -> tuple:
 def row_of(planar: bool, law: Any) -> Form:
     """Return the form of the rows of runs."""
     return PLANAR_ROW if planar else DISC_ROW if law.torque else ROW
+
+
+@lru_cache
+def with_theta_dot(record: Any) -> Any:
+    """Return the type of a record of scalars with one more, theta'."""
+    return namedtuple("PlanarScalars", (*record._fields, "theta_dot"))
+
+
+def in_plane(phase: Phase) -> Phase:
+    """Return a phase that integrates theta too, and whose scalars have theta'."""
+    form = phase.form
+
+    def scalars(q, b):
+        s = form.scalars(q, b)
+        record: Any = type(s)
+        return with_theta_dot(record)(*s, planar_theta_dot(q, b))
+
+    theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
+    integrals = (theta, *form.integrals)
+    turn = PLANAR_ROW.orientation
+    changed = replace(form, scalars=scalars, integrals=integrals, orientation=turn)
+    return replace(phase, forms=changed)
 
 
 # --- phases and exits ---------------------------------------------------------------------------

@@ -23,7 +23,7 @@ from .gliding import gliding_vector
 from .gliding.gliding_vector import VectorState, axis, axis_rate, momentum
 from .integrals import NAMED
 from .rolling.rolling_vector import spin
-from .state import LOST, VELOCITY, Moving, Reaction
+from .state import VELOCITY, Moving, Reaction
 
 
 def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
@@ -35,8 +35,7 @@ def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Ca
     moved, scalars, enter, leave, reaction = formulas
 
     def carried(name: str, rate: Callable) -> Integral:
-        unit_and_words = LOST[1:] if name == LOST[0] else NAMED[name]
-        return Integral(name, *unit_and_words, lambda q, carried, b: rate(q, b))
+        return Integral(name, *NAMED[name], lambda q, carried, b: rate(q, b))
 
     place = {name: lambda q, b, k=k: leave(q, b).velocity[k] for k, name in enumerate("xy")}
     integrals = tuple(carried(*item) for item in {**place, **rates}.items())
@@ -190,21 +189,13 @@ def slip_leave(q, b):
     return Moving(axis(q), momentum(q), velocity, height(q.uz, b))
 
 
-def slip_reaction(q, b):
-    """Return the force on a body that slides. [contact 2.1]"""
-    s, v = gliding_vector.vector_scalars(q, b), gliding_vector.sliding_velocity(q, b)
-    N = contact.g_n(s, b)
-    k = slip_coefficient(s.v2, s.z, b.friction) * N
-    return Reaction(Vector(-(k * v.x), -(k * v.y), N))
-
-
 SLIP = Phase(
     gliding.VECTOR,
     (),
     (gliding.LIFTOFF, TOUCH),
     enter=lambda x, b: VectorState(*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2]),
     leave=slip_leave,
-    reaction=slip_reaction,
+    reaction=lambda q, b: Reaction(gliding_vector.reaction(q, b)),
     label="slip",
 )
 

@@ -8,7 +8,6 @@ functions of the `Scalars` of a row.
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from ..form import Form, Integral, Phase, Quantity
@@ -42,14 +41,6 @@ PHASES = ("slip", "roll", "flight", "both", "rest")
 BALLS = ("body", "stem")
 """Parts that touch the plane; the position of a name is its number in a store."""
 
-REFERENCE = ("jellett_reference", JELLETT, "Jellett's integral when its ball first touched")
-"""An integral that only jumps change: the drift of Jellett's integral is relative to it."""
-
-LOST = (
-    "jellett_lost",
-    JELLETT,
-    "Jellett's integral taken by the torque of the contact since the start",
-)
 VELOCITY = dict.fromkeys(("rx_dot", "ry_dot", "rz_dot"), METRE_PER_SECOND)
 
 
@@ -97,8 +88,8 @@ def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -
     """Return the row of a state of a phase, of numbers or arrays; `bodies`: seen from each ball."""
     b, stem = bodies[phase.ball], bodies[-1]
     x, by = phase.leave(q, b), phase.reaction(q, b)
-    reference = carried.jellett_reference
-    if phase.label == "both" and not hasattr(carried, LOST[0]):  # nothing is conserved
+    reference = getattr(carried, "jellett_reference", math.nan)
+    if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     gap = x.height - stem.R + stem.c * x.u.z if len(bodies) > 1 else 0
     numbers = b.R, b.c, gap, PHASES.index(phase.label), phase.ball, reference, by.drilled
@@ -115,8 +106,7 @@ def row_within(
     """
     other = contact.seen_from_other(b)
     bodies = (b,) if not two else (b, other) if phase.ball == 0 else (other, b)
-    known = SimpleNamespace(**{REFERENCE[0]: math.nan, **carried._asdict()})
-    return row(phase, q, known, bodies), bodies[0]
+    return row(phase, q, carried, bodies), bodies[0]
 
 
 def gained(x: Moving, **integrals: Any) -> Moving:
@@ -193,7 +183,7 @@ def row_of_angles(e, s, z, b):
     e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
     u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
     b = b._replace(R=b.R + none, c=b.c + none)
-    v = contact.contact_velocity(u, L, Vector(none, none, none), b)
+    v = contact.arm_velocity(u, L, b)
     along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
     velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
     height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(L.z, b.I3 * e.omega3, b)
@@ -219,8 +209,8 @@ def planar_theta_dot(q, b):
 
 def carried(*names: str) -> tuple[Integral, ...]:
     """Return the integrals of rows; a phase integrates some of them, the others stay."""
-    known = {**NAMED, LOST[0]: LOST[1:], REFERENCE[0]: REFERENCE[1:]}
-    return tuple(Integral(name, *known[name], rate=None) for name in (*names, REFERENCE[0]))
+    names = (*names, "jellett_reference")
+    return tuple(Integral(name, *NAMED[name], rate=None) for name in names)
 
 
 ROW = Form(
@@ -236,7 +226,7 @@ ROW = Form(
 DISC_ROW = replace(
     ROW,
     to_angles=angles_by(DISC_ANGLES, row_scalars),
-    integrals=carried("x", "y", "work", "impulse", LOST[0]),
+    integrals=carried("x", "y", "work", "impulse", "jellett_lost"),
 )
 PLANAR_ROW = replace(
     ROW,
@@ -268,44 +258,48 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
 
     `routh`: Routh's function of a gliding body, if its system has one.
     """
-    lambda_ = of_ball(contact.jellett)
-    text = "Jellett's integral of the ball in contact"
-    quantities = [
-        Quantity("jellett", "lambda", JELLETT, text, lambda_),
-        Quantity(
-            "jellett_taken",
-            "",
-            JELLETT,
-            "Jellett's integral when its ball was taken",
-            lambda s, b: s.jellett_taken,
-            is_column=False,
-        ),
-    ]
-    text = "Routh's function of the ball in contact"
-    if planar:
-        quantities = []
-    if routh is not None:
-        quantities.append(Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
     formulas = {
         "energy": energy,
         "modified_energy": of_ball(contact.modified_energy),
         "normal_force": lambda s, b: s.force,
         "friction_power": lambda s, b: s.power,
     }
-    text = "what touches the plane, or did last"
-    quantities += [
-        *(
-            replace(one, formula=formulas[one.name])
-            for one in gliding.QUANTITIES
-            if one.name in formulas
-        ),
-        Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
-        Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
-        Quantity("ball", "ball", ONE, text, lambda s, b: s.ball, BALLS),
+    quantities = [
+        replace(one, formula=formulas[one.name])
+        for one in gliding.QUANTITIES
+        if one.name in formulas
     ]
+    if routh is not None:
+        text = "Routh's function of the ball in contact"
+        quantities.insert(0, Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
     if stem:
         text = "height of the stem's ball"
-        quantities.append(
-            Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap)
-        )
-    return tuple(quantities)
+        gap = Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap)
+        quantities.append(gap)
+    return (*(() if planar else JELLETT_COLUMNS), *quantities, *PLACE_COLUMNS)
+
+
+JELLETT_COLUMNS = (
+    Quantity(
+        "jellett",
+        "lambda",
+        JELLETT,
+        "Jellett's integral of the ball in contact",
+        of_ball(contact.jellett),
+    ),
+    Quantity(
+        "jellett_taken",
+        "",
+        JELLETT,
+        "Jellett's integral when its ball was taken",
+        lambda s, b: s.jellett_taken,
+        is_column=False,
+    ),
+)
+PLACE_COLUMNS = (
+    Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
+    Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
+    Quantity(
+        "ball", "ball", ONE, "what touches the plane, or did last", lambda s, b: s.ball, BALLS
+    ),
+)

@@ -9,18 +9,17 @@ does not cost digits.
 
 from collections import ChainMap
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..contact import body as contact
 from ..contact.body import Top, Touch
 from ..contact.body_axes import planar
 from ..contact.gliding import gliding_catalogue as gliding
 from ..contact.integrals import integral
-from ..contact.rolling.rolling_euler import EulerState
 from ..event import Event
 from ..friction import LAWS, FrictionLaw, slip_coefficient
 from ..number import Number, number, reuse
-from ..operand import formula, select
+from ..operand import Operand, formula, select
 from ..system import Alternative, Form, Opening, Quantity, of_one_phase
 from ..units import (
     INERTIA,
@@ -100,34 +99,71 @@ def kappa(v2, law):
 # --- gliding ------------------------------------------------------------------------------------
 
 
-STATE = contact.filled(s=ONE, z=ONE, theta_dot=RADIAN_PER_SECOND, nu_x=METRE_PER_SECOND)
-"""sin(theta), cos(theta), theta', nu_x."""
+class Scalars(NamedTuple):
+    """Scalars of the quantities; names as in `gliding.Scalars`, with phi' = omega_3 = nu_y = 0."""
 
-ANGLES = contact.filled(
-    theta=RADIAN,
-    theta_dot=RADIAN_PER_SECOND,
-    nu_x=METRE_PER_SECOND,
-    x=METRE,
-    work=JOULE,
-    impulse=NEWTON_SECOND,
-)
-"""theta, not wrapped, theta', nu_x and the place of the centre of mass; then the integrals."""
+    z: Operand  # cos(theta)
+    s2: Operand  # sin(theta)^2
+    z_dot: Operand  # -theta' sin(theta)
+    z_ddot_free: Operand  # -theta'^2 cos(theta)
+    phi_dot_s2: Operand
+    axis_speed2: Operand  # theta'^2
+    L3: Operand
+    v_u: Operand  # nu_x sin(theta)
+    v2: Operand  # nu_x^2
+    speed2: Operand  # |r'|^2, horizontal velocity of the centre of mass
+    theta_dot: Operand
+    s: Operand  # sin(theta)
+    nu_x: Operand
+    friction_force2: Operand = 0  # of a body that rolls
 
-State, Angles = type(STATE), type(ANGLES)
 
-FIELDS = (*contact.Scalars._fields, "friction_force2", "s", "theta_dot", "nu_x")
-Scalars = type(contact.filled(**dict.fromkeys(FIELDS)))
-"""Those of a gliding body with phi' = omega_3 = nu_y = 0, |F_h|^2 of a body that rolls, and
-sin(theta), theta', nu_x."""
+class State(NamedTuple):
+    """sin(theta), cos(theta), theta', nu_x."""
+
+    s: Operand
+    z: Operand
+    theta_dot: Operand
+    nu_x: Operand
+
+
+UNITS = State(ONE, ONE, RADIAN_PER_SECOND, METRE_PER_SECOND)
+
+
+class Angles(NamedTuple):
+    """theta, not wrapped, theta', nu_x and the place of the centre of mass; then the integrals."""
+
+    theta: Operand
+    theta_dot: Operand
+    nu_x: Operand
+    x: Operand
+    work: Operand
+    impulse: Operand
+
+
+ANGLES = Angles(RADIAN, RADIAN_PER_SECOND, METRE_PER_SECOND, METRE, JOULE, NEWTON_SECOND)
 
 
 @formula
-def scalars(q, b, friction_force2=0):
+def scalars(q, b):
     """Return the scalars of a state."""
     along = q.nu_x + q.theta_dot * contact.height(q.z, b)
-    turning = contact.kinematics_of_angles(EulerState(0, q.theta_dot, 0, 0), q.s, q.z, b)
-    sliding = q.nu_x * q.s, 0, q.nu_x**2, along**2
-    return Scalars(*turning, *sliding, friction_force2, q.s, q.theta_dot, q.nu_x)
+    w2 = q.theta_dot**2
+    return Scalars(
+        z=q.z,
+        s2=q.s**2,
+        z_dot=-(q.theta_dot * q.s),
+        z_ddot_free=-(q.z * w2),
+        phi_dot_s2=0,
+        axis_speed2=w2,
+        L3=0,
+        v_u=q.nu_x * q.s,
+        v2=q.nu_x**2,
+        speed2=along**2,
+        theta_dot=q.theta_dot,
+        s=q.s,
+        nu_x=q.nu_x,
+    )
 
 
 @formula
@@ -156,6 +192,12 @@ contact_force = select({Modified: modified_force}, standard_force)
 """contact_force(scalars, b, law): F_x and F_z, for any law of the cylinder."""
 
 
+mobility_by_law = select(
+    {Modified: formula(lambda c, b, law: 1.0)},
+    formula(lambda c, b, law: contact.contact_mobility(c, b)),
+)
+
+
 @formula
 def contact_mobility(c, b):
     """Return the number that is positive unless the contact jams.
@@ -163,12 +205,6 @@ def contact_mobility(c, b):
     Under the modified reaction it never does.
     """
     return mobility_by_law(c, b, b.friction)
-
-
-mobility_by_law = select(
-    {Modified: formula(lambda c, b, law: 1.0)},
-    formula(lambda c, b, law: contact.contact_mobility(c, b)),
-)
 
 
 @formula
@@ -201,11 +237,14 @@ def to_angles(q, carried, b):
     return Angles(carried.theta, q.theta_dot, q.nu_x, carried.x, carried.work, carried.impulse)
 
 
-def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
-    """Return the angle record of the given initial values; centre_at_rest may stand for nu_x."""
+def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Angles:
+    """Return the angle record of the given initial values; centre_at_rest may replace nu_x."""
     e = Angles(*(data.get(name, 0) for name in Angles._fields))
-    along = e.theta_dot * contact.height(z, b)
-    return e._replace(nu_x=e.nu_x - along) if data.get("centre_at_rest") else e
+    return (
+        e._replace(nu_x=e.nu_x - e.theta_dot * contact.height(z, b))
+        if data.get("centre_at_rest")
+        else e
+    )
 
 
 @formula
@@ -237,7 +276,7 @@ def sliding(c, b):
 NOT_JAMMED = gliding.NOT_JAMMED._replace(formula=contact_mobility)
 FORM = Form(
     "angle",
-    STATE,
+    UNITS,
     rates,
     scalars,
     of_angles,

@@ -3,27 +3,42 @@
 [T 6.11]
 """
 
+from typing import NamedTuple
+
 from ..contact import body as contact
-from ..contact.body import filled
 from ..contact.body_axes import planar
 from ..contact.gliding import gliding_catalogue as gliding
 from ..contact.integrals import integral
 from ..contact.rolling import reaction
 from ..contact.rolling import rolling_catalogue as rolling
-from ..operand import formula
+from ..operand import Operand, formula
 from ..system import Form, of_one_phase
 from ..units import METRE, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
 from . import cylinder, outlook
 from .tippe_top import SOURCE
 
 
-STATE = filled(s=ONE, z=ONE, theta_dot=RADIAN_PER_SECOND)
-"""sin(theta), cos(theta), theta'."""
+class RollingState(NamedTuple):
+    """sin(theta), cos(theta), theta'."""
 
-ANGLES = filled(theta=RADIAN, theta_dot=RADIAN_PER_SECOND, x=METRE, impulse=NEWTON_SECOND)
-"""theta, not wrapped, theta', x of the centre of mass, the integral of the normal force."""
+    s: Operand
+    z: Operand
+    theta_dot: Operand
 
-State, Angles = type(STATE), type(ANGLES)
+
+ROLLING_UNITS = RollingState(ONE, ONE, RADIAN_PER_SECOND)
+
+
+class RollingAngles(NamedTuple):
+    """theta, not wrapped, theta', x of the centre of mass, the integral of the normal force."""
+
+    theta: Operand
+    theta_dot: Operand
+    x: Operand
+    impulse: Operand
+
+
+ROLLING_ANGLES = RollingAngles(RADIAN, RADIAN_PER_SECOND, METRE, NEWTON_SECOND)
 
 
 @formula
@@ -39,13 +54,14 @@ def rolling_scalars(q, b):
         rolling_acceleration(q.s, q.z, q.theta_dot, b) * contact.height(q.z, b)
         + b.c * q.theta_dot**2 * q.s
     )
-    return cylinder.scalars(cylinder.State(q.s, q.z, q.theta_dot, 0), b, Fx**2)
+    gliding = cylinder.scalars(cylinder.State(q.s, q.z, q.theta_dot, 0), b)
+    return cylinder.Scalars(*gliding[:-1], Fx**2)  # type: ignore[call-arg]
 
 
 @formula
 def rolling_rates(q, b):
     """Return theta'' of pure rolling. [T 6.11]"""
-    return State(
+    return RollingState(
         q.z * q.theta_dot, -(q.s * q.theta_dot), rolling_acceleration(q.s, q.z, q.theta_dot, b)
     )
 
@@ -53,18 +69,18 @@ def rolling_rates(q, b):
 @formula
 def rolling_of_angles(e, s, z, b):
     """Return the rolling state of an angle record."""
-    return State(s, z, e.theta_dot)
+    return RollingState(s, z, e.theta_dot)
 
 
 @formula
 def rolling_to_angles(q, carried, b):
     """Return the angle record of a rolling state."""
-    return Angles(carried.theta, q.theta_dot, carried.x, carried.impulse)
+    return RollingAngles(carried.theta, q.theta_dot, carried.x, carried.impulse)
 
 
 ROLLING_FORM = Form(
     "angle",
-    STATE,
+    ROLLING_UNITS,
     rolling_rates,
     rolling_scalars,
     rolling_of_angles,
@@ -84,7 +100,7 @@ ROLLING_CYLINDER = of_one_phase(
     title="eccentric cylinder in pure rolling",
     source=SOURCE + "6",
     initial=cylinder.INITIAL,
-    angles=ANGLES,
+    angles=ROLLING_ANGLES,
     forms={"angle": ROLLING_FORM},
     quantities=(*gliding.ENERGIES, *rolling.REACTION),
     integrals=("energy",),

@@ -24,7 +24,7 @@ COMPLEX_STEP = 1e-30
 # of the polynomial of a piece
 ORDER = 32
 # longest and shortest piece, by the period of nutation
-LONGEST, SHORTEST = 0.3, 1 / 64
+LONGEST, SHORTEST = 0.4, 1 / 64
 # rate at which r follows Q_t/(2 z') where z' is largest, per period
 FOLLOWS = 100.0
 # most mismatch of a piece; a good one has 1e-9 and less
@@ -100,7 +100,12 @@ def reconstruct(
             if length < SHORTEST * period:
                 return Reconstruction(out, np.array(turnings[1:]), apart, True)
             continue
-        mismatch, speed, last = max(mismatch, apart), piece.deriv(), float(piece.domain[1])
+        mismatch, speed = max(mismatch, apart), piece.deriv()
+        # the next piece begins where the motion is fastest: from there errors fade to the turning
+        moments, speeds = speed.linspace(101)
+        last = float(piece.domain[1])
+        if last < end:
+            last = float(moments[50 + np.argmax(np.abs(speeds[50:]))])
         inside = (times >= t) & (times <= last)
         out[inside] = piece(times[inside])
         roots = speed.roots()
@@ -109,7 +114,7 @@ def reconstruct(
                 turnings.append(float(turning))
         if len(turnings) > 2:
             period = 2 * (turnings[-1] - turnings[-2])
-        fastest = max(fastest / 2, float(np.abs(speed.linspace()[1]).max()))
+        fastest = max(fastest / 2, float(np.abs(speeds).max()))
         z, t = float(piece(last)), last
         start = np.array([z, speed(t), speed.deriv()(t) - equation.slope(z, t) / 2])
         length = min(2 * length, LONGEST * period)

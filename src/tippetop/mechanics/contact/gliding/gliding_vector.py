@@ -4,7 +4,7 @@ from ...friction import slip_coefficient
 from ...operand import Vector, formula, times
 from ...units import ANGULAR_MOMENTUM, METRE_PER_SECOND
 from .. import body as contact
-from ..body import Scalars, g_n, height, kinematics, state
+from ..body import Scalars, kinematics, state
 
 
 VECTOR_UNITS = state(L3=ANGULAR_MOMENTUM, rx_dot=METRE_PER_SECOND, ry_dot=METRE_PER_SECOND)
@@ -62,19 +62,16 @@ def vector_scalars(q, b):
 
 
 @formula
+def reaction(q, b):
+    """Return F = N (zhat - k v_A), (3,) [N]. [T 3.16; contact 2.1]"""
+    s, v = vector_scalars(q, b), sliding_velocity(q, b)
+    N = contact.g_n(s, b)
+    return times(-(slip_coefficient(s.v2, s.z, b.friction) * N), v)._replace(z=N)
+
+
+@formula
 def vector_rates(q, b):
     """Return 3hat' = L x 3hat/I1, L' = a x F, m r'' = F_h. [T 3.12, 3.17; 5.2]"""
-    u_dot, v, scalars = axis_rate(q, b), sliding_velocity(q, b), vector_scalars(q, b)
-    N = g_n(scalars, b)
-    F = times(-(slip_coefficient(scalars.v2, scalars.z, b.friction) * N), v)
-    h = height(q.uz, b)
-    twist = q.ux * F.y - q.uy * F.x  # (3hat x F)_z
-    return VectorState(
-        *u_dot,
-        b.c * (q.uy * N) + h * F.y,
-        -(b.c * (q.ux * N)) - h * F.x,
-        b.c * twist,
-        b.R * twist,
-        F.x / b.m,
-        F.y / b.m,
-    )
+    u, F = axis(q), reaction(q, b)
+    L3_rate = b.R * (u.x * F.y - u.y * F.x)
+    return VectorState(*axis_rate(q, b), *contact.moment(u, F, b), L3_rate, F.x / b.m, F.y / b.m)

@@ -1,7 +1,7 @@
 """The rolling body in vector form: regular everywhere."""
 
 from ...operand import Vector, dot, formula
-from ..body import height, kinematics, state
+from ..body import kinematics, moment, state
 from ..gliding.gliding_vector import axis, axis_rate, momentum
 from .reaction import completed, normal_force, reaction
 
@@ -43,13 +43,7 @@ def vector_rates(q, b):
     u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
     s = kinematics(u, L, u_dot, b)
     F = reaction(u, L, u_dot, s, b)
-    h = height(u.z, b)
-    return VectorState(
-        *u_dot,
-        b.c * (u.y * F.z) + h * F.y,
-        -(b.c * (u.x * F.z)) - h * F.x,
-        b.c * (u.x * F.y - u.y * F.x),
-    )
+    return VectorState(*u_dot, *moment(u, F, b))
 
 
 @formula
