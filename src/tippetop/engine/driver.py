@@ -244,7 +244,8 @@ class Driver:
 
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps; rows go to the request."""
-        self.request, n, before = request, self.variables, self.steps[0]
+        # no cycle: a place is free as soon as its driver is gone
+        self.request, n, before = weakref.proxy(request), self.variables, self.steps[0]
         self.forget()
         self.drive(most)
         (when, last), code, steps = self.reached(), self.status[0], self.steps[0] - before

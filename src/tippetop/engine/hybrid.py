@@ -7,6 +7,7 @@ depend on balls or laws.
 
 import math
 import threading
+import weakref
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -49,7 +50,6 @@ from .status import Status
 from .tallies import (
     ON_ZERO,
     SIGN,
-    EventRows,
     event_rows,
     mark_bounded,
     new_log,
@@ -77,9 +77,9 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
     of a law.
     """
     form = phase.form
-    events = events_of_phase(system, phase)
-    own = [event for event in events if event in phase.events]
-    common = events[len(own) :]
+    own = [event for event in phase.events if event.formula and not event.sampled]
+    of_phases = {event.name for other in system.phases.values() for event in other.events}
+    common = [event for event in system.events if event.formula and event.name not in of_phases]
     template = body(
         *(friction._make(friction._fields) if name == "friction" else 1.0 for name in body._fields)
     )
@@ -96,6 +96,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
             values += [event.formula(read, first) for event in common]
         return values
 
+    events = *own, *common
     return Formulas(
         form, events, functions, lambda values: refill(template, values)._replace(**folds)
     )
@@ -182,15 +183,6 @@ def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
     return events | in_phases | events
 
 
-def events_of_phase(system: System, phase: Phase) -> tuple[Event, ...]:
-    """Return the events that the loop looks for in a phase: its own, and common ones."""
-    of_phases = {event.name for other in system.phases.values() for event in other.events}
-    own = (event for event in phase.events if event.formula is not None and not event.sampled)
-    return *own, *(
-        event for event in system.events if event.formula and event.name not in of_phases
-    )
-
-
 def where_of(event: str, phase: str, system: System) -> str:
     """Return the words for a jump."""
     return f"the jump by `{event}` from phase `{phase}` of `{system.name}`"
@@ -231,28 +223,30 @@ class Track:
         self.events = {run.numbers[event.name]: event for event in self.formulas.events}
         self.ways = {k: one.name for k, one in self.events.items() if one.name in self.exits}
         self.live = self.events.keys() - self.ways.keys()
-        rows = run.all_events._replace(events=self._records(run, code.rows), axis=code.rows.axis)
-        lasting = [*self.events][code.lasting] if code.lasting >= 0 else -1
-        self.place = Place(code, run.stepper_of(code), rows, lasting, run.shared)
+        numbers = [*self.events, -1]
+        records = self._records(run, code.rows.events, numbers)
+        rows = run.all_events._replace(events=records, axis=code.rows.axis)
+        self.place = Place(code, run.stepper_of(code), rows, numbers[code.lasting], run.shared)
         run.take(self.place, leaves(self.b))
         if run.copies:
             run.copies.follow(self.at, self.place.loop)
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(run, self, sampled) if sampled else None
 
-    def _records(self, run: "HybridDriver", mine: EventRows) -> np.ndarray:
-        """Return the events of the run, of which those of this phase are looked for."""
+    def _records(self, run: "HybridDriver", mine: np.ndarray, numbers: list[int]) -> np.ndarray:
+        """Return the events of the run, of which those of this phase, `mine`, are looked for. They
+        have these numbers.
+        """
         records = np.zeros_like(run.all_events.events)
         records["leader"] = -1
-        for (number, event), record in zip(self.events.items(), mine.events, strict=True):
-            kept = run.all_events.events[number][["first", "last"]].item()
-            leader = record["leader"]
-            records[number] = run.entered[number] = record
+        for (number, event), of_phase in zip(self.events.items(), mine, strict=True):
+            records[number] = run.entered[number] = of_phase
+            record, kept = records[number], run.all_events.events[number][["first", "last"]].item()
             if number in self.ways:  # its jump logs
-                kept, records[number]["ends"] = (0, 0), record["ends"] or Status.ENDED.code
-            records[number]["first"], records[number]["last"] = kept
-            records[number]["watched"] = not event.sense or event.name in run.problem.events
-            records[number]["leader"] = [*self.events][leader] if leader >= 0 else -1
+                kept, record["ends"] = (0, 0), record["ends"] or Status.ENDED.code
+            record["first"], record["last"] = kept
+            record["watched"] = not event.sense or event.name in run.problem.events
+            record["leader"] = numbers[record["leader"]]
         mark_bounded(records)
         return records
 
@@ -306,6 +300,7 @@ class HybridDriver(Driver):
         # the phases of a slice: their places, and the numbers of rows, passages and samples before
         # and the integrals in which they begin
         self.spans: list[list[Any]] = []
+        self.states = np.empty((self.wanted.variables, 0), number)  # of the rows
         self.copies = self.impacts = self.piece = struck = None
         if problem.contact is not None:
             self.impacts = kind_of(problem, self.body[0].friction)
@@ -423,7 +418,7 @@ class HybridDriver(Driver):
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.spans = request, []
+        self.request, self.spans = weakref.proxy(request), []
         self.forget()
         self.given = self.wanted.made[0]
         self._begin_span()
@@ -545,26 +540,22 @@ class HybridDriver(Driver):
         self.spans.append([self.track.at, *counts, self.whole])
 
     def ask(self) -> None:
-        self._hand_over()
+        if self.wanted.made[0] > self.given:
+            self._hand_over()
         super().ask()
         states, self.given = self.wanted.rows.states, 0
         self.states = states if self.number is float else np.empty(states.shape, self.number)
         for span in self.spans:
             span[1] = 0
 
-    def _hand_over(self) -> None:
-        """Give the rows that exist."""
+    def _hand_over(self, *others: tuple[int, int, np.ndarray]) -> list[np.ndarray]:
+        """Give the rows that exist, and return those of other states: see `_rows`."""
         made = slice(self.given, self.wanted.made[0])
-        self.given = made.stop
-        if made.stop > made.start:
-            which = self._spans_of(1, made.stop)[made.start :]
-            rows = self._rows(which, self.states[:, made])
+        rows, *rest = self._rows((1, made.start, self.states[:, made]), *others)
+        if len(rows):
             self.request.take(self.wanted.rows.times[made], rows)
-
-    def _spans_of(self, kind: int, count: int) -> np.ndarray:
-        """Return the phases, by number, of this many rows (kind 1), passages (2) or samples (3)."""
-        begin = [span[kind] for span in self.spans]
-        return np.searchsorted(begin, np.arange(count), side="right") - 1
+        self.given = made.stop
+        return rest
 
     def make(self, rows: Rows, most: int) -> int:
         if self.copies is None or self.request.steps or self.track.sampler:
@@ -627,21 +618,30 @@ class HybridDriver(Driver):
         t = zero_of(lambda t: function(t) * known, 0 * n.delay, n.delay)
         self._note(event.name, now + t, self._series(n, np.array([t]))[0], -int(known))
 
-    def _rows(self, which: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return the rows of states (variables, k) of phases by number (k,)."""
+    def _rows(self, *parts: tuple[int, int, np.ndarray]) -> list[np.ndarray]:
+        """Return the rows of states.
+
+        Parameters
+        ----------
+        parts
+            What they are: rows (1), passages (2) or samples (3) of a slice, from this number on;
+            and the states (variables, k).
+        """
         system, number, record = self.problem.system, self.number, self.carried
-        rows = np.empty((self.variables, len(which)), number)
+        which, states = [], np.concatenate([states for *_, states in parts], axis=1)
+        for kind, first, some in parts:
+            numbers = first + np.arange(some.shape[1])
+            begin = [span[kind] for span in self.spans]
+            which.append(np.searchsorted(begin, numbers, side="right") - 1)
+        of_span = np.concatenate(which)
         places, *_, wholes = zip(*self.spans, strict=True)
-        at, wholes = np.array(places)[which], np.array(wholes).T
-        moving = self.variables - len(wholes)
+        at, wholes = np.array(places)[of_span], np.array(wholes).T
+        rows, moving = np.empty((self.variables, len(at)), number), self.variables - len(wholes)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
             if not len(mine):
                 continue
-            state, whole = (
-                states[: track.width].take(mine, axis=1),
-                wholes.take(which[mine], axis=1),
-            )
+            state, whole = states[: track.width].take(mine, 1), wholes.take(of_span[mine], 1)
             whole[track.integrals] = state[track.moving :]
             q, carried = track.record(*state[: track.moving]), whole * number(1 / INTEGRAL_SCALE)
             values = (
@@ -651,18 +651,17 @@ class HybridDriver(Driver):
             )
             for row, value in zip(rows, (*values[:moving], *whole), strict=True):
                 row[mine] = value
-        return rows.T
+        return np.split(rows.T, np.cumsum([*map(len, which[:-1])]))
 
     def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:
         """Give the rows that exist, and return what else the steps have found."""
-        self._hand_over()
         *columns, logged = self.passages()
         n, samples = self.wanted.variables, self.sampled()
-        last = np.resize(self.last, (1, n))
-        which = self._spans_of(2, len(logged)), self._spans_of(3, len(samples))
-        states = np.concatenate([one[:, :n] for one in (logged, samples, last)])
-        rows = self._rows(np.concatenate([*which, [len(self.spans) - 1]]), states.T)
-        logged, samples, last = np.split(rows, np.cumsum([*map(len, which)]))
+        logged, samples, last = self._hand_over(
+            (2, 0, logged[:, :n].T),
+            (3, 0, samples[:, :n].T),
+            (1, self.wanted.made[0], np.resize(self.last, (n, 1))),
+        )
         passages = Passages._make([*(column.copy() for column in columns), logged])
         return Slice(steps, when, last, samples, passages, status, self.tables.take())
 
@@ -670,8 +669,8 @@ class HybridDriver(Driver):
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        self.spans = [[self.track.at, self.whole]]
-        return self._rows(np.zeros(1, int), self.state[:, None])
+        self.spans = [[self.track.at, 0, 0, 0, self.whole]]
+        return self._rows((1, 0, self.state[:, None]))[0]
 
     def extremes(self) -> Extremes:
         return extremes_of(self.entered, self.tallies)

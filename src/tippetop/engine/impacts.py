@@ -64,15 +64,6 @@ def formulas_of_impact(friction: Any, name: str, has_torques: bool) -> Formulas:
     return Formulas(stage.form, stage.events, functions, body)
 
 
-def driver_of(formulas: Formulas, precision: str, stop: threading.Event | None) -> Driver:
-    """Return the executor of a motion."""
-    wide, number = precision != "double", PRECISIONS[precision]
-    code = compiled_when((formulas, precision, 0.0, 0, False), stop)
-    start, functions = np.zeros(len(formulas.form.units), number), np.ones(len(formulas.events))
-    pars = [number(1)] * len(code.integrator.pars)
-    return (WideDriver if wide else Driver)(code, code.rows, pars, start, functions, 0.0)
-
-
 class Kind(NamedTuple):
     """Key of the compiled motions of impacts, without their numbers."""
 
@@ -106,8 +97,13 @@ class Pieces:
     def driver(self, region: str) -> Driver:
         """Return the executor of the motion in a region."""
         if region not in self.drivers:
-            formulas = formulas_of_impact(self.kind.law, region, self.kind.has_torques)
-            self.drivers[region] = driver_of(formulas, self.kind.precision, self.stop)
+            law, has_torques, _, precision = self.kind
+            formulas, wide = formulas_of_impact(law, region, has_torques), precision != "double"
+            code = compiled_when((formulas, precision, 0.0, 0, False), self.stop)
+            start = np.zeros(len(formulas.form.units), PRECISIONS[precision])
+            pars, functions = np.ones(len(code.integrator.pars)), np.ones(len(formulas.events))
+            kind = WideDriver if wide else Driver
+            self.drivers[region] = kind(code, code.rows, pars, start, functions, 0.0)
         return self.drivers[region]
 
     def __call__(
