@@ -64,6 +64,7 @@ def test_negative_ranges_work_as_typed(tmp_path: Path, said: Callable) -> None:
     grid = "--D -1e-4:1e-4:3 --lambda -1e-6:1e-6:3"
     said(f"surface inverting {grid} --out {tmp_path}/s.zarr")
     assert "F = " in said("potential inverting --D -1e-4 --lambda -4e-6")[0]
+    assert "F = " in said("potential flying --D -1e-4 --lambda 4e-6")[0]  # its sphere's
 
 
 def test_momenta_of_a_landscape_are_texts_with_units(tmp_path: Path, said: Callable) -> None:

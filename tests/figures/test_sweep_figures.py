@@ -39,7 +39,7 @@ def mesh_of(figure: Figure) -> Any:
     return next(
         c
         for c in figure.axes[0].collections
-        if c.get_array() is not None and hasattr(c, "_coordinates")
+        if c.get_array() is not None and hasattr(c, "get_coordinates")
     )
 
 
@@ -48,8 +48,8 @@ def test_every_cell_has_the_colour_of_its_class() -> None:
     field = np.array([[0, 1], [2, 3], [4, 5]], float)
     figure = drawn(a_map("class", (X, Y), {"class": field}))
     mesh = mesh_of(figure)
-    np.testing.assert_array_equal(mesh._coordinates[0, :, 0], X.edges)
-    np.testing.assert_array_equal(mesh._coordinates[:, 0, 1], Y.edges)
+    np.testing.assert_array_equal(mesh.get_coordinates()[0, :, 0], X.edges)
+    np.testing.assert_array_equal(mesh.get_coordinates()[:, 0, 1], Y.edges)
     colours = mesh.to_rgba(mesh.get_array()).reshape(2, 3, 4)
     for i, j in np.ndindex(3, 2):
         expected = mpl.colors.to_rgba(sweep_map.colours()[SHOWN[int(field[i, j])]])

@@ -102,12 +102,14 @@ def test_a_run_of_phases_ends_soon_after_it_has_settled() -> None:
     assert 200 * unit < run.summary.t_end - settled < 210 * unit
 
 
-def test_nothing_is_said_of_the_end_of_a_body_that_torques_bring_to_rest() -> None:
+def test_a_body_that_torques_stop_is_at_rest_alone_and_in_a_sweep() -> None:
     body = tt.TippeTop(**BODY)
     for law in (tt.friction.Coulomb(0.3, mu_d=1e-4), tt.friction.Viscous(0.3, mu_d=1e-4)):
         run = tt.run(body, law, start={"omega3": 1.0}, until=0.3)
         assert abs(run.trajectory.omega3.values[-1]) < 1e-6
-        assert "outcome" not in str(run)
+        assert run.summary.outcome == "at-rest"
+        tops = tt.ensemble(body, {"omega3": [1.0]}, law, until=0.3)
+        assert tops["class"].attrs["flag_meanings"].split()[int(tops["class"][0])] == "at-rest"
 
 
 def test_a_run_whose_contact_may_open_ends_at_a_liftoff_if_it_is_told_to() -> None:

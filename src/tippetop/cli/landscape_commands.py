@@ -224,15 +224,12 @@ def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     """Return parameters and system of a scenario. Raises InputError if it has no (D, lambda)."""
     from ..errors import a_system
     from ..landscape.run_landscape import SPINNING
+    from ..mechanics.systems import find
     from ..scenario import build
 
     problem = build.load(scenario)
-    landscape = problem.system.landscape
-    if landscape is None and problem.contact is not None and problem.system.inverts:
-        raise InputError(
-            "D and lambda belong to a sphere that stays on the plane; the contact of this top "
-            "changes its phase."
-        )
+    record = find(problem.system.name)  # the sphere on the plane, whatever its contact does
+    landscape = None if record is None else record.landscape
     if landscape is None or landscape.symbols != SPINNING:
         raise InputError(
             f"D and lambda belong to tippe tops only; this is {a_system(problem.system.name)}."

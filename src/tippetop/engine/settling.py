@@ -78,9 +78,13 @@ CLASSES = (
     "on-stem",
     "bouncing",
     "nutating",
+    "at-rest",
 )
 """Fates of a top, by number in a store."""
 
+RATES = ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y")
+# Rates, in internal units, of a body that torques have brought to rest: they are smooth below 1e-6
+STILL = 1e-5
 NEAR = 0.1  # rad from a pole: upright or inverted
 
 
@@ -92,7 +96,7 @@ def classes_of(
     Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under
     way, for it will leave. Tumbling is one in which nothing slides any more. Without friction a
     motion ends nowhere: it nutates. Under rolling resistance or a drilling torque no spin lasts,
-    and every top is under way.
+    and every top is under way until it is at rest.
 
     Parameters
     ----------
@@ -112,7 +116,9 @@ def classes_of(
     kinds = np.full(len(theta), number("under-way"))
     known, gliding = isinstance(body, Touch), system.frictional
     if known and has_parts(body.friction):
-        return with_phases(kinds, theta, values)
+        rates = [np.nan_to_num(values[name].astype(float)) for name in RATES if name in values]
+        still = np.abs(rates).max(axis=0) < STILL
+        return np.where(still, number("at-rest"), with_phases(kinds, theta, values))
     if known and gliding:
         settled = settled & shows_sliding(body, np.cos(theta))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}

@@ -54,6 +54,11 @@ class Compared(NamedTuple):
     reference: np.ndarray
     numbers: dict[str, Any]
 
+    @property
+    def main(self) -> str:
+        """The quantity by which motions are judged."""
+        return next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in self.curves)
+
 
 def compare(problem: Problem, path: str | Path, convention: Convention = Convention()) -> Compared:  # noqa: B008
     """Compare one table with the exact motion of a problem.
@@ -262,9 +267,3 @@ def orders(compared: Sequence[Compared]) -> list[dict[str, Any]]:
                 )
         result.append(pair)
     return result
-
-
-def main_quantity(numbers: dict[str, Any]) -> tuple[str, str]:
-    """Return the quantity by which motions are judged, and its unit."""
-    name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in numbers)
-    return name, {"place": "m", "omega3": "rad/s"}.get(name, "rad")

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..problem import Problem
-from .comparison import Compared, compare, main_quantity, orders
+from .comparison import Compared, compare, orders
 from .motion import Convention
 
 
@@ -54,6 +54,7 @@ class Verdict:
     __repr__ = __str__
 
 
+UNITS = {"place": "m", "omega3": "rad/s"}
 HEAD = (
     *("file", "largest error", "0.1 exceeded at", "until"),
     *("error of energy", "error of Jellett", "in the floor"),
@@ -64,7 +65,7 @@ def _table(motions: Sequence[Compared]) -> list[str]:
     """Return a table of motions, the best first, as lines; one motion is a column."""
     from pandas import DataFrame
 
-    ordered = sorted(motions, key=lambda m: m.numbers[main_quantity(m.numbers)[0]]["max"])
+    ordered = sorted(motions, key=lambda m: m.numbers[m.main]["max"])
     rows = DataFrame(map(_row, ordered), columns=HEAD)
     one = len(rows) == 1
     text = rows.T.to_string(header=False) if one else rows.to_string(index=False)
@@ -74,7 +75,8 @@ def _table(motions: Sequence[Compared]) -> list[str]:
 def _row(motion: Compared) -> tuple[str, ...]:
     """Return the numbers of one motion as text; `-` for what its file lacks."""
     numbers = motion.numbers
-    name, unit = main_quantity(numbers)
+    name = motion.main
+    unit = UNITS.get(name, "rad")
     left = numbers[name]["leaves"]["0.1"]
     changes = [
         f"{numbers[key]:.2g}" if key in numbers else "-"

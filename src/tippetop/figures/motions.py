@@ -37,9 +37,9 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
     panels[0].plot(
         longest.t, longest.reference, color=LIGHT.run, lw=2.2, alpha=0.55, label="reference"
     )
-    for m, color in zip(motions, itertools.cycle(COLOURS)):
+    for m, color in zip(motions, itertools.cycle(COLOURS[1:])):
         panels[0].plot(m.t, m.theta, color=color, lw=0.9, label=literal(m.path.stem))
-        name = next(n for n in ("attitude", "axis", "theta", "place", "omega3") if n in m.curves)
+        name = m.main
         for axes, curve, style in (
             (panels[1], name, "-"),
             (panels[1], "theta", ":"),

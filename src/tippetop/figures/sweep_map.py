@@ -25,6 +25,7 @@ CLASSES = {
     "on-stem": ("#b06ab3", "on its stem"),
     "bouncing": ("#0ea5e9", "in the air"),
     "nutating": ("#d9c7a3", "nutates for ever: no friction"),
+    "at-rest": ("#111111", "at rest"),
 }
 """Colour and label of each class of tops."""
 

@@ -29,9 +29,8 @@ def potential(curves: list[tuple[str, Any, Any]], title: str = "", ax: Axes | No
         return ax
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)
-    fig = figure(
-        1.2 + 3.8 * columns if columns > 1 else 7.5, 1.3 + (2.9 * rows if columns > 1 else 4.4)
-    )
+    size = (1.2 + 3.8 * columns, 1.3 + 2.9 * rows) if columns > 1 else (7.5, 5.7)
+    fig = figure(*size)
     panels = np.atleast_1d(fig.subplots(rows, columns)).ravel()
     for axes, curve in zip(panels, curves, strict=False):
         _well(axes, *curve)

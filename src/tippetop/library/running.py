@@ -39,44 +39,43 @@ def run(
     Parameters
     ----------
     source : TippeTop, HeavyTop, Cylinder, str, path, System, mapping or Problem
-        A body; or the name of a preset, or a TOML file; or a System with `parameters`; or the
-        tables of a scenario. A body with a friction law glides. Without one, a HeavyTop has its tip
-        fixed and a Cylinder rolls; a TippeTop must have one, unless `system="rolling-tippe-top"`.
+        A body; the name of a preset; a TOML file; a System, with `parameters`; or the tables of
+        a scenario. A body with a friction law glides. Without a law, a HeavyTop has a fixed tip
+        and a Cylinder rolls; a TippeTop requires a law, unless `system="rolling-tippe-top"`.
     friction : law or mapping, optional
-        A law such as `Viscous(mu=0.3)`, or the record of a registered one; or numbers that replace
-        those of the source, `dict(mu=0.2)`.
+        A friction law such as `Viscous(mu=0.3)`, or numbers that replace those of the source:
+        `dict(mu=0.2)`.
     start : mapping or path, optional
-        The start, over that of the source: theta, phi, psi [rad], theta_dot, phi_dot, omega3
-        [rad/s], nu_x, nu_y [m/s], x, y [m]; numbers that are not named are zero. psi_dot [rad/s]
-        may be given instead of omega3, centre_at_rest (a bool) instead of nu_x and nu_y. psi turns
-        the body about its axis: of the motion it changes the columns psi and orientation alone. A
-        cylinder has theta, theta_dot, x and, where it glides, nu_x. `start` may also be the store
-        of a finished run of the same body: this one starts at t = 0 where that ended, exactly.
+        Initial values that replace those of the source: theta, phi, psi [rad], theta_dot,
+        phi_dot, omega3 [rad/s], nu_x, nu_y [m/s], x, y [m]; by default zero. psi_dot [rad/s]
+        can replace omega3, and centre_at_rest (a bool) nu_x and nu_y. psi is the angle of the
+        body about its axis; it affects only the columns psi and orientation. A cylinder has
+        theta, theta_dot, x and, if it glides, nu_x. With the store of a finished run of the same
+        body, the new run starts at t = 0 from the exact final state of that run.
     parameters : mapping, optional
-        Numbers of the body that replace those of the source, SI units.
+        Numbers of the body in SI units that replace those of the source.
     system : str or System, optional
-        Another system than that of the source.
+        A system that replaces that of the source.
     form : str, optional
-        The form of the equations: "auto" (the default) takes the cheapest that is regular where
-        this top goes; vector, euler, reduced, ...
+        Form of the equations: vector, euler, reduced, ... By default "auto", the cheapest form
+        that is regular along this motion.
     contact : mapping, optional
-        How the contact opens and closes, `dict(restitution="energetic", e_n=0.5)`: the body flies
-        and lands. restitution is energetic, poisson or newton; an empty mapping stands for the
-        defaults, energetic and 0.
+        Let the body fly, land and bounce: `dict(restitution="energetic", e_n=0.5)`. restitution
+        is energetic, poisson or newton. Defaults, also with an empty mapping: energetic and 0.
     stem : mapping, optional
-        The stem of a tippe top, `dict(r=0.004, h=0.022)`: the radius of its ball [m], and how far
-        along 3hat its centre lies from that of the sphere [m].
+        Stem of a tippe top, `dict(r=0.004, h=0.022)`: radius of its ball [m], and distance of
+        its centre from that of the sphere along 3hat [m].
     {options}
     out : path, optional
-        A store that is written as the run goes: for runs that exceed memory. The result is then a
+        A store that is written during the run, for runs that exceed memory. The result is then a
         StoredRun.
     overwrite : bool
-        Whether a store that is at `out` is replaced.
+        Replace an existing store at `out`.
     progress : bool
-        Whether a bar is drawn in a terminal.
+        Show a progress bar in a terminal.
     stop : threading.Event, optional
-        With `out`: set it, in a signal handler or another thread, and the run stops so that
-        `resume` continues it; before its first step, if it is set already.
+        With `out`: set it in a signal handler or another thread to stop the run; `resume`
+        continues it.
 
     Returns
     -------
@@ -85,7 +84,7 @@ def run(
     Raises
     ------
     InputError
-        With one sentence for everything that is wrong.
+        With one message for each invalid argument.
     StoreError
         If `out` cannot be written.
     Interrupted
@@ -139,17 +138,17 @@ def open(
     events: Iterable[Event] | Event | None = None,
     columns: Iterable[Quantity] | Quantity | None = None,
 ) -> Any:
-    """Open a store of any kind; nothing is read before it is needed.
+    """Open a store of any kind lazily.
 
     Parameters
     ----------
     path : path-like
         The store of a run, a sweep, a minimal surface or a potential.
     gridded : bool
-        Whether the axes of a sweep are dimensions of its table, which is read into memory.
+        Make the axes of a sweep the dimensions of its table, which is read into memory.
     events, columns : iterable of Event and of Quantity, optional
-        Your records that a run was made with. Stored rows are read without them;
-        `problem`, `certify` and `replay` need them.
+        User-defined records of the run. They are required for `problem`, `certify` and
+        `replay`, but not for stored rows.
 
     Returns
     -------
@@ -160,7 +159,7 @@ def open(
     Raises
     ------
     StoreError
-        If there is no store of tippetop.
+        If `path` is not a store of tippetop.
     """
     path = path_of("path", path)
     flag("gridded", gridded)
@@ -198,11 +197,10 @@ def resume(
     stop : threading.Event, optional
         As for `run`.
     accept_other_version : bool
-        Whether to continue what other versions or another processor began: bits may differ, and the
-        store names both.
+        Continue a run of other versions or another processor: bits may differ, and the store
+        names both.
     events, columns : iterable of Event and of Quantity, optional
-        The records of your own that the run was made with: a store has their names, not their
-        formulas.
+        User-defined records of the run: a store contains their names, not their formulas.
 
     Returns
     -------
@@ -211,8 +209,7 @@ def resume(
     Raises
     ------
     InputError
-        If the run is as long as `until` already; or has events or columns of your own that are not
-        given.
+        If the run already reaches `until`, or user-defined events or columns are missing.
     StoreError
         If the run is finished and there is no `until`, or it ended before its time, or another
         process writes it.

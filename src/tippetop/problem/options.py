@@ -100,9 +100,9 @@ class RunOptions:
     events: tuple[str, ...] | None = option(
         "the kinds of events that are logged; all of the system",
         default=None,
-        note="an empty list logs none. An Event is added to the system and logged, and of the "
+        note="an empty list logs none. An Event is added to the system and logged; of the "
         "other kinds only those "
-        "named with it; its name is letters, digits and _, and new. Rows of `events` then have "
+        "named with it. Its name must be new, of letters, digits and _. Rows of `events` then have "
         "the columns of "
         "`trajectory` too: the state at the event",
         given="Iterable[str | Event] | str | Event",

@@ -13,14 +13,9 @@ from ..engine.status import Status
 from ..errors import owner
 from ..mechanics.caching import cached_property
 from ..mechanics.event import Event
-from ..mechanics.friction import has_parts
 from ..mechanics.units import NEWTON, SECOND
 from ..problem import Problem
 from .event_log import LogReport
-
-
-STILL = 1e-5
-"""Internal velocity of a body that torques have brought to rest: they are smooth below 1e-6."""
 
 
 @dataclass(frozen=True)
@@ -123,10 +118,6 @@ def outcome(progress: RunProgress) -> dict[str, str]:
     if progress.lifted_at is not None and problem.on_liftoff != "fly":
         return {"outcome": "lifted-off"}
     values = view.evaluate(progress.last)
-    rates = ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y")
-    speeds = [float(abs(values[name][0])) for name in rates if name in values]
-    if has_parts(problem.friction) and np.nanmax(speeds) < STILL:
-        return {}
     settled = np.array([progress.settled_since is not None])
     second = float(problem.scales.of(SECOND))
     return {"outcome": CLASSES[classes_of(system, values, second, settled, problem.body())[0]]}

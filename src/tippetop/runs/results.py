@@ -72,8 +72,8 @@ class Summary(Record):
         Inclination at the end [rad].
     outcome : str
         Of a top that can turn over: upright, inverted (near a pole whose spin is stable), tumbling,
-        lifted-off or under-way; where its contact changes its phase also rolling, on-stem or
-        bouncing.
+        lifted-off or under-way; where its contact changes its phase also rolling, on-stem,
+        bouncing or at-rest.
     system, form, parameters, friction, initial, run
         The scenario as it was understood, in SI units; `friction` only where there is a law.
     certificate : Record

@@ -17,6 +17,7 @@ WORDS = {
     "on-stem": "on its stem",
     "bouncing": "in the air",
     "nutating": "nutates for ever: without friction nothing is lost",
+    "at-rest": "at rest",
 }
 """Outcomes of a run, by the name of their class."""
 COUNTED = {

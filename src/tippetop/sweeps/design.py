@@ -28,6 +28,11 @@ class Axis:
         """True if its numbers are drawn at random."""
         return not self.values
 
+    @property
+    def varies(self) -> bool:
+        """Whether tops have different numbers on it."""
+        return self.sampled or len(set(self.values)) > 1
+
 
 class Sample(Table, use_attribute_docstrings=True):
     """Method of drawing axes, in the words of TOML."""

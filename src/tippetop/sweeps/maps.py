@@ -90,7 +90,7 @@ def make_map(path: Path, kind: str) -> Map:
             "the figure `inversion` must be of tops with alpha > 0: near theta = pi a peg "
             "is lowest."
         )
-    several = [axis for axis in plan.design.axes if axis.sampled or len(set(axis.values)) > 1]
+    several = [axis for axis in plan.design.axes if axis.varies]
     varying = several or [plan.design.axes[0]]
     wanted = NEEDED[kind][:1] if len(varying) > 1 else NEEDED[kind]
     if missing := [name for name in wanted if name not in table]:

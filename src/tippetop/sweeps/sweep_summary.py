@@ -79,7 +79,7 @@ def report(path: str | Path) -> dict[str, Any]:
         "tops_done": int((status != Status.TODO.code).sum()),
         "counts": counts,
         "drift": drift,
-        "faults": _faults(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
+        "faults": faults_of(attrs["plan"], np.flatnonzero(status == Status.INVALID.code)),
         "failed": failed,
         "runs": runs,
     }
@@ -122,7 +122,7 @@ def column(path: str | Path, table: Any, name: str) -> np.ndarray:
     return root.loaded(table[[name]], path)[name].values
 
 
-def _faults(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
+def faults_of(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
     """Return why the first invalid tops are invalid."""
     if not len(invalid):
         return []

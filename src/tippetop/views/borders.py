@@ -35,21 +35,16 @@ def borders(plan: Plan, axes: list[Axis], table: Any) -> dict[str, Any]:
         `lines`: numbers x, y, x, y ... for each label, NaN between two lines; y is -inf and inf
         where there is one axis.
     """
-    plane = [axis for axis in axes[:2] if axis.sampled or len(set(axis.values)) > 1]
-    rest = [axis for axis in axes if axis not in plane]
-    choices = [np.unique([v for v in axis.values if np.isfinite(v)]) for axis in axes[2:]]
-    nothing: dict[str, Any] = {"labels": [], "lines": []}
-    if (
-        not plane
-        or any(axis.sampled for axis in rest)
-        or np.prod([len(c) for c in choices], dtype=float) > MOST
-    ):
-        return nothing
+    plane = [axis for axis in axes[:2] if axis.varies]
+    further = axes[len(plane) :]
+    choices = [np.unique([v for v in axis.values if np.isfinite(v)]) for axis in further]
+    many = np.prod([len(numbers) for numbers in choices], dtype=float) > MOST
+    if not plane or many or any(axis.sampled for axis in further):
+        return {"labels": [], "lines": []}
     spread = tuple(maps.map_axis(plan, axis, table[axis.key].attrs) for axis in plane)
-    fixed = {axis.key: axis.values[0] for axis in rest}
-    further = [axis.key for axis in axes[2:]]
+    keys = [axis.key for axis in further]
     ratios = [
-        maps.borders_of(plan, spread, fixed | dict(zip(further, numbers, strict=True)), EVERY)
+        maps.borders_of(plan, spread, dict(zip(keys, numbers, strict=True)), EVERY)
         for numbers in itertools.product(*choices)
     ]
     labels = list(dict.fromkeys(label for each in ratios for label in each))

@@ -56,7 +56,7 @@ def page_of_sweep(path: Path) -> str:
         raise InputError(
             f"a page must have one of {', '.join(LINE)}, but the plan kept none of them."
         )
-    axes = sorted(plan.design.axes, key=lambda axis: not _varies(axis))
+    axes = sorted(plan.design.axes, key=lambda axis: not axis.varies)
     movable = is_movable(plan.base)
     notes = (
         []
@@ -86,10 +86,6 @@ def page_of_sweep(path: Path) -> str:
     return pages.page(
         heading, "page_sweep.js", data, scripts, aside=pages.source("sweep.html"), about=about
     )
-
-
-def _varies(axis: Axis) -> bool:
-    return axis.sampled or len(set(axis.values)) > 1
 
 
 def is_movable(base: Problem) -> bool:

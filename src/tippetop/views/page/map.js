@@ -25,6 +25,7 @@ export const CLASSES = /** @type {Record<string, string>} */ ({
   "on-stem": "#b06ab3",
   bouncing: "#0ea5e9",
   nutating: "#d9c7a3",
+  "at-rest": "#111111",
 });
 
 /**
