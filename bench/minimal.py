@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tippetop.engine.observables import Observables
+from tippetop.mechanics.units import SECOND
 from tippetop.mechanics.writing import CPP, function
 from tippetop.problem import Problem
 
@@ -41,7 +42,7 @@ class Minimal:
     @cached_property
     def times(self) -> np.ndarray:
         """0 and the samples, internal."""
-        return np.concatenate([[0.0], self.problem.internal_time(self.samples)])
+        return np.concatenate([[0.0], self.samples / float(self.problem.scales.of(SECOND))])
 
     @cached_property
     def body(self) -> Any:

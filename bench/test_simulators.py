@@ -9,7 +9,7 @@ import pytest
 from tippetop import benchmark
 
 from .simulators import mujoco as adapter
-from .simulators.__main__ import ENGINES, run
+from .simulators.__main__ import run
 from .simulators.case import read
 from .simulators.soft_contact import (
     SoftContact,
@@ -21,10 +21,11 @@ from .simulators.soft_contact import (
 
 
 mujoco = pytest.importorskip("mujoco")
-MODULES = {"drake": "pydrake", "dart": "dartpy"}
+# Newton and Genesis compile for minutes
+MODULES = {"mujoco": "mujoco", "pybullet": "pybullet", "drake": "pydrake", "dart": "dartpy"}
 
 
-@pytest.mark.parametrize("name", ENGINES)
+@pytest.mark.parametrize("name", MODULES)
 @pytest.mark.parametrize(
     ("case", "until", "attitude", "position"),
     [
@@ -37,7 +38,7 @@ def test_engines_have_the_body_and_the_start(
     tmp_path: Path, name: str, case: str, until: float, attitude: float, position: float
 ) -> None:
     """Until the next impact, rolling, lift-off and landing are those of the case."""
-    pytest.importorskip(MODULES.get(name, name))
+    pytest.importorskip(MODULES[name])
     engine = importlib.import_module(f"bench.simulators.{name}")
     benchmark.export(tmp_path, [case])
     path = tmp_path / f"{name}/best/{case}/dt=0.0005.csv"

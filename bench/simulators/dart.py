@@ -11,7 +11,6 @@ import numpy as np
 from .case import Case, rotation
 
 
-LAW = "rigid contact; friction in a box (default) or in Coulomb's cone (best), once a step"
 SETTINGS = {"default": {}, "best": {"tolerance": 1e-12}}
 SCAN = ("tolerance", (1e-2, 1e-4, 1e-6, 1e-9, 1e-12))
 

@@ -12,7 +12,6 @@ import numpy as np
 from .case import Case, rotation
 
 
-LAW = "compliant normal force, Coulomb friction regularised below the stiction tolerance"
 SETTINGS = {
     "default": {},
     "best": {"stiction": 1e-6, "stiffness": 1e5},

@@ -15,7 +15,6 @@ import numpy as np
 from .case import Case, rotation
 
 
-LAW = "soft, as MuJoCo; with signorini the normal force does not depend on the sliding"
 SETTINGS = {
     "default": {},
     "best": {"timeconst": 0.004},

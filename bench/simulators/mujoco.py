@@ -12,7 +12,6 @@ import numpy as np
 from .case import Case, rotation
 
 
-LAW = "soft: force -(B v + dv/dt)/R within the friction cone"
 SETTINGS = {
     "default": {"cone": "pyramidal", "integrator": "Euler", "impratio": 1.0, "timeconst": 0.02},
     "best": {"cone": "elliptic", "integrator": "RK4", "impratio": 10.0, "timeconst": 0.004},

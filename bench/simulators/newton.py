@@ -12,7 +12,6 @@ import numpy as np
 from .case import Case
 
 
-LAW = "positions corrected in each step (XPBD); rigid contact with Coulomb's cone (Kamino)"
 SETTINGS = {"default": {}, "best": {"tolerance": 1e-6}}
 SCAN = ("tolerance", (1e-2, 1e-3, 1e-4, 1e-5, 1e-6))
 

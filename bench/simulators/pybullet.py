@@ -13,7 +13,6 @@ import numpy as np
 from .case import Case
 
 
-LAW = "Coulomb at the end of each step, by sequential impulses"
 SETTINGS = {"default": {}, "best": {"iterations": 1000, "contactERP": 0.2}}
 SCAN = ("contactERP", (0.8, 0.4, 0.2, 0.1, 0.05))
 

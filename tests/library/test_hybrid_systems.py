@@ -118,7 +118,7 @@ def test_a_block_sticks_and_slips_with_its_period(page: dict) -> None:
 
 
 def test_an_ensemble_of_them_is_refused_or_the_runs_of_each(page: dict) -> None:
-    with pytest.raises(tt.InputError, match="`form` must be"):
+    with pytest.raises(tt.InputError, match="`form` must integrate"):
         tt.ensemble(
             {"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}},
             {"parameters.e": [0.3, 0.6]},

@@ -166,7 +166,7 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
     """Return the text files of a case by name; write the Parquet file."""
     problem = given.problem
     motion, run = truth(problem, sample_times(problem), "longdouble")
-    columns = _columns(motion, given.certificate.get("rounding", {}))
+    columns = _columns(motion, given.certificate["rounding"])
     if problem.contact is not None:
         state, _ = run.problem.variables.split(run.rows.T)
         labels = np.array(PHASES)[np.rint(state.phase.astype(float)).astype(int)]
@@ -189,11 +189,11 @@ def _texts(given: Case, folder: Path, overwrite: bool) -> dict[str, str]:
         "page": f"docs/benchmark.md#{given.name}",
         "until": problem.until,
         "horizon": given.horizon,
-        "certified_error": given.certificate.get("error"),
+        "certified_error": given.certificate["error"],
         "certificate": {
-            "against": "not computed",
-            "horizon_by": "not computed",
-            **{k: v for k, v in given.certificate.items() if k not in ("error", "rounding")},
+            key: value
+            for key, value in given.certificate.items()
+            if key not in ("error", "rounding")
         },
         "friction_law": given.law["words"],
         "settings": given.settings,
@@ -220,7 +220,7 @@ def _columns(motion: Truth, thresholds: Mapping[str, float]) -> dict[str, np.nda
     """
     columns = {"t [s]": rounded_to_digits(motion.t)}
     for header, (values, power) in scaled(motion).items():
-        columns[header] = np.floor(values + 1 - thresholds.get(header, 0.5)) / power + 0.0
+        columns[header] = np.floor(values + 1 - thresholds[header]) / power + 0.0
     return columns
 
 

@@ -28,7 +28,7 @@ class Case(NamedTuple):
     problem
         The scenario of the reference.
     certificate
-        The error of the reference and its horizon; empty if not computed yet.
+        The error of the reference, its horizon and its rounding; empty before `bench.certificates`.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Case(NamedTuple):
     @property
     def horizon(self) -> float:
         """Return the time up to which results are compared [s]."""
-        return self.certificate.get("horizon") or self.problem.until
+        return self.certificate["horizon"]
 
 
 @cache

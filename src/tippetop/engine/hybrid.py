@@ -634,8 +634,8 @@ class HybridDriver(Driver):
             begin = [span[kind] for span in self.spans]
             which.append(np.searchsorted(begin, numbers, side="right") - 1)
         of_span = np.concatenate(which)
-        places, *_, wholes = zip(*self.spans, strict=True)
-        at, wholes = np.array(places)[of_span], np.array(wholes).T
+        places, *_, begun = zip(*self.spans, strict=True)
+        at, wholes = np.array(places)[of_span], np.array(begun).T
         rows, moving = np.empty((self.variables, len(at)), number), self.variables - len(wholes)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)

@@ -101,7 +101,7 @@ class Pieces:
             formulas, wide = formulas_of_impact(law, region, has_torques), precision != "double"
             code = compiled_when((formulas, precision, 0.0, 0, False), self.stop)
             start = np.zeros(len(formulas.form.units), PRECISIONS[precision])
-            pars, functions = np.ones(len(code.integrator.pars)), np.ones(len(formulas.events))
+            pars, functions = [1.0] * len(code.integrator.pars), np.ones(len(formulas.events))
             kind = WideDriver if wide else Driver
             self.drivers[region] = kind(code, code.rows, pars, start, functions, 0.0)
         return self.drivers[region]

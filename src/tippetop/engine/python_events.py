@@ -46,7 +46,7 @@ class Sampler:
         """Return the time in a step of length h at which an event function has become negative."""
 
         def value(t: Any) -> float:
-            return self.track.value(event, self.integrator.update_d_output(t))  # type: ignore[no-any-return]
+            return self.track.value(event, self.integrator.update_d_output(t))
 
         low = 0 * h
         for high in (h / 2, h):

@@ -1,6 +1,5 @@
 """TOML text becomes tables: files, presets, and `--set` assignments."""
 
-import os
 import re
 import tomllib
 from collections.abc import Collection, Mapping
@@ -47,8 +46,9 @@ def _preset(name: str) -> dict[str, Any]:
 
 def read(source: str) -> dict[str, Any]:
     """Return the tables of a TOML file or of a preset. Raises InputError."""
+    path = Path(source)
     try:
-        if not source.endswith(".toml") and not os.path.isfile(source):
+        if path.suffix != ".toml" and not path.is_file():
             known = _presets()
             if source not in known:
                 raise InputError(
@@ -56,7 +56,7 @@ def read(source: str) -> dict[str, Any]:
                     f"The presets are {', '.join(known)}."
                 )
             return plain(_preset(source))
-        return _parsed(Path(source).read_text(encoding="utf-8-sig"))
+        return _parsed(path.read_text(encoding="utf-8-sig"))
     except InputError:
         raise
     except OSError as error:
