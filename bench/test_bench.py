@@ -206,10 +206,7 @@ def test_a_missing_peer_is_told() -> None:
     for name in [name for name in results["inversion"]["contestants"] if "DOP853" in name]:
         results["inversion"]["contestants"][name] = {"kind": "compiled", "missing": peer.missing}
     sections = report.sections(results)
-    assert (
-        "| DOP853, SciPy |  |  |  |  | missing: no-such-package is not installed |"
-        in sections["inversion"]
-    )
+    assert "| DOP853, SciPy |  |  |  |  | could not run |" in sections["inversion"]
 
 
 def test_a_step_that_is_too_long_turns_a_top_over_that_would_stick() -> None:

@@ -128,7 +128,7 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
             run.plot(kind)
     with pytest.raises(
         InputError,
-        match="the band along a run must have `routh`, `jellett`, `modified_energy`, which",
+        match="the band along a run must have `routh`, `jellett`, `modified_energy`: add what is missing",
     ):
         tt.landscapes.band(run)
     with pytest.raises(
