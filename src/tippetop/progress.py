@@ -41,8 +41,8 @@ class Bar:
         if self.bar is not None:
             self.bar.stop()
 
-    def update(self, done: float, of: float, note: Callable[[], str] = str) -> None:
-        """Show how much is done, and a note."""
+    def update(self, done: float, of: float) -> None:
+        """Show how much is done."""
         if not self.visible or time.monotonic() < self.due:
             return
         self.due = time.monotonic() + AGAIN_AFTER
@@ -54,14 +54,13 @@ class Bar:
                 TextColumn("{task.description}"),
                 BarColumn(),
                 TimeRemainingColumn(),
-                TextColumn("left {task.fields[note]}"),
                 console=Console(stderr=True),
                 transient=True,
             )
             self.bar.start()
-            self.task = self.bar.add_task("", total=of, completed=done, note="")
+            self.task = self.bar.add_task("", total=of, completed=done)
         count = self.count.format(done=done, of=of, things=self.things)
-        self.bar.update(self.task, completed=done, total=of, description=count, note=note())
+        self.bar.update(self.task, completed=done, total=of, description=count)
 
 
 @contextlib.contextmanager

@@ -37,7 +37,7 @@ def test_landscapes_rows_and_replays_take_texts_too(tmp_path: Path) -> None:
     assert run.replay("0 s", "10 ms", "5 ms").time.values.tolist() == [0.0, 0.005, 0.01]
     rows = tt.run("inverting", until="10 ms", output_times=["1 ms", 0.002, 0.003])
     assert rows.trajectory.time.values.tolist() == [0.001, 0.002, 0.003]
-    (line, *_) = rows.plot.theta(start="1.5 ms", until="3 ms").lines
+    (line, *_) = rows.plot("theta", start="1.5 ms", until="3 ms").axes[0].lines
     assert line.get_xdata().tolist() == [0.002, 0.003]
     assert tt.load("inverting", until="20 ms").until == 0.02
 

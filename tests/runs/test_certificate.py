@@ -88,7 +88,6 @@ def test_a_planted_error_of_the_state_is_measured(
     spoil(monkeypatch, tilt)
     found = certificate.certificate(problem)
     assert found["theta"] == pytest.approx(error, rel=1e-3)
-    assert found["theta_end"] < 1e-12, "the last row is sound"
     (sentence,) = certificate_violations(found)
     assert sentence == "theta must be within 1e-10 of the wider run, but differs by 3.0e-09."
 

@@ -128,14 +128,21 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
             run.plot(kind)
     with pytest.raises(
         InputError,
-        match="the band along a run must have `routh`, `jellett`, `modified_energy`: add what is missing",
+        match="the band along a run must have `routh`, `jellett`, `modified_energy`: add",
     ):
         tt.landscapes.band(run)
     with pytest.raises(
         InputError, match="what theta is reconstructed from must have `modified_energy`"
     ):
         tt.theory.reconstruct(run)
-    arguments = ["run", "inverting", "--columns", "work", "--figure", str(tmp_path / "theta.png")]
+    arguments = [
+        "run",
+        "inverting",
+        "--set",
+        "run.columns=['work']",
+        "--figure",
+        str(tmp_path / "theta.png"),
+    ]
     assert outcome(arguments) == 2
     assert not (tmp_path / "theta.png").exists()
     assert run.certify(0.1).theta < 1e-12  # it keeps theta for itself

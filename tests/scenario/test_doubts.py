@@ -47,11 +47,6 @@ def test_check_of_a_plan_takes_no_end(file: Path, capsys: pytest.CaptureFixture[
     assert "`--until` cannot be used with a plan" in capsys.readouterr().err
 
 
-def test_lambda_in_another_unit_is_said(capsys) -> None:
-    assert typed("potential inverting --D 1e-4 --lambda 4.0") == 0
-    assert "tippetop: warning: lambda = 4" in capsys.readouterr().err
-
-
 def test_a_top_that_begins_below_its_plane_is_doubtful() -> None:
     (sentence,) = doubts(build.load("gliding-heavy-top", ["initial.theta=3.0"]))
     assert "beyond pi/2: this body has fallen" in sentence

@@ -36,7 +36,7 @@ def test_a_folder_that_cannot_be_synced_is_let_be_and_a_file_is_not(
         files.synced(tmp_path, "file")
 
 
-RUN = "run inverting --until 0.1 --columns theta --out"
+RUN = "run inverting --until 0.1 --set run.columns=['theta'] --out"
 
 
 @pytest.mark.parametrize(

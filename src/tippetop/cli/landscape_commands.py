@@ -21,7 +21,6 @@ from .values import Jellett, Place, Routh, Whole
 COMPILING = "the formulas are being compiled"
 MOST_POINTS = 10**7  # of an axis, which memory contains as a whole
 SHOWN = 401  # points of an axis in a figure, or by default
-FAR = 1e3  # times lambda_pi: no top spins so fast
 Axis = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 
 
@@ -68,10 +67,9 @@ def surface(
     if out is None and figure is None:
         raise InputError("nothing is to be done: give --out F.zarr, --figure F.png, or both.")
     check_picture(figure, "--figure", overwrite)
-    lambda_pi = _lambda_pi(parameters)
+    lambda_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
     default = np.linspace(0, 4.5 * lambda_pi, SHOWN)
     lambdas = _axis("--lambda", lambda_, JELLETT) if lambda_ else default
-    _warn_if_far(np.abs(lambdas).max(), lambda_pi)
     ends = marked_lines.marked_lines(parameters, lambdas)["D"].values
     default = np.linspace(1.1 * min(ends.min(), -1e-9), 1.1 * max(ends.max(), 1e-9), SHOWN)
     Ds = _axis("--D", D, ANGULAR_MOMENTUM) if D else default
@@ -146,7 +144,6 @@ def potential(
     if not 2 <= n <= MOST_POINTS:
         raise InputError(f"--n must be at least 2 and at most {MOST_POINTS}, but is {n}.")
     check_picture(figure, "--figure", overwrite)
-    _warn_if_far(abs(lambda_), _lambda_pi(parameters))
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
     V = awaited(lambda: potential.potential(parameters, z, D, lambda_, system), COMPILING)
     least = awaited(lambda: surface.minimal_surface(parameters, D, lambda_, system), COMPILING)
@@ -235,26 +232,6 @@ def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
             f"D and lambda belong to tippe tops only; this is {a_system(problem.system.name)}."
         )
     return {k: float(v) for k, v in problem.parameters.items()}, problem.system.name
-
-
-def _lambda_pi(parameters: dict[str, float]) -> float:
-    """Return Jellett's integral above which the inverted top is stable [kg m^3/s]."""
-    from ..landscape import marked_lines
-
-    return marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
-
-
-def _warn_if_far(lam: float, limit: float) -> None:
-    """Warn of a lambda that looks as if it were in another unit."""
-    from .text import warn
-
-    if lam > FAR * limit:
-        warn(
-            [
-                f"lambda = {lam:g} kg m^3/s is far from lambda_pi = {limit:.3g} kg m^3/s: it looks "
-                "like another unit."
-            ]
-        )
 
 
 def _spread(size: int) -> Any:

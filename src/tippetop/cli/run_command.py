@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
@@ -23,8 +22,6 @@ def run(
     as_json: bool = False,
     overwrite: bool = False,
     certify: bool = False,
-    window: Seconds | None = None,
-    columns: str | None = None,
 ) -> int:
     """Integrate a scenario: a TOML file or the name of a preset.
 
@@ -49,15 +46,10 @@ def run(
     certify
         Repeat the run in wider numbers and report the difference; exit 4 if the accuracy contract
         is broken.
-    window
-        Certify only this many seconds from the start.
-    columns
-        Keep only these columns and the time: names separated by commas, such as
-        theta,normal_force.
     """
     from ..columns import require
     from ..runs import attributes, starting
-    from ..runs.certificate import certificate, check_window
+    from ..runs.certificate import certificate
     from ..runs.cost import bar_of_run
     from ..runs.recording import record
     from ..runs.run import solve
@@ -66,13 +58,8 @@ def run(
     from ..store.root import annotate, finite
     from .text import warn
 
-    check_window(window, "--window")
-    if window is not None and not certify:
-        raise InputError("`--window` requires `--certify`.")
-    names = [] if columns is None else [[name.strip() for name in columns.split(",")]]
-    kept = [f"run.columns={json.dumps(each)}" for each in names]
     try:
-        problem = starting.load(scenario, [*(set_ or []), *kept], until)
+        problem = starting.load(scenario, set_, until)
     except InputError:
         _refuse_plan(scenario)
         raise
@@ -96,7 +83,7 @@ def run(
                 out,
             )
     if certify:
-        attrs["certificate"] = finite(certificate(problem, window, bar_of_run))
+        attrs["certificate"] = finite(certificate(problem, following=bar_of_run))
         if out is not None:
             annotate(out, {"certificate": attrs["certificate"]})
     if figure is not None:

@@ -11,7 +11,7 @@ from .streams import print_json, visible
 from .values import Place, Seconds
 
 
-def info(store: Place, *, as_json: bool = False, errors: bool = False) -> int:
+def info(store: Place, *, as_json: bool = False) -> int:
     """Print the content of a store: status, events, inversion, drift of invariants, provenance.
 
     Parameters
@@ -20,9 +20,6 @@ def info(store: Place, *, as_json: bool = False, errors: bool = False) -> int:
         A store that `run`, `sweep`, `surface` or `potential` wrote, finished or not.
     as_json
         Print it as one JSON object.
-    errors
-        Of a run: also how fast small errors of its start grow, and from when on a double has no
-        correct digit. It is integrated again with its derivatives, which costs about ten runs.
     """
     from ..runs.results import summary_of
     from ..runs.summary import lines
@@ -31,8 +28,6 @@ def info(store: Place, *, as_json: bool = False, errors: bool = False) -> int:
 
     attrs = root.attributes(store)
     content = attrs.get("content", "run")
-    if errors and content != "run":
-        raise InputError(f"`--errors` requires a run, but `{store}` is a {content}.")
     if content == "sweep":
         from ..sweeps.sweep_summary import report
         from . import sweep_command
@@ -43,13 +38,10 @@ def info(store: Place, *, as_json: bool = False, errors: bool = False) -> int:
 
         return describe(attrs, as_json)
     summary = summary_of(attrs)
-    growth = _growth(attrs) if errors else {}
     if as_json:
-        return print_json(summary.to_dict() | ({"errors": growth} if growth else {}))
+        return print_json(summary.to_dict())
     print(visible(attrs["title"]))
     rows = lines(summary)
-    if growth:
-        rows.append(("errors", growth["sentence"]))
     units = attrs["units"] | units_of(attrs)
     for name in ("parameters", "friction", "contact", "stem", "initial", "run"):
         if name in summary:
@@ -67,19 +59,6 @@ def info(store: Place, *, as_json: bool = False, errors: bool = False) -> int:
 
 def _pairs(versions: Any) -> str:
     return ", ".join(f"{name} {version}" for name, version in versions.items())
-
-
-def _growth(attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return how errors of the start of a stored run grow.
-
-    Raises InputError if the run has no derivatives.
-    """
-    from ..library.derivatives import lyapunov
-    from ..scenario import build
-
-    growth = lyapunov(build.stored(attrs))
-    numbers = {name: float(growth[name].values[-1]) for name in ("factor", "exponent")}
-    return numbers | growth.attrs
 
 
 def check(

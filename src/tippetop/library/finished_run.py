@@ -165,10 +165,7 @@ class Run:
 
     @property
     def plot(self) -> "Plots":
-        """Return the figures: `run.plot("theta")` is one, `run.plot.theta(ax=ax)` draws into Axes.
-
-        `help(run.plot)` has its options, `dir(run.plot)` the kinds of figures.
-        """
+        """Return what draws the figures: `run.plot("theta")`; `help(run.plot)` has its options."""
         from .plots import Plots
 
         return Plots(self)
@@ -225,10 +222,10 @@ class Run:
         Returns
         -------
         Record
-            `against` (the wider precision), `window` [s], the largest difference of `theta` [rad]
-            and of its end, whether both end the same way, of the times of shared turnings [s], of
-            every column (`columns`), and of shared `phases` and `impacts`, in SI units. It joins
-            the summary.
+            `against` (the wider precision), `window` [s], the largest difference of `theta`
+            [rad], whether both end the same way, the largest differences of the times of shared
+            turnings [s], of every column (`columns`), and of shared `phases` and `impacts`, in SI
+            units. It joins the summary.
         """
         result = certificate(self.problem, seconds("window", window))
         self.attributes["certificate"] = root.finite(result)

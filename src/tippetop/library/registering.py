@@ -26,10 +26,6 @@ class _Laws(Mapping):
     def __len__(self) -> int:
         return len(systems.systems_of_laws())
 
-    def __repr__(self) -> str:
-        laws = systems.systems_of_laws().items()
-        return "\n".join(f"{name}: {law.long_name}; of {', '.join(of)}" for name, (law, of) in laws)
-
 
 LAWS: Mapping[str, type[FrictionLaw]] = _Laws()
 """The friction laws that are known, by name, of whichever system; `register` adds one."""

@@ -34,6 +34,7 @@ class Moment(tuple):
     def __new__(cls, scalars: Any, place: Mapping[str, Callable[[], Any]]) -> "Moment":
         self = super().__new__(cls, scalars)
         self._scalars, self._place = scalars, place
+        vars(self).update(zip(getattr(scalars, "_fields", ()), scalars, strict=False))
         return self
 
     def __getattr__(self, name: str) -> Any:

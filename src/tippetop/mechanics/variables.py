@@ -126,10 +126,8 @@ class Variables:
         known = {unit: scales.of(unit) for unit in {*self.units.values()}}
         units = [known[unit] for unit in self.units.values()]
         whole = units[: self.moving]
-        return [
-            *whole,
-            *(unit / np.asarray(unit).dtype.type(INTEGRAL_SCALE) for unit in units[self.moving :]),
-        ]
+        small = units[0].dtype.type(INTEGRAL_SCALE)
+        return [*whole, *(unit / small for unit in units[self.moving :])]
 
     def coefficients(self, name: str, coefficients: Any) -> Any:
         """Return the Taylor coefficients (n, order + 1) of an integral.

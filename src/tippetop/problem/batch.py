@@ -110,8 +110,7 @@ class Problems:
 
     @cached_property
     def _body(self) -> Any:
-        body = self.body(self._wide)
-        return refill(body, map(self._wide, leaves(body)))  # some may be constants
+        return self.body(self._wide)
 
     @cached_property
     def scales(self) -> Scales:
@@ -127,7 +126,8 @@ class Problems:
         """
         mass, length = map(self._wide, self.base.system.scales(self._body))
         length = length * self._wide(self.base.form.length_unit)
-        gravity = getattr(self._body, "g", length)  # without gravity the unit is a second
+        # without gravity the unit is a second; it may be a constant
+        gravity = self._wide(getattr(self._body, "g", length))
         ratio = np.sqrt(length.astype(float) / gravity.astype(float))
         return Scales(mass, length, (2.0 ** np.round(np.log2(ratio))).astype(self.base.exact))
 
@@ -156,14 +156,14 @@ class Problems:
         values = zip(leaves(self._body), units, strict=True)
         body = refill(self._body, (value / self._scales.of(unit) for value, unit in values))
         folds = system.folds(self.base.form)
-        names = [name for name, v in body._asdict().items() if not isinstance(v, tuple)]
         for name, value in folds.items():  # the equations have it for 0 or 1
-            if name not in names:
+            if isinstance(getattr(body, name, ()), tuple):
+                names = [name for name, v in body._asdict().items() if not isinstance(v, tuple)]
                 raise InputError(
                     f"`normalised_to` of `{system.name}` must name numbers of its body "
                     f"({', '.join(names)}), but has `{name}`."
                 )
-            numbers = np.atleast_1d(getattr(body, name)).astype(float)
+            numbers = np.asarray(getattr(body, name), dtype=float)
             far = ~(abs(numbers - value) <= ROUNDING) & np.isfinite(numbers)
             if far.any():
                 raise InputError(
@@ -188,12 +188,13 @@ class Problems:
         if self.state is not None:
             return self.state
         data = {name: self._wide(value) for name, value in self.given("initial").items()}
-        theta = np.atleast_1d(data.get("theta", self._wide(0.0)))
+        theta = data.get("theta", self._wide(0.0))
         s, z = np.sin(theta), np.cos(theta)
         pole = theta.astype(float) == math.pi  # 3.141592653589793 means the pole
-        s[pole], z[pole] = 0, -1
         if self._single:
-            theta, s, z = theta[0], s[0], z[0]
+            s, z = (self._wide(0.0), self._wide(-1.0)) if pole else (s, z)
+        else:
+            s[pole], z[pole] = 0, -1
         angles = self.base.system.start(data, s, z, self._body)
         q, carried = self.variables.start(data, angles, s, z, self._body)
         values = zip((*q, *carried), self.weights, strict=True)
@@ -201,6 +202,8 @@ class Problems:
 
     def _rounded(self, rows: list) -> np.ndarray:
         """Return rows of numbers or arrays (n,) in the working precision, (rows, n)."""
+        if self._single:
+            return np.array([*map(self.base.number, rows)])[:, None]
         rounded = np.empty((len(rows), self.n), dtype=self.base.number)
         for i, row in enumerate(rows):
             rounded[i] = row

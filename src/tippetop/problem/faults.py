@@ -123,7 +123,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
         row[:] = value
     kept, domains = len(base.system.quantities), base.form.domains
     weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
-    finite = np.isfinite(pars).all(axis=0) & np.isfinite(start * weights).all(axis=0)
+    finite = np.isfinite(np.concatenate([pars, start * weights])).all(axis=0)
     faults = [] if base.contact is not None else _law_faults(problems)
     for number, name in owners.items():
         if (bad := finite & ~np.isfinite(table[number])).any():
@@ -134,7 +134,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
     )
     faults.append((together, ~finite | ~(abs(table[:kept]) < LARGEST).all(axis=0)))
     large = abs(start[variables.moving :]) > 1
-    for i in np.flatnonzero(large.any(axis=1)):
+    for i in _rows(large):
         name = variables.names[variables.moving + i]
         sentence = (
             f"`initial` must keep {name} within {1 / INTEGRAL_SCALE:.2g} of its unit (R, rad), but "
@@ -142,10 +142,15 @@ def start_faults(problems: "Problems") -> list[Fault]:
         )
         faults.append((sentence, large[i]))
     outside = ~(table[kept : kept + len(domains)] > 0)
-    for i in np.flatnonzero(outside.any(axis=1)):
+    for i in _rows(outside):
         sentence = f"`initial` must allow a motion, but {domains[i].meaning}."
         faults.append((sentence, outside[i]))
     return faults
+
+
+def _rows(bad: np.ndarray) -> Iterable[int]:
+    """Return the rows that are true somewhere."""
+    return dict.fromkeys(np.nonzero(bad)[0].tolist())
 
 
 @lru_cache(maxsize=64)
@@ -172,9 +177,10 @@ def _law_faults(problems: "Problems") -> list[Fault]:
 
     Its coefficient must be finite, not negative, smooth at rest, and the same in all units.
     """
-    kind, n, scales = type(problems.base.friction), problems.n, problems.scales
+    kind, n = type(problems.base.friction), problems.n
     if not (of := owner(SLIP.get(kind))):
         return []
+    scales = problems.scales
     law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
 
     def coefficient(v2: Any, z: float, law: Any) -> np.ndarray:

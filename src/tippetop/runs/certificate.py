@@ -50,12 +50,6 @@ def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
     return messages
 
 
-def check_window(window: float | None, name: str = "`window`") -> None:
-    """Raise InputError unless the window [s] is None or positive and finite."""
-    if window is not None and not 0 < window < math.inf:
-        raise InputError(f"{name} must be greater than 0 and finite, but is {window:g}.")
-
-
 def certificate(
     problem: Problem,
     window: float | None = None,
@@ -77,12 +71,12 @@ def certificate(
     dict
         Largest differences of every column of the trajectory (`columns`), of the times of the
         turnings and of each column of phases and impacts that both runs share, in SI units;
-        `theta`, `theta_end` [rad] and `axis` repeat the most important ones. `against` is None if
-        there is no wider precision.
+        `theta` [rad] is that of theta again. `against` is None if there is no wider precision.
     """
     if problem.precision not in NEXT_PRECISION:
         return {"against": None, "reason": "no wider precision than quad"}
-    check_window(window)
+    if window is not None and not 0 < window < math.inf:
+        raise InputError(f"`window` must be greater than 0 and finite, but is {window:g}.")
     until = min(problem.until, window or problem.until)
     narrow = dataclasses.replace(
         problem,
@@ -105,10 +99,8 @@ def certificate(
         "against": wide.precision,
         "window": [0.0, min(until, run.report["t_end"])],
         "theta": float(columns["theta"].max(initial=0.0)),  # NaN is a violation
-        "theta_end": float(columns["theta"][-1]) if len(columns["theta"]) else 0.0,
         "same_end": run.status is reference.status,
         "columns": largest,
-        **({"axis": largest["axis"]} if "axis" in largest else {}),
     }
     compared = _compare(_turnings(run), _turnings(reference))
     result |= {"turnings": compared} if compared["compared"] else {}

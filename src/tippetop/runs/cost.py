@@ -12,7 +12,7 @@ from ..mechanics.units import SECOND
 from ..problem import Problem
 from ..progress import Bar
 from .integration import Integration
-from .reporting import RunProgress, report
+from .reporting import RunProgress
 from .sinks import Sink
 
 
@@ -44,7 +44,7 @@ def estimate(problem: Problem) -> dict[str, float]:
 
 
 def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -> dict[str, float]:
-    """Return the steps and seconds of a run, from its first slices, and those of compiling it.
+    """Return the steps and seconds of a run in memory, from its first slices, once compiled.
 
     Parameters
     ----------
@@ -56,25 +56,18 @@ def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -
     Returns
     -------
     dict
-        `steps` and `seconds` of the whole run, in memory; `compiling`, the seconds that compiling
-        took now: the integrator is kept on disk.
+        `steps` and `seconds` of the whole run.
     """
     expected = max(float(estimate(problem)["steps"]), 1.0)
     size = max(FEWEST, min(STEPS, int(ROWS * expected / max(len(problem.times), 1))))
-    began = clock()
     if problem.system.is_hybrid:  # later phases would be compiled on the way
         driver_of(problem).equations()
-    _timed(problem, size, 0.0, clock)
-    compiled = clock() - began
+    _timed(problem, size, 0.0, clock)  # compiles
     seconds, progress = _timed(problem, size, WORTH, clock)
-    steps, whole = progress.steps, 1.0
+    whole = 1.0
     if progress.status is None:
         whole = max(1.0, problem.until / progress.t_end)
-    return {
-        "steps": round(steps * whole),
-        "seconds": round(seconds * whole, 4),
-        "compiling": round(max(compiled - seconds * min(1.0, size / max(steps, 1)), 0.0), 2),
-    }
+    return {"steps": round(progress.steps * whole), "seconds": round(seconds * whole, 4)}
 
 
 class _Columns(Sink):
@@ -107,14 +100,5 @@ def _timed(
 def bar_of_run() -> Iterator[Callable[[RunProgress], None]]:
     """Provide a run's progress callback that draws a bar in a terminal."""
 
-    def note(progress: RunProgress) -> str:
-        facts = report(progress)
-        drift = max(facts["drift"].values(), default=0.0)
-        turnings = facts["event_counts"].get("turning", 0)
-        return f"theta {facts['theta_end']:.4f}, {turnings} turnings, drift {drift:.0e}"
-
-    def follow(progress: RunProgress) -> None:
-        bar.update(progress.t_end, progress.problem.until, lambda: note(progress))
-
     with Bar("s", "t = {done:.4g} s") as bar:
-        yield follow
+        yield lambda progress: bar.update(progress.t_end, progress.problem.until)

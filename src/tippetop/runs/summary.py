@@ -178,12 +178,7 @@ def _certificate(result: Info) -> str:
     if result["against"] is None:
         return result["reason"]
     span = f"against {result['against']} over {result['window'][1]:g} s"
-    text, columns = f"{span}: theta differs by at most {result['theta']:.1e} rad", result["columns"]
-    place = [columns[name] for name in ("x", "y", "z") if name in columns]
-    if place:
-        text += f", the place by {max(place):.1e} m"
-    if "normal_force" in columns:
-        text += f", the normal force by {columns['normal_force']:.1e} N"
+    text = f"{span}: theta differs by at most {result['theta']:.1e} rad"
     for name, words, time in COMPARED:
         if name in result:
             text += f", {result[name]['compared']} {words} by {result[name][time]:.1e} s"

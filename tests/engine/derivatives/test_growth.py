@@ -2,15 +2,12 @@
 beside each other.
 """
 
-import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop import cli
 from tippetop.engine.derivatives.growth import Growth
 
 
@@ -80,16 +77,6 @@ def test_the_horizon_is_where_the_error_is_a_thousandth() -> None:
     assert "grows to 1e-3 at t = 7.4834 s: a double" in growth.sentence()
     assert math.isnan(Growth(t, np.exp(t)).horizon)
     assert "at most 2.2e-12 (Lyapunov exponent 1 1/s" in Growth(t, np.exp(t)).sentence()
-
-
-def test_info_says_how_errors_grow(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    store = tmp_path / "R.zarr"
-    assert cli.outcome(["run", "rolling-cylinder", "--until", "0.5", "--out", str(store)]) == 0
-    capsys.readouterr()
-    assert cli.outcome(["info", str(store), "--errors", "--json"]) == 0
-    errors = json.loads(capsys.readouterr().out)["errors"]
-    assert errors["horizon"] is None
-    assert 0.5 < errors["factor"] < 1e3
 
 
 def test_a_contact_that_opens_has_no_growth() -> None:
