@@ -35,9 +35,10 @@ values = [0.2, 0.3]
 
 
 def commands(page: Path) -> list[str]:
-    """What stands in the blocks of a page to be typed into a shell and begins with `tippetop`."""
+    """Return the commands in the shell blocks of a page that begin with `tippetop`."""
     blocks = re.findall(r"```sh\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.S)
-    lines = [re.sub(r"\s+#.*", "  ", line) for block in blocks for line in block.splitlines()]
+    joined = [block.replace("\\\n", " ") for block in blocks]
+    lines = [re.sub(r"\s+#.*", "  ", line) for block in joined for line in block.splitlines()]
     return [
         part.strip(" ") + "  "
         for line in lines

@@ -100,6 +100,8 @@ def test_a_run_of_phases_ends_soon_after_it_has_settled() -> None:
     run = tt.run("cohen-coulomb", until=30.0, stop_when="settled")
     settled, unit = times(run, "settled")[-1], 2.0**-4
     assert 200 * unit < run.summary.t_end - settled < 210 * unit
+    assert [*run.phases.phase.values] == [0, 1]  # it slips, then rolls to the end
+    assert run.phases.end.values[-1] == pytest.approx(run.summary.t_end, abs=1e-12)
 
 
 def test_a_body_that_torques_stop_is_at_rest_alone_and_in_a_sweep() -> None:

@@ -209,7 +209,7 @@ def test_a_run_ends_with_the_place_of_a_jump_without_an_end(
 def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     point = SYSTEMS["bouncing-point"]
     fall, rest = point.phases["fall"], point.phases["rest"]
-    other = dataclasses.replace(page["ground"], direction=1)
+    other, both = (dataclasses.replace(page["ground"], direction=way) for way in (1, 0))
     phases = {
         "must take arrays": {"rest": dataclasses.replace(rest, enter=lambda x, b: x, leave=scalar)},
         "must end in its events that have a formula": {
@@ -217,6 +217,9 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         },
         "the directions of the phases before, but has ground": {
             "rest": dataclasses.replace(rest, events=(other,))
+        },
+        "must end in events with a `direction`, but has exits by ground": {
+            "fall": dataclasses.replace(fall, events=(both,))
         },
         "no jump logs them, but has bounce, rests": {"fall": dataclasses.replace(fall, exits=())},
     }

@@ -33,6 +33,13 @@ def columns(rng: np.random.Generator) -> dict[str, Column]:
     }
 
 
+def test_equal_numbers_are_equal_bytes() -> None:
+    """Threads would order the blocks of a large chunk by chance."""
+    array = np.random.default_rng(1).normal(size=65536)
+    document = zarr3.array(Column(("time",), array, {}), {})
+    assert len({zarr3.encode(array, document) for _ in range(500)}) == 1
+
+
 def directly(path: Path, table: dict[str, Column]) -> None:
     """Write a store without zarr."""
     path.mkdir()

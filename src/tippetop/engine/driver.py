@@ -350,6 +350,10 @@ class Driver:
         """Put the end of the next steps at an internal time."""
         self.motion.end[0] = float(end)
 
+    def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
+        """Return the rows of further tables that an end of the run here completes."""
+        return {}
+
     def present(self) -> np.ndarray:
         """Return the present state, (1, variables), internal."""
         return self.state[None, : self.variables].copy()

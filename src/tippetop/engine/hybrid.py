@@ -667,6 +667,11 @@ class HybridDriver(Driver):
 
     # --- where the run is ------------------------------------------------------------------------
 
+    def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
+        """End the phase that is under way; return its row."""
+        self.tables.end(float(self.clock[0]))
+        return self.tables.take()
+
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
         self.spans = [[self.track.at, 0, 0, 0, self.whole]]

@@ -99,6 +99,7 @@ class Integration:
             self.seconds["integrate"] += time.perf_counter() - clock
             if self.follow(piece) is None and self._has_settled():
                 self.status = Status.SETTLED
+                self._take_tables(self.driver.last_rows())
             if self.status is not None:
                 break
             if problem.output == "keyframes" and self._done_of(problem.keyframe_steps) == 0:
@@ -206,8 +207,7 @@ class Integration:
         self.t_end = float(piece.time) * self.second
         seen = piece.samples if self.status is None else np.concatenate([piece.samples, piece.last])
         self.monitor.follow(seen, self.driver.extremes(), piece.steps)
-        self.story.follow(piece.tables)
-        self.sink.tables(piece.tables)
+        self._take_tables(piece.tables)
         table, marks, states = self.log.take(piece.passages)
         self.sink.events(table, marks)
         if self.problem.output == "steps" and self.driver.tally["upto"] < 1.0:  # within a step
@@ -215,6 +215,11 @@ class Integration:
         elif self.problem.output == "events" and len(table.time):
             self._write(table.time, states)
         return self.status
+
+    def _take_tables(self, tables: dict[str, Any]) -> None:
+        """Take rows of further tables."""
+        self.story.follow(tables)
+        self.sink.tables(tables)
 
     def progress(self) -> RunProgress:
         """Return how far the run has come."""

@@ -99,7 +99,12 @@ def encode(values: np.ndarray, document: Mapping[str, Any]) -> bytes:
         whole = np.full(chunk, np.dtype(document["data_type"]).type(document["fill_value"]))
         whole[tuple(map(slice, values.shape))] = values
         values = whole
-    packed = blosc.compress(values, b"lz4", 1, blosc.SHUFFLE)
+    # The order of blocks that several threads compress depends on the scheduler.
+    threads, blosc.use_threads = blosc.use_threads, False
+    try:
+        packed = blosc.compress(values, b"lz4", 1, blosc.SHUFFLE)
+    finally:
+        blosc.use_threads = threads
     return packed + checksum(packed)
 
 

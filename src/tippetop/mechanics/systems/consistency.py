@@ -73,6 +73,11 @@ def inconsistencies(system: System) -> list[str]:
                     [one.name for one in phase.events if not (one.formula or system.is_hybrid)],
                 f"{where} must end in its events that have a formula, but has exits by":
                     [way.event for way in phase.exits if way.event not in detected],
+                f"{where} must end in events with a `direction`, but has exits by": [
+                    event.name
+                    for event in phase.events
+                    if not event.direction and event.name in [way.event for way in phase.exits]
+                ],
                 f"{where} must lead to phases of the system, but leads to":
                     [to for way in phase.exits for to in way.to if to not in system.phases],
             }
