@@ -14,6 +14,9 @@ TOUCH = 0.01
 RISES = 2.0
 """Largest ratio of the rises of a result and its reference, or its inverse."""
 
+ROUNDED = 1e-6
+"""Angle [rad] below pi/2 at which a body that turns over starts: an attitude is rounded."""
+
 STICKS = 0.02
 """Sliding speed of a contact that sticks, in sqrt(g R)."""
 
@@ -45,7 +48,7 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
     What its columns do not contain is left out.
     """
     theta = theta_of(motion.quaternion)
-    result = {"turns over": bool(theta[0] < math.pi / 2 < theta.max())}
+    result = {"turns over": bool(theta[0] < math.pi / 2 - ROUNDED < math.pi / 2 < theta.max())}
     rules, body = problem.contact, problem.body()
     if rules is None or not np.isfinite(motion.position).all():
         return result

@@ -31,6 +31,9 @@ TURNED = 0.5
 GAP = 0.01
 """Longest time between rows of a result whose outcome is judged, by the length of the case."""
 
+SINGLE = 1e-6
+"""Relative excess of the last time over the end of a case, as of numbers in single precision."""
+
 HEAD = (
     *("case", "engine", "setting", "step [s]", "attitude [rad]", "theta [rad]", "position [m]"),
     *("spin [rad/s]", "energy", "force [m g]", "leaves 1e-3, 1e-2, 1e-1 rad at [s]"),
@@ -271,10 +274,10 @@ def _checked(path: Path, each: Case) -> Table:
             f"`{path}` must have the columns {', '.join(needed)}, but lacks {', '.join(missing)}."
         )
     end = each.problem.until
-    if table.t[0] < 0 or table.t[-1] > end * (1 + 1e-9):
+    if table.t[0] < 0 or table.t[-1] > end * (1 + SINGLE):
         raise InputError(
             f"`{path}`: times must be from 0 to {end:g} s, the end of {each.name}, but are from "
-            f"{table.t[0]:g} to {table.t[-1]:g} s."
+            f"{table.t[0]:.12g} to {table.t[-1]:.12g} s."
         )
     return table
 
