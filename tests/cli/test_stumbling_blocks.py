@@ -26,6 +26,16 @@ def test_a_time_may_have_a_unit(tmp_path: Path, said: Callable) -> None:
     np.testing.assert_array_equal(tt.open(b).trajectory.time, 0.01 + np.arange(11) * 0.001)
 
 
+def test_a_picture_in_a_store_is_refused_before_the_store_is_replaced(
+    tmp_path: Path, said: Callable
+) -> None:
+    store = tmp_path / "a.zarr"
+    said(f"run inverting --until 0.05 --out {store}")
+    again = f"run inverting --until 0.02 --out {store} --overwrite --figure {store}/a.png"
+    assert "must lie outside of every store" in said(again, code=5)[1]
+    assert root.attributes(store)["run"]["until"] == 0.05
+
+
 def test_help_of_plot_lists_every_kind(said: Callable) -> None:
     text = " ".join(said("plot --help")[0].replace("│", " ").split())
     assert all(f"{name}: {figure.shows}" in text for name, figure in catalogue.FIGURES.items())

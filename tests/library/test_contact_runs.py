@@ -104,6 +104,15 @@ def test_a_run_of_phases_ends_soon_after_it_has_settled() -> None:
     assert run.phases.end.values[-1] == pytest.approx(run.summary.t_end, abs=1e-12)
 
 
+def test_a_body_in_the_air_is_not_at_rest() -> None:
+    """It bounces upright without spin, so nothing of it moves but its height."""
+    dropped = {"theta": 0, "gap": 0.0075, "nu_z": -0.1}
+    law = {"law": "viscous", "mu": 1.0, "mu_r": 1.5e-5}
+    run = tt.run(scenario(law, dropped, 0.2, contact={"e_n": 0.8}))
+    assert run.trajectory.z.values[-1] > run.trajectory.z.values.min() + 1e-3
+    assert run.summary.outcome == "bouncing"
+
+
 def test_a_body_that_torques_stop_is_at_rest_alone_and_in_a_sweep() -> None:
     body = tt.TippeTop(**BODY)
     for law in (tt.friction.Coulomb(0.3, mu_d=1e-4), tt.friction.Viscous(0.3, mu_d=1e-4)):

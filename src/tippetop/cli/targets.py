@@ -21,6 +21,7 @@ def check_picture(path: Path | None, option: str, overwrite: bool = False) -> No
         raise InputError(f"{option} must end with .png, .svg or .pdf, but is `{path}`.")
     if not path.parent.is_dir():
         raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
+    files.refuse_inside(path)
     files.refuse_existing(path, overwrite)
 
 

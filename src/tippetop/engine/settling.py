@@ -118,7 +118,8 @@ def classes_of(
     if known and has_parts(body.friction):
         rates = [np.nan_to_num(values[name].astype(float)) for name in RATES if name in values]
         still = np.abs(rates).max(axis=0) < STILL
-        return np.where(still, number("at-rest"), with_phases(kinds, theta, values))
+        kinds = with_phases(kinds, theta, values)
+        return np.where(still & (kinds != number("bouncing")), number("at-rest"), kinds)
     if known and gliding:
         settled = settled & shows_sliding(body, np.cos(theta))
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
