@@ -67,6 +67,22 @@ Beyond the horizon a small error of the start has grown so much that a differenc
 about an engine.
 Numbers have 12 significant digits of the largest number of their vector.
 
+The score compares each row of a result with the reference at its time, up to the horizon.
+STEP is in seconds; with several steps the score prints the order of convergence.
+Rows may start later than at 0: an engine that has no contact force there leaves out that row.
+
+| score | largest difference of |
+| --- | --- |
+| `attitude`, `theta` | the angle between the two attitudes; the angle of the axis to the vertical |
+| `position` | the centre of mass (not the centre of the ball) |
+| `spin` | the angular velocity about the axis of the body |
+| `energy` | the energy, relative to that at the start |
+| `force` | the force of the plane on the body, a vector, by its weight; not the mean over a step |
+
+The outcome is judged by the rows alone: `turns over` (theta passes pi/2), `lifts off` and `lands on
+the stem` (need the position), `sticks` (needs position, velocity and angular velocity).
+The velocity has no score of its own.
+
 `phases.csv` lists the phases of the contact with start, end and the ball that touches.
 
 | column | value | meaning |

@@ -216,7 +216,7 @@ class Integration:
             self._write(table.time, states)
         return self.status
 
-    def _take_tables(self, tables: dict[str, Any]) -> None:
+    def _take_tables(self, tables: dict) -> None:
         """Take rows of further tables."""
         self.story.follow(tables)
         self.sink.tables(tables)
