@@ -112,10 +112,9 @@ def _same(value: Any) -> Any:
 
 @dataclass(frozen=True, eq=False, repr=False)  # a key of caches: compared by identity
 class System:
-    """A mechanical system: everything that the rest of the package needs to know of it.
+    """A mechanical system: its equations, and everything else that the package reads of it.
 
-    `replace` makes another one from it. What each field is, and must be, says
-    docs/how-to/a-system.md.
+    `replace` returns a changed copy. docs/how-to/a-system.md explains each field.
 
     Parameters
     ----------
@@ -129,12 +128,13 @@ class System:
     scales : callable
         scales(b) -> the mass [kg] and the length [m] that are 1 while it is integrated.
     normalised_to : dict of float
-        What of `b` is 0 or 1 in these units, whatever the numbers are.
+        Fields of `b` that are always 0 or 1 in these units.
     start : callable
         start(data, sin_theta, cos_theta, b) -> the record of angles, SI; data: the initial numbers
         that were given.
     angles : NamedTuple
-        What people read of a state, each field filled with its unit; `start` gives such a record.
+        The variables that users read, each field filled with its unit; `start` returns such a
+        record.
     phases : dict of Phase
         Forms of the equations, quantities and events, of each way of touching the plane.
     integrals : tuple of str
@@ -285,7 +285,7 @@ class System:
         friction
             The record of a friction law, numbers or arrays (n,), SI.
         number
-            What each of them passes through.
+            Applied to each of them.
 
         Returns
         -------
@@ -327,7 +327,7 @@ class System:
         initial
             Names of initial data.
         verb
-            How the others come, in a sentence.
+            The verb of the message for the others.
 
         Returns
         -------
@@ -356,14 +356,14 @@ class System:
         Parameters
         ----------
         initial
-            What stands: values by name.
+            The present values by name.
         changed
-            What takes its place.
+            The values that replace them.
 
         Returns
         -------
         dict
-            Both, without what `changed` says in another way.
+            Both, without numbers that `changed` determines in another way.
         """
         rivals = {rival for name in changed for rival in self.rivals(name)}
         return {**{name: value for name, value in initial.items() if name not in rivals}, **changed}
@@ -398,8 +398,7 @@ class System:
 
         `forms`, `quantities` and `events` are those of the first phase.
 
-        What theory says of a start (`outlook`) stays unless it is replaced too: None where the
-        equations are others.
+        The predictions of theory (`outlook`) are kept: pass None if you change the equations.
         """
         of_phase = {"forms", "quantities", "events", "exits"}
         refuse_unknown("System.replace", changes, {*vars(self), *of_phase})
