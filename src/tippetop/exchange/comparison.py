@@ -122,7 +122,8 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         numbers["reference_ended"] = run.reason
     if faults := _start_faults(numbers, curves, convention):
         numbers["suspicion"] = faults
-    theta = np.full(rows, np.nan) if there.theta is None else there.theta
+    unknown = np.full(rows, np.nan)
+    theta = unknown if there.theta is None else there.theta
     step = STEP.search(Path(path).stem)
     return Compared(
         Path(path),
@@ -130,7 +131,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         run.times,
         curves | errors,
         theta,
-        columns["theta"],
+        columns.get("theta", unknown),
         numbers,
     )
 
@@ -147,7 +148,7 @@ def reference(problem: Problem, times: np.ndarray) -> Solution:
 def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return the differences of two motions by quantity, (rows,) each; NaN in gaps."""
     result: dict[str, np.ndarray] = {}
-    if there.theta is not None:
+    if there.theta is not None and "theta" in columns:
         result["theta"] = np.abs(there.theta - columns["theta"])
     if there.axis is not None and "axis" in columns:
         apart = np.linalg.norm(there.axis - columns["axis"], axis=1)
