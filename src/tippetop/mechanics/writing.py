@@ -115,10 +115,10 @@ class Symbol(NDArrayOperatorsMixin):
         a, *others = map(program.of, inputs)
         if name in SIGNS:
             return program.combined(a, SIGNS[name], *others)
-        if name == "negative" and a.number is None:
-            return program.new(f"-{a.name}", (a.name,))
         if name == "negative":
-            return program.of(-a.number)
+            if a.number is not None:
+                return program.of(-a.number)
+            return program.new(f"-{a.name}", (a.name,))
         if name not in program.language.functions:
             raise TypeError(f"a formula must not use `{name}`, nor branch")
         names = [a.name, *(other.name for other in others)]
