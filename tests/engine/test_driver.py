@@ -16,8 +16,9 @@ from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import formulas_of
 from tippetop.engine.status import Status
 from tippetop.engine.stepper import Loaded
+from tippetop.engine.tallies import new_tallies
 from tippetop.engine.taylor import driver_of
-from tippetop.ensembles.lanes import Lanes, new_tops
+from tippetop.ensembles.lanes import Lanes
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.integration import Integration
@@ -181,12 +182,9 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
     assert tops.valid.all()
     mine = Lanes(tops, lanes, every=1)
     assert isinstance(mine.stepper, Loaded)
-    signs = np.ones((n, len(mine.rows.events)))
-    made = new_tops(
-        tops.start, tops.pars[: len(mine.motion.pars)], tops.end, signs, 0 * signs, mine.rows
-    )
+    made, final = new_tallies(mine.rows, n), np.full(tops.start.shape, np.nan)
     seen = Seen(n)
-    mine.run(made, np.arange(n), np.zeros(1, int), seen.look, seen.ended)
+    mine.run(made, final, iter(range(n)), seen.look, seen.ended)
     assert seen.done == n
     assert np.all(made.lane["status"] == Status.FINISHED.code)
     theirs = copy.deepcopy(
@@ -210,7 +208,7 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
             ends = np.concatenate([output.tcs[1:, :, 0, lane], theirs.state[None, :, lane]])[moved]
             assert made.lane["steps"][top] == len(ends)
             assert same_bits(np.array(seen.samples[top]), ends)
-            assert same_bits(made.final[:, top], theirs.state[: len(made.final), lane])
+            assert same_bits(final[:, top], theirs.state[: len(final), lane])
 
 
 # --- the way without machine code ---------------------------------------------------------------

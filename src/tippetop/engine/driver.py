@@ -25,7 +25,6 @@ from .tallies import (
     new_samples,
     new_tallies,
     reset,
-    signs_of,
 )
 
 
@@ -217,8 +216,7 @@ class Driver:
         self.variables, self.number = len(start), start.dtype.type
         self.work_in(place_for(self, compiled))
         self.rows.events[:] = rows.events
-        self.tallies.functions[:] = 0.0
-        reset(self.tallies, self.rows, 0, *signs_of(functions))
+        reset(self.tallies, self.rows, functions[:, None])
         self.wanted, self.first = Wanted(self.variables), start[None, :].copy()
         self.take(self.place, body)
         self.put(start, (self.number(0), self.number(0)))
