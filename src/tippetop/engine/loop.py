@@ -19,7 +19,7 @@ import tippetop_kernels
 
 from ..errors import BuildError
 from ..mechanics.event import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
-from .stepper import Called, Stepper
+from .stepper import Called, Loaded, Stepper
 from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules, Tallies
 
 
@@ -227,19 +227,16 @@ class Loop:
             **{name: _field(record) for name, record in self.records.items()}
         )
         self.failures: list[BaseException] = []  # of steps that C has called
-        if isinstance(stepper, Called):
+        if isinstance(stepper, Loaded):
+            addresses: Any = stepper[1:]
+        else:
             stepper.records = self.records
             self.callbacks = _callbacks(stepper, motion, self.out, self.failures)
             addresses = [
                 ctypes.cast(callback, ctypes.c_void_p).value for callback in self.callbacks
             ]
-            self.structure.step, self.structure.dense = addresses
-        else:
-            self.structure.step, self.structure.dense, self.structure.fused = (
-                stepper.step,
-                stepper.dense,
-                stepper.fused,
-            )
+        for name, address in zip(("step", "dense", "fused"), addresses, strict=False):
+            setattr(self.structure, name, address)
         self.place = ctypes.byref(self.structure)
 
     def fill(self, rows: Rows) -> None:

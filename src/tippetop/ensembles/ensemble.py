@@ -16,7 +16,6 @@ from ..engine.invariants import invariants, sizes
 from ..engine.observables import event_functions, values_of
 from ..engine.settling import slides
 from ..engine.status import Status
-from ..engine.stepper import Called
 from ..engine.tallies import LEAST, MOST, SIGN, EventRows, Tallies, new_tallies, reset
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults
@@ -166,8 +165,6 @@ def _run(
             except BaseException:  # Ctrl-C too
                 deque(queue, 0)
                 raise
-    if isinstance(first.stepper, Called):
-        measured.steps_by = "heyoka"
     measured.steps_made = int(tallies.lane["steps"].sum())
     measured.steps_possible = sum(worker.steps_possible for worker in workers)
     _write(measured, numbers, tallies, first.rows)

@@ -8,7 +8,6 @@ from collections.abc import Callable, Collection, Iterator
 import numpy as np
 
 from ..engine.expressions import formulas_of
-from ..engine.integrator import stepper_of
 from ..engine.loop import Loop, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays
@@ -71,11 +70,10 @@ class Lanes:
         self.top = self.samples.in_lane  # which top is in a lane; -1: none, and it takes no steps
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
-        self.stepper = stepper_of(code)
         lasting = code.lasting if base.stop_when == "settled" else -1
         rules = StopRules(lasting, code.way, SETTLED_FOR, MOST_STEPS, every, 0)
         self.loop = Loop(
-            self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, self.stepper
+            self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, code.machine
         )
 
     def run(
