@@ -10,13 +10,13 @@ import numpy as np
 
 from ..arguments import path_of
 from ..errors import InputError, suggestion
-from ..exchange.comparison import STEP, Compared, orders, size_of
-from ..exchange.motion import angle_between, motion
+from ..exchange.comparison import STEP, Compared, energy, orders, size_of
+from ..exchange.motion import angle_between, axis_of, motion, theta_of
 from ..exchange.motion_table import Table, read
 from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
-from .truth import VECTORS, Truth, axis_of, energy, theta_of, truth
+from .truth import VECTORS, Truth, truth
 
 
 QUANTITIES = ("attitude", "theta", "position", "spin", "energy", "force")
