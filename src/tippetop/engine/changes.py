@@ -14,7 +14,6 @@ from ..mechanics.operand import leaves, refill
 from .driver import NO_ROWS
 from .loop import filled, library, structure
 from .phase_tables import number_of
-from .stepper import Called
 
 
 PATIENCE = 16
@@ -110,8 +109,7 @@ class Changes:
         if number in self.known:
             return
         to = run.track_of(program.begins[0])
-        steppers = [isinstance(one.place.stepper, Called) for one in (track, to)]
-        if track.sampler or to.sampler or any(steppers):  # Python makes steps
+        if track.sampler or to.sampler:  # Python looks at each step
             return
         for region in program.motions:
             run.impacts.driver(region)

@@ -52,7 +52,6 @@ from .tallies import (
     ON_ZERO,
     SIGN,
     event_rows,
-    mark_bounded,
     new_log,
     new_samples,
     new_tallies,
@@ -290,20 +289,17 @@ class Track:
         self.live = self.events.keys() - self.ways.keys()
         code = code_for(problem, self.formulas, run.stop)
         numbers = [*self.events, -1]
-        records = self._records(run, code.rows.events, numbers)
+        records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
         self.place = Place(code, run.stepper_of(code), rows, numbers[code.lasting], run.shared)
         run.take(self.place, leaves(self.b))
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(phase.form, self.b, code.integrator, sampled) if sampled else None
 
-    def _records(self, run: "HybridDriver", mine: np.ndarray, numbers: list[int]) -> np.ndarray:
-        """Return the events of the run, of which those of this phase, `mine`, are looked for. They
-        have these numbers.
-        """
+    def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
+        """Return the events of the run, of which those of this phase, `mine`, are looked for."""
         known = run.all_events.events
         records = np.zeros_like(known)
-        records["leader"] = -1
         for (number, event), of_phase in zip(self.events.items(), mine, strict=True):
             known["scale"][number] = of_phase["scale"]
             records[number] = of_phase
@@ -312,8 +308,6 @@ class Track:
                 kept, record["ends"] = (0, 0), record["ends"] or Status.ENDED.code
             record["first"], record["last"] = kept
             record["watched"] = not event.sense or event.name in run.problem.events
-            record["leader"] = numbers[record["leader"]]
-        mark_bounded(records)
         return records
 
     def sides(self, n: Next) -> dict[int, tuple[int, int]]:
