@@ -72,9 +72,9 @@ typedef struct {
 } Motion;
 
 typedef struct {
-    integer row, shift, leader, direction, ends, sense, first, last;
+    integer row, shift, direction, ends, sense, first, last;
     real scale, offset;
-    bool extremes, watched, ranged, bounded;
+    bool extremes, watched, ranged;
 } Event;
 
 typedef struct {
@@ -393,13 +393,6 @@ INLINED real *known(const Loop *l, integer what, integer event) {
     return l->tallies.functions + (what * l->sizes.events + event) * l->sizes.lanes;
 }
 
-INLINED void keep_bounds(const Loop *l, integer n, integer e, const real *low, const real *high,
-                         const real *steady) {
-    copy(n, low, 1, known(l, LOW, e), 1);
-    copy(n, high, 1, known(l, HIGH, e), 1);
-    copy(n, steady, 1, known(l, STEADY, e), 1);
-}
-
 /* Bound an event function. The Bernstein coefficients of the cubic part, plus or minus the sum of
    the other coefficients, bound a polynomial; those of its slope show whether it is monotone: then
    it lies between its ends. */
@@ -433,24 +426,12 @@ INLINED void bound(const Loop *l, integer n, integer e) {
         low[i] = (monotone ? MIN(p0, last) : MIN(low1, low2) - beyond) + event->offset;
         high[i] = (monotone ? MAX(p0, last) : MAX(high1, high2) + beyond) + event->offset;
     }
-    keep_bounds(l, n, e, low, high, steady);
+    copy(n, low, 1, known(l, LOW, e), 1);
+    copy(n, high, 1, known(l, HIGH, e), 1);
+    copy(n, steady, 1, known(l, STEADY, e), 1);
 }
 
-/* Bound an event function that is a variable, by the bounds of its rate. */
-INLINED void bound_by_rate(const Loop *l, integer n, integer e) {
-    const Event *event = l->rows.events + e;
-    const real *start = l->motion.tc + event->row * l->sizes.size * n, *h = l->factors + n;
-    const real *least = known(l, LOW, event->leader), *greatest = known(l, HIGH, event->leader);
-    real low[WIDEST], high[WIDEST], steady[WIDEST];
-    for (integer i = 0; i < n; i++) {
-        low[i] = start[i] + event->offset + h[i] * MIN(0.0, least[i]);
-        high[i] = start[i] + event->offset + h[i] * MAX(0.0, greatest[i]);
-        steady[i] = ((least[i] > 0) | (greatest[i] < 0)) ? 1.0 : 0.0;
-    }
-    keep_bounds(l, n, e, low, high, steady);
-}
-
-/* Bound every event function over the step. */
+/* Bound the event functions that count over the step. */
 INLINED void bound_functions(const Loop *l, integer n) {
     const Motion *m = &l->motion;
     integer size = l->sizes.size;
@@ -465,12 +446,11 @@ INLINED void bound_functions(const Loop *l, integer n) {
             l->factors[(size + k) * n + i] = (real)(k + 1) * power[i];
             power[i] *= h[i];
         }
-    for (integer e = 0; e < l->sizes.events; e++)
-        if (l->rows.events[e].bounded && l->rows.events[e].leader < 0)
+    for (integer e = 0; e < l->sizes.events; e++) {
+        const Event *event = l->rows.events + e;
+        if (event->watched || event->ranged || event->ends != 0)
             bound(l, n, e);
-    for (integer e = 0; e < l->sizes.events; e++)
-        if (l->rows.events[e].bounded && l->rows.events[e].leader >= 0)
-            bound_by_rate(l, n, e);
+    }
 }
 
 /* --- the events of one lane --- */

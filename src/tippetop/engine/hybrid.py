@@ -51,7 +51,6 @@ from .tallies import (
     ON_ZERO,
     SIGN,
     event_rows,
-    mark_bounded,
     new_log,
     new_samples,
     new_tallies,
@@ -224,7 +223,7 @@ class Track:
         self.ways = {k: one.name for k, one in self.events.items() if one.name in self.exits}
         self.live = self.events.keys() - self.ways.keys()
         numbers = [*self.events, -1]
-        records = self._records(run, code.rows.events, numbers)
+        records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
         self.place = Place(code, run.stepper_of(code), rows, numbers[code.lasting], run.shared)
         run.take(self.place, leaves(self.b))
@@ -233,12 +232,9 @@ class Track:
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(run, self, sampled) if sampled else None
 
-    def _records(self, run: "HybridDriver", mine: np.ndarray, numbers: list[int]) -> np.ndarray:
-        """Return the events of the run, of which those of this phase, `mine`, are looked for. They
-        have these numbers.
-        """
+    def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
+        """Return the events of the run, of which those of this phase, `mine`, are looked for."""
         records = np.zeros_like(run.all_events.events)
-        records["leader"] = -1
         for (number, event), of_phase in zip(self.events.items(), mine, strict=True):
             records[number] = run.entered[number] = of_phase
             record, kept = records[number], run.all_events.events[number][["first", "last"]].item()
@@ -246,8 +242,6 @@ class Track:
                 kept, record["ends"] = (0, 0), record["ends"] or Status.ENDED.code
             record["first"], record["last"] = kept
             record["watched"] = not event.sense or event.name in run.problem.events
-            record["leader"] = numbers[record["leader"]]
-        mark_bounded(records)
         return records
 
     def value(self, event: Event, state: np.ndarray) -> float:

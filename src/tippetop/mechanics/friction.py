@@ -106,6 +106,8 @@ class FrictionLaw(Record, abstract=True):
     It must be finite, at rest too, and not negative. A law that is no multiple of g_n v_A (the
     modified reaction) has none.
     """
+    bounded_by: ClassVar[tuple[str, ...]] = ()
+    """Numbers of which the greatest bounds |F_h|/g_n; empty: no bound is known."""
     set_valued: ClassVar[bool] = False
     """Whether a contact at rest bears any |F_h| <= mu g_n: it slips, rolls, and slips again."""
     regions: ClassVar[Mapping[str, Region]] = {}
@@ -191,6 +193,7 @@ class Coulomb(FrictionLaw):
     """
 
     words = "regularised Coulomb friction"
+    bounded_by = ("mu",)
     mu: Number = number(ONE, "Coulomb friction coefficient mu", symbol=r"\mu", least=0)
     eps: Number = reuse(EPS, default=None, optional=True)
 
@@ -229,6 +232,7 @@ class Contensou(FrictionLaw):
     """
 
     words = "Coulomb–Contensou friction"
+    bounded_by = ("mu",)
     regions = REGIONS
     torque = staticmethod(torque)
     mu: Number = reuse(Coulomb.parameters["mu"])
@@ -273,6 +277,7 @@ class Stribeck(FrictionLaw):
     """
 
     words = "Stribeck friction"
+    bounded_by = ("mu", "mu_static")
     mu: Number = reuse(Coulomb.parameters["mu"])
     mu_static: Number = number(
         ONE, "Coulomb friction coefficient at rest", symbol=r"\mu_s", least=0
