@@ -928,10 +928,10 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the state, the integrals of the
-   run, the time left and the signs of event functions. From `out` on they have the state and the
-   integrals in which phase `next` begins, the time that it lasts (NaN: it has no clock), the
-   numbers of tables, and of event functions the signs, of which 0 stays, and the roots. */
+/* What follows where a phase ends by an event. Registers begin with the state, the time left and the
+   signs of event functions. From `out` on they have the state in which phase `next` begins, of event
+   functions the signs, of which 0 stays, and the roots, the time that the phase lasts (NaN: it has
+   no clock), and the numbers of tables. */
 typedef struct {
     const Line *lines;
     real *registers;
@@ -941,11 +941,10 @@ typedef struct {
 typedef struct {
     const Loop *const *loops; /* of phases, then of motions */
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
-    real *whole;              /* the integrals of the run */
     real *made; /* of each change: time, phase and event, counts of rows, passages and samples, then
-                   the registers after the state */
+                   the last registers */
     real began, end, clock, chatter;
-    integer present, count, most, integrals, width;
+    integer present, count, most, width;
 } Phases;
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
@@ -1027,15 +1026,15 @@ static bool change_phase(Phases *p) {
         return false;
     real *r = c->registers, *signs = known(l, SIGN, 0), finite = 0;
     copy(n, log->states + at * l->sizes.width, 1, r, 1);
-    copy(p->integrals, p->whole, 1, r + n, 1);
-    r[n + p->integrals] = p->end - when;
-    copy(events, signs, 1, r + n + p->integrals + 1, 1);
+    r[n] = p->end - when;
+    copy(events, signs, 1, r + n + 1, 1);
     if (!execute(c, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
     const Motion *m = &next->motion;
-    const real *out = r + c->out, *others = out + next->sizes.variables;
-    for (const real *number = out; number < others; number++)
+    const real *out = r + c->out, *sides = out + next->sizes.variables;
+    const real *roots = sides + events, *others = roots + events;
+    for (const real *number = out; number < sides; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
@@ -1051,12 +1050,10 @@ static bool change_phase(Phases *p) {
     copy(p->width - 5, others, 1, made + 5, 1);
 
     copy(next->sizes.variables, out, 1, m->state, 1);
-    copy(p->integrals, others, 1, p->whole, 1);
-    p->clock = when + others[p->integrals];
+    p->clock = when + others[0];
     m->high[0] = when;
     m->low[0] = 0;
     m->end[0] = p->clock < p->end ? p->clock : p->end;
-    const real *sides = others + p->width - 5, *roots = sides + events;
     for (integer e = 0; e < events; e++) {
         signs[e] = sides[e] != 0 ? sides[e] : signs[e];
         known(l, ON_ZERO, e)[0] = roots[e];

@@ -189,7 +189,7 @@ class Coulomb(FrictionLaw):
 
     Dry friction (Coulomb 1785). The regularisation speed eps decides when a top inverts. Without it
     this is Coulomb's law itself: the contact slips, rolls and flies, and the tables `phases` and
-    `impacts` say when.
+    `impacts` list when.
     """
 
     words = "regularised Coulomb friction"
@@ -228,7 +228,7 @@ class Contensou(FrictionLaw):
     """Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev, Hertz).
 
     Friction that drills, of a tippe top, and rolling resistance. (Contensou 1963, Zhuravlev 1998)
-    The contact slips and flies, and the tables `phases` and `impacts` say when.
+    The contact slips and flies, and the tables `phases` and `impacts` list when.
     """
 
     words = "Coulomb–Contensou friction"
