@@ -66,6 +66,19 @@ class Solution:
         return Observables(self.problem).columns(self.times, self.rows)
 
 
+def with_rows_at(problem: Problem, times: np.ndarray, **changes: Any) -> Problem:
+    """Return a problem whose only rows are at these times [s], ascending; it ends at the last."""
+    return replace(
+        problem,
+        times=times,
+        until=float(times[-1]),
+        output="times",
+        stop_when="until",
+        columns=None,
+        **changes,
+    )
+
+
 def refuse_more_than_memory(problem: Problem) -> None:
     """Raise InputError for rows that this machine cannot hold as states and columns."""
     if problem.output != "times":

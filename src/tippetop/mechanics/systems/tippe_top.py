@@ -225,25 +225,30 @@ COMMON: dict[str, Any] = {
 }
 """Fields of the systems of a tippe top, gliding or rolling."""
 
+GLIDING: dict[str, Any] = {
+    "initial": gliding.INITIAL,
+    "alternatives": gliding.ALTERNATIVES,
+    "start": gliding.start_of(gliding_euler.ANGLES),
+    "angles": gliding_euler.ANGLES,
+    "forms": gliding.FORMS,
+    "undefined_at_poles": gliding.UNDEFINED_AT_POLES,
+    "laws": LAWS,
+}
+"""Fields of the systems of a top that glides."""
+
 TIPPE_TOP = of_one_phase(
     "slip",
     name="tippe-top",
     title="rolling and gliding tippe top",
     source=SOURCE + "3",
-    initial=gliding.INITIAL,
-    alternatives=gliding.ALTERNATIVES,
-    start=gliding.start_of(gliding_euler.ANGLES),
-    angles=gliding_euler.ANGLES,
-    forms=gliding.FORMS,
     quantities=QUANTITIES,
     on_request=ON_REQUEST,
     integrals=("jellett",),
     events=gliding.EVENTS,
-    undefined_at_poles=gliding.UNDEFINED_AT_POLES,
-    laws=LAWS,
     outlook=outlook.tippe_top,
     opening=Opening(sphere=True, routh=routh, outlook=outlook.tippe_top_with_contact),
     borders=outlook.tippe_top_borders,
     inverts=True,
+    **GLIDING,
     **COMMON,
 )
