@@ -72,9 +72,9 @@ typedef struct {
 } Motion;
 
 typedef struct {
-    integer row, shift, leader, direction, ends, sense, first, last;
+    integer row, shift, direction, ends, sense, first, last;
     real scale, offset;
-    bool extremes, watched, ranged, bounded;
+    bool extremes, watched, ranged;
 } Event;
 
 typedef struct {
@@ -393,13 +393,6 @@ INLINED real *known(const Loop *l, integer what, integer event) {
     return l->tallies.functions + (what * l->sizes.events + event) * l->sizes.lanes;
 }
 
-INLINED void keep_bounds(const Loop *l, integer n, integer e, const real *low, const real *high,
-                         const real *steady) {
-    copy(n, low, 1, known(l, LOW, e), 1);
-    copy(n, high, 1, known(l, HIGH, e), 1);
-    copy(n, steady, 1, known(l, STEADY, e), 1);
-}
-
 /* Bound an event function. The Bernstein coefficients of the cubic part, plus or minus the sum of
    the other coefficients, bound a polynomial; those of its slope show whether it is monotone: then
    it lies between its ends. */
@@ -433,24 +426,12 @@ INLINED void bound(const Loop *l, integer n, integer e) {
         low[i] = (monotone ? MIN(p0, last) : MIN(low1, low2) - beyond) + event->offset;
         high[i] = (monotone ? MAX(p0, last) : MAX(high1, high2) + beyond) + event->offset;
     }
-    keep_bounds(l, n, e, low, high, steady);
+    copy(n, low, 1, known(l, LOW, e), 1);
+    copy(n, high, 1, known(l, HIGH, e), 1);
+    copy(n, steady, 1, known(l, STEADY, e), 1);
 }
 
-/* Bound an event function that is a variable, by the bounds of its rate. */
-INLINED void bound_by_rate(const Loop *l, integer n, integer e) {
-    const Event *event = l->rows.events + e;
-    const real *start = l->motion.tc + event->row * l->sizes.size * n, *h = l->factors + n;
-    const real *least = known(l, LOW, event->leader), *greatest = known(l, HIGH, event->leader);
-    real low[WIDEST], high[WIDEST], steady[WIDEST];
-    for (integer i = 0; i < n; i++) {
-        low[i] = start[i] + event->offset + h[i] * MIN(0.0, least[i]);
-        high[i] = start[i] + event->offset + h[i] * MAX(0.0, greatest[i]);
-        steady[i] = ((least[i] > 0) | (greatest[i] < 0)) ? 1.0 : 0.0;
-    }
-    keep_bounds(l, n, e, low, high, steady);
-}
-
-/* Bound every event function over the step. */
+/* Bound the event functions that count over the step. */
 INLINED void bound_functions(const Loop *l, integer n) {
     const Motion *m = &l->motion;
     integer size = l->sizes.size;
@@ -465,12 +446,11 @@ INLINED void bound_functions(const Loop *l, integer n) {
             l->factors[(size + k) * n + i] = (real)(k + 1) * power[i];
             power[i] *= h[i];
         }
-    for (integer e = 0; e < l->sizes.events; e++)
-        if (l->rows.events[e].bounded && l->rows.events[e].leader < 0)
+    for (integer e = 0; e < l->sizes.events; e++) {
+        const Event *event = l->rows.events + e;
+        if (event->watched || event->ranged || event->ends != 0)
             bound(l, n, e);
-    for (integer e = 0; e < l->sizes.events; e++)
-        if (l->rows.events[e].bounded && l->rows.events[e].leader >= 0)
-            bound_by_rate(l, n, e);
+    }
 }
 
 /* --- the events of one lane --- */
@@ -948,10 +928,10 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the state, the integrals of the
-   run, the time left and the signs of event functions. From `out` on they have the state and the
-   integrals in which phase `next` begins, the time that it lasts (NaN: it has no clock), the
-   numbers of tables, and of event functions the signs, of which 0 stays, and the roots. */
+/* What follows where a phase ends by an event. Registers begin with the state, the time left and the
+   signs of event functions. From `out` on they have the state in which phase `next` begins, of event
+   functions the signs, of which 0 stays, and the roots, the time that the phase lasts (NaN: it has
+   no clock), and the numbers of tables. */
 typedef struct {
     const Line *lines;
     real *registers;
@@ -961,11 +941,10 @@ typedef struct {
 typedef struct {
     const Loop *const *loops; /* of phases, then of motions */
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
-    real *whole;              /* the integrals of the run */
     real *made; /* of each change: time, phase and event, counts of rows, passages and samples, then
-                   the registers after the state */
+                   the last registers */
     real began, end, clock, chatter;
-    integer present, count, most, integrals, width;
+    integer present, count, most, width;
 } Phases;
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
@@ -1047,15 +1026,15 @@ static bool change_phase(Phases *p) {
         return false;
     real *r = c->registers, *signs = known(l, SIGN, 0), finite = 0;
     copy(n, log->states + at * l->sizes.width, 1, r, 1);
-    copy(p->integrals, p->whole, 1, r + n, 1);
-    r[n + p->integrals] = p->end - when;
-    copy(events, signs, 1, r + n + p->integrals + 1, 1);
+    r[n] = p->end - when;
+    copy(events, signs, 1, r + n + 1, 1);
     if (!execute(c, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
     const Motion *m = &next->motion;
-    const real *out = r + c->out, *others = out + next->sizes.variables;
-    for (const real *number = out; number < others; number++)
+    const real *out = r + c->out, *sides = out + next->sizes.variables;
+    const real *roots = sides + events, *others = roots + events;
+    for (const real *number = out; number < sides; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
@@ -1071,12 +1050,10 @@ static bool change_phase(Phases *p) {
     copy(p->width - 5, others, 1, made + 5, 1);
 
     copy(next->sizes.variables, out, 1, m->state, 1);
-    copy(p->integrals, others, 1, p->whole, 1);
-    p->clock = when + others[p->integrals];
+    p->clock = when + others[0];
     m->high[0] = when;
     m->low[0] = 0;
     m->end[0] = p->clock < p->end ? p->clock : p->end;
-    const real *sides = others + p->width - 5, *roots = sides + events;
     for (integer e = 0; e < events; e++) {
         signs[e] = sides[e] != 0 ? sides[e] : signs[e];
         known(l, ON_ZERO, e)[0] = roots[e];

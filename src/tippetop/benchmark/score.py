@@ -51,7 +51,7 @@ class Result(NamedTuple):
     compared
         Times up to the horizon, errors by quantity, theta of both, and the numbers of the score.
     outcome, expected
-        What the result shows, and what the reference shows.
+        The outcome of the result, and that of the reference.
     unseen
         The longest time without a row (start, end) [s] if it is too long to judge the outcome.
     """

@@ -209,7 +209,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     Returns
     -------
     Problems
-        Its `check` says which tops are invalid, and why.
+        Its `check` returns the invalid tops, and why they are invalid.
 
     Raises
     ------

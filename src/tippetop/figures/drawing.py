@@ -53,7 +53,7 @@ def axes_of(
     attrs
         The root attributes of the run's store.
     look
-        How it looks.
+        Size, colours and title.
     ax
         Axes to draw in, without further panels and without legends outside.
 

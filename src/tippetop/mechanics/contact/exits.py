@@ -18,7 +18,7 @@ from . import body as contact
 from .body import Touch
 from .coulomb import cone, sticking
 from .disc_at_rest import Held, direction, impulses, margin, stopping, turning
-from .double_contact import brought_to_rest, double_contact
+from .double_contact import STANDS, brought_to_rest, double_contact, without_slip_on_both
 from .first_slip import first_directions, first_slip
 from .response import Struck, after_impact, bias_vector, mobility_inverse_times
 from .single_contact import (
@@ -241,11 +241,9 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
         if min(s.force, s.stem_force) > PRESSES * b.m * b.g:
             return Next(name, x, cause)
     for ball in (0, 1):
-        n = on_plane(x, world, ball, cause)
-        if world.phases[n.phase].label == "flight":
+        n = left_alone(on_plane(x, world, ball, cause), world, 2)
+        if not n.ends and (world.phases[n.phase].label == "flight" or opens(n, world)):
             return n
-        if opens(n, world):
-            return left_alone(n, world, 2)
     return ended(x, 0, cause, "ended", BOTH if law.set_valued else NO_WAY)
 
 
@@ -498,6 +496,20 @@ def come_to_rest(x: Moving, world: Any, slides: str) -> Next:
     return n
 
 
+def roll_on_both(x: Moving, world: Any) -> Next:
+    """Return the phase after both contacts have stopped sliding and turning.
+
+    The body rolls on both if friction can give the force, and otherwise passes its rest.
+    """
+    b, name = world.body[0], phase_name("both", 0, "roll")
+    phase, rolls = world.phases[name], without_slip_on_both(x, b)
+    F = phase.reaction(phase.enter(rolls, b), b).force
+    if size(F) < b.friction.mu * F.z:
+        return Next(name, rolls, "rests", logged=("stick",))
+    name = phase_name("both", 0, *regions_of(x, law_of(world).regions, *world.body))
+    return Next(name, x, "", zeros={STANDS.name: 1}, sides={STANDS.name: -1})
+
+
 def give_way(x: Moving, world: Any) -> Next:
     """Return the phase after friction can no longer hold a disc at rest."""
     n = slide_from_rest(x, world, world.phase.ball, "gives")
@@ -512,12 +524,13 @@ def on_disc(n: Next, world: Any) -> Next:
     slide.
     """
     phase = world.phases[n.phase]
-    if phase.label != "slip" or not law_of(world).regions:
+    if phase.label not in ("slip", "both") or not law_of(world).regions:
         return n
     b = world.body[phase.ball]
     s = phase.form.scalars(phase.enter(n.x, b), b)
     for event in phase.events:
-        if event.name in ("slow", RESTS.name) and event.direction * event.formula(s, b) > 0:
+        is_passed = event.name in ("slow", "stem-slow", RESTS.name)
+        if is_passed and event.direction * event.formula(s, b) > 0:
             n.sides = {event.name: event.direction, **n.sides}
     return at_rest(n, world, phase.ball) if RESTS.name in n.sides else n
 
@@ -567,6 +580,7 @@ JUMPS: dict[str, Callable] = {
     "slip": begin_slip,
     "gives": give_way,
     "touch": change_ball,
+    STANDS.name: roll_on_both,
     "sphere-leaves": partial(stay_on, ball=1),
     "stem-leaves": partial(stay_on, ball=0),
 }

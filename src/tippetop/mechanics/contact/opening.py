@@ -17,7 +17,7 @@ from ..operand import formula, leaves, refill
 from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from .body import Touch, seen_from_balls
-from .double_contact import double_contact
+from .double_contact import ROLLS_ON_BOTH, double_contact
 from .exits import IMPACT, JUMPS, begin, come_to_rest, go_on, land, phase_name
 from .gliding import gliding_catalogue as gliding
 from .integrals import NAMED, integral
@@ -173,6 +173,8 @@ def phases_of(planar: bool, law: Any, balls: int) -> dict[str, Phase]:
         for names in product(law.regions, repeat=2) if law.regions else ((),):
             regions = tuple(law.regions[name] for name in names)
             place(double_contact(regions, law.torque).phase, 0, *names)
+        if law.regions:
+            place(ROLLS_ON_BOTH, 0, "roll")
     integrals = {one.name for one in row_of(planar, law).integrals}
     return {name: with_exits(name, bare, law, integrals) for name in bare}
 
@@ -186,7 +188,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) 
     phase, ball, regions = bare[name]
     jumps = JUMPS | {RESTS.name: partial(come_to_rest, slides=name)}
     for at, region in enumerate(regions):
-        for border in law.regions[region].borders:
+        for border in law.regions[region].borders if region in law.regions else ():
             to = phase_name(phase.label, ball, *regions[:at], border.follows, *regions[at + 1 :])
             stays = border.direction if border.follows == region else 0
             of_ball = "stem-" * at

@@ -322,12 +322,16 @@ def speeds(by: Any, b: Touch) -> Speeds:
     return Speeds(v.x * v.x + v.y * v.y, patch_speed2(by.omega, b))
 
 
-def beyond_rest(s, b):
-    """Return the square of the speeds beyond those of a disc at rest."""
-    return sum(speeds(s.by, b)) - STILL**2 - rest_speed2(b)
+def beyond_rest(by, b):
+    """Return the square of the speeds of a contact beyond those of a disc at rest."""
+    return sum(speeds(by, b)) - STILL**2 - rest_speed2(b)
 
 
-RESTS = ending("rests", "the contact's disc neither slides nor turns", beyond_rest)
+RESTS = ending(
+    "rests",
+    "the contact's disc neither slides nor turns",
+    lambda s, b: beyond_rest(s.by, b),
+)
 
 
 def borders(region: Region, field: str = "by", prefix: str = "") -> list[Event]:
