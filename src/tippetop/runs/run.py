@@ -12,6 +12,7 @@ from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.caching import cached_property
 from ..problem import Problem
+from ..sampling import ListedTimes
 from . import reporting
 from .events import EventTable
 from .integration import Integration
@@ -70,7 +71,7 @@ def with_rows_at(problem: Problem, times: np.ndarray, **changes: Any) -> Problem
     """Return a problem whose only rows are at these times [s], ascending; it ends at the last."""
     return replace(
         problem,
-        times=times,
+        times=ListedTimes(times),
         until=float(times[-1]),
         output="times",
         stop_when="until",

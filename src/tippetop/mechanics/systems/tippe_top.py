@@ -16,6 +16,7 @@ from ..number import Number, number
 from ..operand import formula, sqrt
 from ..potential_coefficients import PotentialCoefficients
 from ..system import Landscape, Momentum, Opening, Quantity, of_one_phase
+from ..theory.spinning import d
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -67,19 +68,6 @@ class TippeTop(Top):
     def seen(self, friction: Any) -> Touch:
         """Return the body: c = alpha*R."""
         return Touch(self.m, self.R, self.alpha * self.R, self.I1, self.I3, self.g, friction)
-
-
-@formula
-def d(z, b):
-    """Return d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit.
-
-    It gives D = L_3 sqrt(d).
-
-    [T 4.7]
-    """
-    return (
-        b.I1 + b.m * ((b.c - b.R * z) ** 2 + b.R**2 * (b.I1 / b.I3) * ((1 - z) * (1 + z)))
-    ) / b.I3
 
 
 @formula
