@@ -25,7 +25,7 @@ from .double_contact import (
     on_both,
     without_slip_on_both,
 )
-from .first_slip import first_directions, first_slip
+from .first_slip import FirstSlip, first_directions, first_slip
 from .response import Struck, after_impact, bias_vector, mobility_inverse_times
 from .single_contact import (
     DIRECTED,
@@ -68,8 +68,6 @@ MOST_STRIKES = 16
 SPAN, SLOW = 0.03, 0.5
 """Time over which sliding begins at the edge of the cone: this part of 1/|omega|, and at most that
 of the time in which gravity swings the body."""
-
-MOST_HALVINGS = 10
 
 NO_WAY = "the contact opens and closes at once: the model has no solution"
 MAKES_ENERGY = (
@@ -418,13 +416,14 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     F = sticking(x.u, x.L, b)[0]
     omega = contact.angular_velocity(x.u, x.L, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
-    state = np.array([*x.u, *x.L, *x.carried])
-    for _ in range(MOST_HALVINGS):  # short enough for nothing else to happen to the contact
-        first = first_slip(rates, turning, state, np.arctan2(-F.y, -F.x), span)
+
+    def lasts(first: FirstSlip) -> bool:
         q = read(*first.at(first.time[-1:]))[0]
-        if phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * phase.leave(q, b).u.z > 0:
-            break
-        span = span / 2
+        other = b.clearance + b.lever * phase.leave(q, b).u.z
+        return bool(phase.reaction(q, b).force.z > 0 and other > 0)
+
+    state, beta = np.array([*x.u, *x.L, *x.carried]), np.arctan2(-F.y, -F.x)
+    first = first_slip(rates, turning, state, beta, span, lasts=lasts)
 
     def series(t: np.ndarray) -> tuple[Any, Any]:
         t = np.array([eighty_bits(one) for one in t])
