@@ -104,10 +104,14 @@ typedef struct {
 } Tallies;
 
 typedef struct {
+    real time;
+    integer event, sign;
+    bool at_pole;
+} Passage;
+
+typedef struct {
     integer *filled;
-    real *time;
-    integer *event, *sign;
-    bool *at_pole;
+    Passage *rows;
     real *states;
 } Log;
 
@@ -579,14 +583,8 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
         return;
     loop_keep(l, event->first, event->last, lane, when, sign);
     const Log *log = &l->log;
-    integer at = log->filled[0];
-    if (at == l->sizes.log)
-        return;
-    log->time[at] = when;
-    log->event[at] = e;
-    log->sign[at] = (integer)sign;
-    log->at_pole[at] = at_pole;
-    log->filled[0]++;
+    if (log->filled[0] < l->sizes.log)
+        log->rows[log->filled[0]++] = (Passage){when, e, (integer)sign, at_pole};
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
@@ -843,19 +841,11 @@ static bool begin(const Loop *l) {
 /* Put the events of a step, from number `first` of the log on, in the order of their times. */
 static void sort_log(const Log *log, integer first) {
     for (integer k = first + 1; k < log->filled[0]; k++) {
-        real time = log->time[k];
-        integer event = log->event[k], sign = log->sign[k], at = k;
-        bool at_pole = log->at_pole[k];
-        for (; at > first && log->time[at - 1] > time; at--) {
-            log->time[at] = log->time[at - 1];
-            log->event[at] = log->event[at - 1];
-            log->sign[at] = log->sign[at - 1];
-            log->at_pole[at] = log->at_pole[at - 1];
-        }
-        log->time[at] = time;
-        log->event[at] = event;
-        log->sign[at] = sign;
-        log->at_pole[at] = at_pole;
+        Passage row = log->rows[k];
+        integer at = k;
+        for (; at > first && log->rows[at - 1].time > row.time; at--)
+            log->rows[at] = log->rows[at - 1];
+        log->rows[at] = row;
     }
 }
 
@@ -875,7 +865,7 @@ static bool end_step(const Loop *l) {
         ended = take_step(l, lane) || ended;
     sort_log(&l->log, first);
     for (integer k = first; k < l->log.filled[0]; k++) {
-        state_at(l, 0, l->log.time[k]);
+        state_at(l, 0, l->log.rows[k].time);
         copy(variables, l->out, lanes, l->log.states + k * l->sizes.width, 1);
     }
     bool filled = take_rows(l, true);
@@ -969,7 +959,7 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     bool within = tally->upto < 1;
     integer last = l->log.filled[0] - 1;
     results[0] = (real)tally->status;
-    results[2] = within ? (real)l->log.event[last] : -1;
+    results[2] = within ? (real)l->log.rows[last].event : -1;
     memcpy(results + 3, within ? l->log.states + last * n->width : l->motion.state,
            n->variables * sizeof(real));
 }
@@ -1023,7 +1013,7 @@ static bool change_phase(Phases *p) {
     real when = tally->t;
     if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
         return false;
-    const Change *c = p->changes + p->present * events + log->event[at];
+    const Change *c = p->changes + p->present * events + log->rows[at].event;
     if (c->length == 0)
         return false;
     real *r = p->registers, *results = r + n + 1 + events + p->numbers + c->count;
@@ -1044,9 +1034,7 @@ static bool change_phase(Phases *p) {
     if (finite != 0)
         return false;
 
-    log->event[at] = c->logged;
-    log->sign[at] = 1;
-    log->at_pole[at] = false;
+    log->rows[at] = (Passage){when, c->logged, 1, false};
     loop_keep(l, c->first, c->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
     real counts[] = {when, (real)(c - p->changes), (real)l->output.filled[0], (real)(at + 1),

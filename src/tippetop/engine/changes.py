@@ -27,7 +27,7 @@ class _Change(NamedTuple):
     lines: np.ndarray
     constants: np.ndarray
     length: int
-    count: int
+    n_constants: int
     out: int
     next: int
     logged: int

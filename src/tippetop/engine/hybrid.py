@@ -500,7 +500,7 @@ class HybridDriver(Driver):
             if status is Status.FINISHED:
                 ending = sampled or (CLOCK if self.until < self.end else None)
             elif self.upto[0] < 1.0 and (
-                ending := track.ways.get(self.log.event[self.logged[0] - 1])
+                ending := track.ways.get(self.log.rows["event"][self.logged[0] - 1])
             ):
                 self.drop()  # the jump logs it
             if ending is not None:

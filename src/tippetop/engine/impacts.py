@@ -146,7 +146,7 @@ class ImpactMotions:
         driver.end_at(end)
         driver.forget()
         steps, code = driver.make(NO_ROWS, int(most)), driver.status[0]
-        event = int(driver.log.event[driver.logged[0] - 1]) if code == ENDED else -1
+        event = int(driver.log.rows["event"][driver.logged[0] - 1]) if code == ENDED else -1
         return code, steps, event, motion.Motion(*driver.reached()[1][: len(q)].tolist())
 
     def struck(self, x: Moving, b: Touch, e_n: Any, piece: Callable | None = None) -> Impact:

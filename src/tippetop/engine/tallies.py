@@ -158,18 +158,19 @@ class PassageLog(NamedTuple):
     """Zeros of event functions in one lane, in the order of detection; of length 0 if unused."""
 
     filled: np.ndarray  # (1,) how many there are
-    time: np.ndarray  # (n,) internal
-    event: np.ndarray  # (n,) its number
-    sign: np.ndarray  # (n,) of the crossing, +1 rising
-    at_pole: np.ndarray  # (n,) whether the axis passes a pole there
+    rows: np.ndarray  # (n,) records
     states: np.ndarray  # (n, variables)
+
+
+# internal; number of the event; of the crossing, +1 rising; whether the axis passes a pole there
+_PASSAGE = [("time", float), ("event", int), ("sign", int), ("at_pole", bool)]
+PASSAGE_RECORD = np.dtype(_PASSAGE, align=True)
 
 
 def new_log(length: int, variables: int) -> PassageLog:
     """Return an empty log with room for `length` passages."""
-    event, sign = np.zeros((2, length), np.int64)
-    at_pole, states = np.zeros(length, np.bool_), np.empty((length, variables))
-    return PassageLog(np.zeros(1, np.int64), np.zeros(length), event, sign, at_pole, states)
+    rows, states = np.zeros(length, PASSAGE_RECORD), np.empty((length, variables))
+    return PassageLog(np.zeros(1, np.int64), rows, states)
 
 
 class Samples(NamedTuple):

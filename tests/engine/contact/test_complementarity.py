@@ -7,7 +7,7 @@ import pytest
 from touching import LEINE_GLOCKER
 
 from tippetop.engine.status import Status
-from tippetop.mechanics.contact.state import PHASES, Row, row_scalars
+from tippetop.mechanics.contact.rows import PHASES, Row, row_scalars
 from tippetop.runs.run import Solution, solve
 from tippetop.scenario.build import problem
 
