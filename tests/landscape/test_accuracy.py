@@ -8,7 +8,7 @@ import pytest
 
 from tippetop.landscape import formulas, surface
 from tippetop.landscape import landscape_body as bodies
-from tippetop.mechanics.systems import spinning
+from tippetop.mechanics.theory import spinning
 from tippetop_kernels.minimise import Status
 
 

@@ -8,7 +8,7 @@ from nightly import at_night
 from touching import LEINE_GLOCKER
 
 from tippetop.engine.status import Status
-from tippetop.mechanics.contact.state import PHASES, Row, row_scalars
+from tippetop.mechanics.contact.rows import PHASES, Row, row_scalars
 from tippetop.runs.run import Solution, solve
 from tippetop.scenario.build import problem
 
