@@ -49,7 +49,7 @@ def potential(
     from .kernels import potentials
 
     t = top(parameters, system)
-    given = (z, first, second)
+    given = z, first, second
     z, x, y = map(axis, ("z", *t.momenta), given)
     V, V_z, V_zz = np.empty((3, z.size, x.size, y.size))
     with np.errstate(invalid="ignore"):
