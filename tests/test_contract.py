@@ -16,8 +16,8 @@ import pytest
 
 REPOSITORY = Path(__file__).parents[1]
 FORBIDDEN = [
-    ("src/tippetop/mechanics/friction.py", "from ..engine import taylor", "rooms stand on floors"),
-    ("src/tippetop/elsewhere.py", "", "rooms stand on floors"),
+    ("src/tippetop/mechanics/friction.py", "from ..engine import taylor", "layers of the package"),
+    ("src/tippetop/elsewhere.py", "", "layers of the package"),
     (
         "src/tippetop/mechanics/friction.py",
         "from .systems import tippe_top",
@@ -86,15 +86,15 @@ def test_the_contract_is_kept(linted: list[Linted]) -> None:
     "case", range(len(FORBIDDEN)), ids=[f"{line}-{broken}" for _, line, broken in FORBIDDEN]
 )
 def test_a_forbidden_import_breaks_it(case: int, linted: list[Linted]) -> None:
-    """A module without a floor breaks it too."""
+    """A module outside the layers breaks it too."""
     found = linted[1 + case]
     assert found.code == 1, found.out
     assert re.search(rf"^{re.escape(FORBIDDEN[case][2])}.* BROKEN", found.out, re.MULTILINE)
 
 
 def test_the_layout_stays_within_its_goals() -> None:
-    """At most 26 rooms on at most 11 floors below `python -m`."""
+    """At most 26 parts in at most 11 layers below `python -m`."""
     project = tomllib.loads((REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))
-    floors = project["tool"]["importlinter"]["contracts"][0]["layers"][1:]
-    assert len(floors) <= 11
-    assert len(" | ".join(floors).split(" | ")) <= 26
+    layers = project["tool"]["importlinter"]["contracts"][0]["layers"][1:]
+    assert len(layers) <= 11
+    assert len(" | ".join(layers).split(" | ")) <= 26

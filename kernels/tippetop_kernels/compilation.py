@@ -64,7 +64,10 @@ class Entry:
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the function."""
-        return self.compiled(*arguments)
+        try:
+            return self.compiled(*arguments)
+        except OSError:  # numba has compiled it, but cannot keep the code: the disk is full
+            return self.compiled(*arguments)
 
     @functools.cached_property
     def compiled(self) -> Callable:
@@ -136,7 +139,8 @@ def code_folder() -> Path | None:
         return None
     folder = private_folder(base / f"numba-{digest}")
     if folder is not None:
-        os.utime(folder)
+        with contextlib.suppress(OSError):
+            os.utime(folder)
         for old in sorted(base.glob("numba-*"), key=lambda path: path.stat().st_mtime)[:-KEPT]:
             shutil.rmtree(old, ignore_errors=True)
     return folder

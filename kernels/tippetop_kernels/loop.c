@@ -137,26 +137,6 @@ typedef struct {
 } Rows;
 
 typedef struct {
-    const real *start, *pars, *until;
-    const int8_t *signs, *on_zero;
-    Tally *lane;
-    real *functions, *kept, *final;
-} Tops;
-
-typedef struct {
-    const integer *tops;
-    integer *taken, *ended;
-    integer length;
-} Queue;
-
-typedef struct {
-    Tops tops;
-    Queue queue;
-    Tallies fresh;
-    integer count, variables;
-} Ensemble;
-
-typedef struct {
     Step step;
     Dense dense;
     integer fused; /* whether `dense` rounds a product and the difference that takes it once */
@@ -171,7 +151,6 @@ typedef struct {
     Thresholds thresholds;
     Tables tables;
     Rows output;
-    Ensemble ensemble;
 } Loop;
 
 INLINED void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
@@ -863,73 +842,6 @@ static bool take_step(const Loop *l, integer lane) {
     return tally->status != RUNNING;
 }
 
-/* --- lanes that take tops from a queue --- */
-
-/* Put a top into a lane. Integrals of event functions, which its start does not contain, begin at
-   zero. */
-static void take_top(const Loop *l, integer lane, integer top) {
-    const Tops *tops = &l->ensemble.tops;
-    const Tallies *fresh = &l->ensemble.fresh;
-    const Motion *m = &l->motion;
-    integer n = l->sizes.lanes, count = l->ensemble.count, events = l->sizes.events;
-    for (integer i = l->ensemble.variables; i < l->sizes.variables; i++)
-        m->state[i * n + lane] = 0;
-    copy(l->ensemble.variables, tops->start + top, count, m->state + lane, n);
-    copy(l->sizes.parameters, tops->pars + top, count, m->pars + lane, n);
-    m->high[lane] = m->low[lane] = 0;
-    m->end[lane] = tops->until[top];
-    l->tallies.lane[lane] = fresh->lane[0];
-    copy(KNOWN * events, fresh->functions, 1, l->tallies.functions + lane, n);
-    copy(l->sizes.numbers, fresh->kept, 1, l->tallies.kept + lane, n);
-    for (integer e = 0; e < events; e++) {
-        known(l, SIGN, e)[lane] = tops->signs[top * events + e];
-        known(l, ON_ZERO, e)[lane] = tops->on_zero[top * events + e];
-    }
-}
-
-/* Keep how a top has ended, perhaps within a step. The end may confirm the turning that waits. */
-static void put_down(const Loop *l, integer lane, integer top) {
-    const Tops *tops = &l->ensemble.tops;
-    const integer *rows = l->rows.axis;
-    Tally *tally = l->tallies.lane + lane;
-    integer n = l->sizes.lanes, count = l->ensemble.count;
-    const real *last = (tally->upto == 1 ? l->motion.state : l->out) + lane;
-    if (tally->upto < 1)
-        state_at(l, lane, tally->t);
-    real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};
-    take_turning(tally, l->thresholds.noise_floor, 0, theta_of(axis));
-    tops->lane[top] = *tally;
-    copy(l->ensemble.variables, last, n, tops->final + top, count);
-    copy(l->sizes.numbers, l->tallies.kept + lane, n, tops->kept + top, count);
-    copy((GREATEST + 1) * l->sizes.events, l->tallies.functions + lane, n, tops->functions + top,
-         count);
-}
-
-/* Put down the tops that have ended, and, if `settled`, those that have settled. Take others from
-   the queue, which threads share. Return whether the caller must look: all lanes are empty, or a top
-   has settled. */
-static bool change(const Loop *l, bool settled) {
-    const Queue *queue = &l->ensemble.queue;
-    bool looks = false, empty = true;
-    for (integer lane = 0; lane < l->sizes.lanes; lane++) {
-        integer status = l->tallies.lane[lane].status, *top = l->samples.in_lane + lane;
-        bool ended = *top >= 0 && status != RUNNING, waits = status == SETTLED && !settled;
-        looks = looks || (ended && waits);
-        if (ended && !waits) {
-            put_down(l, lane, *top);
-            queue->ended[0]++;
-            *top = -1;
-        }
-        if (*top < 0) {
-            integer next = __atomic_fetch_add(queue->taken, 1, __ATOMIC_RELAXED);
-            if (next < queue->length)
-                take_top(l, lane, *top = queue->tops[next]);
-        }
-        empty = empty && *top < 0;
-    }
-    return looks || empty;
-}
-
 /* --- the loop --- */
 
 /* Whether there may be no room for what the next step finds. */
@@ -939,10 +851,8 @@ static bool is_full(const Loop *l) {
            (n->samples > 0 && l->samples.filled[0] + n->lanes > n->samples);
 }
 
-/* Fill the lanes. Return whether no step is possible: no run is under way, or there is no room. */
+/* Return whether no step is possible: no run is under way, or there is no room. */
 static bool begin(const Loop *l) {
-    if (l->ensemble.count > 0)
-        change(l, true);
     bool runs = false;
     for (integer lane = 0; lane < l->sizes.lanes; lane++)
         runs = runs || l->tallies.lane[lane].status == RUNNING;
@@ -969,8 +879,8 @@ static void sort_log(const Log *log, integer first) {
     }
 }
 
-/* Take in the step that was made. Return whether the caller must look: a run has ended and has no
-   successor, a top has settled, all rows are written, or there is no room. */
+/* Take in the step that was made. Return whether the caller must look: a run has ended, all rows are
+   written, or there is no room. */
 static bool end_step(const Loop *l) {
     integer lanes = l->sizes.lanes, variables = l->sizes.variables, first = l->log.filled[0];
     bool ended = false;
@@ -989,13 +899,10 @@ static bool end_step(const Loop *l) {
         copy(variables, l->out, lanes, l->log.states + k * l->sizes.width, 1);
     }
     bool filled = take_rows(l, true);
-    if (ended && l->ensemble.count > 0)
-        ended = change(l, false);
     return ended || filled || is_full(l);
 }
 
-/* Make at most `most` steps of all lanes, until the caller must look. Return their number. The next
-   call puts down tops that have settled, unless their status is that of a running one again. */
+/* Make at most `most` steps of all lanes, until the caller must look. Return their number. */
 integer loop_drive(const Loop *l, integer most) {
     const Motion *m = &l->motion;
     /* The integrator keeps vectors on the stack: lanes are slower where it is not aligned. */
@@ -1192,6 +1099,21 @@ integer loop_run(Phases *p, integer most) {
 }
 
 /* --- for the binding and for tests --- */
+
+/* Write the last state of a lane whose run has ended to `out`. The end may confirm the turning that
+   waits. */
+void loop_end(const Loop *l, integer lane) {
+    const integer *rows = l->rows.axis;
+    Tally *tally = l->tallies.lane + lane;
+    integer n = l->sizes.lanes;
+    real *last = l->out + lane;
+    if (tally->upto < 1)
+        state_at(l, lane, tally->t);
+    else
+        copy(l->sizes.variables, l->motion.state + lane, n, last, n);
+    real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};
+    take_turning(tally, l->thresholds.noise_floor, 0, theta_of(axis));
+}
 
 /* Count turnings, and write what each does: CONFIRMS, WAITS or their sum. */
 void loop_count_turnings(Tally *tally, real noise_floor, integer n, const integer *signs,

@@ -14,6 +14,7 @@ from tippetop.engine.status import Status
 from tippetop.engine.tallies import (
     LEAST,
     MOST,
+    ON_ZERO,
     T_LEAST,
     T_MOST,
     EventRows,
@@ -88,8 +89,7 @@ def followed(
     (events, lanes).
     """
     tallies = new_tallies(rows, LANES)
-    for lane in range(LANES):
-        reset(tallies, rows, lane, signs[:, lane], np.zeros(len(signs), bool))
+    reset(tallies, rows, signs)
     continued(tallies, rows, times, tcs, rules, log)
     return tallies
 
@@ -236,13 +236,8 @@ def passages_of(
         for f, (_, shift, offset) in zip(functions, sources, strict=True)
     ]
     tallies = new_tallies(rows, 1)
-    reset(
-        tallies,
-        rows,
-        0,
-        np.where(np.array(at_start) > 0, 1.0, -1.0),
-        np.full(len(functions), on_zero),
-    )
+    reset(tallies, rows, np.where(np.array(at_start) > 0, 1.0, -1.0)[:, None])
+    tallies.functions[ON_ZERO] = on_zero
     tcs = coefficients(functions, times)[..., None]
     continued(tallies, rows, times[:, None], tcs, log=log)
     return tallies, log
@@ -313,8 +308,7 @@ def test_roots_at_the_start_are_divided_out(k: int, noise: float, rng: np.random
     exact = [Polynomial([0.0] * k + [a, -1.0]) for a in zeros]
     times, tcs = slice_of([[p + Polynomial([noise] * k)] for p in exact], rng)
     tallies = new_tallies(rows, LANES)
-    for lane in range(LANES):
-        reset(tallies, rows, lane, np.ones(1), np.array([-k]))
+    tallies.functions[ON_ZERO] = -k
     continued(tallies, rows, times, tcs)
     np.testing.assert_allclose(tallies.kept[0], zeros, rtol=1e-9)
     np.testing.assert_array_equal(tallies.kept[2], 1)

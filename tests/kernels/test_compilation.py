@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numba
 import numpy as np
@@ -123,6 +124,11 @@ def test_a_folder_that_others_can_write_is_not_used(toy: Path, cache: Path, mode
         assert run(toy) == (8.0, False)
         place.chmod(0o700)
     assert run(toy) == (8.0, True)
+
+
+def test_code_that_cannot_be_stored_runs(toy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("numba.core.caching.Cache.save_overload", Mock(side_effect=OSError))
+    assert [run(toy) for _ in range(2)] == [(8.0, False)] * 2
 
 
 def test_without_a_folder_kernels_are_compiled(

@@ -75,6 +75,12 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
     assert_same(tmp_path / "F.zarr", whole)
 
 
+def test_an_unfinished_surface_is_described_without_digests(tmp_path, capsys):
+    stopped(tmp_path / "F.zarr", after=1)
+    assert outcome(["info", str(tmp_path / "F.zarr")]) == 0
+    assert f"D = {D.size}, lambda = {LAM.size}\n" in capsys.readouterr().out
+
+
 def test_another_surface_does_not_go_on(tmp_path):
     stopped(tmp_path / "F.zarr", after=1)
     with pytest.raises(errors.StoreError, match="must have the same axes to be continued"):

@@ -11,6 +11,7 @@ import pytest
 import tippetop as tt
 from tippetop.mechanics.form import Exit, Next
 from tippetop.mechanics.systems import SYSTEMS
+from tippetop.runs.certificate import certificate_violations
 
 
 PAGE = Path(__file__).parents[2] / "docs/how-to/a-hybrid-system.md"
@@ -55,6 +56,18 @@ def test_nothing_is_said_of_an_inclination_that_is_not_there(page: dict) -> None
     assert set(run.trajectory) == {"h", "v"}
     assert "theta" not in str(run)
     assert "turning" not in str(run)
+
+
+def test_a_certificate_compares_columns_and_phases_where_there_is_no_theta(page: dict) -> None:
+    run = bounces()
+    found = run.certify()
+    assert "theta" not in found
+    assert found.same_end
+    assert max(found.columns.values()) < 1e-12
+    assert found.phases.compared == len(run.phases.interval)
+    assert found.phases.start < 1e-12
+    assert "columns differ by at most" in str(run)
+    assert certificate_violations(found) == []
 
 
 @pytest.mark.parametrize("kind", ["theta", "energy", "drift", "states"])

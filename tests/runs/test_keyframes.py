@@ -145,7 +145,8 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(
     same_columns(run.events, log.isel(event=within.values))
     assert run.summary.replay.until == 21.0
     said = dict(lines(run.summary))["replay"]
-    assert said.startswith(f"rows and events are of t = 20 to 21 s, every 0.001 s, of {kept}")
+    assert said.startswith("rows and events are of t = 20 to 21 s, every 0.001 s, of ../")
+    assert (tmp_path / run.summary.replay.of).samefile(kept)
     assert typed(words) == 5
     assert typed(f"{words} --overwrite") == 0
     same_columns(run.replay(20.5, 20.6, 0.01), tt.open(kept).replay(20.5, 20.6, 0.01))

@@ -184,7 +184,7 @@ def test_of_two_runs_with_one_place_one_is_refused(tmp_path: Path) -> None:
     both = [start(*running(store, 20.0)) for _ in range(2)]
     ends = [ended(process) for process in both]
     assert sorted(code for code, _ in ends) == [0, 5]
-    assert any("must not exist yet, but does" in err for _, err in ends)
+    assert any("must have one writer, but" in err for _, err in ends)
     assert [p.name for p in tmp_path.iterdir()] == ["run.zarr"]
 
 
@@ -202,6 +202,14 @@ def test_wider_precisions_resume_bit_by_bit(
         recording.record(short, broken, progress=Mock(side_effect=[None, errors.Interrupted]))
     resuming.resume(broken)
     assert_same(broken, whole)
+
+
+def test_slices_of_wide_numbers_have_fewer_steps(tmp_path: Path) -> None:
+    """A slice takes less time than the time between two commits."""
+    steps: list[int] = []
+    wide = problem(8.0, "run.precision=longdouble")
+    recording.record(wide, tmp_path / "S.zarr", progress=lambda run: steps.append(run.steps))
+    assert steps == [1024]
 
 
 def test_what_a_record_acknowledges_is_on_the_disk_before_it(

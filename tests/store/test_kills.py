@@ -23,11 +23,13 @@ from tippetop.store.ledger import LEDGER
 SETS = [*TURNING, "run.output_step=0.01"]
 RUN = " ".join(["run inverting --out S.zarr", *(f"--set {text}" for text in SETS), "--until"])
 SURFACE = """
+from pathlib import Path
 import numpy as np
 from tippetop.landscape import surface_recording as surfaces
 from tippetop.scenario import build
 axes = np.linspace(-1e-4, 1e-4, 90), np.linspace(0, 1e-5, 80)
-surfaces.write("S.zarr", surfaces.Surface(build.load("inverting").parameters, *axes, chunk=16))
+wanted = surfaces.Surface(build.load("inverting").parameters, *axes, chunk=16)
+surfaces.write(Path("S.zarr"), wanted)
 """
 
 

@@ -235,7 +235,11 @@ def test_a_second_writer_is_told_of_the_first(tmp_path: Path) -> None:
         pytest.raises(StoreError, match=r"one writer, but process \d+ on"),
     ):
         Ledger.opened(tmp_path)
-    Ledger.opened(tmp_path).release()
+    with Ledger.opened(tmp_path) as store:
+        store.finish({})
+        with pytest.raises(StoreError, match=r"one writer, but process \d+ on"):
+            Ledger.opened(tmp_path)
+    assert not list(tmp_path.glob("*.new"))
 
 
 def test_a_folder_that_was_replaced_is_noticed(tmp_path: Path) -> None:

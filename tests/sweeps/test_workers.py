@@ -15,7 +15,7 @@ from tippetop.cli import outcome
 from tippetop.errors import Unfinished
 from tippetop.scenario import build
 from tippetop.store import provenance
-from tippetop.sweeps import chunk
+from tippetop.sweeps import chunk, workers
 from tippetop.sweeps.plan import Plan
 
 
@@ -216,6 +216,13 @@ def runs(process: int) -> bool:
     except ProcessLookupError:
         return False
     return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def test_workers_get_no_interrupt_while_they_import() -> None:
+    with workers.processes(1).start(False) as pool:
+        masked = pool.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result()
+    assert signal.SIGINT in masked
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
 @pytest.mark.slow

@@ -22,6 +22,9 @@ def prepare() -> None:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # of a process that tidies up after workers
     os.environ.setdefault("PYTHONWARNINGS", "ignore:resource_tracker")
+    # Ctrl-C while heyoka's C++ imported it would print a traceback.
+    import numpy  # noqa: F401
+
     from ..engine import taylor
 
     with contextlib.suppress(AttributeError, OSError):  # a C library other than glibc

@@ -190,8 +190,10 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
     from .text import plain, table
 
     print(visible(attrs["title"]))
-    names = ("system", "parameters", "axes", "D", "lambda", "minimum", "versions")
-    table((name, plain(attrs[name], {})) for name in names if name in attrs)
+    names = ("status", "system", "parameters", "points", "D", "lambda", "minimum", "versions")
+    points = {name: size for name, (size, _) in attrs.get("axes", {}).items()}
+    known = attrs | ({"points": points} if points else {})
+    table((name, plain(known[name], {})) for name in names if name in known)
     return 0
 
 

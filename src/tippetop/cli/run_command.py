@@ -187,6 +187,7 @@ def _interruptible(
 ) -> tuple[dict[str, Any], dict[str, float]]:
     """Return the attributes and the seconds of a run; on a signal exit with 128 + its number."""
     from ..errors import Interrupted
+    from ..store.root import root_of
     from .host import stopping
 
     with stopping() as (stop, signals):
@@ -195,11 +196,10 @@ def _interruptible(
             return attrs, integration.seconds
         except Interrupted:
             pass
-    kept = (
-        f"finished steps are kept. Continue with: tippetop resume {store}"
-        if store.exists()
-        else "nothing was stored."
-    )
+    kept = "nothing was stored."
+    if store.exists():
+        t_end = root_of(store)["report"]["t_end"]
+        kept = f"kept until t = {t_end:.9g} s. Continue with: tippetop resume {store}"
     raise SystemExit(complain([f"interrupted; {kept}"], 128 + signals[0]))
 
 

@@ -142,27 +142,25 @@ def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def new_tallies(rows: EventRows, lanes: int) -> Tallies:
-    """Return new tallies."""
+    """Return the tallies of runs that have not begun, with event functions that are positive."""
     n = len(rows.events)
     tallies = Tallies(
-        np.empty(lanes, LANE_RECORD), np.zeros((9, n, lanes)), np.empty((len(rows.numbers), lanes))
+        np.empty(lanes, LANE_RECORD), np.empty((9, n, lanes)), np.empty((len(rows.numbers), lanes))
     )
-    for at in range(lanes):
-        reset(tallies, rows, at, np.ones(n), np.zeros(n, bool))
+    reset(tallies, rows, np.ones((n, lanes)))
     return tallies
 
 
-def reset(
-    tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_zero: np.ndarray
-) -> None:
-    """Reset the tally of a lane for a new top, with signs of its event functions at its start."""
-    tallies.lane[lane] = tuple(_LANE.values())
-    functions = tallies.functions[:, :, lane]
-    functions[SIGN], functions[ON_ZERO] = signs, on_zero
-    functions[LEAST] = np.where(rows.events["extremes"], np.inf, -np.inf)
-    functions[MOST] = -functions[LEAST]
-    functions[T_LEAST], functions[T_MOST] = np.nan, np.nan
-    tallies.kept[:, lane] = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
+def reset(tallies: Tallies, rows: EventRows, functions: np.ndarray) -> None:
+    """Reset tallies for runs that start with these event functions, (events, lanes)."""
+    tallies.lane[:] = tuple(_LANE.values())
+    known = tallies.functions
+    known[:] = 0.0
+    known[SIGN], known[ON_ZERO] = signs_of(functions)
+    known[LEAST] = np.where(rows.events["extremes"], np.inf, -np.inf)[:, None]
+    known[MOST] = -known[LEAST]
+    known[T_LEAST], known[T_MOST] = np.nan, np.nan
+    tallies.kept[:] = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)[:, None]
 
 
 CONFIRMS, WAITS = 1, 2

@@ -41,6 +41,9 @@ class WideSteps(Called):
     times: list
     states: list
 
+    def __init__(self, integrator: Any):
+        self.integrator = copy.deepcopy(integrator)
+
     def begin(self) -> None:
         """Forget the rows that were kept."""
         self.rows: list[np.ndarray] = []
@@ -107,8 +110,7 @@ class WideDriver(Driver):
 
     @staticmethod
     def stepper_of(code: Compiled) -> Stepper:
-        """Return the stepper of a new place."""
-        return WideSteps(copy.deepcopy(code.integrator))
+        return WideSteps(code.integrator)
 
     @cached_property
     def kept(self) -> tuple[list, list, list]:

@@ -72,7 +72,7 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
     q = _quaternion(table, convention, turn)
     axis = _axis(table, turn)
     if q is not None:
-        axis = turned(q, np.array([0.0, 0.0, 1.0]))
+        axis = axis_of(q)
     theta = table.columns.get("theta")
     if theta is None and axis is not None:
         theta = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
@@ -158,6 +158,17 @@ def _vector(table: Table, pattern: str, turn: tuple[int, ...]) -> np.ndarray | N
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Return vectors v, (3,) or (n, 3), rotated by unit quaternions (n, 4)."""
     return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=1)
+
+
+def axis_of(q: np.ndarray) -> np.ndarray:
+    """Return the axis of symmetry in space, (n, 3), of unit quaternions (n, 4)."""
+    return turned(q, np.array([0.0, 0.0, 1.0]))
+
+
+def theta_of(q: np.ndarray) -> np.ndarray:
+    """Return the inclination of the axis [rad], (n,), of unit quaternions (n, 4)."""
+    w, x, y, z = q.T
+    return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
 
 
 def angle_between(q: np.ndarray, p: np.ndarray) -> np.ndarray:

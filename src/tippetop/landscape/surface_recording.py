@@ -81,7 +81,7 @@ class Surface:
 
 
 def write(
-    path: str | Path,
+    path: Path,
     wanted: Surface,
     *,
     threads: int | None = None,
@@ -116,7 +116,6 @@ def write(
     -----
     17 bytes a point before compression; memory: some 40 bytes a point of one chunk.
     """
-    path = Path(path)
     firsts = [range(0, axis.size, wanted.chunk) for axis in (wanted.x, wanted.y)]
     blocks = list(itertools.product(*firsts))
     with (

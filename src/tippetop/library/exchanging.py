@@ -32,7 +32,7 @@ class Comparison(Verdict):
     orders : list of dict
         Orders of convergence between files of different steps.
     title : str
-        What the reference is.
+        The name of the reference.
     """
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
@@ -56,7 +56,7 @@ def compare(
     others : path or list of paths
         CSV or Parquet files whose headers name columns and units: `t [s], theta [deg]`, `axis_x,
         axis_y, axis_z`, `q_w, q_x, q_y, q_z` (body to space), `x [m]`, `vx [m/s]`, `omega_x
-        [rad/s]` (space), `omega_body_x [rad/s]`. A name such as `dt=1e-3.csv` says the time step.
+        [rad/s]` (space), `omega_body_x [rad/s]`. A name such as `dt=1e-3.csv` gives the time step.
     reference : str, path, Run, Problem or mapping
         A scenario, or a run: the exact motion is computed at the other's own times.
     quaternion : str, optional
@@ -102,7 +102,7 @@ class Fitted:
     trustworthy : bool
         Whether, besides, the residuals are noise, and the data decide every number.
     reason : str
-        What must be known of it, in sentences.
+        The warnings of the report, in sentences.
     problem : Problem
         The scenario with the fitted numbers: `tippetop.run` takes it.
     residuals : dict of ndarray

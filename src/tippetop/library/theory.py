@@ -84,7 +84,7 @@ def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
     -------
     Regime
         upright, inverted: whether that spin is stable; tumbling, unstable: theta [rad] of the
-        stable and unstable tumbling states. `sentence()` says it in words.
+        stable and unstable tumbling states. `sentence()` describes the regime.
 
     Raises
     ------
@@ -191,7 +191,7 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
 
     Notes
     -----
-    Rutstam (2010), eqs. 4.40 and 5.26; what bounds it stands in the atlas, chapter 4.
+    Rutstam (2010), eqs. 4.40 and 5.26; chapter 4 of the atlas derives what limits its accuracy.
     """
     instance("run", run, Run, "a Run")
     guess = seconds("period", period)

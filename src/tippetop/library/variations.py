@@ -41,10 +41,10 @@ def ensemble(
     Parameters
     ----------
     source, friction
-        What they have in common, as for `run`.
+        Common to all tops, as for `run`.
     variations : mapping of str to array, (n,) each
-        What varies, in SI units: `dict(omega3=..., mu=...)`; or texts with units, `["1000 rpm",
-        "1200 rpm"]`. A name that stands in several tables is written with its table,
+        The varied numbers, in SI units: `dict(omega3=..., mu=...)`; or texts with units,
+        `["1000 rpm", "1200 rpm"]`. Write a name that occurs in several tables with its table,
         `"friction.mu"`; `"until"` varies the end of the run.
     threads : int, optional
         How many threads compute; by default one per usable core.
@@ -58,8 +58,7 @@ def ensemble(
         Whether the finite-time Lyapunov exponent of each run is wanted: a column lyapunov [1/s],
         that of `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
     {names}
-        What the tops have in common, as for `run`; none that say which rows are kept: there are
-        none.
+        Common to all tops, as for `run`, but for options about rows, which ensembles do not have.
 
     Returns
     -------

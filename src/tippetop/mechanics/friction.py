@@ -2,8 +2,9 @@
 
 To add a law: a class, and its name in LAWS.
 
-k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact
-lies. The attributes of a law decide how its contact behaves: no code tests its name or its class.
+k may depend on the sliding speed and on z = cos(theta), which determines the place of the
+contact on the body. The attributes of a law decide how its contact behaves: no code tests its name
+or its class.
 """
 
 import re
@@ -108,7 +109,7 @@ class FrictionLaw(Record, abstract=True):
     set_valued: ClassVar[bool] = False
     """Whether a contact at rest bears any |F_h| <= mu g_n: it slips, rolls, and slips again."""
     regions: ClassVar[Mapping[str, Region]] = {}
-    """The formulas of a law that has several, by the name of the region of w/U in which each holds.
+    """The formulas of a law that has several, by the name of the region of w/U where each is valid.
     """
     torque: ClassVar[Callable | None] = None
     """torque(drag, omega, law) -> (3,) [m], per normal force, in the region of this drag; it
@@ -117,7 +118,7 @@ class FrictionLaw(Record, abstract=True):
     without: ClassVar[Any] = None
     """The law where the optional numbers are left out."""
     with_parts: ClassVar[Any] = None
-    """The law with rolling resistance and a drilling torque; None of one that has them."""
+    """The law with rolling resistance and a drilling torque; None if it already has them."""
 
     mu_r: Number = reuse(PARTS["mu_r"], default=None, kw_only=True)
     mu_d: Number = reuse(PARTS["mu_d"], default=None, kw_only=True)
@@ -414,9 +415,7 @@ def add(law: type[FrictionLaw]) -> None:
 
 
 NAME = r"[A-Za-z_][A-Za-z0-9_-]*"
-"""What the name of a law or a system is made of: it stands in TOML, on the command line and in
-stores.
-"""
+"""The pattern of names of laws and systems, which TOML, the command line and stores contain."""
 
 
 def checked_name(name: Any, kind: str) -> str:

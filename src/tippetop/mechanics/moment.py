@@ -52,7 +52,7 @@ def moment(system: "System", form: "Form", q: Any, carried: Any, b: Any) -> Mome
     Parameters
     ----------
     system, form
-        What moves, and how its state is written.
+        The system, and the form of its state.
     q, carried, b
         The state, its integrals and the body.
 

@@ -25,6 +25,10 @@ from .sinks import Sink
 
 # Most rows that a sink takes in one call: 12 MB of 24 columns.
 ROWS_PER_BLOCK = 1 << 16
+WIDE = {"double": 1, "longdouble": 8, "quad": 64}
+"""Time of a step, roughly, in those of doubles: slices have fewer wide steps, so that a run commits
+and stops in time. A fixed count, not a time limit, keeps stores reproducible.
+"""
 SETTLED_SLICE, SETTLED_SLICE_OF_PHASES = 1024, 64
 """Steps between two checks whether a run has settled: the steps of a disc at rest are long."""
 
@@ -134,7 +138,9 @@ class Integration:
         So nothing depends on where a run was continued.
         """
         problem = self.problem
-        most = [self.settled_slice if problem.stop_when == "settled" else STEPS_PER_SLICE]
+        most = [max(1, STEPS_PER_SLICE // WIDE[problem.precision])]
+        if problem.stop_when == "settled":
+            most.append(self.settled_slice)
         if problem.output == "keyframes":
             most.append(problem.keyframe_steps)
         return min(steps - self._done_of(steps) for steps in most)
@@ -234,7 +240,6 @@ class Integration:
             self.log.summary(),
             self.story.report() if self.problem.system.tables else None,
             self.driver.sentence,
-            not self.driver.is_called,
         )
 
     # --- snapshots -------------------------------------------------------------------------------

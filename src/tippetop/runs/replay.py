@@ -83,7 +83,9 @@ def into_store(
         )
     integration = _taken_up(path, times, accept_other_version)
     began, steps, clock = integration.t_end, integration.monitor.steps, time.perf_counter()
-    about = {"from": times.start, "until": times.until, "step": times.step, "of": str(path)}
+    # from its folder: so it survives another working directory, and moving both stores
+    of = os.path.relpath(os.path.realpath(path), os.path.realpath(out.parent))
+    about = {"from": times.start, "until": times.until, "step": times.step, "of": of}
     head = recording.header(integration, root.attributes(path) | {"replay": about})
     with (
         root.new_store(out, overwrite=overwrite) as scratch,

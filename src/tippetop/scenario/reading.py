@@ -124,7 +124,7 @@ def merged(table: str, old: dict[str, Any], given: Mapping[str, Any]) -> dict[st
 
 
 def law_name(tables: Mapping[str, Any]) -> str | None:
-    """Return the name of the law in the tables of a scenario; None if there is none."""
+    """Return the name of the law in the tables of a scenario, or None without one."""
     friction = tables.get("friction")
     name = friction.get("law") if isinstance(friction, dict) else None
     return name if isinstance(name, str) else None

@@ -89,8 +89,6 @@ def scratch_folder(path: Path) -> Iterator[Path]:
 def put_back(path: Path) -> None:
     """Put back a store that a killed writer moved aside, or remove it if it was replaced."""
     old = name_aside(path)
-    if not old.exists():
-        return
     if path.exists():
         _removed(old)
         return
@@ -130,7 +128,10 @@ def rename_new(scratch: Path, path: Path) -> None:
     try:
         scratch.rename(path)
     except OSError:
-        refuse_existing(path)
+        if os.path.lexists(path):
+            raise StoreError(
+                f"`{path}` must have one writer, but another process has made it meanwhile."
+            ) from None
         raise
     synced(path.parent)
 
@@ -176,8 +177,7 @@ def refuse_links(folder: Path) -> None:
             if entry.is_dir(follow_symlinks=False):
                 refuse_links(Path(entry.path))
             elif not entry.is_file(follow_symlinks=False):
-                kind = "a link" if entry.is_symlink() else "no plain file"
                 raise StoreError(
-                    f"`{entry.path}` is {kind}: in a store, such a thing is neither followed "
-                    "nor written."
+                    f"`{entry.path}` must be a file or a folder, but is a link, a pipe or a "
+                    "device: in a store, these are neither followed nor written."
                 )

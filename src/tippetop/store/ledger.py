@@ -30,6 +30,7 @@ from .zarr3 import CHECKSUM, DOCUMENT
 
 LEDGER = "ledger.jsonl"
 TAIL = "tail-"
+WRITER = "writer" + NEW  # the name of the process that has the lock
 DIGITS = 16  # hexadecimal, of a digest
 PATH = re.compile(r"[^./\0][^/\0]*(/[^./\0][^/\0]*)?")  # of a group or an array, inside the store
 WHOLE = "tippetop resume, or the command that wrote it, completes it"
@@ -50,7 +51,6 @@ class Acknowledged:
     tail: str = ""  # the name of its file, which contains its digest
     end: Any = None  # where a finished run can be continued
     changed: dict[str, Any] = field(default_factory=dict)  # attributes other than in the header
-    writer: str = "another process"
     seal: bool = False  # everything is acknowledged
 
     @classmethod
@@ -67,7 +67,7 @@ class Acknowledged:
         failed = self.failed | record.get("failed", {})
         self.failed = {key: why for key, why in failed.items() if key not in self.chunks}
         self.changed = ({} if "seal" in record else self.changed) | record.get("changed", {})
-        for name in ("rows", "tail", "end", "writer", "seal"):
+        for name in ("rows", "tail", "end", "seal"):
             setattr(self, name, record.get(name, getattr(self, name)))
 
     @property
@@ -78,7 +78,7 @@ class Acknowledged:
     def sum(self) -> dict[str, Any]:
         """Return all but the header as one record, without empty fields."""
         self.chunks = dict(sorted(self.chunks.items()))
-        names = ("chunks", "rows", "tail", "end", "changed", "writer", "seal")
+        names = ("chunks", "rows", "tail", "end", "changed", "seal")
         return {name: value for name in names if (value := getattr(self, name))}
 
     def documents(self) -> dict[str, dict[str, Any]]:
@@ -206,6 +206,7 @@ class Ledger:
             self._make_folders()
             self.folder.write(DOCUMENT, zarr3.dump(self.state.documents()[""]), derived=True)
             self._compact()
+            self._lock()
         return self
 
     @classmethod
@@ -248,16 +249,19 @@ class Ledger:
             raise
 
     def _lock(self) -> None:
+        """Lock the store, if it is not, and write the name of this process for others."""
         while not self.in_place():  # its last writer replaced it while we waited
             self.release()
             try:
                 self.held = self.folder.lock(LEDGER)
             except BlockingIOError:
-                with sound(self.path):
-                    writer = acknowledged(self.folder.read(LEDGER)).writer
+                writer = _found(self.folder.read, WRITER) or b"another process"
                 raise StoreError(
-                    f"`{self.path}` must have one writer, but {writer} is writing it."
+                    f"`{self.path}` must have one writer, but {os.fsdecode(writer)} is writing it."
                 ) from None
+        with contextlib.suppress(OSError):  # a full disk
+            name = f"process {os.getpid()} on {os.uname().nodename}"
+            self.folder.put(WRITER, name.encode())
 
     def in_place(self) -> bool:
         """Return whether the folder that is locked is still in its place."""
@@ -274,8 +278,12 @@ class Ledger:
     def release(self) -> None:
         """Let others write."""
         if self.held is not None:
-            self.folder.release(self.held)
-            self.held = None
+            try:
+                with contextlib.suppress(OSError):
+                    self.folder.remove(WRITER)
+            finally:
+                self.folder.release(self.held)
+                self.held = None
 
     def __enter__(self) -> "Ledger":
         return self
@@ -314,7 +322,6 @@ class Ledger:
         """
         state = self.state
         state.failed = {}
-        state.writer = "" if state.seal else f"process {os.getpid()} on {os.uname().nodename}"
         self.before, whole = lines([state.header, state.sum()])
         self.folder.put(LEDGER + NEW, whole)
         self.folder.sync_one(LEDGER + NEW)
@@ -324,7 +331,8 @@ class Ledger:
         except BaseException:
             self.folder.release(held)
             raise
-        self.release()
+        if self.held is not None:
+            self.folder.release(self.held)
         self.held = held
         self.folder.sync_one("")
 
@@ -332,7 +340,7 @@ class Ledger:
         """Remove chunks, tails and half-written files that were never acknowledged."""
         members = self.state.header["members"]
         kept = {name for key in self.state.chunks for name in self.state.files(key)}
-        kept.add(self.state.tail)
+        kept |= {self.state.tail, WRITER}
         for place in ["", *members]:
             ours = "c." if "shape" in members.get(place, {}) else () if place else TAIL
             for name in self.folder.names(place):

@@ -44,6 +44,5 @@ def provenance() -> dict[str, Any]:
         "Conventions": "CF-1.11",
         "versions": versions(),
         "cpu": cpu(),
-        "threads": 1,
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} processors",
     }

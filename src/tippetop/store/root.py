@@ -41,9 +41,8 @@ def attributes(path: str | Path, *, whole: bool = True) -> dict[str, Any]:
     With `whole=False` only the ledger is read. Raises StoreError; see `ledger.read`.
     """
     place = Path(path)
-    if ledger.is_ledger(place):
-        return ledger.read(place, chunks=whole).attributes
-    raise StoreError(f"`{path}` {_no_store(place)}.")
+    refuse_foreign(place)
+    return ledger.read(place, chunks=whole).attributes
 
 
 def root_of(path: str | Path) -> dict[str, Any]:
@@ -54,7 +53,7 @@ def root_of(path: str | Path) -> dict[str, Any]:
 def refuse_foreign(path: Path) -> None:
     """Raise StoreError unless tippetop wrote a store, damaged or not."""
     if not ledger.is_ledger(path):
-        attributes(path)
+        raise StoreError(f"`{path}` {_no_store(path)}.")
 
 
 def _no_store(place: Path) -> str:

@@ -121,13 +121,18 @@ def _pool(count: int, again: bool) -> Iterator[ProcessPoolExecutor]:
     """
     reader, writer = multiprocessing.Pipe(duplex=False)
     pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _prepare, (reader,))
+    # New processes inherit the blocked SIGINT: until `_prepare`, Ctrl-C would print tracebacks.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         try:
+            started = [pool.submit(os.getpid) for _ in range(count)]
             if again:
-                pool.submit(os.getpid).result()
+                started[0].result()
         except BrokenProcessPool:
             guard = 'a script needs `if __name__ == "__main__":`'
             raise InputError(f"`workers` must be processes that can start: {guard}.") from None
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         yield pool
         pool.shutdown()
     finally:

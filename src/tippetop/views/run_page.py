@@ -11,7 +11,7 @@ from ..columns import flag_names, flagged, greek, require, units_text
 from ..errors import InputError, StoreError
 from ..mechanics.systems import find
 from ..runs.attributes import headline_of
-from ..runs.shape import body_of, columns_of, is_planar, shape
+from ..runs.shape import body_of, columns_of, shape
 from ..store import chunks
 from . import pages, spacing
 from .encoding import encode
@@ -85,13 +85,14 @@ def page(
             "A run with a smaller run.output_step, or a replay with a smaller step, shows more."
         )
     log, phases = _events(groups, times[0], times[-1]), _phases(groups, times[0], times[-1])
+    body = shape(attrs)
     data = {
         "name": attrs["system"],
         "title": attrs["title"][0].upper() + attrs["title"][1:],
         "about": units_text(greek(headline_of(attrs).partition(" · ")[2])),
         "notes": notes,
-        "body": shape(attrs),
-        "wound": is_planar(attrs),
+        "body": body,
+        "wound": body["kind"] == "cylinder",
         "times": encode(times, "<f8"),
         "samples": encode(kept, "<f4"),
         "events": log,

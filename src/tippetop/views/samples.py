@@ -10,7 +10,7 @@ from ..mechanics.friction import SLIP, slip_coefficient
 from ..mechanics.operand import Vector, cross, times
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
-from ..runs.shape import body_of, is_fixed, is_planar
+from ..runs.shape import body_of, shape
 
 
 Columns = Mapping[str, np.ndarray]
@@ -44,14 +44,14 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     attrs
         The root attributes of its store.
     """
-    b, n = body_of(attrs), len(columns["time"])
+    b, n, drawn = body_of(attrs), len(columns["time"]), shape(attrs)
     third = axes(Quaternion(*columns["orientation"].T))[2]
-    if is_planar(attrs):
+    if drawn["kind"] == "cylinder":
         none, spin = np.zeros(n), columns["theta_dot"]
         omega, momentum = Vector(none, spin, none), Vector(none, b.I1 * spin, none)
     else:
         momentum = Vector(*columns["L"].T)
-        inert = b._replace(I1=tip_inertia(b)) if is_fixed(attrs) else b  # L is about the tip then
+        inert = b._replace(I1=tip_inertia(b)) if drawn["fixed"] else b  # L is about the tip then
         omega = angular_velocity_of(
             Vector(*columns["axis"].T), momentum, b.I3 * columns["omega3"], inert
         )
@@ -67,7 +67,7 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
         [
             columns["orientation"],
             *omega,
-            _place(columns, third, offset, radius, is_fixed(attrs)),
+            _place(columns, third, offset, radius, drawn["fixed"]),
             _force(columns, velocity, slip, third.z, b),
             *slip,
             np.zeros(n),

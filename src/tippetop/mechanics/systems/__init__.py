@@ -1,8 +1,8 @@
 """The registry of systems: those of the package, registered ones, and those of entry points.
 
-Entry points are looked for when a name is asked for that is not known (a scan takes 10 to 70 ms):
-the group `tippetop.systems` gives System records, `tippetop.friction` gives friction laws under the
-entry point's name.
+Entry points are loaded when an unknown name is used (a scan takes 10 to 70 ms): the group
+`tippetop.systems` contains System records, `tippetop.friction` contains friction laws under the
+name of the entry point.
 """
 
 import copyreg

@@ -165,7 +165,7 @@ def allowed(rule: Number) -> float:
 
 
 def answer(must: str, function: Callable, holds: Callable = lambda found: True) -> Any:
-    """Return what a function of the user gives, if it holds. Raises InputError."""
+    """Return the result of a user's function if it passes a test. Raises InputError."""
     try:
         found = function()
         is_right = holds(found)

@@ -59,18 +59,3 @@ def thresholds_of_surface(b) -> dict[str, Threshold]:
             two_wells_from(b), ONE, "two wells of the potential are possible above"
         ),
     }
-
-
-@formula
-def critical(z, D, lam, b):
-    """Return N(z), of the sign of dV/dz in (-1, 1). [section 5]
-
-    It is regular on [-1, 1], with N(-1) <= 0 <= N(1).
-    """
-    X, w = tippe_top.X(z, D, lam, b), (1 - z) * (1 + z)
-    X_rate = (
-        lam
-        * (-b.m * b.R * (b.c - b.R * z) / b.I3 - b.m * b.R**2 * b.I1 / b.I3**2 * z)
-        / sqrt(tippe_top.d(z, b))
-    )
-    return X * ((X_rate - b.R * D) * w + z * X) - b.c * b.m * b.g * b.I1**2 / b.I3 * (b.R * w) ** 2
