@@ -23,8 +23,8 @@ MODULES = {
 HEAD = """from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal
 
-import numpy as np
-import xarray as xr
+import numpy as _np
+import xarray as _xr
 
 from .mechanics.event import Event
 from .mechanics.system import Quantity
@@ -38,8 +38,8 @@ def written(annotation: Any, imports: set[str], home: Any) -> str:
 
     def short(found: re.Match[str]) -> str:
         module, name = found[1].removesuffix("."), found[2]
-        if module in ("np", "xr"):
-            return found[0]
+        if module in ("np", "xr"):  # editors would offer them as names of the module
+            return f"_{found[0]}"
         if name in home.__all__ and getattr(home, name) is getattr(import_module(module), name):
             return name
         if module == "threading":  # `Event` is another

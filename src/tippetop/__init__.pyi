@@ -3,8 +3,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-import xarray as xr
+import numpy as _np
+import xarray as _xr
 
 from . import derivatives as derivatives
 from . import errors as errors
@@ -61,7 +61,7 @@ def ensemble(
     precision: Literal["double", "longdouble", "quad"] | None = ...,
     tolerance: float | None = ...,
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
-) -> xr.Dataset: ...
+) -> _xr.Dataset: ...
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     friction: FrictionLaw | tuple | Mapping[str, Any] | None = ...,

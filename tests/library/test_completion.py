@@ -97,6 +97,24 @@ def test_jedi_completes(typed: str, known: str) -> None:
     assert known in [completion.name for completion in script.complete(2, len(typed))]
 
 
+@pytest.mark.parametrize("module", ["", "derivatives", "friction", "landscapes", "theory"])
+def test_jedi_offers_public_names_only(module: str) -> None:
+    """As Jupyter does once the module is imported; unimported, the parts of the package too."""
+    public = getattr(tt, module) if module else tt
+    text = f"tt.{module}.".replace("..", ".")
+    for script in (
+        jedi.Interpreter(text, [{"tt": tt}]),
+        jedi.Script(f"import tippetop as tt\n{text}"),
+    ):
+        names = {found.name for found in script.complete(column=len(text)) if found.name[0] != "_"}
+        parts = {path.name for path in Path(tt.__file__).parent.glob("[a-z]*/")}
+        parts |= {path.stem for path in Path(tt.__file__).parent.glob("[a-z]*.py")}
+        missing = {name for name in public.__all__ if name[0] != "_"} - names
+        surplus = names - {*public.__all__}
+        assert not missing
+        assert surplus <= (parts if not module and isinstance(script, jedi.Script) else set())
+
+
 def test_the_command_line_knows_every_option(capsys: pytest.CaptureFixture[str]) -> None:
     assert typed("new inverting") == typed("help scenario") == 0
     printed = capsys.readouterr().out

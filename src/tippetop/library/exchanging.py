@@ -83,7 +83,7 @@ def compare(
     instance("others", files, list | tuple, "a path or a list of paths")
     if not files:
         raise InputError("`others` must name at least one file, but is empty.")
-    problem = _reference(reference)
+    problem = _reference("reference", reference)
     convention = Convention(quaternion, up)
     return Comparison(problem, [path_of("others", file) for file in files], convention)
 
@@ -209,7 +209,7 @@ def fit(
     >>> import tippetop as tt
     >>> print(tt.fit("film.csv", "inverting", ["friction.mu", "initial.omega3"]))
     """
-    problem = _reference(scenario)
+    problem = _reference("scenario", scenario)
     observation = measurements.observation_of(
         problem,
         path_of("data", data),
@@ -237,11 +237,11 @@ def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
     return figure
 
 
-def _reference(source: Any) -> Any:
+def _reference(name: str, source: Any) -> Any:
     """Return the problem of a scenario, a run, or the store of one. Raises InputError."""
-    if isinstance(source, str | Path) and Path(source).is_dir():
+    if isinstance(source, str | os.PathLike) and path_of(name, source).is_dir():
         return load_any(source)
     problem = problem_behind(source)
     if problem is None:
-        raise InputError(f"`reference` must be a scenario or a run, but is {source!r:.60}.")
+        raise InputError(f"`{name}` must be a scenario or a run, but is {source!r:.60}.")
     return problem

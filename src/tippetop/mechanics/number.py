@@ -1,5 +1,6 @@
 """Numbers of the user, declared once with unit, meaning and interval; and records of them."""
 
+import contextlib
 import inspect
 import math
 import operator
@@ -123,7 +124,9 @@ class Number:
                 f", {words} {limit:g}" for words, limit, _ in self._bounds
             )
         broken = [
-            f"{words} {limit}" for words, limit, breaks in self._bounds if breaks(value, limit)
+            f"{words} {type(value)(limit)}"  # a whole number has a whole limit
+            for words, limit, breaks in self._bounds
+            if breaks(value, limit)
         ]
         return (
             f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
@@ -135,13 +138,12 @@ class Number:
 
     def read(self, key: str, value: Any) -> float:
         """Return a value that is given for it as a float. Raises InputError."""
-        value = value.item() if getattr(value, "ndim", None) == 0 else value
-        try:
-            number = (
-                float(value) if isinstance(value, Real) and not isinstance(value, bool) else None
-            )
-        except OverflowError:
-            number = None
+        if getattr(value, "ndim", None) == 0:
+            value = value.item()
+        number = None
+        if isinstance(value, Real | int) and value is not True and value is not False:
+            with contextlib.suppress(OverflowError):
+                number = float(value)
         if number is None:
             raise InputError([sentence(key, "must be a number", value)])
         if self.broken(number):
