@@ -38,8 +38,8 @@ def written(annotation: Any, imports: set[str], home: Any) -> str:
 
     def short(found: re.Match[str]) -> str:
         module, name = found[1].removesuffix("."), found[2]
-        if module in ("np", "xr"):  # editors would offer them as names of the module
-            return f"_{found[0]}"
+        if module in ("np", "xr"):
+            return found[0]
         if name in home.__all__ and getattr(home, name) is getattr(import_module(module), name):
             return name
         if module == "threading":  # `Event` is another
@@ -48,7 +48,8 @@ def written(annotation: Any, imports: set[str], home: Any) -> str:
         imports.add(f"from {module.removeprefix('tippetop')} import {name}")
         return name
 
-    return NAMED.sub(short, text).replace("NoneType", "None")
+    text = NAMED.sub(short, text).replace("NoneType", "None")
+    return re.sub(r"\b(np|xr)\.", r"_\1.", text)  # np would be offered as a name of the module
 
 
 def signature(function: Any, imports: set[str], home: Any) -> str:

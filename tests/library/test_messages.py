@@ -233,7 +233,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: tt.ensemble("inverting", {"spin": [1.0]}), "`spin` must be one of"),
     (lambda: tt.ensemble("inverting", [1.0]), "must be a mapping"),
     (lambda: tt.ensemble("inverting", {"omega3": ["3 kg"]}), "`omega3` must be in rad s-1 .*but"),
-    (lambda: tt.ensemble("inverting", {"omega3": [None]}), "`omega3` must be a number or an array of"),
+    (lambda: tt.ensemble("inverting", {"omega3": [None]}), "`omega3` must be a number or an"),
     (
         lambda: tt.ensemble("inverting", SPINS | {"initial.omega3": [155.0, 150.0]}),
         r"`initial\.omega3` must be given once, but is given as `omega3` and",
