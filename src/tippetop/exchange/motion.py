@@ -32,6 +32,14 @@ class Convention(NamedTuple):
     up: str = "z"
 
 
+def convention_of(quaternion: str | None, up: str) -> Convention:
+    """Return the conventions of these arguments. Raises InputError."""
+    choice("up", up, UPS)
+    if quaternion is not None:
+        choice("quaternion", quaternion, ORDERS)
+    return Convention(quaternion, up)
+
+
 class Motion(NamedTuple):
     """A motion in our conventions, SI; None for quantities that the table lacks.
 
@@ -63,9 +71,6 @@ class Motion(NamedTuple):
 
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
     """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
-    choice("up", convention.up, UPS)
-    if convention.quaternion is not None:
-        choice("quaternion", convention.quaternion, ORDERS)
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
     axis = _axis(table, turn)

@@ -9,7 +9,7 @@ from ..arguments import in_python, instance, path_of, whole
 from ..errors import InputError
 from ..exchange import fit_text, measurements
 from ..exchange.fitting import STARTS, names_of
-from ..exchange.motion import Convention
+from ..exchange.motion import convention_of
 from ..exchange.verdict import Verdict
 from ..problem import Problem
 from ..runs.starting import load_any
@@ -84,7 +84,7 @@ def compare(
     if not files:
         raise InputError("`others` must name at least one file, but is empty.")
     problem = _reference("reference", reference)
-    convention = Convention(quaternion, up)
+    convention = convention_of(quaternion, up)
     return Comparison(problem, [path_of("others", file) for file in files], convention)
 
 
@@ -214,7 +214,7 @@ def fit(
         problem,
         path_of("data", data),
         names_of(free),
-        Convention(quaternion, up),
+        convention_of(quaternion, up),
         fit_text.marker_of(marker),
         noise,
     )
