@@ -179,6 +179,8 @@ CALLS: list[tuple[Call, str]] = [
             ({"quaternion": [1]}, "`quaternion` must be one of wxyz, xyzw, but is"),
         )
     ),
+    (lambda: tt.compare("film.csv", 3), "`reference` must be a scenario or a run, but is 3"),
+    (lambda: tt.fit("film.csv", TOP, "friction.mu"), "`scenario` must be a scenario or a run, but"),
     (lambda: tt.fit("film.csv", "", "friction.mu"), "`scenario` must be a path, but is ''"),
     *(
         (
@@ -240,6 +242,8 @@ CALLS: list[tuple[Call, str]] = [
     ),
     (lambda: tt.ensemble("inverting", {"omega3": [100, [1]]}), "`omega3` must be a number or an"),
     (lambda: tt.ensemble("inverting", SPINS, threads="x"), "`threads` must be a whole number"),
+    (lambda: tt.ensemble("inverting", SPINS, orientation=[1]), "`orientation` must be True or"),
+    (lambda: tt.ensemble("inverting", SPINS, lyapunov="x"), "`lyapunov` must be True or False"),
     (lambda: tt.ensemble("inverting", SPINS, progress=3), "`progress` must be"),
     *(
         (

@@ -1,7 +1,7 @@
 """The calls that hold another program's motion against ours."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from ..exchange.motion import convention_of
 from ..exchange.verdict import Verdict
 from ..problem import Problem
 from ..runs.starting import load_any
+from .finished_run import Run
 from .sources import problem_behind
 
 
@@ -239,9 +240,8 @@ def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
 
 def _reference(name: str, source: Any) -> Any:
     """Return the problem of a scenario, a run, or the store of one. Raises InputError."""
+    kinds = Run | Problem | Mapping | str | os.PathLike
+    instance(name, source, kinds, "a scenario or a run")
     if isinstance(source, str | os.PathLike) and path_of(name, source).is_dir():
         return load_any(source)
-    problem = problem_behind(source)
-    if problem is None:
-        raise InputError(f"`{name}` must be a scenario or a run, but is {source!r:.60}.")
-    return problem
+    return problem_behind(source)

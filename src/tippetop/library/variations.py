@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import dotted_keys, instance, measured_values, takes, whole
+from ..arguments import dotted_keys, flag, instance, measured_values, takes, whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
 from ..mechanics.contact.body import Top
@@ -89,6 +89,8 @@ def ensemble(
         unit = rule.unit if rule is not None else SECOND if name == "until" else ONE
         dotted[key] = measured_values(name, values, unit)
     threads = None if threads is None else whole("threads", threads)
+    flag("orientation", orientation)
+    flag("lyapunov", lyapunov)
     return ensembles.of_problem(
         base,
         dotted,
