@@ -438,7 +438,8 @@ class HybridDriver(Driver):
         track, time = self.track_of(n.phase), min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
         if n.cause:
-            self.tables.begin(float(now + n.logged_after), track.name, track.phase, n.cause)
+            row = self.tables.row_of(track.name, track.phase, n.cause)
+            self.tables.begin(float(now + n.logged_after), row)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
         passed = self._begin_events(n, values, before)
@@ -674,7 +675,7 @@ class HybridDriver(Driver):
         for (kind, first, some), mine in zip(parts, np.split(at, ends[:-1]), strict=True):
             numbers = first + np.arange(some.shape[1])
             mine[:] = begin[np.searchsorted(begin[:, kind], numbers, side="right") - 1, 0]
-        rows = np.empty((len(at), self.variables), self.number)
+        rows = np.empty((self.variables, len(at)), self.number)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
             if len(mine):
@@ -686,9 +687,9 @@ class HybridDriver(Driver):
                     if system.row
                     else track.phase.leave(q, track.b)
                 )
-                for k, value in enumerate((*read[: variables.moving], *moved)):
-                    rows[mine, k] = value
-        return np.split(rows, ends[:-1])
+                for row, value in zip(rows, (*read[: variables.moving], *moved), strict=True):
+                    row[mine] = value
+        return np.split(rows.T, ends[:-1])
 
     def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:
         """Give the rows that exist, and return what else the steps have found."""
