@@ -72,9 +72,9 @@ typedef struct {
 } Motion;
 
 typedef struct {
-    integer row, shift, leader, direction, ends, sense, first, last;
+    integer row, shift, direction, ends, sense, first, last;
     real scale, offset;
-    bool extremes, watched, ranged, bounded;
+    bool extremes, watched, ranged;
 } Event;
 
 typedef struct {
@@ -104,10 +104,14 @@ typedef struct {
 } Tallies;
 
 typedef struct {
+    real time;
+    integer event, sign;
+    bool at_pole;
+} Passage;
+
+typedef struct {
     integer *filled;
-    real *time;
-    integer *event, *sign;
-    bool *at_pole;
+    Passage *rows;
     real *states;
 } Log;
 
@@ -393,13 +397,6 @@ INLINED real *known(const Loop *l, integer what, integer event) {
     return l->tallies.functions + (what * l->sizes.events + event) * l->sizes.lanes;
 }
 
-INLINED void keep_bounds(const Loop *l, integer n, integer e, const real *low, const real *high,
-                         const real *steady) {
-    copy(n, low, 1, known(l, LOW, e), 1);
-    copy(n, high, 1, known(l, HIGH, e), 1);
-    copy(n, steady, 1, known(l, STEADY, e), 1);
-}
-
 /* Bound an event function. The Bernstein coefficients of the cubic part, plus or minus the sum of
    the other coefficients, bound a polynomial; those of its slope show whether it is monotone: then
    it lies between its ends. */
@@ -433,24 +430,12 @@ INLINED void bound(const Loop *l, integer n, integer e) {
         low[i] = (monotone ? MIN(p0, last) : MIN(low1, low2) - beyond) + event->offset;
         high[i] = (monotone ? MAX(p0, last) : MAX(high1, high2) + beyond) + event->offset;
     }
-    keep_bounds(l, n, e, low, high, steady);
+    copy(n, low, 1, known(l, LOW, e), 1);
+    copy(n, high, 1, known(l, HIGH, e), 1);
+    copy(n, steady, 1, known(l, STEADY, e), 1);
 }
 
-/* Bound an event function that is a variable, by the bounds of its rate. */
-INLINED void bound_by_rate(const Loop *l, integer n, integer e) {
-    const Event *event = l->rows.events + e;
-    const real *start = l->motion.tc + event->row * l->sizes.size * n, *h = l->factors + n;
-    const real *least = known(l, LOW, event->leader), *greatest = known(l, HIGH, event->leader);
-    real low[WIDEST], high[WIDEST], steady[WIDEST];
-    for (integer i = 0; i < n; i++) {
-        low[i] = start[i] + event->offset + h[i] * MIN(0.0, least[i]);
-        high[i] = start[i] + event->offset + h[i] * MAX(0.0, greatest[i]);
-        steady[i] = ((least[i] > 0) | (greatest[i] < 0)) ? 1.0 : 0.0;
-    }
-    keep_bounds(l, n, e, low, high, steady);
-}
-
-/* Bound every event function over the step. */
+/* Bound the event functions that count over the step. */
 INLINED void bound_functions(const Loop *l, integer n) {
     const Motion *m = &l->motion;
     integer size = l->sizes.size;
@@ -465,12 +450,11 @@ INLINED void bound_functions(const Loop *l, integer n) {
             l->factors[(size + k) * n + i] = (real)(k + 1) * power[i];
             power[i] *= h[i];
         }
-    for (integer e = 0; e < l->sizes.events; e++)
-        if (l->rows.events[e].bounded && l->rows.events[e].leader < 0)
+    for (integer e = 0; e < l->sizes.events; e++) {
+        const Event *event = l->rows.events + e;
+        if (event->watched || event->ranged || event->ends != 0)
             bound(l, n, e);
-    for (integer e = 0; e < l->sizes.events; e++)
-        if (l->rows.events[e].bounded && l->rows.events[e].leader >= 0)
-            bound_by_rate(l, n, e);
+    }
 }
 
 /* --- the events of one lane --- */
@@ -599,14 +583,8 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
         return;
     loop_keep(l, event->first, event->last, lane, when, sign);
     const Log *log = &l->log;
-    integer at = log->filled[0];
-    if (at == l->sizes.log)
-        return;
-    log->time[at] = when;
-    log->event[at] = e;
-    log->sign[at] = (integer)sign;
-    log->at_pole[at] = at_pole;
-    log->filled[0]++;
+    if (log->filled[0] < l->sizes.log)
+        log->rows[log->filled[0]++] = (Passage){when, e, (integer)sign, at_pole};
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
@@ -863,19 +841,11 @@ static bool begin(const Loop *l) {
 /* Put the events of a step, from number `first` of the log on, in the order of their times. */
 static void sort_log(const Log *log, integer first) {
     for (integer k = first + 1; k < log->filled[0]; k++) {
-        real time = log->time[k];
-        integer event = log->event[k], sign = log->sign[k], at = k;
-        bool at_pole = log->at_pole[k];
-        for (; at > first && log->time[at - 1] > time; at--) {
-            log->time[at] = log->time[at - 1];
-            log->event[at] = log->event[at - 1];
-            log->sign[at] = log->sign[at - 1];
-            log->at_pole[at] = log->at_pole[at - 1];
-        }
-        log->time[at] = time;
-        log->event[at] = event;
-        log->sign[at] = sign;
-        log->at_pole[at] = at_pole;
+        Passage row = log->rows[k];
+        integer at = k;
+        for (; at > first && log->rows[at - 1].time > row.time; at--)
+            log->rows[at] = log->rows[at - 1];
+        log->rows[at] = row;
     }
 }
 
@@ -895,7 +865,7 @@ static bool end_step(const Loop *l) {
         ended = take_step(l, lane) || ended;
     sort_log(&l->log, first);
     for (integer k = first; k < l->log.filled[0]; k++) {
-        state_at(l, 0, l->log.time[k]);
+        state_at(l, 0, l->log.rows[k].time);
         copy(variables, l->out, lanes, l->log.states + k * l->sizes.width, 1);
     }
     bool filled = take_rows(l, true);
@@ -948,24 +918,26 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the state, the integrals of the
-   run, the time left and the signs of event functions. From `out` on they have the state and the
-   integrals in which phase `next` begins, the time that it lasts (NaN: it has no clock), the
-   numbers of tables, and of event functions the signs, of which 0 stays, and the roots. */
+/* What follows where a phase ends by an event. Registers begin with the state, the time left, the
+   signs of event functions, the numbers of the body and the constants; the results of lines follow.
+   From line `out` on these are the state in which phase `next` begins, of event functions the signs,
+   of which 0 stays, and the roots, the time that the phase lasts (NaN: it has no clock), and the
+   numbers of tables. */
 typedef struct {
     const Line *lines;
-    real *registers;
-    integer count, begin, out, next, logged, first, last;
+    const real *constants;
+    integer length, count, out, next, logged, first, last;
 } Change;
 
 typedef struct {
     const Loop *const *loops; /* of phases, then of motions */
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
-    real *whole;              /* the integrals of the run */
+    const real *body;
+    real *registers;
     real *made; /* of each change: time, phase and event, counts of rows, passages and samples, then
-                   the registers after the state */
+                   the last registers */
     real began, end, clock, chatter;
-    integer present, count, most, integrals, width;
+    integer present, count, most, numbers, width;
 } Phases;
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
@@ -987,15 +959,14 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     bool within = tally->upto < 1;
     integer last = l->log.filled[0] - 1;
     results[0] = (real)tally->status;
-    results[2] = within ? (real)l->log.event[last] : -1;
+    results[2] = within ? (real)l->log.rows[last].event : -1;
     memcpy(results + 3, within ? l->log.states + last * n->width : l->motion.state,
            n->variables * sizeof(real));
 }
 
-/* Execute a program. Return whether every comparison is as expected. */
-static bool execute(const Change *c, const Loop *const *loops) {
-    real *r = c->registers, *to = r + c->begin;
-    for (const Line *line = c->lines; line < c->lines + c->count; line++, to++) {
+/* Execute a program, whose results begin at `to`. Return whether every comparison is as expected. */
+static bool execute(const Change *c, real *r, real *to, const Loop *const *loops) {
+    for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
         int exponent;
         switch (line->what) {
@@ -1042,27 +1013,28 @@ static bool change_phase(Phases *p) {
     real when = tally->t;
     if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
         return false;
-    const Change *c = p->changes + p->present * events + log->event[at];
-    if (c->count == 0)
+    const Change *c = p->changes + p->present * events + log->rows[at].event;
+    if (c->length == 0)
         return false;
-    real *r = c->registers, *signs = known(l, SIGN, 0), finite = 0;
+    real *r = p->registers, *results = r + n + 1 + events + p->numbers + c->count;
+    real *signs = known(l, SIGN, 0), finite = 0;
     copy(n, log->states + at * l->sizes.width, 1, r, 1);
-    copy(p->integrals, p->whole, 1, r + n, 1);
-    r[n + p->integrals] = p->end - when;
-    copy(events, signs, 1, r + n + p->integrals + 1, 1);
-    if (!execute(c, p->loops))
+    r[n] = p->end - when;
+    copy(events, signs, 1, r + n + 1, 1);
+    copy(p->numbers, p->body, 1, r + n + 1 + events, 1);
+    copy(c->count, c->constants, 1, results - c->count, 1);
+    if (!execute(c, r, results, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
     const Motion *m = &next->motion;
-    const real *out = r + c->out, *others = out + next->sizes.variables;
-    for (const real *number = out; number < others; number++)
+    const real *out = results + c->out, *sides = out + next->sizes.variables;
+    const real *roots = sides + events, *others = roots + events;
+    for (const real *number = out; number < sides; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
 
-    log->event[at] = c->logged;
-    log->sign[at] = 1;
-    log->at_pole[at] = false;
+    log->rows[at] = (Passage){when, c->logged, 1, false};
     loop_keep(l, c->first, c->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
     real counts[] = {when, (real)(c - p->changes), (real)l->output.filled[0], (real)(at + 1),
@@ -1071,12 +1043,10 @@ static bool change_phase(Phases *p) {
     copy(p->width - 5, others, 1, made + 5, 1);
 
     copy(next->sizes.variables, out, 1, m->state, 1);
-    copy(p->integrals, others, 1, p->whole, 1);
-    p->clock = when + others[p->integrals];
+    p->clock = when + others[0];
     m->high[0] = when;
     m->low[0] = 0;
     m->end[0] = p->clock < p->end ? p->clock : p->end;
-    const real *sides = others + p->width - 5, *roots = sides + events;
     for (integer e = 0; e < events; e++) {
         signs[e] = sides[e] != 0 ? sides[e] : signs[e];
         known(l, ON_ZERO, e)[0] = roots[e];

@@ -85,7 +85,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("plot KEPT.zarr theta --out f.png", 2, "has none: replay a part"),
     # pages
     ("view RUN.zarr --out there.html", 5, "must not exist yet"),
-    ("view RUN.zarr --out folder", 5, "is a folder"),
+    ("view RUN.zarr --out folder", 2, "--out must end with .html"),
     ("view RUN.zarr --out new.pdf", 2, "--out must end with .html"),
     ("view RUN.zarr --out new.html --from 3", 2, "rows between 3 and inf s"),
     ("view RUN.zarr --out new.html --from 0.2 --until 0.1", 2, "must have rows between"),

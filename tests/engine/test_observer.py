@@ -257,8 +257,10 @@ def test_every_zero_is_logged_once_with_its_sign(shift: int, rng: np.random.Gene
         )
         n = log.filled[0]
         steepness = f.deriv()(roots)  # where roots are close, rounding of the function moves them
-        np.testing.assert_allclose((log.time[:n] - roots) * steepness, 0, rtol=0, atol=1e-12)
-        assert log.sign[:n].tolist() == [(-1) ** k for k in range(len(roots) - 1, -1, -1)]
+        np.testing.assert_allclose(
+            (log.rows["time"][:n] - roots) * steepness, 0, rtol=0, atol=1e-12
+        )
+        assert log.rows["sign"][:n].tolist() == [(-1) ** k for k in range(len(roots) - 1, -1, -1)]
 
 
 @pytest.mark.parametrize("leaves_to", [1, -1])
@@ -269,8 +271,8 @@ def test_a_start_on_the_zero_is_no_passage(leaves_to: int, noise: float) -> None
     """
     f = leaves_to * Polynomial.fromroots([noise, 0.45])
     tallies, log = passages_of([(event("passage"), 0, 0.0)], [f], on_zero=True)
-    np.testing.assert_allclose(log.time[: log.filled[0]], [0.45], rtol=0, atol=1e-14)
-    assert log.sign[0] == leaves_to
+    np.testing.assert_allclose(log.rows["time"][: log.filled[0]], [0.45], rtol=0, atol=1e-14)
+    assert log.rows["sign"][0] == leaves_to
     assert tallies.kept[2, 0] == 1
 
 

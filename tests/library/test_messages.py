@@ -263,7 +263,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: made().view().save("run.html", overwrite=1), "`overwrite` must be True or False"),
     (
         lambda: run(columns=["theta", "orientation"]).view(),
-        r"a page must have `L`, `axis`, .*: add what is missing",
+        r"a page must have `L`, `axis`, .*: add the missing columns",
     ),
     # user-defined events and columns
     *(
@@ -367,8 +367,6 @@ CALLS: list[tuple[Call, str]] = [
     (system(events=(dataclasses.replace(LIFTOFF, kept=()),)), "`lifted_at` .* none in liftoff"),
     (system(quantities=(3,)), "but: 'int' object has no attribute"),
     (system(quantities=(), integrals=()), "`quantities` of `mine` must have `energy`"),
-    (system(outlook=3), "`outlook` of `mine` must be a function or None, but is 3"),
-    (system(motion=()), r"`motion` of `mine` must be a function or None, but is \(\)"),
     (system(phases={}), "`phases` of `mine` must have a Phase, but has none"),
     (system(long_names={}), "`long_names` of `mine` must describe each .* but lacks axis, L"),
     (system(vectors=None), "the records of `mine` must be of the kinds"),

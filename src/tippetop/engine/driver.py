@@ -304,9 +304,9 @@ class Driver:
 
     def passages(self) -> Passages:
         """Return the passages of the log, where they are."""
-        log, logged = self.log, slice(int(self.log.filled[0]))
-        columns = log.time, log.event, log.sign, log.at_pole, log.states
-        return Passages._make(column[logged] for column in columns)
+        logged = slice(int(self.log.filled[0]))
+        rows = self.log.rows[logged]
+        return Passages(*(rows[name] for name in rows.dtype.names), self.log.states[logged])
 
     def drop(self) -> None:
         """Remove the last passage."""
@@ -315,7 +315,7 @@ class Driver:
     def note(self, time: Any, number: int, sign: int, state: np.ndarray) -> None:
         """Add a passage that no step has."""
         log, at = self.log, self.logged[0]
-        log.time[at], log.event[at], log.sign[at], log.at_pole[at] = time, number, sign, False
+        log.rows[at] = time, number, sign, False
         log.states[at, : len(state)] = state
         self.logged[0] += 1
 

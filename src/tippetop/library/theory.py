@@ -11,11 +11,11 @@ from ..mechanics.contact.body import Top
 from ..mechanics.friction import has_parts
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.systems.heavy_top import HeavyTop
-from ..mechanics.systems.spinning import thresholds_of_surface
 from ..mechanics.systems.tippe_top import TippeTop
 from ..mechanics.theory import modes, regimes
 from ..mechanics.theory import thresholds as limits
 from ..mechanics.theory.regimes import Regime
+from ..mechanics.theory.spinning import thresholds_of_surface
 from ..mechanics.theory.thresholds import Threshold
 from ..mechanics.units import JELLETT, RADIAN_PER_SECOND
 from ..problem import Problem

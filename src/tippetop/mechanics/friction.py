@@ -25,24 +25,18 @@ from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 __all__ = ["Contensou", "Coulomb", "Frictionless", "Latitude", "Mixed", "Stribeck", "Viscous"]
 
 
-PARTS = {
-    "mu_r": number(
-        METRE,
-        "rolling resistance of a tippe top: torque per normal force",
-        symbol=r"\mu_r",
-        least=0,
-        default=0.0,
-        optional=True,
-    ),
-    "mu_d": number(
-        METRE,
-        "drilling torque of a tippe top, per normal force",
-        symbol=r"\mu_d",
-        least=0,
-        default=0.0,
-        optional=True,
-    ),
-}
+ROLLING = number(
+    METRE,
+    "rolling resistance of a tippe top: torque per normal force",
+    symbol=r"\mu_r",
+    least=0,
+    default=0.0,
+    optional=True,
+)
+DRILLING = reuse(
+    ROLLING, long_name="drilling torque of a tippe top, per normal force", symbol=r"\mu_d"
+)
+PARTS = {"mu_r": ROLLING, "mu_d": DRILLING}
 """Numbers that can be added to every law of a system whose contact may open and is a sphere's."""
 
 
@@ -106,6 +100,8 @@ class FrictionLaw(Record, abstract=True):
     It must be finite, at rest too, and not negative. A law that is no multiple of g_n v_A (the
     modified reaction) has none.
     """
+    bounded_by: ClassVar[tuple[str, ...]] = ()
+    """Numbers of which the greatest bounds |F_h|/g_n; empty: no bound is known."""
     set_valued: ClassVar[bool] = False
     """Whether a contact at rest bears any |F_h| <= mu g_n: it slips, rolls, and slips again."""
     regions: ClassVar[Mapping[str, Region]] = {}
@@ -120,8 +116,8 @@ class FrictionLaw(Record, abstract=True):
     with_parts: ClassVar[Any] = None
     """The law with rolling resistance and a drilling torque; None if it already has them."""
 
-    mu_r: Number = reuse(PARTS["mu_r"], default=None, kw_only=True)
-    mu_d: Number = reuse(PARTS["mu_d"], default=None, kw_only=True)
+    mu_r: Number = reuse(ROLLING, default=None, kw_only=True)
+    mu_d: Number = reuse(DRILLING, default=None, kw_only=True)
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -187,10 +183,11 @@ class Coulomb(FrictionLaw):
 
     Dry friction (Coulomb 1785). The regularisation speed eps decides when a top inverts. Without it
     this is Coulomb's law itself: the contact slips, rolls and flies, and the tables `phases` and
-    `impacts` say when.
+    `impacts` list when.
     """
 
     words = "regularised Coulomb friction"
+    bounded_by = ("mu",)
     mu: Number = number(ONE, "Coulomb friction coefficient mu", symbol=r"\mu", least=0)
     eps: Number = reuse(EPS, default=None, optional=True)
 
@@ -225,10 +222,11 @@ class Contensou(FrictionLaw):
     """Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev, Hertz).
 
     Friction that drills, of a tippe top, and rolling resistance. (Contensou 1963, Zhuravlev 1998)
-    The contact slips and flies, and the tables `phases` and `impacts` say when.
+    The contact slips and flies, and the tables `phases` and `impacts` list when.
     """
 
     words = "Coulomb–Contensou friction"
+    bounded_by = ("mu",)
     regions = REGIONS
     torque = staticmethod(torque)
     mu: Number = reuse(Coulomb.parameters["mu"])
@@ -238,14 +236,7 @@ class Contensou(FrictionLaw):
         symbol="contact radius",
         above=0,
     )
-    mu_r: Number = number(
-        METRE,
-        "rolling resistance: torque per normal force",
-        symbol=r"\mu_r",
-        least=0,
-        default=0.0,
-        kw_only=True,
-    )
+    mu_r: Number = reuse(ROLLING, optional=False, kw_only=True)
 
 
 class Mixed(FrictionLaw):
@@ -273,6 +264,7 @@ class Stribeck(FrictionLaw):
     """
 
     words = "Stribeck friction"
+    bounded_by = ("mu", "mu_static")
     mu: Number = reuse(Coulomb.parameters["mu"])
     mu_static: Number = number(
         ONE, "Coulomb friction coefficient at rest", symbol=r"\mu_s", least=0

@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
 
 AXIS = ("ux", "uy", "uz")
-PLACE = ("phi", "x", "y", *AXIS)
-"""Attributes of a moment in addition to its scalars, if the form has them."""
 
 
 class Moment(tuple):
-    """A state for formulas: its scalars, with an attribute for each of them and of PLACE.
+    """A state for formulas: its scalars, with an attribute for each of them.
+
+    phi, x, y, ux, uy and uz are attributes too, if the form has them.
 
     Parameters
     ----------

@@ -153,7 +153,7 @@ class System:
     laws : dict
         The friction laws that it takes, by name; empty if nothing glides.
     potential, theta_inertia : callable
-        potential(z, *momenta, b) -> V and theta_inertia(z, b) -> the factor J of
+        `potential(z, *momenta, b)` -> V and `theta_inertia(z, b)` -> the factor J of
         E~ = J theta'^2 + V.
     momenta : tuple of str
         The quantities that V takes.

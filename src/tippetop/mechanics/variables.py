@@ -22,27 +22,6 @@ it costs no bit.
 """
 
 
-LONG_NAMES = {
-    "s": "sin(theta)",
-    "z": "cos(theta)",
-    "z_dot": "time derivative of cos(theta)",
-    "D": "Routh's function",
-    "lam": "Jellett's integral",
-    "L3": "angular momentum along the axis",
-    "rx_dot": "horizontal velocity of the centre of mass, x component",
-    "ry_dot": "horizontal velocity of the centre of mass, y component",
-    **{f"u{x}": f"unit vector 3hat along the axis, {x} component" for x in "xyz"},
-    **{
-        f"{L}{x}": f"angular momentum about the contact point, {x} component"
-        for L in "LM"
-        for x in "xyz"
-    },
-    "vx": "velocity of the contact point, x component",
-    "vy": "velocity of the contact point, y component",
-}
-"""Of variables of forms that are no columns of a run."""
-
-
 @dataclass(frozen=True)
 class Variables:
     """The variables of an integrator: the state of a form, then its integrals times INTEGRAL_SCALE.

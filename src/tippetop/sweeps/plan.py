@@ -58,7 +58,7 @@ gamma, lambda"""
     geomspace: Pair | None = None
     """first and last of n numbers at equal ratios, instead"""
     between: Pair | None = None
-    """bounds of a number that is drawn, as [sample] says, instead"""
+    """bounds of a number that is drawn as in [sample], instead"""
     n: Annotated[int, Field(ge=1, le=MOST_VALUES)] | None = None
     """how many, with linspace or geomspace"""
     log: bool | None = None

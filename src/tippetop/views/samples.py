@@ -14,7 +14,6 @@ from ..runs.shape import body_of, shape
 
 
 Columns = Mapping[str, np.ndarray]
-STRIDE = 23  # numbers of a sample, as motion.js reads them
 ORIENTATION, OMEGA = slice(0, 4), slice(4, 7)
 NEEDED = (
     *("time", "orientation", "axis", "L", "theta", "theta_dot", "omega3", "phi", "nu_x", "nu_y"),
@@ -37,7 +36,7 @@ def well_quantities(system: Any) -> list[str]:
 
 
 def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
-    """Return samples (n, STRIDE) of rows given as columns by name, SI.
+    """Return samples (n, 23), as motion.js reads them, of rows given as columns by name, SI.
 
     Parameters
     ----------
