@@ -19,9 +19,9 @@ import numpy as np
 import tippetop
 from tippetop.benchmark import Case, case, names
 from tippetop.benchmark.case_files import sample_times, scaled
-from tippetop.benchmark.truth import Truth, theta_of, truth
+from tippetop.benchmark.truth import Truth, truth
 from tippetop.engine.derivatives.growth import growth
-from tippetop.exchange.motion import angle_between
+from tippetop.exchange.motion import angle_between, theta_of
 
 
 PATH = Path(tippetop.__file__).parent / "benchmark" / "certificates.json"

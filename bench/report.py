@@ -80,10 +80,9 @@ def machine(results: dict[str, Any]) -> str:
         for result in results.values()
     ):
         said += (
-            " Where the load average is above the number of processors the machine was "
-            "shared: ratios of processor"
+            "\nWhere the load average is above the number of processors the machine was shared: "
+            "compare processor times there, not wall times."
         )
-        said += " seconds count there, wall times do not."
     return f"{said}\n\n" + table(["case", "", "took [s]", "load average before", "processor"], rows)
 
 
@@ -260,16 +259,16 @@ def sweep(result: dict[str, Any]) -> str:
     head = [
         f"{result['title']}: {result['tops']} tops",
         "seconds",
-        "by the wall clock, to plain",
-        "of the processor, to plain",
+        "wall time / plain",
+        "processor time / plain",
     ]
     one, two = result["seconds_by_1_and_2_workers"]
     efficiency = f"efficiency {result['efficiency_of_2_workers']:.2f}"
     if "efficiency_by_processor" in result:
         efficiency += f", by processor time {result['efficiency_by_processor']:.2f}"
     said = (
-        f"In chunks that two can share: {number(one)} s by one worker, {number(two)} s by "
-        f"two, {efficiency}."
+        f"With smaller chunks, which two workers can share: {number(one)} s with one worker, "
+        f"{number(two)} s with two, {efficiency}."
     )
     return f"{table(head, rows)}\n\n{said}"
 

@@ -30,6 +30,7 @@ nb_execution_raise_on_error = True
 nb_execution_timeout = 900
 nb_merge_streams = True
 nb_render_markdown_format = "gfm"
+default_role = "code"  # of `names` in docstrings
 numpydoc_show_class_members = False
 autodoc_typehints = "none"
 autosummary_generate = True

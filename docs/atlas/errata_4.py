@@ -9,7 +9,8 @@ from exact import UP, rate
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.operand import cross, dot
-from tippetop.mechanics.systems import spinning, tippe_top
+from tippetop.mechanics.systems import tippe_top
+from tippetop.mechanics.theory import spinning
 from tippetop.mechanics.theory.thresholds import lambda_de, two_wells_from
 
 
@@ -45,9 +46,11 @@ def curvature(theta, D, lam, b):
 
 
 def minima(D, lam, b, cells=600):
-    """How many minima V has in (0, pi): sign changes of its slope from - to +."""
-    slopes = [spinning.critical(mp.cos(mp.pi * k / cells), D, lam, b) for k in range(1, cells)]
-    return sum(first > 0 >= second for first, second in itertools.pairwise(slopes))
+    """How many minima V has in (0, pi): where it falls, and then rises."""
+    angles = (mp.pi * k / cells for k in range(1, cells))
+    values = [tippe_top.potential(mp.cos(angle), D, lam, b) for angle in angles]
+    steps = [second - first for first, second in itertools.pairwise(values)]
+    return sum(first < 0 <= second for first, second in itertools.pairwise(steps))
 
 
 def potential_is_convex():

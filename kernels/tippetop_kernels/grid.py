@@ -148,29 +148,6 @@ def gradients(prepare, gradient):
     return gradients
 
 
-def potentials(prepare, slopes, value):
-    """Return the kernel of the value and, times a constant, its two derivatives by z.
-
-    It fills V, V_z, V_zz, each (zs.size, xs.size, ys.size); q = (1 - z)/(1 + z), NaN unless -1 < z
-    < 1.
-    """
-
-    @entry
-    def potentials(zs, xs, ys, r, V, V_z, V_zz):
-        for i in range(zs.size):
-            z = zs[i] if abs(zs[i]) < 1 else np.nan
-            q, w = (1 - z) / (1 + z), (1 - z) * (1 + z)
-            for j in range(xs.size):
-                for k in range(ys.size):
-                    p = prepare(xs[j], ys[k], r)
-                    V[i, j, k] = value(q, p, r)
-                    g1, g2, _ = slopes(q, p, r)
-                    V_z[i, j, k] = -2 * g1 / (q * w)
-                    V_zz[i, j, k] = 4 * (g2 - z * g1) / (q * w * w)
-
-    return potentials
-
-
 def turnings(prepare, slopes, value, excess, bend, inertia):
     """Return the kernel of a minimum, the crossings around it, and a Level, at points.
 

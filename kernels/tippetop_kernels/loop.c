@@ -72,9 +72,9 @@ typedef struct {
 } Motion;
 
 typedef struct {
-    integer row, shift, leader, direction, ends, sense, first, last;
+    integer row, shift, direction, ends, sense, first, last;
     real scale, offset;
-    bool extremes, watched, ranged, bounded;
+    bool extremes, watched, ranged;
 } Event;
 
 typedef struct {
@@ -104,10 +104,14 @@ typedef struct {
 } Tallies;
 
 typedef struct {
+    real time;
+    integer event, sign;
+    bool at_pole;
+} Passage;
+
+typedef struct {
     integer *filled;
-    real *time;
-    integer *event, *sign;
-    bool *at_pole;
+    Passage *rows;
     real *states;
 } Log;
 
@@ -137,26 +141,6 @@ typedef struct {
 } Rows;
 
 typedef struct {
-    const real *start, *pars, *until;
-    const int8_t *signs, *on_zero;
-    Tally *lane;
-    real *functions, *kept, *final;
-} Tops;
-
-typedef struct {
-    const integer *tops;
-    integer *taken, *ended;
-    integer length;
-} Queue;
-
-typedef struct {
-    Tops tops;
-    Queue queue;
-    Tallies fresh;
-    integer count, variables;
-} Ensemble;
-
-typedef struct {
     Step step;
     Dense dense;
     integer fused; /* whether `dense` rounds a product and the difference that takes it once */
@@ -171,7 +155,6 @@ typedef struct {
     Thresholds thresholds;
     Tables tables;
     Rows output;
-    Ensemble ensemble;
 } Loop;
 
 INLINED void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
@@ -414,13 +397,6 @@ INLINED real *known(const Loop *l, integer what, integer event) {
     return l->tallies.functions + (what * l->sizes.events + event) * l->sizes.lanes;
 }
 
-INLINED void keep_bounds(const Loop *l, integer n, integer e, const real *low, const real *high,
-                         const real *steady) {
-    copy(n, low, 1, known(l, LOW, e), 1);
-    copy(n, high, 1, known(l, HIGH, e), 1);
-    copy(n, steady, 1, known(l, STEADY, e), 1);
-}
-
 /* Bound an event function. The Bernstein coefficients of the cubic part, plus or minus the sum of
    the other coefficients, bound a polynomial; those of its slope show whether it is monotone: then
    it lies between its ends. */
@@ -454,24 +430,12 @@ INLINED void bound(const Loop *l, integer n, integer e) {
         low[i] = (monotone ? MIN(p0, last) : MIN(low1, low2) - beyond) + event->offset;
         high[i] = (monotone ? MAX(p0, last) : MAX(high1, high2) + beyond) + event->offset;
     }
-    keep_bounds(l, n, e, low, high, steady);
+    copy(n, low, 1, known(l, LOW, e), 1);
+    copy(n, high, 1, known(l, HIGH, e), 1);
+    copy(n, steady, 1, known(l, STEADY, e), 1);
 }
 
-/* Bound an event function that is a variable, by the bounds of its rate. */
-INLINED void bound_by_rate(const Loop *l, integer n, integer e) {
-    const Event *event = l->rows.events + e;
-    const real *start = l->motion.tc + event->row * l->sizes.size * n, *h = l->factors + n;
-    const real *least = known(l, LOW, event->leader), *greatest = known(l, HIGH, event->leader);
-    real low[WIDEST], high[WIDEST], steady[WIDEST];
-    for (integer i = 0; i < n; i++) {
-        low[i] = start[i] + event->offset + h[i] * MIN(0.0, least[i]);
-        high[i] = start[i] + event->offset + h[i] * MAX(0.0, greatest[i]);
-        steady[i] = ((least[i] > 0) | (greatest[i] < 0)) ? 1.0 : 0.0;
-    }
-    keep_bounds(l, n, e, low, high, steady);
-}
-
-/* Bound every event function over the step. */
+/* Bound the event functions that count over the step. */
 INLINED void bound_functions(const Loop *l, integer n) {
     const Motion *m = &l->motion;
     integer size = l->sizes.size;
@@ -486,12 +450,11 @@ INLINED void bound_functions(const Loop *l, integer n) {
             l->factors[(size + k) * n + i] = (real)(k + 1) * power[i];
             power[i] *= h[i];
         }
-    for (integer e = 0; e < l->sizes.events; e++)
-        if (l->rows.events[e].bounded && l->rows.events[e].leader < 0)
+    for (integer e = 0; e < l->sizes.events; e++) {
+        const Event *event = l->rows.events + e;
+        if (event->watched || event->ranged || event->ends != 0)
             bound(l, n, e);
-    for (integer e = 0; e < l->sizes.events; e++)
-        if (l->rows.events[e].bounded && l->rows.events[e].leader >= 0)
-            bound_by_rate(l, n, e);
+    }
 }
 
 /* --- the events of one lane --- */
@@ -620,14 +583,8 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
         return;
     loop_keep(l, event->first, event->last, lane, when, sign);
     const Log *log = &l->log;
-    integer at = log->filled[0];
-    if (at == l->sizes.log)
-        return;
-    log->time[at] = when;
-    log->event[at] = e;
-    log->sign[at] = (integer)sign;
-    log->at_pole[at] = at_pole;
-    log->filled[0]++;
+    if (log->filled[0] < l->sizes.log)
+        log->rows[log->filled[0]++] = (Passage){when, e, (integer)sign, at_pole};
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
@@ -863,73 +820,6 @@ static bool take_step(const Loop *l, integer lane) {
     return tally->status != RUNNING;
 }
 
-/* --- lanes that take tops from a queue --- */
-
-/* Put a top into a lane. Integrals of event functions, which its start does not contain, begin at
-   zero. */
-static void take_top(const Loop *l, integer lane, integer top) {
-    const Tops *tops = &l->ensemble.tops;
-    const Tallies *fresh = &l->ensemble.fresh;
-    const Motion *m = &l->motion;
-    integer n = l->sizes.lanes, count = l->ensemble.count, events = l->sizes.events;
-    for (integer i = l->ensemble.variables; i < l->sizes.variables; i++)
-        m->state[i * n + lane] = 0;
-    copy(l->ensemble.variables, tops->start + top, count, m->state + lane, n);
-    copy(l->sizes.parameters, tops->pars + top, count, m->pars + lane, n);
-    m->high[lane] = m->low[lane] = 0;
-    m->end[lane] = tops->until[top];
-    l->tallies.lane[lane] = fresh->lane[0];
-    copy(KNOWN * events, fresh->functions, 1, l->tallies.functions + lane, n);
-    copy(l->sizes.numbers, fresh->kept, 1, l->tallies.kept + lane, n);
-    for (integer e = 0; e < events; e++) {
-        known(l, SIGN, e)[lane] = tops->signs[top * events + e];
-        known(l, ON_ZERO, e)[lane] = tops->on_zero[top * events + e];
-    }
-}
-
-/* Keep how a top has ended, perhaps within a step. The end may confirm the turning that waits. */
-static void put_down(const Loop *l, integer lane, integer top) {
-    const Tops *tops = &l->ensemble.tops;
-    const integer *rows = l->rows.axis;
-    Tally *tally = l->tallies.lane + lane;
-    integer n = l->sizes.lanes, count = l->ensemble.count;
-    const real *last = (tally->upto == 1 ? l->motion.state : l->out) + lane;
-    if (tally->upto < 1)
-        state_at(l, lane, tally->t);
-    real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};
-    take_turning(tally, l->thresholds.noise_floor, 0, theta_of(axis));
-    tops->lane[top] = *tally;
-    copy(l->ensemble.variables, last, n, tops->final + top, count);
-    copy(l->sizes.numbers, l->tallies.kept + lane, n, tops->kept + top, count);
-    copy((GREATEST + 1) * l->sizes.events, l->tallies.functions + lane, n, tops->functions + top,
-         count);
-}
-
-/* Put down the tops that have ended, and, if `settled`, those that have settled. Take others from
-   the queue, which threads share. Return whether the caller must look: all lanes are empty, or a top
-   has settled. */
-static bool change(const Loop *l, bool settled) {
-    const Queue *queue = &l->ensemble.queue;
-    bool looks = false, empty = true;
-    for (integer lane = 0; lane < l->sizes.lanes; lane++) {
-        integer status = l->tallies.lane[lane].status, *top = l->samples.in_lane + lane;
-        bool ended = *top >= 0 && status != RUNNING, waits = status == SETTLED && !settled;
-        looks = looks || (ended && waits);
-        if (ended && !waits) {
-            put_down(l, lane, *top);
-            queue->ended[0]++;
-            *top = -1;
-        }
-        if (*top < 0) {
-            integer next = __atomic_fetch_add(queue->taken, 1, __ATOMIC_RELAXED);
-            if (next < queue->length)
-                take_top(l, lane, *top = queue->tops[next]);
-        }
-        empty = empty && *top < 0;
-    }
-    return looks || empty;
-}
-
 /* --- the loop --- */
 
 /* Whether there may be no room for what the next step finds. */
@@ -939,10 +829,8 @@ static bool is_full(const Loop *l) {
            (n->samples > 0 && l->samples.filled[0] + n->lanes > n->samples);
 }
 
-/* Fill the lanes. Return whether no step is possible: no run is under way, or there is no room. */
+/* Return whether no step is possible: no run is under way, or there is no room. */
 static bool begin(const Loop *l) {
-    if (l->ensemble.count > 0)
-        change(l, true);
     bool runs = false;
     for (integer lane = 0; lane < l->sizes.lanes; lane++)
         runs = runs || l->tallies.lane[lane].status == RUNNING;
@@ -953,24 +841,16 @@ static bool begin(const Loop *l) {
 /* Put the events of a step, from number `first` of the log on, in the order of their times. */
 static void sort_log(const Log *log, integer first) {
     for (integer k = first + 1; k < log->filled[0]; k++) {
-        real time = log->time[k];
-        integer event = log->event[k], sign = log->sign[k], at = k;
-        bool at_pole = log->at_pole[k];
-        for (; at > first && log->time[at - 1] > time; at--) {
-            log->time[at] = log->time[at - 1];
-            log->event[at] = log->event[at - 1];
-            log->sign[at] = log->sign[at - 1];
-            log->at_pole[at] = log->at_pole[at - 1];
-        }
-        log->time[at] = time;
-        log->event[at] = event;
-        log->sign[at] = sign;
-        log->at_pole[at] = at_pole;
+        Passage row = log->rows[k];
+        integer at = k;
+        for (; at > first && log->rows[at - 1].time > row.time; at--)
+            log->rows[at] = log->rows[at - 1];
+        log->rows[at] = row;
     }
 }
 
-/* Take in the step that was made. Return whether the caller must look: a run has ended and has no
-   successor, a top has settled, all rows are written, or there is no room. */
+/* Take in the step that was made. Return whether the caller must look: a run has ended, all rows are
+   written, or there is no room. */
 static bool end_step(const Loop *l) {
     integer lanes = l->sizes.lanes, variables = l->sizes.variables, first = l->log.filled[0];
     bool ended = false;
@@ -985,17 +865,14 @@ static bool end_step(const Loop *l) {
         ended = take_step(l, lane) || ended;
     sort_log(&l->log, first);
     for (integer k = first; k < l->log.filled[0]; k++) {
-        state_at(l, 0, l->log.time[k]);
+        state_at(l, 0, l->log.rows[k].time);
         copy(variables, l->out, lanes, l->log.states + k * l->sizes.width, 1);
     }
     bool filled = take_rows(l, true);
-    if (ended && l->ensemble.count > 0)
-        ended = change(l, false);
     return ended || filled || is_full(l);
 }
 
-/* Make at most `most` steps of all lanes, until the caller must look. Return their number. The next
-   call puts down tops that have settled, unless their status is that of a running one again. */
+/* Make at most `most` steps of all lanes, until the caller must look. Return their number. */
 integer loop_drive(const Loop *l, integer most) {
     const Motion *m = &l->motion;
     /* The integrator keeps vectors on the stack: lanes are slower where it is not aligned. */
@@ -1041,24 +918,26 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the state, the integrals of the
-   run, the time left and the signs of event functions. From `out` on they have the state and the
-   integrals in which phase `next` begins, the time that it lasts (NaN: it has no clock), the
-   numbers of tables, and of event functions the signs, of which 0 stays, and the roots. */
+/* What follows where a phase ends by an event. Registers begin with the state, the time left, the
+   signs of event functions, the numbers of the body and the constants; the results of lines follow.
+   From line `out` on these are the state in which phase `next` begins, of event functions the signs,
+   of which 0 stays, and the roots, the time that the phase lasts (NaN: it has no clock), and the
+   numbers of tables. */
 typedef struct {
     const Line *lines;
-    real *registers;
-    integer count, begin, out, next, logged, first, last;
+    const real *constants;
+    integer length, count, out, next, logged, first, last;
 } Change;
 
 typedef struct {
     const Loop *const *loops; /* of phases, then of motions */
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
-    real *whole;              /* the integrals of the run */
+    const real *body;
+    real *registers;
     real *made; /* of each change: time, phase and event, counts of rows, passages and samples, then
-                   the registers after the state */
+                   the last registers */
     real began, end, clock, chatter;
-    integer present, count, most, integrals, width;
+    integer present, count, most, numbers, width;
 } Phases;
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
@@ -1080,15 +959,14 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     bool within = tally->upto < 1;
     integer last = l->log.filled[0] - 1;
     results[0] = (real)tally->status;
-    results[2] = within ? (real)l->log.event[last] : -1;
+    results[2] = within ? (real)l->log.rows[last].event : -1;
     memcpy(results + 3, within ? l->log.states + last * n->width : l->motion.state,
            n->variables * sizeof(real));
 }
 
-/* Execute a program. Return whether every comparison is as expected. */
-static bool execute(const Change *c, const Loop *const *loops) {
-    real *r = c->registers, *to = r + c->begin;
-    for (const Line *line = c->lines; line < c->lines + c->count; line++, to++) {
+/* Execute a program, whose results begin at `to`. Return whether every comparison is as expected. */
+static bool execute(const Change *c, real *r, real *to, const Loop *const *loops) {
+    for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
         int exponent;
         switch (line->what) {
@@ -1135,27 +1013,28 @@ static bool change_phase(Phases *p) {
     real when = tally->t;
     if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
         return false;
-    const Change *c = p->changes + p->present * events + log->event[at];
-    if (c->count == 0)
+    const Change *c = p->changes + p->present * events + log->rows[at].event;
+    if (c->length == 0)
         return false;
-    real *r = c->registers, *signs = known(l, SIGN, 0), finite = 0;
+    real *r = p->registers, *results = r + n + 1 + events + p->numbers + c->count;
+    real *signs = known(l, SIGN, 0), finite = 0;
     copy(n, log->states + at * l->sizes.width, 1, r, 1);
-    copy(p->integrals, p->whole, 1, r + n, 1);
-    r[n + p->integrals] = p->end - when;
-    copy(events, signs, 1, r + n + p->integrals + 1, 1);
-    if (!execute(c, p->loops))
+    r[n] = p->end - when;
+    copy(events, signs, 1, r + n + 1, 1);
+    copy(p->numbers, p->body, 1, r + n + 1 + events, 1);
+    copy(c->count, c->constants, 1, results - c->count, 1);
+    if (!execute(c, r, results, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
     const Motion *m = &next->motion;
-    const real *out = r + c->out, *others = out + next->sizes.variables;
-    for (const real *number = out; number < others; number++)
+    const real *out = results + c->out, *sides = out + next->sizes.variables;
+    const real *roots = sides + events, *others = roots + events;
+    for (const real *number = out; number < sides; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
 
-    log->event[at] = c->logged;
-    log->sign[at] = 1;
-    log->at_pole[at] = false;
+    log->rows[at] = (Passage){when, c->logged, 1, false};
     loop_keep(l, c->first, c->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
     real counts[] = {when, (real)(c - p->changes), (real)l->output.filled[0], (real)(at + 1),
@@ -1164,12 +1043,10 @@ static bool change_phase(Phases *p) {
     copy(p->width - 5, others, 1, made + 5, 1);
 
     copy(next->sizes.variables, out, 1, m->state, 1);
-    copy(p->integrals, others, 1, p->whole, 1);
-    p->clock = when + others[p->integrals];
+    p->clock = when + others[0];
     m->high[0] = when;
     m->low[0] = 0;
     m->end[0] = p->clock < p->end ? p->clock : p->end;
-    const real *sides = others + p->width - 5, *roots = sides + events;
     for (integer e = 0; e < events; e++) {
         signs[e] = sides[e] != 0 ? sides[e] : signs[e];
         known(l, ON_ZERO, e)[0] = roots[e];
@@ -1192,6 +1069,21 @@ integer loop_run(Phases *p, integer most) {
 }
 
 /* --- for the binding and for tests --- */
+
+/* Write the last state of a lane whose run has ended to `out`. The end may confirm the turning that
+   waits. */
+void loop_end(const Loop *l, integer lane) {
+    const integer *rows = l->rows.axis;
+    Tally *tally = l->tallies.lane + lane;
+    integer n = l->sizes.lanes;
+    real *last = l->out + lane;
+    if (tally->upto < 1)
+        state_at(l, lane, tally->t);
+    else
+        copy(l->sizes.variables, l->motion.state + lane, n, last, n);
+    real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};
+    take_turning(tally, l->thresholds.noise_floor, 0, theta_of(axis));
+}
 
 /* Count turnings, and write what each does: CONFIRMS, WAITS or their sum. */
 void loop_count_turnings(Tally *tally, real noise_floor, integer n, const integer *signs,

@@ -150,7 +150,7 @@ def _leaves(record: Any) -> Iterable[Any]:
         yield from _leaves(field) if isinstance(field, tuple) else (field,)
 
 
-def _is_one_number(value: Any, arguments: tuple) -> bool:
+def is_one_number(value: Any, arguments: tuple = (0.0,)) -> bool:
     """Return whether a value is a number, expression or symbol, or an array like its arguments.
 
     It has at most their dimensions, and is complex only if they are.
@@ -181,7 +181,7 @@ class NamedFormula:
             raise InputError(
                 f"the formula of {self.of} fails: {type(error).__name__}: {error}"
             ) from error
-        if not _is_one_number(value, arguments):
+        if not is_one_number(value, arguments):
             raise InputError(
                 f"the formula of {self.of} must return one number, but returns {value!r:.60}."
             )

@@ -7,8 +7,9 @@ import pytest
 
 from tippetop import benchmark
 from tippetop.benchmark.named_cases import data
-from tippetop.benchmark.truth import Truth, theta_of, truth
+from tippetop.benchmark.truth import Truth, truth
 from tippetop.errors import InputError
+from tippetop.exchange.motion import theta_of
 
 
 def motion(name: str, count: int = 201) -> tuple[Truth, object]:

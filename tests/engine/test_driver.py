@@ -4,9 +4,7 @@ rows on the way.
 
 import copy
 import dataclasses
-from collections.abc import Iterator
 from typing import Any
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -15,13 +13,12 @@ from tippetop.engine import integrator as compiling
 from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import formulas_of
 from tippetop.engine.status import Status
-from tippetop.engine.stepper import Loaded
+from tippetop.engine.tallies import new_tallies
 from tippetop.engine.taylor import driver_of
-from tippetop.ensembles.lanes import Lanes, new_tops
+from tippetop.ensembles.lanes import Lanes
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs.integration import Integration
-from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
 from tippetop.scenario import build, reading
 
@@ -93,9 +90,6 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(
     """
     made = problem(preset, form, 0.4)
     driver = driver_of(made)
-    assert isinstance(driver.place.stepper, Loaded), (
-        "the machine code of a step must be loaded here"
-    )
     theirs = heyokas(driver)
     *_, output, _ = theirs.propagate_until(driver.end, c_output=True)
     ends, n = np.concatenate([output.tcs[1:, :, 0], theirs.state[None, :]]), driver.variables
@@ -122,30 +116,6 @@ def test_steps_and_rows_are_heyokas_bit_by_bit(
         assert same_bits(times, asked)
         assert same_bits(states[between], expected[between])
         np.testing.assert_allclose(states, expected, rtol=4e-15, atol=4e-15)
-
-
-@pytest.mark.parametrize(("preset", "form"), cases()[::4])
-def test_called_steps_have_the_bits_of_loaded_ones(
-    preset: str, form: str, request: pytest.FixtureRequest
-) -> None:
-    made = build.load(preset, [f"form={form}"], 0.4)
-    loaded = driver_of(made)
-    request.getfixturevalue("unlike")
-    called = driver_of(made)
-    assert called.is_called
-    assert not loaded.is_called
-    asked = np.linspace(0.0, loaded.end, 97)
-    rows, others = Rows(asked), Rows(asked)
-    one, other = loaded.advance(rows, ENDLESS), called.advance(others, ENDLESS)
-    assert (one.status, one.steps) == (other.status, other.steps)
-    for mine, theirs in zip(
-        (*rows.rows, *one.passages), (*others.rows, *other.passages), strict=True
-    ):
-        assert same_bits(mine, theirs)
-    assert loaded.tallies.lane.tobytes() == called.tallies.lane.tobytes()
-    assert same_bits(loaded.tallies.functions, called.tallies.functions)
-    assert same_bits(loaded.tallies.kept, called.tallies.kept)
-    assert same_bits(loaded.state, called.state)
 
 
 IN_LANES = ("inverting", "rolling", "gliding-heavy-top", "heavy-top")
@@ -180,13 +150,9 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
     tops = Problems.vary(base, {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
     assert tops.valid.all()
     mine = Lanes(tops, lanes, every=1)
-    assert isinstance(mine.stepper, Loaded)
-    signs = np.ones((n, len(mine.rows.events)))
-    made = new_tops(
-        tops.start, tops.pars[: len(mine.motion.pars)], tops.end, signs, 0 * signs, mine.rows
-    )
+    made, final = new_tallies(mine.rows, n), np.full(tops.start.shape, np.nan)
     seen = Seen(n)
-    mine.run(made, np.arange(n), np.zeros(1, int), seen.look, seen.ended)
+    mine.run(made, final, iter(range(n)), seen.look, seen.ended)
     assert seen.done == n
     assert np.all(made.lane["status"] == Status.FINISHED.code)
     theirs = copy.deepcopy(
@@ -210,57 +176,15 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
             ends = np.concatenate([output.tcs[1:, :, 0, lane], theirs.state[None, :, lane]])[moved]
             assert made.lane["steps"][top] == len(ends)
             assert same_bits(np.array(seen.samples[top]), ends)
-            assert same_bits(made.final[:, top], theirs.state[: len(made.final), lane])
-
-
-# --- the way without machine code ---------------------------------------------------------------
-
-
-@pytest.fixture
-def unlike(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A process in which the loaded code makes other steps than heyoka."""
-    with monkeypatch.context() as patch:
-        patch.setattr(compiling, "is_same_step", lambda *_: False)
-        compiling.compiled_from.cache_clear()  # and with it the places of earlier runs
-        yield
-    compiling.compiled_from.cache_clear()
-
-
-def test_where_nothing_can_be_loaded_heyoka_makes_the_steps(
-    monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
-) -> None:
-    request.getfixturevalue("unlike")  # which leaves no place behind
-    monkeypatch.setattr(compiling, "load", Mock(side_effect=RuntimeError("not today")))
-    made = build.load("inverting", None, 0.1)
-    assert driver_of(made).is_called
-    assert solve(made).status is Status.FINISHED
-
-
-def test_steps_that_differ_are_noticed() -> None:
-    """The comparison is one of bits: code that makes another step is not used."""
-    tolerances = ("1e-16", "1e-9")
-    made = [
-        build.load("inverting", ["form=vector", f"run.tolerance={tolerance}"], 0.1)
-        for tolerance in tolerances
-    ]
-    code, other = (driver_of(problem).compiled for problem in made)
-    assert code.machine is not None
-    assert other.machine is not None
-    assert compiling.is_same_step(code.machine, code.integrator)
-    assert not compiling.is_same_step(other.machine, code.integrator)
+            assert same_bits(final[:, top], theirs.state[: len(final), lane])
 
 
 # --- what a run leaves alone --------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("way", ["usual", "unlike"])
 @pytest.mark.parametrize("end", ["finished", "liftoff", "non-finite"])
-def test_rows_at_steps_are_each_there_once(
-    way: str, end: str, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_rows_at_steps_are_each_there_once(end: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The end of the run has one row too, whatever ended it."""
-    if way == "unlike":
-        request.getfixturevalue("unlike")
     made = build.load("inverting", [f"initial.omega3={170.0 if end == 'liftoff' else 155.0}"], 6.0)
     made = dataclasses.replace(made, output="steps")
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 100)

@@ -14,6 +14,7 @@ from tippetop.engine.status import Status
 from tippetop.engine.tallies import (
     LEAST,
     MOST,
+    ON_ZERO,
     T_LEAST,
     T_MOST,
     EventRows,
@@ -88,8 +89,7 @@ def followed(
     (events, lanes).
     """
     tallies = new_tallies(rows, LANES)
-    for lane in range(LANES):
-        reset(tallies, rows, lane, signs[:, lane], np.zeros(len(signs), bool))
+    reset(tallies, rows, signs)
     continued(tallies, rows, times, tcs, rules, log)
     return tallies
 
@@ -236,13 +236,8 @@ def passages_of(
         for f, (_, shift, offset) in zip(functions, sources, strict=True)
     ]
     tallies = new_tallies(rows, 1)
-    reset(
-        tallies,
-        rows,
-        0,
-        np.where(np.array(at_start) > 0, 1.0, -1.0),
-        np.full(len(functions), on_zero),
-    )
+    reset(tallies, rows, np.where(np.array(at_start) > 0, 1.0, -1.0)[:, None])
+    tallies.functions[ON_ZERO] = on_zero
     tcs = coefficients(functions, times)[..., None]
     continued(tallies, rows, times[:, None], tcs, log=log)
     return tallies, log
@@ -262,8 +257,10 @@ def test_every_zero_is_logged_once_with_its_sign(shift: int, rng: np.random.Gene
         )
         n = log.filled[0]
         steepness = f.deriv()(roots)  # where roots are close, rounding of the function moves them
-        np.testing.assert_allclose((log.time[:n] - roots) * steepness, 0, rtol=0, atol=1e-12)
-        assert log.sign[:n].tolist() == [(-1) ** k for k in range(len(roots) - 1, -1, -1)]
+        np.testing.assert_allclose(
+            (log.rows["time"][:n] - roots) * steepness, 0, rtol=0, atol=1e-12
+        )
+        assert log.rows["sign"][:n].tolist() == [(-1) ** k for k in range(len(roots) - 1, -1, -1)]
 
 
 @pytest.mark.parametrize("leaves_to", [1, -1])
@@ -274,8 +271,8 @@ def test_a_start_on_the_zero_is_no_passage(leaves_to: int, noise: float) -> None
     """
     f = leaves_to * Polynomial.fromroots([noise, 0.45])
     tallies, log = passages_of([(event("passage"), 0, 0.0)], [f], on_zero=True)
-    np.testing.assert_allclose(log.time[: log.filled[0]], [0.45], rtol=0, atol=1e-14)
-    assert log.sign[0] == leaves_to
+    np.testing.assert_allclose(log.rows["time"][: log.filled[0]], [0.45], rtol=0, atol=1e-14)
+    assert log.rows["sign"][0] == leaves_to
     assert tallies.kept[2, 0] == 1
 
 
@@ -313,8 +310,7 @@ def test_roots_at_the_start_are_divided_out(k: int, noise: float, rng: np.random
     exact = [Polynomial([0.0] * k + [a, -1.0]) for a in zeros]
     times, tcs = slice_of([[p + Polynomial([noise] * k)] for p in exact], rng)
     tallies = new_tallies(rows, LANES)
-    for lane in range(LANES):
-        reset(tallies, rows, lane, np.ones(1), np.array([-k]))
+    tallies.functions[ON_ZERO] = -k
     continued(tallies, rows, times, tcs)
     np.testing.assert_allclose(tallies.kept[0], zeros, rtol=1e-9)
     np.testing.assert_array_equal(tallies.kept[2], 1)

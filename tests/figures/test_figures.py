@@ -262,7 +262,8 @@ def test_symbols_of_users_numbers_are_those_of_the_record(monkeypatch: pytest.Mo
 
     monkeypatch.setitem(LAWS, "wet", Wet)
     table = {"law": "wet", "mu": 0.3, "depth": 1.0, "film_age": 2.0}
-    attrs = drawing.with_records({"system": "tippe-top", "friction": table})
+    units = {name: rule.unit.symbol for name, rule in Wet.parameters.items()}
+    attrs = drawing.with_records({"system": "tippe-top", "friction": table, "units": units})
     assert (
         labels.friction(table, attrs)
         == "wet friction, β₂ = 0.3 s m⁻¹, $\\ell_w$ = 1 m, film age = 2 s"

@@ -27,7 +27,7 @@ def a_run(**more: Any) -> tuple[xr.Dataset, dict[str, Any]]:
         "friction": {"law": "viscous", "mu": 0.3},
         "initial": {"theta": 0.1},
         "parameters": {"m": 0.02, "g": 9.82},
-        "units": {"theta": "rad"},
+        "units": {"theta": "rad", "mu": "s m-1"},
         "run": {"precision": "double"},
         "report": {"drift": {}},
     }
@@ -43,6 +43,7 @@ def test_runs_are_named_by_what_is_different_in_them() -> None:
         {"law": "none"},
     ]
     runs = [a_run(friction=law) for law in laws]
+    runs[1][1]["units"] = {"theta": "rad", "eps": "m s-1"}
     ax = drawing.several("theta", runs, ["a", "b", "c"])
     words = [line.get_label() for line in ax.get_lines()]
     assert words == [

@@ -8,7 +8,8 @@ import mpmath as mp
 import numpy as np
 
 from tippetop.mechanics.friction import Frictionless
-from tippetop.mechanics.systems import spinning, tippe_top
+from tippetop.mechanics.systems import tippe_top
+from tippetop.mechanics.theory import spinning
 
 
 mp.mp.dps = 60
@@ -53,6 +54,16 @@ def z_of(q):
     return (1 - q) / (1 + q)
 
 
+def critical(z, D, lam, b):
+    """N(z), of the sign of dV/dz in (-1, 1) [section 5]; it is regular on [-1, 1], with
+    N(-1) <= 0 <= N(1).
+    """
+    X, w, root = tippe_top.X(z, D, lam, b), (1 - z) * (1 + z), mp.sqrt(tippe_top.d(z, b))
+    bend = b.c - b.R * z + b.R * b.I1 / b.I3 * z
+    X_rate = -lam * b.m * b.R / b.I3 * bend / root
+    return X * ((X_rate - b.R * D) * w + z * X) - b.c * b.m * b.g * b.I1**2 / b.I3 * (b.R * w) ** 2
+
+
 def minimum(D, lam, b, near):
     """F and q of the minimum of V, from the zero of N(z) next to q = `near`, bracketed and bisected
     by a secant.
@@ -63,7 +74,7 @@ def minimum(D, lam, b, near):
     D, lam, near = mp.mpf(D), mp.mpf(lam), mp.mpf(near)
 
     def N(factor):
-        return spinning.critical(z_of(near * factor), D, lam, b)
+        return critical(z_of(near * factor), D, lam, b)
 
     low, high = 1 / (1 + mp.mpf("1e-6")), 1 + mp.mpf("1e-6")
     f_low, f_high = N(low), N(high)

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.mechanics.form import Exit, Next
+from tippetop.mechanics.form import Exit, Form, Next
 from tippetop.mechanics.systems import SYSTEMS
+from tippetop.runs.certificate import certificate_violations
 
 
 PAGE = Path(__file__).parents[2] / "docs/how-to/a-hybrid-system.md"
@@ -55,6 +56,18 @@ def test_nothing_is_said_of_an_inclination_that_is_not_there(page: dict) -> None
     assert set(run.trajectory) == {"h", "v"}
     assert "theta" not in str(run)
     assert "turning" not in str(run)
+
+
+def test_a_certificate_compares_columns_and_phases_where_there_is_no_theta(page: dict) -> None:
+    run = bounces()
+    found = run.certify()
+    assert "theta" not in found
+    assert found.same_end
+    assert max(found.columns.values()) < 1e-12
+    assert found.phases.compared == len(run.phases.interval)
+    assert found.phases.start < 1e-12
+    assert "columns differ by at most" in str(run)
+    assert certificate_violations(found) == []
 
 
 @pytest.mark.parametrize("kind", ["theta", "energy", "drift", "states"])
@@ -163,7 +176,12 @@ def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
         (None, "return a Next, but returns None"),
         (("rest",), "lead to fall, as its Exit declares, but leads to 'rest'"),
         (("fall", (0.0, 1.0)), "return a state as it takes"),
-        (("fall", {"v": "fast"}), "fails: TypeError"),
+        (("fall", {"v": "fast"}), "return a number in `v` of the state, but returns 'fast'"),
+        (("fall", {"v": 1j}), "return a number in `v` of the state, but returns 1j"),
+        (("fall", {"h": np.zeros(2)}), "return a number in `h` of the state, but returns array"),
+        (("fall", {}, {"ends": 5}), "have a word in `ends`, but has 5"),
+        (lambda x: {}["fall"], "fails: KeyError: 'fall'"),
+        (lambda x: 1 / 0, "fails: ZeroDivisionError: division by zero"),
         (("fall", {}, {"logged": ("bonce",)}), "`logged`, but has 'bonce'"),
         (("fall", {}, {"zeros": {"groud": 1}}), "`zeros`, but has 'groud'"),
         (("fall", {}, {"zeros": {"ground": -1}}), "at least 1"),
@@ -175,8 +193,8 @@ def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(
     page: dict, returned: Any, words: str
 ) -> None:
     def jump(x: Any, world: Any) -> Any:
-        if returned is None:
-            return None
+        if returned is None or callable(returned):
+            return returned and returned(x)
         phase, changed, more = (*returned, {}, {})[:3]
         return Next(phase, changed if isinstance(changed, tuple) else x._replace(**changed), **more)
 
@@ -188,7 +206,6 @@ def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(
 @pytest.mark.parametrize(
     ("jump", "status", "words"),
     [
-        (lambda x, world: 1 / 0, "stalled", "fails: ZeroDivisionError: division by zero"),
         (
             lambda x, world: Next("fall", x._replace(v=np.nan)),
             "non-finite",
@@ -207,8 +224,8 @@ def test_a_run_ends_with_the_place_of_a_jump_without_an_end(
 
 
 def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
-    point = SYSTEMS["bouncing-point"]
-    fall, rest = point.phases["fall"], point.phases["rest"]
+    point, State = SYSTEMS["bouncing-point"], page["State"]
+    fall, rest, state = point.phases["fall"], point.phases["rest"], page["state"]
     other, both = (dataclasses.replace(page["ground"], direction=way) for way in (1, 0))
     phases = {
         "must take arrays": {"rest": dataclasses.replace(rest, enter=lambda x, b: x, leave=scalar)},
@@ -222,6 +239,21 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
             "fall": dataclasses.replace(fall, events=(both,))
         },
         "no jump logs them, but has bounce, rests": {"fall": dataclasses.replace(fall, exits=())},
+        "lead to phases of the system by a tuple of names, but has exits by ground": {
+            "fall": dataclasses.replace(fall, exits=(Exit("ground", "r", None),)),
+            "r": rest,
+        },
+        "of the system by a tuple": {
+            "fall": dataclasses.replace(fall, exits=(Exit("ground", (), None),))
+        },
+        "of phase `rest` of `broken` must give its 2 rates.*no attribute 'w'": {
+            "rest": dataclasses.replace(
+                rest, forms=Form("plain", state, lambda q, b: State(q.w, 0))
+            )
+        },
+        "`rates` of the form `plain` of phase `rest` of `broken` must give its 2": {
+            "rest": dataclasses.replace(rest, forms=Form("plain", state, lambda q, b: (q.v,)))
+        },
     }
     for words, changed in phases.items():
         with pytest.raises(tt.InputError, match=words):

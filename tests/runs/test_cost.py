@@ -46,6 +46,12 @@ def test_a_run_that_ends_early_is_not_taken_for_longer(clock: Callable[[], float
     assert cost.measured(problem, clock)["steps"] == steps
 
 
+def test_the_cost_of_a_spin_that_friction_stops_is_a_lower_bound() -> None:
+    drilling, viscous = (build.load(name) for name in ("leine-glocker-drilling", "inverting"))
+    assert cost.estimate(drilling)["at_least"] is True
+    assert "at_least" not in cost.estimate(viscous)
+
+
 def test_many_rows_are_measured_in_short_slices() -> None:
     """A slice of 512 steps would make a million rows; they are part of the time."""
     few, many = (

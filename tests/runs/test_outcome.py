@@ -90,6 +90,22 @@ def test_without_friction_nothing_ends(theta: float) -> None:
     assert forecast.assessment(problem)["fate"].startswith("theta nutates for ever")
 
 
+@pytest.mark.parametrize(
+    ("sets", "expected"),
+    [
+        (["initial.theta=0.0", "initial.omega3=0.0"], "at-rest"),
+        (["initial.theta=0.0", "initial.omega3=10.0"], "upright"),
+        (["initial.gap=0.001", "contact.e_n=0.0"], "under-way"),  # the landing took energy
+        (["initial.gap=0.0", "contact.e_n=0.0"], "nutating"),
+    ],
+)
+def test_a_top_without_friction_nutates_unless_it_stays_or_loses_energy(
+    sets: list[str], expected: str
+) -> None:
+    sets = ["friction.mu=0", *sets]
+    assert outcomes(sets, 0.5) == (expected, expected)
+
+
 @pytest.mark.parametrize("theta", [0.05, 0.11])
 def test_what_rolls_for_ever_near_a_pole_is_rolling(theta: float) -> None:
     sets = [

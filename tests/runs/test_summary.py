@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+import tippetop
 from tippetop.runs.summary import lines
 
 
@@ -131,3 +132,11 @@ def test_a_certificate_is_said_with_its_window() -> None:
         text("certificate", certificate={"against": None, "reason": "no wider one"})
         == "no wider one"
     )
+
+
+@pytest.mark.parametrize("parts", [{}, {"mu_r": 1e-6}, {"mu_d": 1e-6}])
+def test_the_headline_shows_the_parts_that_act(parts):
+    friction = {"law": "contensou", "mu": 0.3, "patch": 5e-4, **parts}
+    run = tippetop.run("leine-glocker-drilling", friction=friction, until=1e-3)
+    for name in ("mu_r", "mu_d"):
+        assert (name in str(run).splitlines()[0]) == (name in parts)

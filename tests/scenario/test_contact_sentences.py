@@ -10,6 +10,9 @@ from tippetop.errors import InputError
 from tippetop.scenario import build
 
 
+STRIBECK = {"law": "stribeck", "mu": 0.2, "v_s": 0.1, "eps": 0.01}
+
+
 def sentences(changes: dict[str, Any]) -> list[str]:
     """Return the faults of the scenario where a key table.name or a table has another value; None
     takes it away.
@@ -54,6 +57,14 @@ def sentences(changes: dict[str, Any]) -> list[str]:
             ["1.9e-07. A smaller disc slides as a point"],
         ),
         ({"friction.mu": 1.46}, ["`friction.mu` must be less than 1.4595", "Painleve"]),
+        (
+            {"friction": {**STRIBECK, "mu_static": 1.5}},
+            ["`friction.mu_static` must be less than 1.4595", "Painleve"],
+        ),
+        (
+            {"friction": {**STRIBECK, "mu_static": 1.4, "mu_r": "5 mm"}},
+            ["`friction.mu_r` must be less than "],
+        ),
         (
             {"initial.nu_z": -1e4},
             ["`initial.nu_z` must be within 626.", "fall from 1e+06 times the body", "-10000."],

@@ -70,7 +70,23 @@ def names() -> tuple[str, ...]:
 
 @cache
 def case(name: str) -> Case:
-    """Return a case by its name. Raises InputError for an unknown name."""
+    """Return a case of the benchmark.
+
+    Parameters
+    ----------
+    name : str
+        One of `names()`.
+
+    Returns
+    -------
+    Case
+        Its scenario, law and certificate.
+
+    Raises
+    ------
+    InputError
+        If no case has this name.
+    """
     cases = data("cases.toml")
     if name not in cases:
         raise InputError(

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
+from ..exchange.motion import axis_of, theta_of
 from ..problem import Problem
-from .truth import Truth, axis_of, theta_of
+from .truth import Truth
 
 
 TOUCH = 0.01

@@ -10,13 +10,13 @@ import numpy as np
 
 from ..arguments import path_of
 from ..errors import InputError, suggestion
-from ..exchange.comparison import STEP, Compared, orders, size_of
-from ..exchange.motion import angle_between, motion
+from ..exchange.comparison import STEP, Compared, energy, orders, size_of
+from ..exchange.motion import angle_between, axis_of, motion, theta_of
 from ..exchange.motion_table import Table, read
 from .case_files import CONTENT
 from .named_cases import Case, case, names
 from .outcome import RISES, outcome, rise
-from .truth import VECTORS, Truth, axis_of, energy, theta_of, truth
+from .truth import VECTORS, Truth, truth
 
 
 QUANTITIES = ("attitude", "theta", "position", "spin", "energy", "force")
@@ -51,7 +51,7 @@ class Result(NamedTuple):
     compared
         Times up to the horizon, errors by quantity, theta of both, and the numbers of the score.
     outcome, expected
-        What the result shows, and what the reference shows.
+        The outcome of the result, and that of the reference.
     unseen
         The longest time without a row (start, end) [s] if it is too long to judge the outcome.
     """

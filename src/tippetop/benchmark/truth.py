@@ -1,15 +1,12 @@
 """The exact motion of a case at given times, in the columns of a result."""
 
-import dataclasses
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..exchange.comparison import reference
 from ..exchange.simulators import motion_of
-from ..mechanics.contact.body import Touch
 from ..problem import Problem
-from ..runs.run import Solution
+from ..runs.run import Solution, solve, with_rows_at
 
 
 VECTORS = {
@@ -37,28 +34,9 @@ def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tup
 
     The sign of the quaternion is continuous.
     """
-    run = reference(dataclasses.replace(problem, precision=precision), times)
+    run = solve(with_rows_at(problem, times, precision=precision))
     motion = Truth(run.times, *motion_of(run.problem, run.rows))
     flips = (motion.quaternion[1:] * motion.quaternion[:-1]).sum(axis=1) < 0
     signs = np.cumprod(np.where(flips, -1.0, 1.0))
     motion.quaternion[1:] *= signs[:, None]
     return motion, run
-
-
-def axis_of(q: np.ndarray) -> np.ndarray:
-    """Return the axis of symmetry in space of quaternions (rows, 4)."""
-    w, x, y, z = q.T
-    return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
-
-
-def theta_of(q: np.ndarray) -> np.ndarray:
-    """Return the inclination of the axis [rad] of quaternions (rows, 4)."""
-    w, x, y, z = q.T
-    return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
-
-
-def energy(velocity: Any, omega: Any, height: Any, axis: Any, body: Touch) -> np.ndarray:
-    """Return the energy [J]."""
-    spin = (omega * axis).sum(axis=1)
-    turning = body.I1 * (omega**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
-    return (body.m * (velocity**2).sum(axis=1) + turning) / 2 + body.m * body.g * height

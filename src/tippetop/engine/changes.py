@@ -2,6 +2,7 @@
 
 import ctypes
 import math
+from functools import partial
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -11,22 +12,22 @@ from ..mechanics.lines import Program
 from ..mechanics.operand import leaves, refill
 from .driver import NO_ROWS
 from .loop import filled, library, structure
-from .stepper import Called
+from .phase_tables import number_of
 
 
 PATIENCE = 16
 """Changes before a jump is written down as a program; then after twice as many, until it is one."""
-NUMBERS, MOTIONS = 24, 8
-"""Most numbers that a change may pass to the tables, and motions of impacts."""
+NUMBERS, MOTIONS, REGISTERS = 24, 8, 1 << 16
+"""Most numbers that a change may pass to the tables, motions of impacts, and registers of a
+program.
+"""
 
 
-class Change(NamedTuple):
-    """A change of phase, in numbers of the loop."""
-
+class _Change(NamedTuple):
     lines: np.ndarray
-    registers: np.ndarray
+    constants: np.ndarray
     length: int
-    begin: int
+    n_constants: int
     out: int
     next: int
     logged: int
@@ -37,7 +38,8 @@ class Change(NamedTuple):
 class _Phases(NamedTuple):
     loops: np.ndarray
     changes: int
-    whole: np.ndarray
+    body: np.ndarray
+    registers: np.ndarray
     made: np.ndarray
     began: float
     end: float
@@ -46,20 +48,18 @@ class _Phases(NamedTuple):
     present: int
     length: int
     most: int
-    integrals: int
+    numbers: int
     width: int
 
 
 class Written(NamedTuple):
     """The program of a jump, for every run of its system."""
 
-    lines: np.ndarray
-    constants: tuple[float, ...]
-    places: tuple[int, ...]  # as of `Change`, from `length` on
+    change: _Change
     motions: tuple[str, ...]  # regions of impacts
-    phase: str
-    row: list[int]  # in the table of phases
-    tables: list[tuple[str, int]]  # each row of the others, and how many numbers it has
+    phase: str  # the next one
+    row: list[int]  # of it in the table of phases
+    tables: list[tuple[str, int]]  # each row of the other tables, and how many numbers it has
 
 
 class Changes:
@@ -81,124 +81,127 @@ class Changes:
     """
 
     def __init__(self, run: Any, chatter: float, most: int):
-        self.run, self.known = run, dict[int, Written]()
-        self.events, integrals = len(run.numbers), len(run.carried._fields)
+        self.events, self.known = len(run.events), dict[int, Written]()
         self.loops = np.zeros(len(run.phases) + MOTIONS, np.uint64)
-        self.table: Any = (structure(Change) * (len(run.phases) * self.events))()
-        self.whole, self.made = np.zeros(integrals), np.zeros((most, 6 + integrals + NUMBERS))
-        arrays = self.loops, ctypes.addressof(self.table), self.whole, self.made
-        sizes = 0, 0, most, integrals, self.made.shape[1]
-        self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), 0.0, chatter, *sizes))
-        self.kept: list[Change] = []
+        self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
+        self.made = np.zeros((most, 6 + NUMBERS))
+        self.numbers = np.array(leaves(run.body)), np.zeros(REGISTERS)
+        arrays = self.loops, ctypes.addressof(self.table), *self.numbers, self.made
+        times = 0.0, float(run.end), 0.0, chatter
+        sizes = 0, 0, most, len(self.numbers[0]), self.made.shape[1]
+        self.record: Any = filled(_Phases(*arrays, *times, *sizes))
 
-    def follow(self, place: int, loop: Any) -> None:
-        """Follow a phase or a motion by a loop."""
-        self.loops[place] = ctypes.addressof(loop.structure)
-
-    def teach(self, exit: str, given: tuple) -> None:
+    def learn(self, run: Any, jump: Any, given: tuple) -> None:
         """Let the loop make a change of the present phase by itself, if its jump only begins a
-        phase; `given` are its arguments.
+        phase; Python has made it with these arguments.
         """
-        run, track = self.run, self.run.track
-        jump, number = track.exits[exit], track.at * self.events + run.numbers.get(exit, -1)
-        is_stepped = track.sampler or isinstance(run.place.stepper, Called)  # by Python
-        if number in self.known or exit not in run.numbers or is_stepped:
+        if jump.exit.event not in run.numbers:
             return
-        state, whole, left, piece, body = given
-        state += (0.0,) * (len(run.state) - len(state))
-        numbers = state, whole, (left,), tuple(run.signs.tolist()), body
         jump.calls += 1
         if jump.program is None and jump.calls >= PATIENCE and not jump.calls & (jump.calls - 1):
-            jump.program = self._traced(jump, exit, numbers, piece)
-        program: Written | None = jump.program
-        if program is None or run.track_of(program.phase).sampler:
-            return
-        for region in program.motions:
-            self._motion(region)
-        inputs = [*leaves(numbers), *program.constants]
-        registers = np.array([*inputs, *[0.0] * len(program.lines)])
-        change = Change(program.lines, registers, *program.places)
-        self.kept.append(change)
-        self.table[number], self.known[number] = filled(change), program
+            jump.program = self._traced(run, jump, *given)
+        self.take_up(run, run.track, jump)
 
-    def _traced(self, jump: Any, exit: str, numbers: tuple, piece: Any) -> Written | None:
+    def take_up(self, run: Any, track: Any, jump: Any) -> None:
+        """Let the loop make the change of a phase by a jump, if it has a program."""
+        program: Written | None = jump.program
+        if program and not track.sampler and not run.track_of(program.phase).sampler:
+            number = track.at * self.events + run.numbers[jump.exit.event]
+            for region in program.motions:
+                run.impacts.driver(region)
+            self.table[number], self.known[number] = filled(program.change), program
+
+    def _traced(
+        self, run: Any, jump: Any, state: tuple, left: Any, struck: Any, body: Any
+    ) -> Written | None:
         """Return the program of a jump; None where it does more than begin a phase."""
-        program, regions = Program(*numbers), list[str]()
+        track, regions = run.track, list[str]()
+        state += (0.0,) * (len(run.state) - len(state))
+        program = Program(state, (left,), tuple(run.signs.tolist()), body)
 
         def followed(region: str, *given: Any) -> tuple:
-            loop, parameters, variables = self._motion(region)
-            regions.append(region)
+            driver = run.impacts.driver(region)
             end, most, signs, zeros, pars, q = given
-            inputs = end, most, *signs, *zeros, *pars[:parameters], *q
-            first = program.joined([*inputs, *[0.0] * (variables - len(q))])
+            none = [0.0] * (driver.width - len(q))
+            inputs = end, most, *signs, *zeros, *pars[: len(driver.motion.pars)], *q, *none
+            first = program.joined(inputs)
             values = (getattr(one, "value", one) for one in leaves(given))
-            found = leaves(piece(region, *refill(given, values)))
-            made = [program.line("motion", first, loop, found[0])]
-            made += [program.line("result", 0.0, value=value) for value in found[1:]]
-            made += [program.line("result", 0.0) for _ in range(variables - len(q))]
+            found = leaves(run.impacts.piece(region, *refill(given, values)))
+            made = [program.line("motion", first, self._place(run, region), found[0])]
+            made += [program.line("result", 0.0, value=value) for value in (*found[1:], *none)]
+            regions.append(region)
             return *made[:3], q._make(made[3 : 3 + len(q)])
 
-        state, whole, (left,), signs, body = program.inputs
+        state, (left,), signs, body = program.inputs
         try:
-            n, state, whole, values = jump(state, whole, left, followed, body)
+            n, state, values = jump(state, left, partial(struck, piece=followed), body)
+            to = run.track_of(n.phase)
         except Exception:  # whatever a jump does that is no line
             return None
-        run, to = self.run, self.run.track_of(n.phase)
-        rows = {name: run.tables.numbers_of(name, some) for name, some in n.rows.items()}
-        flat = [one for some in rows.values() for row in some for one in row]
+        kinds = run.tables.tables
+        tables = [(name, row) for name, rows in n.rows.items() for row in rows]
+        flat = [
+            number_of(one, kind)
+            for name, row in tables
+            for one, kind in zip(row, kinds[name].values(), strict=True)
+        ]
         goes_on = [(k, v) for k, v in zip(to.events, values, strict=True) if k in to.live]
         is_plain = (
-            (n.ends, n.delay, n.logged_after, n.series) == ("", 0, 0, None)
-            and n.cause != ""
+            not n.ends
+            and n.delay == 0
+            and n.cause
             and len(n.logged) == 1
-            and n.logged[0] not in run.lasting
             and len(flat) <= NUMBERS
-            and to.live <= run.track.live
+            and program.count + 2 * len(program.lines) < REGISTERS
+            and to.live <= track.live
             and all((value > 0) == (signs[k] > 0) for k, value in goes_on)
         )
         if not is_plain:
             return None
         pad, none = [0.0] * (len(to.place.motion.state) - len(state)), [0.0] * (NUMBERS - len(flat))
-        sides, zeros = [0.0] * self.events, [0.0] * self.events
-        for k, name in to.ways.items():
-            sides[k] = n.sides.get(name, -to.events[k].direction)
-            zeros[k] = -n.zeros.get(name, 0)
+        known = to.sides(n)
+        sides, roots = zip(*(known.get(k, (0, 0)) for k in range(self.events)), strict=True)
         lasts = math.nan if n.lasts is None else n.lasts
-        results = *state, *pad, *whole, lasts, *flat, *none, *sides, *zeros
-        first = program.joined(results)
-        lines, constants = program.code(), tuple(program.constants.values())
-        begin = program.count + len(constants)
+        zeros = [-count for count in roots]
+        first = program.joined([*state, *pad, *sides, *zeros, lasts, *flat, *none])
+        lines, constants = program.code(), np.array([*program.constants.values()])
         logged = run.numbers[n.logged[0]]
         kept = run.all_events.events[logged][["first", "last"]].item()
-        places = len(lines), begin, first.place + len(constants), to.at, logged, *kept
-        row = run.tables.row_of(to.name, to.phase, n.cause or exit)
-        tables = [(name, len(row)) for name, some in rows.items() for row in some]
-        return Written(lines, constants, places, tuple(regions), n.phase, row, tables)
+        sizes = len(lines), len(constants), first.place - program.count
+        return Written(
+            _Change(lines, constants, *sizes, to.at, logged, *kept),
+            tuple(regions),
+            n.phase,
+            run.tables.row_of(n.phase, to.phase, n.cause),
+            [(name, len(row)) for name, row in tables],
+        )
 
-    def _motion(self, region: str) -> tuple[int, int, int]:
-        """Return the number of the loop of a motion, its parameters and variables."""
-        piece = self.run.piece
-        driver, place = piece.driver(region), len(self.run.phases) + [*piece.stages].index(region)
-        driver.loop.fill(NO_ROWS)
-        self.follow(place, driver.loop)
-        return place, len(driver.motion.pars), driver.width
+    def _place(self, run: Any, region: str) -> int:
+        """Return the number of the loop of a motion."""
+        return len(run.phases) + [*run.impacts.stages].index(region)
 
-    def drive(self, steps: int, changes: int) -> int:
+    def drive(self, run: Any, steps: int, changes: int) -> int:
         """Make at most so many steps and changes of phase, and return the number of steps."""
-        run, record, at = self.run, self.record, len(self.whole) + 3
-        for track in run.tracks.values():
-            track.place.loop.fill(run.wanted.rows)
-        record.present, record.began, self.whole[:] = run.track.at, run.began, run.whole
+        record = self.record
+        loops = {track.at: track.place.loop for track in run.tracks.values()}
+        for loop in loops.values():
+            loop.fill(run.wanted.rows)
+        for region, driver in run.impacts.drivers.items():
+            driver.loop.fill(NO_ROWS)
+            loops[self._place(run, region)] = driver.loop
+        for place, loop in loops.items():
+            self.loops[place] = ctypes.addressof(loop.structure)
+        record.present, record.began = run.track.at, run.began
         record.length, record.most = 0, changes
         steps = library().loop_run(ctypes.byref(record), steps)
         for time, number, *numbers in self.made[: record.length].tolist():
-            program, rest = self.known[int(number)], iter(numbers[at + 1 :])
+            program = self.known[int(number)]
+            run.spans.append([program.change.next, *map(int, numbers[:3])])
             run.tables.begin(time, program.row)
+            rest = iter(numbers[4:])
             for name, size in program.tables:
                 run.tables.add(time, {name: [[*islice(rest, size)]]})
-            whole = tuple(numbers[3:at])
-            run.spans.append([program.places[3], *map(int, numbers[:3]), whole])
         if record.length:
-            run.follow(run.tracks[program.phase], whole, time)
-            run.changes, run.short, run.until = run.changes + record.length, 0, record.clock
+            run.follow(run.tracks[program.phase], time)
+            run.short, run.until = 0, record.clock
         return steps

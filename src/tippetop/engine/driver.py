@@ -7,10 +7,10 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from .integrator import Compiled, stepper_of
+from .integrator import Compiled
 from .loop import Loop, Rows, new_motion
 from .status import Status
-from .stepper import Called, Stepper
+from .stepper import Stepper
 from .tallies import (
     LEAST,
     MOST,
@@ -25,7 +25,6 @@ from .tallies import (
     new_samples,
     new_tallies,
     reset,
-    signs_of,
 )
 
 
@@ -202,7 +201,6 @@ class Driver:
 
     ended: Status | None = None  # how the run ends before its first step
     sentence = ""  # why the contact ended the run, where it did
-    stepper_of = staticmethod(stepper_of)
 
     def __init__(
         self,
@@ -217,12 +215,16 @@ class Driver:
         self.variables, self.number = len(start), start.dtype.type
         self.work_in(place_for(self, compiled))
         self.rows.events[:] = rows.events
-        self.tallies.functions[:] = 0.0
-        reset(self.tallies, self.rows, 0, *signs_of(functions))
+        reset(self.tallies, self.rows, functions[:, None])
         self.wanted, self.first = Wanted(self.variables), start[None, :].copy()
         self.take(self.place, body)
         self.put(start, (self.number(0), self.number(0)))
         self.end_at(end)
+
+    @staticmethod
+    def stepper_of(code: Compiled) -> Stepper:
+        """Return the stepper of a new place."""
+        return code.machine
 
     def work_in(self, place: Place) -> None:
         """Make the next steps in a place."""
@@ -302,9 +304,9 @@ class Driver:
 
     def passages(self) -> Passages:
         """Return the passages of the log, where they are."""
-        log, logged = self.log, slice(int(self.log.filled[0]))
-        columns = log.time, log.event, log.sign, log.at_pole, log.states
-        return Passages._make(column[logged] for column in columns)
+        logged = slice(int(self.log.filled[0]))
+        rows = self.log.rows[logged]
+        return Passages(*(rows[name] for name in rows.dtype.names), self.log.states[logged])
 
     def drop(self) -> None:
         """Remove the last passage."""
@@ -313,7 +315,7 @@ class Driver:
     def note(self, time: Any, number: int, sign: int, state: np.ndarray) -> None:
         """Add a passage that no step has."""
         log, at = self.log, self.logged[0]
-        log.time[at], log.event[at], log.sign[at], log.at_pole[at] = time, number, sign, False
+        log.rows[at] = time, number, sign, False
         log.states[at, : len(state)] = state
         self.logged[0] += 1
 
@@ -357,11 +359,6 @@ class Driver:
     def present(self) -> np.ndarray:
         """Return the present state, (1, variables), internal."""
         return self.state[None, : self.variables].copy()
-
-    @property
-    def is_called(self) -> bool:
-        """True if Python calls heyoka for each step."""
-        return isinstance(self.place.stepper, Called)
 
     def equations(self) -> list[tuple]:
         """Return the equations of motion: pairs of a variable and its rate."""

@@ -2,19 +2,20 @@
 another.
 
 Jumps are functions of the common state, which every phase can be read as; the driver does not
-depend on balls or laws.
+depend on balls or laws. All phases of a run have the same integrals.
 """
 
 import math
 import threading
 import weakref
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, is_one_number
 from ..mechanics.event import ON_ZERO as BELOW
 from ..mechanics.event import Event
 from ..mechanics.form import CLOCK, Exit, Next, Phase
@@ -42,7 +43,7 @@ from .driver import (
     view,
 )
 from .expressions import Formulas
-from .impacts import ImpactMotions, Kind, Pieces, kind_of
+from .impacts import ImpactMotions, kind_of
 from .loop import MOST_COEFFICIENTS, Rows
 from .phase_tables import PhaseTables
 from .python_events import Sampler, zero_of
@@ -51,15 +52,14 @@ from .tallies import (
     ON_ZERO,
     SIGN,
     event_rows,
-    mark_bounded,
     new_log,
     new_samples,
     new_tallies,
 )
+from .taylor import code_for
 from .wide import WideDriver
 
 
-MOST_CHANGES = 10_000  # of phase in a run
 # End a slice after this many changes. A fixed count, not a time limit, keeps stores reproducible.
 PER_SLICE = 256
 CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
@@ -69,6 +69,20 @@ multiple root; and the time over which the rate is taken.
 """
 QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
 """Jumps evaluate formulas outside their region; a motion that is not finite ends the run."""
+
+
+# --- phases and jumps, for every run of a system ------------------------------------------------
+
+
+@lru_cache(maxsize=256)
+def completed(phase: Phase, variables: Variables) -> Phase:
+    """Return a phase with the integrals of a run: those that it does not move stay."""
+    moved = {one.name: one for one in Variables(phase.form, variables.orientation).integrals}
+    integrals = tuple(
+        moved.get(one.name, replace(one, rate=lambda q, carried, b: 0.0))
+        for one in variables.integrals
+    )
+    return replace(phase, forms=replace(phase.form, integrals=integrals, orientation=None))
 
 
 @lru_cache(maxsize=256)
@@ -109,71 +123,109 @@ class World(NamedTuple):
     system: System
     rules: Any
     phases: Mapping[str, Phase]
-    phase: Phase | None
+    phase: Phase
     left: Any
-    variables: Variables  # of the rows of the run
     struck: Any  # of a body whose contact may open: see `exits`
 
     def rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
-        """Return the rates of the integrals of the run in a state of a phase; 0 for those that it
-        does not move. `b` is the body in the numbers of the state, if they are others.
+        """Return the rates of the integrals of the run in a state of a phase. `b` is the body in
+        the numbers of the state, if they are others.
         """
-        integrals = Variables(phase.form, self.variables.orientation).integrals
-        rates = {integral.name: integral.rate for integral in integrals}
         b = b or phase.parameters(self.body)
-        return [rates[name](q, carried, b) if name in rates else 0.0 for name in carried._fields]
+        return [integral.rate(q, carried, b) for integral in phase.form.integrals]
+
+
+class Jump:
+    """The jump of a phase by an exit, for every run of its system.
+
+    Parameters
+    ----------
+    system, phases
+        The system, and its phases by name.
+    name, phase
+        The phase that ends; "" at the start.
+    exit
+        How it ends.
+    rules
+        Of the contact.
+
+    Attributes
+    ----------
+    calls, program
+        How often Python has made it, and how the loop makes it: see `Changes`.
+    """
+
+    calls, program = 0, None
+
+    def __init__(
+        self, system: System, phases: tuple, name: str, phase: Phase, exit: Exit, rules: Any
+    ):
+        self.world = World(None, system, rules, dict(phases), phase, None, None)
+        self.exit, self.variables = exit, Variables(phase.form)
+        self.events = events_of(system, self.world.phases)
+        of_phase = f" from phase `{name}`" if name else ""
+        self.where = f"the jump by `{exit.event}`{of_phase} of `{system.name}`"
+
+    def __call__(self, state: Sequence, left: Any, struck: Any, body: Any) -> tuple:
+        """Return what follows, as a Next; the variables with which the next phase begins, and the
+        event functions there.
+
+        Parameters
+        ----------
+        state
+            The variables where the phase ended.
+        left
+            The time to the end of the run.
+        struck
+            See `World`.
+        body
+            The body.
+
+        Raises
+        ------
+        ArithmeticError
+            If the jump raises it: nothing can follow.
+        InputError
+            If the jump fails otherwise, or what it returns cannot follow.
+        """
+        world = self.world._replace(body=body, left=left, struck=struck)
+        try:
+            return self._next(state, world)
+        except Exception as error:
+            if type(error) in (ArithmeticError, InputError):
+                raise
+            message = f"{self.where} fails: {type(error).__name__}: {error}"
+            raise InputError([message]) from error
+
+    def _next(self, state: Sequence, world: World) -> tuple:
+        q, carried = self.variables.split(state[: len(self.variables.names)])
+        x = world.phase.leave(q, world.phase.parameters(world.body))
+        if hasattr(x, "carried"):
+            x = x._replace(carried=carried)
+        n = self.exit.jump(x, world)
+        if fault := fault_of(n, self.exit, x, self.events):
+            raise InputError([f"{self.where} must {fault}."])
+        if n.cause is None:
+            n.cause = self.exit.event
+        if n.phase not in world.phases:
+            return n, (), ()
+        to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
+        b = to.parameters(world.body)
+        q = type(to.form.units)(*to.enter(n.x, b))
+        types: Any = type(b), type(b.friction)
+        functions = formulas_of_phase(world.system, to, *types).functions
+        return n, Variables(to.form).join(q, carried), functions(q, carried, b)
 
 
 @lru_cache(maxsize=256)
-def jump_of(
-    system: System,
-    phases: tuple[tuple[str, Phase], ...],
-    name: str,
-    exit: Exit,
-    variables: Variables,
-    rules: Any,
-    impacts: Kind | None,
-    *_: type,
-) -> Callable:
-    """Return the jump of a phase by an exit, as a function of numbers: of the state, the integrals
-    when the phase began, the time that is left, what follows the motion of an impact, and the body,
-    whose types tell apart what this function keeps.
-    """
-    known, phase = dict(phases), dict(phases)[name]
-    events, of_phase = events_of(system, known), Variables(phase.form, variables.orientation)
-    record = type(phase.form.units)
-
-    def jump(state: Sequence, whole: tuple, left: Any, piece: Any, body: Any) -> tuple:
-        struck = ImpactMotions(*impacts, piece).struck if impacts else None
-        world = World(body, system, rules, known, phase, left, variables, struck)
-        x = phase.leave(record(*state[: of_phase.moving]), phase.parameters(body))
-        own = zip(of_phase.integrals, state[of_phase.moving :], strict=False)
-        now = variables.carried(*whole)._replace(**{one.name: value for one, value in own})
-        carried = now._make(value / INTEGRAL_SCALE for value in now)
-        if hasattr(x, "carried"):
-            x = x._replace(carried=carried)
-        n = exit.jump(x, world)
-        if fault := fault_of(n, exit, x, events):
-            raise InputError([f"{where_of(exit.event, name, system)} must {fault}."])
-        return (n, (), (), ()) if n.ends else begun(n, carried, world)
-
-    jump.calls, jump.program = 0, None  # type: ignore[attr-defined]
-    return jump
+def jump_of(impacts: tuple | None, *given: Any) -> Jump:
+    """Return the jump with these arguments. Its program is that for impacts of this kind."""
+    return Jump(*given)
 
 
-def begun(n: Next, carried: Any, world: World) -> tuple[Next, tuple, tuple, tuple]:
-    """Return how a phase begins: what a jump returns, the variables of the phase, the integrals of
-    the run, scaled, and the values of the event functions.
-    """
-    to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
-    b = to.parameters(world.body)
-    q = type(to.form.units)(*to.enter(n.x, b))
-    kinds: Any = type(b), type(b.friction)
-    functions = formulas_of_phase(world.system, to, *kinds).functions
-    moved = Variables(to.form, world.variables.orientation).integrals
-    state = *q, *(getattr(carried, one.name) * INTEGRAL_SCALE for one in moved)
-    whole = tuple(value * INTEGRAL_SCALE for value in carried)
-    return n, state, whole, tuple(functions(q, carried, b))
+def begin_in_first(x: Any, world: World) -> Next:
+    """Return the first phase."""
+    return Next(next(iter(world.phases)), x)
 
 
 def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
@@ -183,9 +235,29 @@ def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
     return events | in_phases | events
 
 
-def where_of(event: str, phase: str, system: System) -> str:
-    """Return the words for a jump."""
-    return f"the jump by `{event}` from phase `{phase}` of `{system.name}`"
+def fault_of(n: Any, exit: Exit, x: Any, events: Collection[str]) -> str:
+    """Return what the result of a jump must be and is not; empty if it can follow the state `x`."""
+    if not isinstance(n, Next):
+        return f"return a Next, but returns {n!r:.60}"
+    if type(n.ends) is not str:
+        return f"have a word in `ends`, but has {n.ends!r:.60}"
+    if n.phase not in exit.to and not n.ends:
+        return f"lead to {' or '.join(exit.to)}, as its Exit declares, but leads to {n.phase!r}"
+    if type(n.x) is not type(x):
+        return f"return a state as it takes ({type(x).__name__}), but returns {n.x!r:.60}"
+    for name, value in n.x._asdict().items():
+        if not all(is_one_number(one) for one in leaves((value,))):
+            return f"return a number in `{name}` of the state, but returns {value!r:.60}"
+    for what, names in (("logged", n.logged), ("zeros", n.zeros), ("sides", n.sides)):
+        for name in names:
+            if name not in events:
+                return f"have events of the system in `{what}`, but has {name!r}"
+    if n.zeros and min(n.zeros.values()) < 1:
+        return f"have multiplicities of roots in `zeros`, at least 1, but has {dict(n.zeros)}"
+    return ""
+
+
+# --- runs ---------------------------------------------------------------------------------------
 
 
 class Track:
@@ -200,60 +272,62 @@ class Track:
     """
 
     def __init__(self, run: "HybridDriver", name: str):
-        from .taylor import code_for
-
-        problem = run.problem
-        self.name, self.phase, self.at = name, run.phases[name], [*run.phases].index(name)
-        phase = self.phase
-        self.b = phase.parameters(run.body)
-        kinds: Any = type(self.b), type(self.b.friction)
-        given: Any = problem.variables, problem.contact, run.impacts, *kinds
-        phases = tuple(run.phases.items())
+        problem, phase = run.problem, run.phases[name]
+        self.name, self.phase, self.at = name, phase, [*run.phases].index(name)
+        self.b, self.variables = phase.parameters(run.body), Variables(phase.form)
+        self.width = len(self.variables.names)
         stops = problem.on_liftoff == "stop"
-        exits = [one for one in phase.exits if not (stops and one.event == Status.LIFTOFF.value)]
-        self.exits: dict[str, Any] = {
-            exit.event: jump_of(problem.system, phases, name, exit, *given) for exit in exits
+        self.exits = {
+            exit.event: run.jump(name, phase, exit)
+            for exit in phase.exits
+            if not (stops and exit.event == Status.LIFTOFF.value)
         }
-        self.formulas = formulas_of_phase(problem.system, phase, *kinds)
-        code = code_for(problem, self.formulas, run.stop)
-        variables = Variables(phase.form, problem.orientation)
-        self.moving, self.width = variables.moving, len(variables.names)
-        self.record: Any = type(phase.form.units)
-        self.integrals = [run.carried._fields.index(one.name) for one in variables.integrals]
+        types: Any = type(self.b), type(self.b.friction)
+        self.formulas = formulas_of_phase(problem.system, phase, *types)
         self.events = {run.numbers[event.name]: event for event in self.formulas.events}
         self.ways = {k: one.name for k, one in self.events.items() if one.name in self.exits}
         self.live = self.events.keys() - self.ways.keys()
+        code = code_for(problem, self.formulas, run.stop)
         numbers = [*self.events, -1]
-        records = self._records(run, code.rows.events, numbers)
+        records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
         self.place = Place(code, run.stepper_of(code), rows, numbers[code.lasting], run.shared)
         run.take(self.place, leaves(self.b))
-        if run.copies:
-            run.copies.follow(self.at, self.place.loop)
         sampled = [event for event in phase.events if event.sampled]
-        self.sampler = Sampler(run, self, sampled) if sampled else None
+        self.sampler = Sampler(phase.form, self.b, code.integrator, sampled) if sampled else None
 
-    def _records(self, run: "HybridDriver", mine: np.ndarray, numbers: list[int]) -> np.ndarray:
-        """Return the events of the run, of which those of this phase, `mine`, are looked for. They
-        have these numbers.
-        """
-        records = np.zeros_like(run.all_events.events)
-        records["leader"] = -1
+    def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
+        """Return the events of the run, of which those of this phase, `mine`, are looked for."""
+        known = run.all_events.events
+        records = np.zeros_like(known)
         for (number, event), of_phase in zip(self.events.items(), mine, strict=True):
-            records[number] = run.entered[number] = of_phase
-            record, kept = records[number], run.all_events.events[number][["first", "last"]].item()
+            known["scale"][number] = of_phase["scale"]
+            records[number] = of_phase
+            record, kept = records[number], known[number][["first", "last"]].item()
             if number in self.ways:  # its jump logs
                 kept, record["ends"] = (0, 0), record["ends"] or Status.ENDED.code
             record["first"], record["last"] = kept
             record["watched"] = not event.sense or event.name in run.problem.events
-            record["leader"] = numbers[record["leader"]]
-        mark_bounded(records)
         return records
 
-    def value(self, event: Event, state: np.ndarray) -> float:
-        """Return the value of an event of the phase in a state."""
-        q = self.record._make(state[: self.moving].tolist())
-        return float(event.formula(self.phase.form.scalars(q, self.b), self.b))
+    def sides(self, n: Next) -> dict[int, tuple[int, int]]:
+        """Return the signs with which the events that end the phase begin, and how many roots they
+        have there, by number.
+        """
+        return {
+            k: (n.sides.get(name, -self.events[k].direction), n.zeros.get(name, 0))
+            for k, name in self.ways.items()
+        }
+
+    def has_root(self, number: int, count: int, state: Sequence) -> bool:
+        """Return whether an event function has a root of this multiplicity in a state: its value,
+        or what it is soon afterwards, is almost zero.
+        """
+        k, split = [*self.events].index(number), self.variables.split
+        step, bound = (NEAR, SLOPE * NEAR) if count > 1 else (0.0, ROOT)
+        rates = self.variables.rates(*split(state), self.b)
+        soon = [one + step * rate for one, rate in zip(state, rates, strict=True)]
+        return abs(self.formulas.functions(*split(soon), self.b)[k]) < bound
 
 
 class HybridDriver(Driver):
@@ -267,67 +341,85 @@ class HybridDriver(Driver):
         Set it to give up while equations are being compiled.
     """
 
-    way = "start", ""  # the event and the phase of the present jump
     track: Track
+    last: np.ndarray  # the state where the last phase ended
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
         system, number = problem.system, float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
-        self.end = number(problem.until) / number(float(problem.scales.of(SECOND)))
-        self.body, self.phases = _assembled(problem)
-        self.variables, self.carried = len(problem.variables.names), problem.variables.carried
+        self.second = float(problem.scales.of(SECOND))
+        self.end = number(problem.until) / number(self.second)
+        self.body, phases = _assembled(problem)
+        self.phases = {name: completed(one, problem.variables) for name, one in phases.items()}
+        self.variables = len(problem.variables.names)
         self.at_start = np.ones(len(system.events))  # the phase of the start is chosen
-        events = events_of(system, self.phases)
-        self.numbers = {name: k for k, name in enumerate(events)}
-        self.lasting = {name for name, event in events.items() if event.lasting}
-        rows = event_rows(list(events.values()), [(0, 1, 1.0, 0.0)] * len(events), ())
+        self.events = [*events_of(system, self.phases).values()]
+        self.numbers = {event.name: k for k, event in enumerate(self.events)}
+        rows = event_rows(self.events, [(0, 1, 1.0, 0.0)] * len(self.events), ())
         for event in (event for phase in self.phases.values() for event in phase.events):
             rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
         self.all_events, width = rows, self.width
-        self.entered = np.zeros_like(rows.events)  # those of the phases that have begun
         self.shared = Shared(
             new_tallies(rows, 1),
-            new_log(PASSAGES + len(events) * MOST_COEFFICIENTS, width),
+            new_log(PASSAGES + len(self.events) * MOST_COEFFICIENTS, width),
             new_samples(STEPS_PER_SLICE + 2, width),
         )
         functions = self.shared.tallies.functions
         functions[SIGN] = 0.0  # not known
         self.signs, self.zeros = (view(functions[kind, :, 0]) for kind in (SIGN, ON_ZERO))
-        self.wanted, self.tables = Wanted(width - len(events)), PhaseTables(problem)
+        self.wanted, self.tables = Wanted(width - len(self.events)), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
-        self.changes = self.short = 0
+        self.short = 0
         # the phases of a slice: their places, and the numbers of rows, passages and samples before
-        # and the integrals in which they begin
-        self.spans: list[list[Any]] = []
+        self.spans: list[list[int]] = []
         self.states = np.empty((self.wanted.variables, 0), number)  # of the rows
-        self.copies = self.impacts = self.piece = struck = None
+        self.copies: Changes | None = None
+        self.impacts: ImpactMotions | None = None
+        self.kind: tuple | None = None  # of impacts
         if problem.contact is not None:
-            self.impacts = kind_of(problem, self.body[0].friction)
-            self.piece = Pieces(self.impacts, stop)
-            struck = ImpactMotions(*self.impacts, self.piece).struck
+            self.kind = kind = kind_of(problem, self.body[0].friction)
+            self.impacts = ImpactMotions(*kind, stop)
             self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
-        start = problem.start()
-        q, carried = problem.variables.split(start.tolist())
-        x = system.common.leave(q, carried) if system.common else system.phase.leave(q, self.body)
-        given = self.body, system, problem.contact, self.phases, None, self.end
-        world = World(*given, problem.variables, struck)
-        n = Next(next(iter(self.phases)), x, "start")
-        try:
-            n = system.begin(x, world) if system.begin else n
-        except ArithmeticError as error:
-            n.ends, n.message = "stalled", str(error)
-        if n.ends:
-            self.ended, self.sentence, n.ends = Status(n.ends), n.message, ""
-        self._enter(self._called(begun, n, carried, world), number(0), None)
+        self._start(tuple(problem.start().tolist()))
         self.first = self.present()
 
+    def _start(self, state: tuple) -> None:
+        """Enter the first phase."""
+        system = self.problem.system
+        phase = completed(system.phase, self.problem.variables)
+        begins = Exit("start", tuple(self.phases), system.begin or begin_in_first)
+        given = state, self.end, self.struck, self.body
+        try:
+            begun = self.jump("", phase, begins)(*given)
+            ends, self.sentence = begun[0].ends, begun[0].message
+        except ArithmeticError as error:
+            begun = self.jump("", phase, replace(begins, jump=begin_in_first))(*given)
+            ends, self.sentence = "stalled", str(error)
+        if ends:
+            self.ended = Status(ends)
+        self._enter(begun, self.number(0), None)
+
     # --- phases ----------------------------------------------------------------------------------
+
+    @property
+    def struck(self) -> Callable | None:
+        """See `World`."""
+        return self.impacts.struck if self.impacts else None
+
+    def jump(self, name: str, phase: Phase, exit: Exit) -> Jump:
+        """Return the jump of a phase by an exit."""
+        problem = self.problem
+        phases = tuple(self.phases.items())
+        return jump_of(self.kind, problem.system, phases, name, phase, exit, problem.contact)
 
     def track_of(self, name: str) -> Track:
         """Return the phase of this name, compiled when it is first entered."""
         if name not in self.tracks:
-            self.tracks[name] = Track(self, name)
+            track = self.tracks[name] = Track(self, name)
+            if self.copies:
+                for jump in track.exits.values():
+                    self.copies.take_up(self, track, jump)
         return self.tracks[name]
 
     def equations(self) -> list[tuple]:
@@ -335,83 +427,57 @@ class HybridDriver(Driver):
         codes = (self.track_of(name).place.compiled for name in self.phases)
         return [pair for code in codes for pair in code.integrator.sys]
 
-    def follow(self, track: Track, whole: Sequence, began: float) -> None:
-        """Make the next steps in a phase that begins with these integrals, at an internal time."""
-        self.track, self.whole, self.began = track, whole, began
+    def follow(self, track: Track, began: float) -> None:
+        """Make the next steps in a phase that begins at an internal time."""
+        self.track, self.began = track, began
         self.work_in(track.place)
 
     def _enter(self, begun: tuple, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
-        n, state, whole, values = begun
-        if before and not math.isfinite(self._called(sum, state)):
-            raise ArithmeticError(
-                f"{self._where()} must lead to a finite state, but leads to {n.x!r:.60}"
-            )
-        is_new, track = n.phase not in self.tracks, self.track_of(n.phase)
-        time = min(now + self.number(n.delay), self.end)
-        self.follow(track, whole, float(time))
-        if self.copies and is_new:
-            for ending, jump in track.exits.items():
-                if jump.program:  # of another run
-                    self.copies.teach(ending, (state, whole, 0.0, None, self.body))
-        if n.cause != "":
-            names = track.name, track.phase, n.cause or self.way[0]
-            self.tables.begin(float(now + n.logged_after), self.tables.row_of(*names))
+        n, state, values = begun
+        track, time = self.track_of(n.phase), min(now + self.number(n.delay), self.end)
+        self.follow(track, float(time))
+        if n.cause:
+            row = self.tables.row_of(track.name, track.phase, n.cause)
+            self.tables.begin(float(now + n.logged_after), row)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
-        self._begin_events(n, state, values, now, before)
+        passed = self._begin_events(n, values, before)
+        if n.series is None:
+            for number, sign in passed:
+                event = self.events[number]
+                if event.sense or (event.lasting and sign == event.direction):
+                    self._note(number, now, self.last, sign)  # of theta: it has a corner
+            self._begin_span()
+        else:
+            self._begin_span()
+            self._fill(lambda times: self._series(n, times.astype(self.number) - now))
+            for number, sign in passed:
+                self._note_along(n, number, sign, now)
         self.begin()
         self.time[0] = self.began
         self.until = math.nan if n.lasts is None else time + self.number(n.lasts)
 
     def _begin_events(
-        self, n: Next, state: Sequence, values: Sequence, now: Any, before: Track | None
-    ) -> None:
-        """Write on which side of their zeros the event functions of a phase begin."""
-        track, signs, zeros = self.track, self.signs, self.zeros
-        known = before.live if before else ()
-        if n.series is not None:
-            self._begin_span()
-            self._fill(lambda times: self._series(n, times.astype(self.number) - now))
-        for (number, event), value in zip(track.events.items(), values, strict=True):
-            sign, zero = 1.0 if value > 0 else -1.0, 0
-            if number in track.ways:
-                sign = n.sides.get(event.name, -event.direction or sign)
-                zero = -n.zeros.get(event.name, 0)
-                if zero:
-                    self._check_root(number, values, -zero, state)
-            elif number not in known:
-                zero = abs(value) < BELOW
-            elif sign != (was := signs[number]):
-                if abs(value) < BELOW:
-                    sign = was
-                elif n.series is not None:
-                    self._note_along(n, track, event, was, now)
-                elif before and (event.sense or (event.lasting and sign == event.direction)):
-                    self._note(event.name, now, self.last, int(sign))  # of theta: it has a corner
-            signs[number], zeros[number] = sign, zero
-        if n.series is None:
-            self._begin_span()
+        self, n: Next, values: Sequence, before: Track | None
+    ) -> list[tuple[int, int]]:
+        """Write on which side of their zeros the event functions of a phase begin.
 
-    def _check_root(self, number: int, values: Sequence, count: int, state: Sequence) -> None:
-        """Raise InputError where an event function has no root of this multiplicity in a state of
-        the present phase: its value, and its slope if there is more than one root, are zero.
+        Return the events that have passed in the jump, and their signs now.
         """
-        track = self.track
-        k, q = [*track.events].index(number), track.record._make(state[: track.moving])
-        missed = not abs(values[k]) < ROOT
-        if count > 1 and not missed:
-            rates = track.phase.form.rates(q, track.b)
-            near = (one + NEAR * rate for one, rate in zip(q, rates, strict=True))
-            carried = self.carried(*(value / INTEGRAL_SCALE for value in self.whole))
-            ahead = track.formulas.functions(track.record(*near), carried, track.b)[k]
-            missed = not abs(ahead - values[k]) < SLOPE * NEAR
-        if missed:
-            there = (
-                f"in `zeros`, but {track.events[number].name!r} has no root of multiplicity "
-                f"{count} where phase `{track.name}` begins"
-            )
-            raise InputError([f"{self._where()} must give multiplicities of roots {there}."])
+        track, signs, zeros, passed = self.track, self.signs, self.zeros, []
+        known = before.live if before else ()
+        for number, value in zip(track.events, values, strict=True):
+            sign, is_near, is_new = 1 if value > 0 else -1, abs(value) < BELOW, number not in known
+            if number in track.live and not is_new and sign != signs[number]:
+                if is_near:
+                    sign = int(signs[number])
+                else:
+                    passed.append((number, sign))
+            signs[number], zeros[number] = sign, is_new and is_near
+        for number, (side, roots) in track.sides(n).items():
+            signs[number], zeros[number] = side, -roots
+        return passed
 
     # --- steps -----------------------------------------------------------------------------------
 
@@ -434,16 +500,13 @@ class HybridDriver(Driver):
             if status is Status.FINISHED:
                 ending = sampled or (CLOCK if self.until < self.end else None)
             elif self.upto[0] < 1.0 and (
-                ending := track.ways.get(self.log.event[self.logged[0] - 1])
+                ending := track.ways.get(self.log.rows["event"][self.logged[0] - 1])
             ):
                 self.drop()  # the jump logs it
             if ending is not None:
-                status = self._jump(ending, when)
-            if (
-                status is not None
-                or steps >= most
-                or (self.changes % PER_SLICE == 0 if ending else not track.sampler)
-            ):
+                status = self._change(track.exits[ending], when)
+            is_full = len(self.spans) > PER_SLICE or not (ending or track.sampler)
+            if status is not None or steps >= most or is_full:
                 break
         if status is None:
             self.last = self.state[: self.track.width].copy()
@@ -462,82 +525,62 @@ class HybridDriver(Driver):
         """
         end = self.until if self.until < self.end else self.end
         sampler = self.track.sampler
-        name, when = (sampler and sampler.next()) or ("", end)
+        name, when = (sampler and sampler.next(self)) or ("", end)
         if not when < end:
             name, when = "", end
         self.end_at(when)
         return name
 
-    def _jump(self, ending: str, when: Any) -> Status | None:
+    def _change(self, jump: Jump, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state.
 
         Return how it ends the run, or None.
         """
-        self.changes, self.way = self.changes + 1, (ending, self.track.name)
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
-        now, track, state = self.number(when), self.track, self.last
-        given = tuple(state.tolist()), self.whole, self.end - now, self.piece, self.body
+        now, track, last = self.number(when), self.track, self.last
+        given = tuple(last.tolist()), self.end - now, self.struck, self.body
         try:
-            begun = self._called(track.exits[ending], *given)
+            begun = n, state, _ = jump(*given)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
         if self.copies:
-            self.copies.teach(ending, given)
-        n: Next = begun[0]
+            self.copies.learn(self, jump, given)
         for name in n.logged:
-            self._note(name, now + n.logged_after, state, 1)
+            self._note(self.numbers[name], now + n.logged_after, last, 1)
         if n.ends:
-            self.sentence = n.message or f"{self._where()} ends the run"
+            self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
         if self.short > 2:
-            often = f"more often than every {CHATTER * self.tables.second:.1g} s"
             self.sentence = (
-                f"phases change {often}, at last from `{track.name}` to `{n.phase}` by `{ending}`"
+                f"phases change more often than every {CHATTER * self.second:.1g} s, at last "
+                f"from `{track.name}` to `{n.phase}` by `{jump.exit.event}`"
             )
-        elif self.changes > MOST_CHANGES:
-            self.sentence = (
-                f"phases have changed {MOST_CHANGES} times, at last to `{n.phase}` by `{ending}`"
-            )
-        if self.sentence:
             return Status.STALLED
-        if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
-            self._add(np.array([when]), state[None])
-        try:
-            self._enter(begun, now, track)
-        except ArithmeticError as error:
-            self.sentence = str(error)
+        if not math.isfinite(sum(state)):
+            self.sentence = f"{jump.where} must lead to a finite state, but leads to {n.x!r:.60}"
             return Status.NON_FINITE
+        if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
+            self._add(np.array([when]), last[None])
+        self._enter(begun, now, track)
+        for number, (_, count) in self.track.sides(n).items():
+            if count and not self.track.has_root(number, count, state):
+                raise InputError(
+                    [
+                        f"{jump.where} must give multiplicities of roots in `zeros`, but "
+                        f"{self.events[number].name!r} has no root of multiplicity {count} where "
+                        f"phase `{n.phase}` begins."
+                    ]
+                )
         return None
-
-    def _where(self) -> str:
-        """Return the words for the present jump."""
-        return where_of(*self.way, self.problem.system)
-
-    def _called(self, function: Callable, *given: Any) -> Any:
-        """Call a function of a system.
-
-        Raise ArithmeticError for numbers that it cannot take, InputError for another failure.
-        """
-        try:
-            return function(*given)
-        except Exception as error:
-            if type(error) in (ArithmeticError, InputError):  # it has a message for the user
-                raise
-            failure = f"{self._where()} fails: {type(error).__name__}: {error}"
-            raise (
-                ArithmeticError(failure)
-                if isinstance(error, ArithmeticError)
-                else InputError([failure])
-            ) from error
 
     # --- rows ------------------------------------------------------------------------------------
 
     def _begin_span(self) -> None:
         """Note that rows, passages and samples belong to the present phase from now on."""
         counts = self.wanted.made[0], self.logged[0], self.sampled_so_far[0]
-        self.spans.append([self.track.at, *counts, self.whole])
+        self.spans.append([self.track.at, *counts])
 
     def ask(self) -> None:
         if self.wanted.made[0] > self.given:
@@ -560,8 +603,7 @@ class HybridDriver(Driver):
     def make(self, rows: Rows, most: int) -> int:
         if self.copies is None or self.request.steps or self.track.sampler:
             return super().make(rows, most)
-        changes = min(PER_SLICE - self.changes % PER_SLICE, MOST_CHANGES - self.changes)
-        return self.copies.drive(most, changes)
+        return self.copies.drive(self, most, PER_SLICE + 1 - len(self.spans))
 
     def give(self, first: int) -> None:
         if self.number is not float:
@@ -575,21 +617,19 @@ class HybridDriver(Driver):
         self.wanted.rows.times[part], made[0] = times, part.stop
         self.states[: states.shape[1], part] = states[:, :count].T
 
-    def _note(self, name: str, time: Any, state: np.ndarray, sign: int) -> None:
+    def _note(self, number: int, time: Any, state: np.ndarray, sign: int) -> None:
         """Log an event that no step has logged, in a state of the phase of the last span."""
-        number = self.numbers[name]
         self.note(time, number, sign, state)
-        if name in self.lasting:
+        if self.events[number].lasting:
             self.tally["lasts_since"] = float(time)
         self.loop.keep(self.all_events.events[number], float(time), sign)
 
     def _series(self, n: Next, since: np.ndarray) -> np.ndarray:
         """Return states at times since the beginning of a jump that takes time."""
         t = np.array([min(max(one, 0 * n.delay), n.delay) for one in since])
-        q, carried = n.series(t)
-        moved = [carried[k] * INTEGRAL_SCALE for k in self.track.integrals]
         states = [
-            [self.number(one) for one in np.broadcast_to(value, t.shape)] for value in (*q, *moved)
+            [self.number(one) for one in np.broadcast_to(value, t.shape)]
+            for value in self.track.variables.join(*n.series(t))
         ]
         return np.array(states).T
 
@@ -606,17 +646,18 @@ class HybridDriver(Driver):
             if count < len(times) or not count:
                 break
 
-    def _note_along(self, n: Next, track: Track, event: Event, known: float, now: Any) -> None:
+    def _note_along(self, n: Next, number: int, sign: int, now: Any) -> None:
         """Log an event that happens in a jump that takes time."""
-        k = track.formulas.events.index(event)
+        track = self.track
+        k = [*track.events].index(number)
 
         def function(t: Any) -> float:
             q, carried = n.series(np.array([t]))
-            q = track.record(*(value[0] if np.ndim(value) else value for value in q))
-            return float(track.formulas.functions(q, carried, track.b)[k])
+            q = q._make(value[0] if np.ndim(value) else value for value in q)
+            return -sign * float(track.formulas.functions(q, carried, track.b)[k])
 
-        t = zero_of(lambda t: function(t) * known, 0 * n.delay, n.delay)
-        self._note(event.name, now + t, self._series(n, np.array([t]))[0], -int(known))
+        t = zero_of(function, 0 * n.delay, n.delay)
+        self._note(number, now + t, self._series(n, np.array([t]))[0], sign)
 
     def _rows(self, *parts: tuple[int, int, np.ndarray]) -> list[np.ndarray]:
         """Return the rows of states.
@@ -627,43 +668,40 @@ class HybridDriver(Driver):
             What they are: rows (1), passages (2) or samples (3) of a slice, from this number on;
             and the states (variables, k).
         """
-        system, number, record = self.problem.system, self.number, self.carried
-        which, states = [], np.concatenate([states for *_, states in parts], axis=1)
-        for kind, first, some in parts:
+        system, variables = self.problem.system, self.problem.variables
+        begin, states = np.array(self.spans), np.concatenate([part[2] for part in parts], axis=1)
+        ends = np.cumsum([part[2].shape[1] for part in parts])
+        at = np.empty(ends[-1], int)
+        for (kind, first, some), mine in zip(parts, np.split(at, ends[:-1]), strict=True):
             numbers = first + np.arange(some.shape[1])
-            begin = [span[kind] for span in self.spans]
-            which.append(np.searchsorted(begin, numbers, side="right") - 1)
-        of_span = np.concatenate(which)
-        places, *_, begun = zip(*self.spans, strict=True)
-        at, wholes = np.array(places)[of_span], np.array(begun).T
-        rows, moving = np.empty((self.variables, len(at)), number), self.variables - len(wholes)
+            mine[:] = begin[np.searchsorted(begin[:, kind], numbers, side="right") - 1, 0]
+        rows = np.empty((self.variables, len(at)), self.number)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
-            if not len(mine):
-                continue
-            state, whole = states[: track.width].take(mine, 1), wholes.take(of_span[mine], 1)
-            whole[track.integrals] = state[track.moving :]
-            q, carried = track.record(*state[: track.moving]), whole * number(1 / INTEGRAL_SCALE)
-            values = (
-                system.row(track.phase, q, record(*carried), self.body)
-                if system.row
-                else track.phase.leave(q, track.b)
-            )
-            for row, value in zip(rows, (*values[:moving], *whole), strict=True):
-                row[mine] = value
-        return np.split(rows.T, np.cumsum([*map(len, which[:-1])]))
+            if len(mine):
+                n, state = track.variables.moving, states[: track.width].take(mine, 1)
+                q, moved = type(track.phase.form.units)(*state[:n]), state[n:]
+                carried = variables.carried(*(moved * self.number(1 / INTEGRAL_SCALE)))
+                read = (
+                    system.row(track.phase, q, carried, self.body)
+                    if system.row
+                    else track.phase.leave(q, track.b)
+                )
+                for row, value in zip(rows, (*read[: variables.moving], *moved), strict=True):
+                    row[mine] = value
+        return np.split(rows.T, ends[:-1])
 
     def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:
         """Give the rows that exist, and return what else the steps have found."""
         *columns, logged = self.passages()
         n, samples = self.wanted.variables, self.sampled()
-        logged, samples, last = self._hand_over(
+        logged, samples, end = self._hand_over(
             (2, 0, logged[:, :n].T),
             (3, 0, samples[:, :n].T),
             (1, self.wanted.made[0], np.resize(self.last, (n, 1))),
         )
         passages = Passages._make([*(column.copy() for column in columns), logged])
-        return Slice(steps, when, last, samples, passages, status, self.tables.take())
+        return Slice(steps, when, end, samples, passages, status, self.tables.take())
 
     # --- where the run is ------------------------------------------------------------------------
 
@@ -674,39 +712,33 @@ class HybridDriver(Driver):
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        self.spans = [[self.track.at, 0, 0, 0, self.whole]]
+        self.spans = [[self.track.at, 0, 0, 0]]
         return self._rows((1, 0, self.state[:, None]))[0]
 
     def extremes(self) -> Extremes:
-        return extremes_of(self.entered, self.tallies)
+        return extremes_of(self.all_events.events, self.tallies)
 
     @property
     def width(self) -> int:
         """The greatest number of variables of a phase."""
-        forms = (Variables(p.form, self.problem.orientation) for p in self.phases.values())
-        return max(len(one.names) for one in forms) + len(self.numbers)
+        widths = (len(Variables(phase.form).names) for phase in self.phases.values())
+        return max(widths) + len(self.events)
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,
         but for `state`.
         """
-        counts = self.track.at, self.changes, self.short
-        return {
-            **super().snapshot(),
-            "phase": [*counts, self.began, *self.tables.under_way],
-            "carried": [*self.whole, self.number(self.until)],
-        }
+        phase = self.track.at, self.short, self.began, *self.tables.under_way
+        return super().snapshot() | {"phase": [*phase], "until": [self.number(self.until)]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
-        *counts, began = kept["phase"][:4]
-        at, self.changes, self.short = map(int, counts)
-        *whole, until = kept["carried"].tolist()
-        self.follow(self.track_of([*self.phases][at]), tuple(whole), began)
+        at, short, began, *under_way = kept["phase"]
+        self.short, (self.until,) = int(short), kept["until"]
+        self.follow(self.track_of([*self.phases][int(at)]), began)
         super().restore(kept, state[: len(self.state)], clock)
-        self.until = until
         self.tables = PhaseTables(self.problem)
-        self.tables.under_way = kept["phase"][4:]
+        self.tables.under_way = under_way
 
 
 class WideHybridDriver(HybridDriver, WideDriver):
@@ -725,20 +757,3 @@ def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
         )
 
     return system.assembled(problem.internal_body, problem.contact, internal)
-
-
-def fault_of(n: Any, exit: Exit, x: Any, events: Collection[str]) -> str:
-    """Return what the result of a jump must be and is not; empty if it can follow the state `x`."""
-    if not isinstance(n, Next):
-        return f"return a Next, but returns {n!r:.60}"
-    if n.phase not in exit.to and not n.ends:
-        return f"lead to {' or '.join(exit.to)}, as its Exit declares, but leads to {n.phase!r}"
-    if type(n.x) is not type(x):
-        return f"return a state as it takes ({type(x).__name__}), but returns {n.x!r:.60}"
-    for what, names in (("logged", n.logged), ("zeros", n.zeros), ("sides", n.sides)):
-        for name in names:
-            if name not in events:
-                return f"have events of the system in `{what}`, but has {name!r}"
-    if n.zeros and min(n.zeros.values()) < 1:
-        return f"have multiplicities of roots in `zeros`, at least 1, but has {dict(n.zeros)}"
-    return ""

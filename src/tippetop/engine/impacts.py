@@ -3,7 +3,7 @@ once for a law.
 """
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -64,67 +64,12 @@ def formulas_of_impact(friction: Any, name: str, has_torques: bool) -> Formulas:
     return Formulas(stage.form, stage.events, functions, body)
 
 
-class Kind(NamedTuple):
-    """Key of the compiled motions of impacts, without their numbers."""
-
-    law: Any  # the type of its record
-    has_torques: bool  # rolling resistance or a drilling torque, besides the torque of a disc
-    restitution: str  # one of `contact.restitution.RESTITUTIONS`
-    precision: str  # of the numbers: "double", "longdouble" or "quad"
-
-
-def kind_of(problem: Problem, friction: Any) -> Kind:
-    """Return the kind of the impacts of a run, with the record of its law."""
-    contact: Any = problem.contact
-    return Kind(type(friction), has_parts(friction), contact.restitution, problem.precision)
-
-
-class Pieces:
-    """Follows the pieces of motions, each with an integrator that is compiled once.
-
-    Parameters
-    ----------
-    kind
-        Of the impacts.
-    stop
-        Set it to give up while a motion is being compiled.
+def kind_of(problem: Problem, friction: Any) -> tuple[Any, bool, str, str]:
+    """Return the kind of the impacts of a run, with the record of its law: the first arguments of
+    `ImpactMotions`.
     """
-
-    def __init__(self, kind: Kind, stop: threading.Event | None = None):
-        self.kind, self.stop, self.stages = kind, stop, motion.stages(kind.law)
-        self.drivers: dict[str, Driver] = {}
-
-    def driver(self, region: str) -> Driver:
-        """Return the executor of the motion in a region."""
-        if region not in self.drivers:
-            law, has_torques, _, precision = self.kind
-            formulas, wide = formulas_of_impact(law, region, has_torques), precision != "double"
-            code = compiled_when((formulas, precision, 0.0, 0, False), self.stop)
-            start = np.zeros(len(formulas.form.units), PRECISIONS[precision])
-            pars, functions = [1.0] * len(code.integrator.pars), np.ones(len(formulas.events))
-            kind = WideDriver if wide else Driver
-            self.drivers[region] = kind(code, code.rows, pars, start, functions, 0.0)
-        return self.drivers[region]
-
-    def __call__(
-        self, region: str, end: Any, most: int, signs: tuple, zeros: tuple, pars: tuple, q: Any
-    ) -> tuple:
-        """Follow a motion from q until its clock reaches `end` or an event happens.
-
-        Return the code of its status, the number of steps and of the event, -1 without one, and the
-        state.
-        """
-        driver = self.driver(region)
-        known, none = driver.tallies.functions, driver.number(0)
-        known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
-        driver.take(driver.place, pars)
-        driver.begin()
-        driver.put(q, (none, none))
-        driver.end_at(end)
-        driver.forget()
-        steps, code = driver.make(NO_ROWS, int(most)), driver.status[0]
-        event = int(driver.log.event[driver.logged[0] - 1]) if code == ENDED else -1
-        return code, steps, event, motion.Motion(*driver.reached()[1][: len(q)].tolist())
+    contact: Any = problem.contact
+    return type(friction), has_parts(friction), contact.restitution, problem.precision
 
 
 class Impact(NamedTuple):
@@ -149,10 +94,16 @@ class ImpactMotions:
 
     Parameters
     ----------
-    law, has_torques, restitution, precision
-        See `Kind`.
-    piece
-        What follows a motion: see `Pieces`; None: new ones.
+    law
+        The type of its record.
+    has_torques
+        Whether the law has rolling resistance or a drilling torque, besides the torque of a disc.
+    restitution
+        One of `contact.restitution.RESTITUTIONS`.
+    precision
+        Of the numbers: "double", "longdouble" or "quad".
+    stop
+        Set it to give up while a motion is being compiled.
     """
 
     def __init__(
@@ -161,20 +112,54 @@ class ImpactMotions:
         has_torques: bool,
         restitution: str,
         precision: str = "double",
-        piece: Any = None,
+        stop: threading.Event | None = None,
     ):
         self.law, self.has_torques, self.restitution = law, has_torques, restitution
-        self.precision, self.stages = precision, motion.stages(law)
-        self.piece = piece or Pieces(Kind(law, has_torques, restitution, precision))
+        self.precision, self.stop, self.stages = precision, stop, motion.stages(law)
+        self.drivers: dict[str, Driver] = {}
 
-    def struck(self, x: Moving, b: Touch, e_n: Any) -> Impact:
+    def driver(self, region: str) -> Driver:
+        """Return the executor of the motion in a region, compiled when it is first needed."""
+        if region not in self.drivers:
+            formulas = formulas_of_impact(self.law, region, self.has_torques)
+            code = compiled_when((formulas, self.precision, 0.0, 0, False), self.stop)
+            start = np.zeros(len(formulas.form.units), PRECISIONS[self.precision])
+            pars, functions = [1.0] * len(code.integrator.pars), np.ones(len(formulas.events))
+            kind = Driver if self.precision == "double" else WideDriver
+            self.drivers[region] = kind(code, code.rows, pars, start, functions, 0.0)
+        return self.drivers[region]
+
+    def piece(
+        self, region: str, end: Any, most: int, signs: tuple, zeros: tuple, pars: tuple, q: Any
+    ) -> tuple:
+        """Follow a motion from q until its clock reaches `end` or an event happens.
+
+        Return the code of its status, the number of steps and of the event, -1 without one, and the
+        state.
+        """
+        driver = self.driver(region)
+        known, none = driver.tallies.functions, driver.number(0)
+        known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
+        driver.take(driver.place, pars)
+        driver.begin()
+        driver.put(q, (none, none))
+        driver.end_at(end)
+        driver.forget()
+        steps, code = driver.make(NO_ROWS, int(most)), driver.status[0]
+        event = int(driver.log.rows["event"][driver.logged[0] - 1]) if code == ENDED else -1
+        return code, steps, event, motion.Motion(*driver.reached()[1][: len(q)].tolist())
+
+    def struck(self, x: Moving, b: Touch, e_n: Any, piece: Callable | None = None) -> Impact:
         """Return the impact of a ball whose lowest point moves down.
+
+        `piece` follows motions as the method does.
 
         Raises
         ------
         ArithmeticError
             If friction jams the contact, or is too stiff.
         """
+        self.follow = piece or self.piece
         v, law = contact_velocity(x.u, x.L, x.velocity, b), self.law
         none, turn = 0 * v.z, 0 * v.z
         if law.regions:
@@ -188,9 +173,8 @@ class ImpactMotions:
             begins = max(
                 begins, (motion.DISC_BEGINS_AT if law.regions else motion.BEGINS_AT) / speed
             )
-        self.b = motion.Blow(
-            none + 1, none, none, none, speed, unit / speed, rest, begins, x.u, x.L, b
-        )
+        units = speed, unit / speed
+        self.b = motion.Blow(none + 1, none, none, none, *units, rest, begins, x.u, x.L, b)
         q = motion.Motion(*slip, v.z / unit, *(none,) * 8)
         self.mode, self.region, self.left = "slip", motion.region_at(law, q, self.b), MOST_STEPS
         q = pressed = self._followed(q)._replace(v_n=none)
@@ -229,16 +213,18 @@ class ImpactMotions:
             lift, growth = stage.slope(q, b)
             if not 0 < lift < np.inf:
                 raise ArithmeticError(UNSOLVED)
-            signs = []
-            for event in stage.events:
-                is_beyond = event.name == passed if event.name in ("stops", "slowest") else False
-                grows = event.name == "slowest" and growth >= 0
-                signs.append(event.direction if is_beyond or grows else -event.direction)
+            signs = tuple(
+                event.direction
+                if event.name == passed in ("stops", "slowest")
+                or (event.name == "slowest" and growth >= 0)
+                else -event.direction
+                for event in stage.events
+            )
             zeros = tuple(-float(event.name == passed) for event in stage.events)
             end = CLOCK_RATE * (span if rests else LONGEST)
             begins = motion.directed(q) if stage.is_directed else q
-            status, steps, k, after = self.piece(
-                self.region, end, self.left, tuple(signs), zeros, tuple(leaves(b)), begins
+            status, steps, k, after = self.follow(
+                self.region, end, self.left, signs, zeros, tuple(leaves(b)), begins
             )
             after = motion.undirected(after) if stage.is_directed else after
             passed = ""
@@ -248,7 +234,7 @@ class ImpactMotions:
                 q = q if span > SHORTEST else self._slid(after, stage.acts(after, b))
                 continue
             if status == ENDED:
-                passed = next(event.name for e, event in enumerate(stage.events) if k == e)
+                passed = next(event.name for e, event in enumerate(stage.events) if e == k)
                 if passed == "reached":
                     return after
                 if passed in stage.follows:
@@ -256,17 +242,12 @@ class ImpactMotions:
                     self.region, passed = way.follows, way.back
             elif status == NON_FINITE:
                 raise ArithmeticError(UNSOLVED)
-            elif status == STALLED and not self._slows(q, after):
+            elif status == STALLED and not (  # or comes to rest by ever shorter steps
+                can_rest and 0 < sum(motion.speeds(after)) < sum(motion.speeds(q)) / 4
+            ):
                 break
             q = after
         raise ArithmeticError(ENDLESS if law.regions else STIFF)
-
-    def _slows(self, q: Any, after: Any) -> bool:
-        """Return whether a contact comes to rest by ever shorter steps."""
-        return (
-            motion.can_rest(self.law, self.b)
-            and 0 < sum(motion.speeds(after)) < sum(motion.speeds(q)) / 4
-        )
 
     def _slid(self, q: Any, by: Any) -> Any:
         """Return the motion where friction can no longer hold the contact."""

@@ -2,7 +2,6 @@
 a kernel calls.
 """
 
-import copy
 import threading
 from collections.abc import Callable
 from functools import lru_cache, partial
@@ -17,9 +16,8 @@ from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import PRECISIONS
 from .code_cache import compiled_once
 from .expressions import Formulas, equations_of_motion
-from .loop import new_motion
 from .opt_level import opt_level
-from .stepper import Called, Loaded, Stepper, call, is_fused, load
+from .stepper import load
 from .tallies import EventRows, event_rows
 
 
@@ -36,8 +34,7 @@ class Compiled(NamedTuple):
         The number of the event that must last, -1 without one; the sign of its function beyond
         its zero.
     machine
-        Its step as machine code; None where that cannot be had: then heyoka makes the steps, with
-        the same bits.
+        Its step as machine code, `Loaded`; None in numbers wider than doubles.
     places
         What its runs in doubles work in, for each thread: see `driver.Place`.
     """
@@ -46,7 +43,7 @@ class Compiled(NamedTuple):
     rows: EventRows
     lasting: int
     way: int
-    machine: Loaded | None
+    machine: Any
     places: threading.local
 
 
@@ -150,9 +147,7 @@ def compiled_from(
         options |= {"tol": kind(tolerance), "fp_type": kind}
         zero = np.zeros(len(equations), dtype=number)
         integrator = compiled_once(hy.taylor_adaptive, equations, zero, **options)
-    machine = None if compact else _machine(integrator)
-    if machine and not lanes:
-        machine = machine._replace(fused=is_fused(machine.dense, len(equations), integrator.order))
+    machine = None if compact else load(integrator.llvm_state.object_code, level)
     rows = event_rows(formulas.events, sources, axis)
     lasting, way = next(
         ((e, event.direction) for e, event in enumerate(formulas.events) if event.lasting), (-1, 0)
@@ -186,39 +181,3 @@ def _at_zero(e: int, formulas: Formulas, variables: Variables, index: int) -> fl
         return float(
             formulas.functions(*variables.split(list(state)), formulas.body(repeat(1.0)))[e]
         )
-
-
-def _machine(integrator: Any) -> Loaded | None:
-    """The machine code of a step; None where it cannot be loaded, or makes another step than
-    heyoka.
-    """
-    try:
-        machine = load(integrator.llvm_state.object_code)
-    except RuntimeError:
-        return None
-    return machine if is_same_step(machine, integrator) else None
-
-
-def is_same_step(machine: Loaded, integrator: Any) -> bool:
-    """Whether the loaded code makes the step that heyoka makes, bit by bit: one step of each from a
-    random state.
-    """
-    random = np.random.default_rng(0)
-    variables, lanes = len(integrator.state), integrator.state[0].size
-    mine, theirs = (
-        new_motion(variables, len(integrator.pars), integrator.order + 1, lanes) for _ in range(2)
-    )
-    mine.state[:], mine.pars[:] = (
-        random.uniform(0.5, 1.0, array.shape) for array in (mine.state, mine.pars)
-    )
-    mine.limit[:] = mine.h[:] = 1.0
-    for array, same in zip(theirs, mine, strict=True):
-        array[:] = same
-    call(machine.step, mine.state, mine.pars, mine.high, mine.h, mine.tc)
-    Called(copy.deepcopy(integrator)).step(theirs)
-    return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(mine, theirs, strict=True))
-
-
-def stepper_of(code: Compiled) -> Stepper:
-    """Return the stepper of new runs: the loaded code, if there is one."""
-    return code.machine or Called(copy.deepcopy(code.integrator))

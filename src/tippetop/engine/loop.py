@@ -19,7 +19,7 @@ import tippetop_kernels
 
 from ..errors import BuildError
 from ..mechanics.event import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
-from .stepper import Called, Stepper
+from .stepper import Called, Loaded, Stepper
 from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules, Tallies
 
 
@@ -56,33 +56,6 @@ class Rows(NamedTuple):
     variables: int = 0
 
 
-class Tops(NamedTuple):
-    """Every top of an ensemble: its start, in internal units, and its end."""
-
-    start: (
-        np.ndarray
-    )  # (variables, n) what columns are made of; integrals of event functions start from zero
-    pars: np.ndarray  # (parameters, n)
-    until: np.ndarray  # (n,)
-    signs: np.ndarray  # (n, events) of the event functions at the start
-    on_zero: np.ndarray  # (n, events) 1: on its zero there
-    lane: np.ndarray  # (n,) records of the tallies
-    functions: (
-        np.ndarray
-    )  # (3, events, n) sign, least and greatest value of the event functions at the end
-    kept: np.ndarray  # (numbers, n)
-    final: np.ndarray  # (variables, n) the last state
-
-
-class Queue(NamedTuple):
-    """Tops that wait for a lane, of any thread."""
-
-    tops: np.ndarray  # (length,)
-    taken: np.ndarray  # (1,) how many lanes have asked for one; threads share it
-    ended: np.ndarray  # (1,) number of tops that have been put down
-    length: int
-
-
 class _Sizes(NamedTuple):
     variables: int
     parameters: int
@@ -110,14 +83,6 @@ class Tables(NamedTuple):
     powers: np.ndarray  # row k: the k-th powers of nine points of [0, 1]
 
 
-class _Ensemble(NamedTuple):
-    tops: Tops
-    queue: Queue
-    fresh: Tallies
-    length: int
-    variables: int
-
-
 class _Loop(NamedTuple):
     step: int
     dense: int
@@ -136,7 +101,6 @@ class _Loop(NamedTuple):
     thresholds: _Thresholds
     tables: Tables
     output: Rows
-    ensemble: _Ensemble
 
 
 TABLES = Tables(
@@ -200,6 +164,7 @@ def library() -> ctypes.CDLL:
         )
     whole, array = ctypes.c_int64, ctypes.c_void_p
     loaded.loop_keep.argtypes = [array, *[whole] * 3, *[ctypes.c_double] * 2]
+    loaded.loop_end.argtypes = [array, whole]
     loaded.loop_drive.restype, loaded.loop_drive.argtypes = whole, [array, whole]
     loaded.loop_run.restype, loaded.loop_run.argtypes = whole, [array, whole]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
@@ -244,7 +209,7 @@ class Loop:
             raise ValueError(f"a step must have {most}, but has {size} and {lanes}")
         self.library = library()
         self.out = np.zeros((variables, lanes))  # a state in every lane
-        lengths = (rows.events, rows.numbers, rows.axis, log.time, samples.top, log.states[:1].T)
+        lengths = (rows.events, rows.numbers, rows.axis, log.rows, samples.top, log.states[:1].T)
         self.records = {
             "sizes": _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths)),
             "motion": motion,
@@ -262,19 +227,16 @@ class Loop:
             **{name: _field(record) for name, record in self.records.items()}
         )
         self.failures: list[BaseException] = []  # of steps that C has called
-        if isinstance(stepper, Called):
+        if isinstance(stepper, Loaded):
+            addresses: Any = stepper[1:]
+        else:
             stepper.records = self.records
             self.callbacks = _callbacks(stepper, motion, self.out, self.failures)
             addresses = [
                 ctypes.cast(callback, ctypes.c_void_p).value for callback in self.callbacks
             ]
-            self.structure.step, self.structure.dense = addresses
-        else:
-            self.structure.step, self.structure.dense, self.structure.fused = (
-                stepper.step,
-                stepper.dense,
-                stepper.fused,
-            )
+        for name, address in zip(("step", "dense", "fused"), addresses, strict=False):
+            setattr(self.structure, name, address)
         self.place = ctypes.byref(self.structure)
 
     def fill(self, rows: Rows) -> None:
@@ -286,24 +248,21 @@ class Loop:
             rows._replace(length=len(rows.times), variables=min(len(rows.states), len(self.out)))
         )
 
-    def take(self, tops: Tops, queue: Queue, fresh: Tallies) -> None:
-        """Run these tops from now on. `fresh` is the tally of one lane whose run has not begun."""
-        self.records["ensemble"] = ensemble = _Ensemble(
-            tops, queue, fresh, len(tops.until), len(tops.start)
-        )
-        self.structure.ensemble = filled(ensemble)
-
     def drive(self, most: int) -> int:
         """Make at most `most` steps of all lanes. Return their number.
 
-        It stops earlier where the caller must look: no lane has a run, a top has settled, all rows
-        are written, or there is no room for what a step may find. The next call puts down tops that
-        have settled, unless their status is that of a running one again.
+        It stops earlier where the caller must look: a run has ended, all rows are written, or there
+        is no room for what a step may find.
         """
         steps = self.library.loop_drive(self.place, most)
         if self.failures:
             raise self.failures.pop()
         return steps
+
+    def end(self, lane: int) -> np.ndarray:
+        """Return the last state of a lane whose run has ended, which may confirm a turning."""
+        self.library.loop_end(self.place, lane)
+        return self.out[:, lane]
 
     def keep(self, event: np.void, when: float, sign: int) -> None:
         """Keep the numbers of an event of the first lane that no step has found."""

@@ -15,7 +15,8 @@ Table = dict[str, np.ndarray]
 
 
 class PhaseTables:
-    """New rows of the tables, in SI units; and the phase that is under way: NaN, where none is.
+    """New rows of the tables, in internal units; and the phase that is under way: NaN, where none
+    is.
 
     Parameters
     ----------
@@ -25,36 +26,30 @@ class PhaseTables:
 
     def __init__(self, problem: Problem):
         self.tables, self.scales = problem.system.tables, problem.scales
-        self.second = float(problem.scales.of(SECOND))
         self.under_way = [math.nan] * (1 + len(self.tables["phases"]))
         self.rows: dict[str, list[Sequence[Any]]] = {name: [] for name in self.tables}
 
     def row_of(self, name: str, phase: Phase, cause: str) -> list[int]:
         """Return the row of a phase of this name without its times."""
         row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
-        return [_number(row[key], kind) for key, kind in self.tables["phases"].items()]
-
-    def numbers_of(self, name: str, rows: Sequence[Sequence[Any]]) -> list[list[Any]]:
-        """Return rows of another table with the places of their words."""
-        kinds = self.tables[name].values()
-        return [[_number(one, kind) for one, kind in zip(row, kinds, strict=True)] for row in rows]
+        return [number_of(row[key], kind) for key, kind in self.tables["phases"].items()]
 
     def begin(self, time: float, row: Sequence[int]) -> None:
         """Begin a phase at an internal time."""
         self.end(time)
-        self.under_way = [time * self.second, *row]
+        self.under_way = [time, *row]
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""
         start, *rest = self.under_way
         if not math.isnan(start):
-            self.rows["phases"].append([start, time * self.second, *rest])
+            self.rows["phases"].append([start, time, *rest])
             self.under_way[0] = math.nan
 
     def add(self, time: float, rows: Mapping[str, Sequence]) -> None:
         """Add rows of other tables at an internal time."""
         for name, some in rows.items():
-            self.rows[name] += [(time * self.second, *row) for row in some]
+            self.rows[name] += [(time, *row) for row in some]
 
     def take(self) -> dict[str, Table]:
         """Return the rows that came since the last call, by table."""
@@ -65,26 +60,21 @@ class PhaseTables:
         }
 
 
-def _number(value: Any, words: Any) -> Any:
-    """Return the place of a word; a number as it is."""
-    return words.index(value) if isinstance(value, str) else value
-
-
-def columns_of(name: str, kinds: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the names of the columns of a table."""
-    return (*(("start", "end") if name == "phases" else ("time",)), *kinds)
+def number_of(value: Any, kind: Any) -> Any:
+    """Return the place of a word among those of its column; a number as it is."""
+    return kind.index(value) if isinstance(value, str) else value
 
 
 def as_table(
     name: str, kinds: Mapping[str, Any], rows: Sequence[Sequence[Any]], scales: Any = None
 ) -> Table:
-    """Return rows, in internal units but for times, as columns in SI; words as their places."""
-    table = {}
-    for k, column in enumerate(columns_of(name, kinds)):
-        values, kind = [row[k] for row in rows], kinds.get(column)
+    """Return rows, in internal units, as columns in SI; words as their places."""
+    table, times = {}, ("start", "end") if name == "phases" else ("time",)
+    for k, (column, kind) in enumerate({**dict.fromkeys(times, SECOND), **kinds}.items()):
+        values = [number_of(row[k], kind) for row in rows]
         if isinstance(kind, tuple):
-            table[column] = np.array([_number(value, kind) for value in values], np.int8)
+            table[column] = np.array(values, np.int8)
         else:
-            unit = float(scales.of(kind)) if kind and rows else 1.0
+            unit = float(scales.of(kind)) if rows else 1.0
             table[column] = (np.array(values) * unit).astype(float)
     return table

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..mechanics.event import Event
+from ..mechanics.form import Form
 from ..mechanics.operand import leaves
 from .driver import Driver
 
@@ -14,25 +15,24 @@ class Sampler:
 
     Parameters
     ----------
-    run
-        The driver.
-    track
-        The phase.
+    form, b
+        Of the phase, and its parameters.
+    integrator
+        Of the phase.
     events
         Those that are sampled.
     """
 
-    def __init__(self, run: Driver, track: Any, events: Sequence[Event]):
-        self.run, self.track, self.events = run, track, events
-        self.integrator = copy.deepcopy(track.place.compiled.integrator)
-        pars = self.integrator.pars
-        pars[:] = [run.number(number) for number in leaves(track.b)[: len(pars)]]
+    def __init__(self, form: Form, b: Any, integrator: Any, events: Sequence[Event]):
+        self.form, self.b, self.events = form, b, events
+        self.integrator = ta = copy.deepcopy(integrator)
+        ta.pars[:] = leaves(b)[: len(ta.pars)]
 
-    def next(self) -> tuple[str, Any] | None:
+    def next(self, run: Driver) -> tuple[str, Any] | None:
         """Return the event that ends the phase in the next step, and its internal time; None if
         none does.
         """
-        ta, run = self.integrator, self.run
+        ta = self.integrator
         ta.state[:], ta.time = run.state, run.number(0)
         _, h = ta.step(write_tc=True)
         zeros = [(t, one.name) for one in self.events if (t := self._zero(one, h)) is not None]
@@ -46,7 +46,9 @@ class Sampler:
         """Return the time in a step of length h at which an event function has become negative."""
 
         def value(t: Any) -> float:
-            return self.track.value(event, self.integrator.update_d_output(t))
+            state = self.integrator.update_d_output(t)[: len(self.form.units)].tolist()
+            q = type(self.form.units)._make(state)
+            return float(event.formula(self.form.scalars(q, self.b), self.b))
 
         low = 0 * h
         for high in (h / 2, h):

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.contact.body import Touch
-from ..mechanics.contact.state import BALLS, PHASES
+from ..mechanics.contact.exits import PHASES
+from ..mechanics.contact.state import BALLS
 from ..mechanics.friction import has_parts, takes_nothing
 from ..mechanics.system import System
 from ..mechanics.theory.modes import LINEAR, SLIDES, is_unstable, shows_sliding, will_leave
@@ -86,6 +87,7 @@ RATES = ("omega3", "theta_dot", "phi_dot", "nu_x", "nu_y")
 # Rates, in internal units, of a body that torques have brought to rest: they are smooth below 1e-6
 STILL = 1e-5
 NEAR = 0.1  # rad from a pole: upright or inverted
+LOST = 1e-9  # energy, internal units, that is not rounding
 
 
 def classes_of(
@@ -95,8 +97,9 @@ def classes_of(
 
     Upright and inverted is a top within 0.1 rad of a pole, if that spin is stable: else it is under
     way, for it will leave. Tumbling is one in which nothing slides any more. Without friction a
-    motion ends nowhere: it nutates. Under rolling resistance or a drilling torque no spin lasts,
-    and every top is under way until it is at rest.
+    motion ends nowhere: it nutates, unless it is that of a pole, or impacts have taken energy.
+    Under rolling resistance or a drilling torque no spin lasts, and every top is under way until it
+    is at rest.
 
     Parameters
     ----------
@@ -115,9 +118,9 @@ def classes_of(
     theta, number = values["theta"].astype(float), CLASSES.index
     kinds = np.full(len(theta), number("under-way"))
     known, gliding = isinstance(body, Touch), system.frictional
+    rates = {name: np.nan_to_num(values[name].astype(float)) for name in RATES if name in values}
+    still = np.abs([*rates.values()]).max(axis=0, initial=0.0) < STILL
     if known and has_parts(body.friction):
-        rates = [np.nan_to_num(values[name].astype(float)) for name in RATES if name in values]
-        still = np.abs(rates).max(axis=0) < STILL
         kinds = with_phases(kinds, theta, values)
         return np.where(still & (kinds != number("bouncing")), number("at-rest"), kinds)
     if known and gliding:
@@ -136,7 +139,12 @@ def classes_of(
                 kinds[leaves] = number("under-way")
                 kinds[leaves & tumbles] = number("tumbling")
         if gliding:
-            kinds[np.broadcast_to(takes_nothing(body.friction), theta.shape)] = number("nutating")
+            free = np.broadcast_to(takes_nothing(body.friction), theta.shape)
+            at_pole = (np.sin(theta) < STILL) & (np.abs(rates["theta_dot"]) < STILL)
+            kinds[free & at_pole & still] = number("at-rest")
+            loses = values.get("work", 0.0) > LOST
+            kinds[free & ~at_pole] = number("nutating")
+            kinds[free & ~at_pole & loses] = number("under-way")
     return with_phases(kinds, theta, values)
 
 

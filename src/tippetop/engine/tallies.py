@@ -19,12 +19,10 @@ class EventRows(NamedTuple):
     """The events of a system, in its order, as arrays of records.
 
     `events`: where a function stands among the kept coefficients (`row`): it is a variable plus
-    `offset` (`shift` 0), or the rate of one (`shift` 1), times `scale`, a power of two. A variable
-    whose rate is another event function (`leader`, or -1) needs no separate sums: that rate
-    bounds it. `direction`, `sense`, `extremes` are those of the event; `ends` the code of the
-    status of a top that it ends, or 0; it keeps the `numbers` from `first` to
-    `last`, this one excluded. Zeros are detected of `watched` events only, least and
-    greatest values of `ranged` ones; `bounded` events are either, or lead one.
+    `offset` (`shift` 0), or the rate of one (`shift` 1), times `scale`, a power of two.
+    `direction`, `sense`, `extremes` are those of the event; `ends` the code of the status of a top
+    that it ends, or 0; it keeps the `numbers` from `first` to `last`, this one excluded. Zeros are
+    detected of `watched` events only, least and greatest values of `ranged` ones.
     """
 
     events: np.ndarray  # (events,)
@@ -80,11 +78,8 @@ class Tallies(NamedTuple):
     kept: np.ndarray  # (numbers, lanes) times, NaN: did not happen; or counts
 
 
-_EVENT = [
-    (name, int)
-    for name in ("row", "shift", "leader", "direction", "ends", "sense", "first", "last")
-]
-_FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged", "bounded")]
+_EVENT = [(name, int) for name in ("row", "shift", "direction", "ends", "sense", "first", "last")]
+_FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged")]
 EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS], align=True)
 LANE_RECORD = np.dtype([(name, np.array(value).dtype) for name, value in _LANE.items()])
 NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
@@ -98,26 +93,17 @@ def event_rows(
     `sources` are variable, shift, scale and offset of each function; `axis` are the variables of
     3hat, none in a form without it.
     """
-    rate_of = {s[0]: e for e, s in reversed(list(enumerate(sources))) if s[1:] == (1, 1.0, 0.0)}
     records: list[tuple] = []
     numbers: list[tuple[int, int]] = []
     for event, (variable, shift, scale, offset) in zip(events, sources, strict=True):
         first, ranged = len(numbers), bool(event.extremes)
         numbers += [(WHAT[kept.what], kept.direction) for kept in event.kept]
-        leader = rate_of.get(variable, -1) if shift == 0 else -1
         ends = Status.of_event(event.ends).code if event.ends else 0
-        place = variable, shift, leader, event.direction, ends, event.sense, first, len(numbers)
-        records.append((*place, scale, offset, ranged, True, ranged, True))
+        place = variable, shift, event.direction, ends, event.sense, first, len(numbers)
+        records.append((*place, scale, offset, ranged, True, ranged))
     return EventRows(
         np.array(records, EVENT_RECORD), np.array(numbers, NUMBER_RECORD), np.array(axis, int)
     )
-
-
-def mark_bounded(records: np.ndarray) -> None:
-    """Mark the events whose range in a step must be bounded."""
-    records["bounded"] = records["watched"] | records["ranged"] | (records["ends"] != 0)
-    leaders = records["leader"][records["bounded"]]
-    records["bounded"][leaders[leaders >= 0]] = True
 
 
 def looked_for(
@@ -132,7 +118,6 @@ def looked_for(
         records["ranged"] &= list(ranged)
     if not stops:
         records["ends"] = 0
-    mark_bounded(records)
     return rows._replace(events=records)
 
 
@@ -142,27 +127,25 @@ def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def new_tallies(rows: EventRows, lanes: int) -> Tallies:
-    """Return new tallies."""
+    """Return the tallies of runs that have not begun, with event functions that are positive."""
     n = len(rows.events)
     tallies = Tallies(
-        np.empty(lanes, LANE_RECORD), np.zeros((9, n, lanes)), np.empty((len(rows.numbers), lanes))
+        np.empty(lanes, LANE_RECORD), np.empty((9, n, lanes)), np.empty((len(rows.numbers), lanes))
     )
-    for at in range(lanes):
-        reset(tallies, rows, at, np.ones(n), np.zeros(n, bool))
+    reset(tallies, rows, np.ones((n, lanes)))
     return tallies
 
 
-def reset(
-    tallies: Tallies, rows: EventRows, lane: int, signs: np.ndarray, on_zero: np.ndarray
-) -> None:
-    """Reset the tally of a lane for a new top, with signs of its event functions at its start."""
-    tallies.lane[lane] = tuple(_LANE.values())
-    functions = tallies.functions[:, :, lane]
-    functions[SIGN], functions[ON_ZERO] = signs, on_zero
-    functions[LEAST] = np.where(rows.events["extremes"], np.inf, -np.inf)
-    functions[MOST] = -functions[LEAST]
-    functions[T_LEAST], functions[T_MOST] = np.nan, np.nan
-    tallies.kept[:, lane] = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
+def reset(tallies: Tallies, rows: EventRows, functions: np.ndarray) -> None:
+    """Reset tallies for runs that start with these event functions, (events, lanes)."""
+    tallies.lane[:] = tuple(_LANE.values())
+    known = tallies.functions
+    known[:] = 0.0
+    known[SIGN], known[ON_ZERO] = signs_of(functions)
+    known[LEAST] = np.where(rows.events["extremes"], np.inf, -np.inf)[:, None]
+    known[MOST] = -known[LEAST]
+    known[T_LEAST], known[T_MOST] = np.nan, np.nan
+    tallies.kept[:] = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)[:, None]
 
 
 CONFIRMS, WAITS = 1, 2
@@ -175,18 +158,19 @@ class PassageLog(NamedTuple):
     """Zeros of event functions in one lane, in the order of detection; of length 0 if unused."""
 
     filled: np.ndarray  # (1,) how many there are
-    time: np.ndarray  # (n,) internal
-    event: np.ndarray  # (n,) its number
-    sign: np.ndarray  # (n,) of the crossing, +1 rising
-    at_pole: np.ndarray  # (n,) whether the axis passes a pole there
+    rows: np.ndarray  # (n,) records
     states: np.ndarray  # (n, variables)
+
+
+# internal; number of the event; of the crossing, +1 rising; whether the axis passes a pole there
+_PASSAGE = [("time", float), ("event", int), ("sign", int), ("at_pole", bool)]
+PASSAGE_RECORD = np.dtype(_PASSAGE, align=True)
 
 
 def new_log(length: int, variables: int) -> PassageLog:
     """Return an empty log with room for `length` passages."""
-    event, sign = np.zeros((2, length), np.int64)
-    at_pole, states = np.zeros(length, np.bool_), np.empty((length, variables))
-    return PassageLog(np.zeros(1, np.int64), np.zeros(length), event, sign, at_pole, states)
+    rows, states = np.zeros(length, PASSAGE_RECORD), np.empty((length, variables))
+    return PassageLog(np.zeros(1, np.int64), rows, states)
 
 
 class Samples(NamedTuple):

@@ -41,6 +41,9 @@ class WideSteps(Called):
     times: list
     states: list
 
+    def __init__(self, integrator: Any):
+        self.integrator = copy.deepcopy(integrator)
+
     def begin(self) -> None:
         """Forget the rows that were kept."""
         self.rows: list[np.ndarray] = []
@@ -89,10 +92,10 @@ class WideSteps(Called):
         ta, log, number = self.integrator, self.records["log"], self.integrator.state.dtype.type
         if len(self.times) < log.filled[0]:
             k, start = len(self.times), self.before[1][0]
-            event = log.event[k]
+            when, event, *_ = log.rows[k]
             roots = -min(0, int(self.on_zero[event]))
             function = _function(ta.tc, self.records["rows"].events[event], roots)
-            time = start + _refined(function, number(log.time[k]) - start, ta.time - start)
+            time = start + _refined(function, number(when) - start, ta.time - start)
             self.times.append(time)
             kept = self.states
         else:
@@ -107,8 +110,7 @@ class WideDriver(Driver):
 
     @staticmethod
     def stepper_of(code: Compiled) -> Stepper:
-        """Return the stepper of a new place."""
-        return WideSteps(copy.deepcopy(code.integrator))
+        return WideSteps(code.integrator)
 
     @cached_property
     def kept(self) -> tuple[list, list, list]:

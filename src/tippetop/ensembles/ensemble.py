@@ -4,6 +4,7 @@ import itertools
 import os
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
@@ -12,17 +13,15 @@ import numpy as np
 
 from ..engine.derivatives.growth import growth
 from ..engine.invariants import invariants, sizes
-from ..engine.loop import Tops
 from ..engine.observables import event_functions, values_of
 from ..engine.settling import slides
 from ..engine.status import Status
-from ..engine.stepper import Called
-from ..engine.tallies import EventRows, signs_of
+from ..engine.tallies import LEAST, MOST, SIGN, EventRows, Tallies, new_tallies, reset
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults
 from ..progress import reporting
 from .hybrid_tops import problem_of, run_each
-from .lanes import LANES, SWINGS, Lanes, new_tops
+from .lanes import LANES, SWINGS, Lanes
 from .outcomes import Outcomes, _conclude, dataset
 
 
@@ -134,9 +133,8 @@ def _run(
     wanted: Collection[str] | None,
 ) -> None:
     """Run tops in lanes, on threads that take them from one queue."""
-    lock, counted, every = threading.Lock(), itertools.count(1), measured.tops
+    lock, counted, queue = threading.Lock(), itertools.count(1), iter(numbers.tolist())
     n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
-    taken = np.zeros(1, np.int64)  # of the numbers, by all threads
 
     def ended(count: int) -> None:
         if progress is not None:
@@ -148,37 +146,35 @@ def _run(
         """Run tops from the queue until none is left. Return the processor time."""
         clock = time.thread_time()
         try:
-            worker.run(tops, numbers, taken, look, ended)
+            worker.run(tallies, measured.final, queue, look, ended)
         except BaseException:
-            taken[0] = len(numbers)
+            deque(queue, 0)  # the others must stop
             raise
         return time.thread_time() - clock
 
-    workers = [Lanes(every, lanes, wanted) for _ in range(n)]
-    first, signs = workers[0], signs_of(functions)
-    pars = every.pars[: len(first.motion.pars)]
-    tops = new_tops(every.start, pars, every.end, *signs, first.rows)
+    workers = [Lanes(measured.tops, lanes, wanted) for _ in range(n)]
+    first = workers[0]
+    tallies = new_tallies(first.rows, len(functions))
+    reset(tallies, first.rows, functions.T)
     if n == 1:  # Ctrl-C ends the work immediately
         measured.processor = work(first)
     else:
         with ThreadPoolExecutor(n) as pool:
             try:
                 measured.processor = sum(pool.map(work, workers))
-            except BaseException:  # Ctrl-C too: the others must stop
-                taken[0] = len(numbers)
+            except BaseException:  # Ctrl-C too
+                deque(queue, 0)
                 raise
-    if isinstance(first.stepper, Called):
-        measured.steps_by = "heyoka"
-    measured.steps_made = int(tops.lane["steps"].sum())
+    measured.steps_made = int(tallies.lane["steps"].sum())
     measured.steps_possible = sum(worker.steps_possible for worker in workers)
-    _write(measured, numbers, tops, first.rows)
+    _write(measured, numbers, tallies, first.rows)
 
 
-def _write(measured: Outcomes, numbers: np.ndarray, tops: Tops, rows: EventRows) -> None:
+def _write(measured: Outcomes, numbers: np.ndarray, tallies: Tallies, rows: EventRows) -> None:
     """Write the rows of tops that ran in lanes."""
-    columns, lane, kept = measured.columns, tops.lane[numbers], iter(tops.kept[:, numbers])
-    sign, least, most = tops.functions[:, :, numbers]
-    measured.status[numbers], measured.final[:, numbers] = lane["status"], tops.final[:, numbers]
+    columns, lane, kept = measured.columns, tallies.lane[numbers], iter(tallies.kept[:, numbers])
+    sign, least, most = tallies.functions[[SIGN, LEAST, MOST]][:, :, numbers]
+    measured.status[numbers] = lane["status"]
     for name in ("t_end", "steps", *SWINGS):
         columns[name][numbers] = lane["t" if name == "t_end" else name]
     measured.settled[numbers] = ~slides(measured.tops, measured.final[:, numbers], numbers)
@@ -213,7 +209,7 @@ def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = Fa
     Returns
     -------
     Problems
-        Its `check` says which tops are invalid, and why.
+        Its `check` returns the invalid tops, and why they are invalid.
 
     Raises
     ------

@@ -3,20 +3,19 @@
 No lane sees another: a top's numbers depend on its own only.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 
 import numpy as np
 
 from ..engine.expressions import formulas_of
-from ..engine.integrator import stepper_of
-from ..engine.loop import Loop, Queue, Tops, new_motion
+from ..engine.loop import Loop, new_motion
 from ..engine.observables import values_of
 from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
 from ..engine.tallies import (
-    LANE_RECORD,
     EventRows,
     StopRules,
+    Tallies,
     looked_for,
     new_log,
     new_samples,
@@ -65,24 +64,23 @@ class Lanes:
         self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
-        self.tallies, self.fresh = new_tallies(self.rows, lanes), new_tallies(self.rows, 1)
+        self.tallies = new_tallies(self.rows, lanes)
         drifts = wanted is None or any(name.startswith("drift") for name in wanted)
         self.samples = new_samples(SAMPLES * lanes if drifts else 0, n, lanes)
         self.top = self.samples.in_lane  # which top is in a lane; -1: none, and it takes no steps
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
-        self.stepper = stepper_of(code)
         lasting = code.lasting if base.stop_when == "settled" else -1
         rules = StopRules(lasting, code.way, SETTLED_FOR, MOST_STEPS, every, 0)
         self.loop = Loop(
-            self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, self.stepper
+            self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, code.machine
         )
 
     def run(
         self,
-        tops: Tops,
-        queue: np.ndarray,
-        taken: np.ndarray,
+        tallies: Tallies,
+        final: np.ndarray,
+        queue: Iterator[int],
         look: Callable[[np.ndarray, np.ndarray], None],
         ended: Callable[[int], None],
     ) -> None:
@@ -90,33 +88,56 @@ class Lanes:
 
         Parameters
         ----------
-        tops
-            All of them.
+        tallies
+            Of all tops: those of their starts become those of their ends.
+        final
+            Gets their last states, (variables, n).
         queue
-            Numbers of those that run.
-        taken
-            (1,) how many of them were taken, by this and other threads.
+            Numbers of those that run; threads may share it.
         look
             look(states, tops) takes states (variables, k) that were sampled on the way, and whose
             they are, (k,).
         ended
             ended(count): `count` more tops have ended.
         """
-        done = np.zeros(1, np.int64)
-        self.loop.take(tops, Queue(queue, taken, done, len(queue)), self.fresh)
-        samples, status, idle = self.samples, self.tallies.lane["status"], False
-        while not idle:
-            self.steps_possible += self.loop.drive(MOST_DRIVEN) * self.lanes
+        samples, status, done = self.samples, self.tallies.lane["status"], 0
+        while True:
+            for lane in np.flatnonzero(status != Status.RUNNING.code).tolist():
+                top, self.top[lane] = int(self.top[lane]), next(queue, -1)
+                if top >= 0:
+                    final[:, top] = self.loop.end(lane)[: len(final)]
+                    for mine, of_tops in zip(self.tallies, tallies, strict=True):
+                        of_tops.T[top] = mine.T[lane]
+                    done += 1
+                if self.top[lane] >= 0:
+                    self._take(tallies, lane)
             idle, count = bool((self.top < 0).all()), int(samples.filled[0])
             if count and (idle or count + self.lanes > len(samples.top)):
                 look(samples.states[:count].T, samples.top[:count])
                 samples.filled[0] = 0
+            ended(done)
+            done = 0
+            if idle:
+                return
+            self.steps_possible += self.loop.drive(MOST_DRIVEN) * self.lanes
             for lane in np.flatnonzero((self.top >= 0) & (status == Status.SETTLED.code)).tolist():
                 if not self._stays(lane):
                     status[lane] = Status.RUNNING.code
                     self.tallies.lane["doubted"][lane] = self.tallies.lane["lasts_since"][lane]
-            ended(int(done[0]))
-            done[0] = 0
+
+    def _take(self, tallies: Tallies, lane: int) -> None:
+        """Put a top into a lane. Integrals of event functions, which its start does not contain,
+        begin at zero.
+        """
+        every, motion, top = self.problems, self.motion, int(self.top[lane])
+        variables = len(every.start)
+        motion.state[:variables, lane] = every.start[:, top]
+        motion.state[variables:, lane] = 0.0
+        motion.pars[:, lane] = every.pars[: len(motion.pars), top]
+        motion.high[lane] = motion.low[lane] = 0.0
+        motion.end[lane] = every.end[top]
+        for mine, of_tops in zip(self.tallies, tallies, strict=True):
+            mine.T[lane] = of_tops.T[top]
 
     def _stays(self, lane: int) -> bool:
         """Return whether a top that has settled stays as it is."""
@@ -126,25 +147,6 @@ class Lanes:
         if slides(every, state, top).any():
             return False
         return stays(body, values_of(every, state, top), float(every.unit(SECOND)[top[0]]))
-
-
-def new_tops(
-    start: np.ndarray,
-    pars: np.ndarray,
-    until: np.ndarray,
-    signs: np.ndarray,
-    on_zero: np.ndarray,
-    rows: EventRows,
-) -> Tops:
-    """Return tops before their first step."""
-    start, pars, until = (np.ascontiguousarray(column, float) for column in (start, pars, until))
-    signs, on_zero = (np.ascontiguousarray(column, np.int8) for column in (signs, on_zero))
-    functions, kept = (
-        np.zeros((3, len(rows.events), len(until))),
-        np.zeros((len(rows.numbers), len(until))),
-    )
-    lane, final = np.zeros(len(until), LANE_RECORD), np.full(start.shape, np.nan)
-    return Tops(start, pars, until, signs, on_zero, lane, functions, kept, final)
 
 
 def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> EventRows:

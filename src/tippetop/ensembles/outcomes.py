@@ -94,8 +94,6 @@ class Outcomes:
         self.drift: dict[str, np.ndarray] = {}
         self.lyapunov: np.ndarray | None = None  # [1/s], where it is wanted
         self.steps_made = self.steps_possible = 0
-        # "heyoka" where its own loop made steps, because the machine code could not be called
-        self.steps_by = ""
         # of tops that turned out to be invalid when they were begun
         self.faults: list[tuple[int, str]] = []
         self.seconds = self.processor = 0.0  # by the wall clock, and by the clocks of the threads
@@ -153,7 +151,6 @@ def dataset(outcomes: Outcomes, faults: list[tuple[int, str]]) -> "xr.Dataset":
         "occupancy": outcomes.occupancy,
         "seconds": outcomes.seconds,
         "processor_seconds": outcomes.processor,
-        **({"steps_by": outcomes.steps_by} if outcomes.steps_by else {}),
         "faults": [f"top {i}: {sentence}" for i, sentence in faults[:20]],
     }
     return xr.Dataset(columns, coords, attrs)

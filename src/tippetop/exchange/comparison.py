@@ -1,6 +1,5 @@
 """Comparison of the motion of another program with the exact reference at its own times."""
 
-import dataclasses
 import itertools
 import math
 import re
@@ -12,11 +11,9 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.contact import body as contact
-from ..mechanics.contact.gliding.gliding_vector import VectorState, vector_scalars
 from ..mechanics.friction import Frictionless
 from ..problem import Problem
-from ..runs.run import Solution, solve
-from ..sampling import ListedTimes
+from ..runs.run import solve, with_rows_at
 from .motion import Convention, Motion, angle_between, motion
 from .motion_table import read
 
@@ -88,7 +85,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
             f"`{path}`: times must begin at 0, the start of the reference, or later, but "
             f"begin at {t[0]:g} s."
         )
-    run = reference(problem, t)
+    run = solve(with_rows_at(problem, t))
     rows = len(run.times)
     if rows < 2:
         raise InputError(
@@ -122,7 +119,8 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         numbers["reference_ended"] = run.reason
     if faults := _start_faults(numbers, curves, convention):
         numbers["suspicion"] = faults
-    theta = np.full(rows, np.nan) if there.theta is None else there.theta
+    unknown = np.full(rows, np.nan)
+    theta = unknown if there.theta is None else there.theta
     step = STEP.search(Path(path).stem)
     return Compared(
         Path(path),
@@ -130,24 +128,15 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         run.times,
         curves | errors,
         theta,
-        columns["theta"],
+        columns.get("theta", unknown),
         numbers,
     )
-
-
-def reference(problem: Problem, times: np.ndarray) -> Solution:
-    """Return the motion of a problem at given times [s], ascending, as far as it goes."""
-    at, until = ListedTimes(times), float(times[-1])
-    whole = dataclasses.replace(
-        problem, times=at, until=until, output="times", stop_when="until", columns=None
-    )
-    return solve(whole)
 
 
 def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return the differences of two motions by quantity, (rows,) each; NaN in gaps."""
     result: dict[str, np.ndarray] = {}
-    if there.theta is not None:
+    if there.theta is not None and "theta" in columns:
         result["theta"] = np.abs(there.theta - columns["theta"])
     if there.axis is not None and "axis" in columns:
         apart = np.linalg.norm(there.axis - columns["axis"], axis=1)
@@ -171,21 +160,21 @@ def conserved(there: Motion, problem: Problem, body: contact.Touch) -> dict[str,
     w = there.omega
     if w is None:
         return {}
-    w3 = (w * u).sum(axis=1)
-    L = body.I1 * w + (body.I3 - body.I1) * w3[:, None] * u
-    v = np.full_like(u, np.nan) if there.velocity is None else there.velocity
-    state = VectorState._make((*u.T, *L.T, body.I3 * w3, v[:, 0], v[:, 1]))
-    scalars = vector_scalars(state, body)
     values = {}
     if problem.system.name.endswith("tippe-top"):
-        values["jellett"] = contact.jellett(scalars, body)
+        spin = (w * u).sum(axis=1)
+        Lz = body.I1 * w[:, 2] + (body.I3 - body.I1) * spin * u[:, 2]
+        values["jellett"] = contact.jellett_of(Lz, body.I3 * spin, body)
     if there.velocity is not None and there.place is not None:
-        height, rise = there.place[:, 2], v[:, 2]
-        speeds = scalars.speed2 + rise**2
-        values["energy"] = (
-            body.m * speeds / 2 + contact.rotation_energy(scalars, body) + body.m * body.g * height
-        )
+        values["energy"] = energy(there.velocity, w, there.place[:, 2], u, body)
     return {name: _relative(value) for name, value in values.items() if np.isfinite(value).any()}
+
+
+def energy(velocity: Any, omega: Any, height: Any, axis: Any, body: contact.Touch) -> np.ndarray:
+    """Return the energy [J], (rows,)."""
+    spin = (omega * axis).sum(axis=1)
+    turning = body.I1 * (omega**2).sum(axis=1) + (body.I3 - body.I1) * spin**2
+    return (body.m * (velocity**2).sum(axis=1) + turning) / 2 + body.m * body.g * height
 
 
 def _relative(values: np.ndarray) -> np.ndarray:

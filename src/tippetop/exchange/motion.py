@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arguments import choice
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, rotated
@@ -29,6 +30,14 @@ class Convention(NamedTuple):
 
     quaternion: str | None = None
     up: str = "z"
+
+
+def convention_of(quaternion: str | None, up: str) -> Convention:
+    """Return the conventions of these arguments. Raises InputError."""
+    choice("up", up, UPS)
+    if quaternion is not None:
+        choice("quaternion", quaternion, ORDERS)
+    return Convention(quaternion, up)
 
 
 class Motion(NamedTuple):
@@ -62,17 +71,11 @@ class Motion(NamedTuple):
 
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
     """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
-    if convention.up not in UPS:
-        raise InputError(f"the vertical must be z or y, but is {convention.up!r:.20} (--up).")
-    if convention.quaternion not in (None, *ORDERS):
-        raise InputError(
-            f"the order of a quaternion must be wxyz or xyzw, but is {convention.quaternion!r:.20}."
-        )
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
     axis = _axis(table, turn)
     if q is not None:
-        axis = turned(q, np.array([0.0, 0.0, 1.0]))
+        axis = axis_of(q)
     theta = table.columns.get("theta")
     if theta is None and axis is not None:
         theta = np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), axis[:, 2])
@@ -158,6 +161,17 @@ def _vector(table: Table, pattern: str, turn: tuple[int, ...]) -> np.ndarray | N
 def turned(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Return vectors v, (3,) or (n, 3), rotated by unit quaternions (n, 4)."""
     return np.stack(rotated(Quaternion(*q.T), Vector(*v.T)), axis=1)
+
+
+def axis_of(q: np.ndarray) -> np.ndarray:
+    """Return the axis of symmetry in space, (n, 3), of unit quaternions (n, 4)."""
+    return turned(q, np.array([0.0, 0.0, 1.0]))
+
+
+def theta_of(q: np.ndarray) -> np.ndarray:
+    """Return the inclination of the axis [rad], (n,), of unit quaternions (n, 4)."""
+    w, x, y, z = q.T
+    return 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))
 
 
 def angle_between(q: np.ndarray, p: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from ..mechanics.number import Number
 from ..mechanics.units import METRE, ONE, SECOND
 from ..problem import Problem
 from . import residuals
-from .motion import Motion
+from .motion import Motion, theta_of
 
 
 OFFSET, CLOCK = "time.offset", "time.scale"
@@ -146,8 +146,7 @@ class Observation:
         """Return the measurements for a figure, by group, (rows, parts); theta for orientations."""
         rows = dict(self.groups)
         if "orientation" in rows:
-            w, x, y, z = rows["orientation"].T
-            rows["orientation"] = 2 * np.arctan2(np.hypot(x, y), np.hypot(w, z))[:, None]
+            rows["orientation"] = theta_of(rows["orientation"])[:, None]
         return rows
 
     def curves(self, values: dict[str, float], t: np.ndarray) -> dict[str, np.ndarray]:

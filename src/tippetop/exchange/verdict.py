@@ -19,7 +19,7 @@ class Verdict:
     orders : list of dict
         Orders of convergence between files of different steps.
     title : str
-        What the reference is.
+        The name of the reference.
     """
 
     def __init__(self, problem: Problem, files: Sequence[Path], convention: Convention):

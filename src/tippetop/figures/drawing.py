@@ -53,7 +53,7 @@ def axes_of(
     attrs
         The root attributes of the run's store.
     look
-        How it looks.
+        Size, colours and title.
     ax
         Axes to draw in, without further panels and without legends outside.
 
@@ -130,7 +130,7 @@ def several(
 
 
 def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return the attributes with units, `symbols` and the name of the `law` from the records."""
+    """Return the attributes with `symbols` and the name of the `law` from the records."""
     from ..mechanics.contact.opening import ABOVE
     from ..mechanics.contact.restitution import CONTACT
     from ..mechanics.systems import find
@@ -142,9 +142,6 @@ def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
     if law := system.laws.get(friction.get("law", "")):
         law = law.given(friction)
         attrs = attrs | {"law": law.words}
-        attrs["units"] = attrs.get("units", {}) | {
-            name: rule.unit.symbol for name, rule in law.parameters.items()
-        }
         rules |= law.parameters
     return attrs | {
         "symbols": {name: symbol(rule.symbol) for name, rule in rules.items() if rule.symbol}
@@ -166,12 +163,12 @@ def drawn(draw: Callable[[], Any], look: Look = PLAIN, ax: Any = None) -> Any:
     with styled(dark=look.dark, size=look.size, ax=ax):
         axes = draw()
         figure = axes.get_figure(root=True)
-        if look.title is None:
-            pass
-        elif ax is None and figure.get_suptitle():
-            figure.suptitle(as_given(look.title), x=0.01, ha="left")
-        else:
-            axes.set_title(as_given(look.title))
+        if look.title is not None:
+            title = as_given(look.title)
+            if ax is None and figure.get_suptitle():
+                figure.suptitle(title, x=0.01, ha="left")
+            else:
+                axes.set_title(title)
     return axes
 
 

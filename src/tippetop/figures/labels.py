@@ -18,13 +18,9 @@ def number(value: float, digits: int = 6) -> str:
     return f"{text} × 10{str(int(power)).translate(SUPERSCRIPTS)}" if power else text
 
 
-def quantity(value: float, unit: str, digits: int = 6) -> str:
+def quantity(value: float, unit: str) -> str:
     """Return a number with its unit."""
-    return (
-        number(value, digits)
-        if unit in ("", "1")
-        else f"{number(value, digits)} {units_text(unit)}"
-    )
+    return number(value) if unit in ("", "1") else f"{number(value)} {units_text(unit)}"
 
 
 def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False) -> list[str]:

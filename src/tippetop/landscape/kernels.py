@@ -20,7 +20,6 @@ from .formulas import (
 
 minima = grid.minima(at_momenta, guess, slopes, value, ends)
 gradients = grid.gradients(at_momenta, surface_gradient)
-potentials = grid.potentials(at_momenta, slopes, value)
 
 
 @cache

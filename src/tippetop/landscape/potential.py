@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from ..mechanics.system import System
+from .formulas import at_momenta, slopes, value
 from .landscape_body import top
 from .landscape_labels import axis, grid, labelled, momenta
 
@@ -46,14 +47,19 @@ def potential(
         For a system without landscape, a parameter that is missing, not finite or outside its
         interval, and axes that are empty or do not ascend.
     """
-    from .kernels import potentials
-
     t = top(parameters, system)
     given = z, first, second
     z, x, y = map(axis, ("z", *t.momenta), given)
     V, V_z, V_zz = np.empty((3, z.size, x.size, y.size))
-    with np.errstate(invalid="ignore"):
-        potentials(t.upright * z, x, y, t.coefficients, V, V_z, V_zz)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        cosine = np.where(np.abs(z) < 1, t.upright * z, np.nan)[:, None]
+        q, w = (1 - cosine) / (1 + cosine), (1 - cosine) * (1 + cosine)
+        for i, one in enumerate(x):  # not all at a time: formulas need much memory
+            p = at_momenta(one, y, t.coefficients)
+            V[:, i] = value(q, p, t.coefficients)
+            g1, g2, _ = slopes(q, p, t.coefficients)
+            V_z[:, i] = -2 * g1 / (q * w)
+            V_zz[:, i] = 4 * (g2 - cosine * g1) / (q * w * w)
     dims = ("z", *t.momenta)
     scale = 1 / t.coefficients.gamma.head
     data = {

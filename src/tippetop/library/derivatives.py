@@ -63,8 +63,8 @@ def sensitivities(
     source : TippeTop, HeavyTop, Cylinder, str, path, System, mapping or Problem
         As for `run`.
     wrt : list of str
-        Names of numbers: "alpha", "mu", "omega3", ...; one that stands in several tables is written
-        with its table, "friction.mu", as the results name all of them.
+        Names of numbers: "alpha", "mu", "omega3", ...; write one that occurs in several
+        tables with its table, "friction.mu", as the results do.
     friction : law or mapping, optional
         As for `run`.
     order : int

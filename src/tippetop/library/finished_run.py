@@ -223,9 +223,9 @@ class Run:
         -------
         Record
             `against` (the wider precision), `window` [s], the largest difference of `theta`
-            [rad], whether both end the same way, the largest differences of the times of shared
-            turnings [s], of every column (`columns`), and of shared `phases` and `impacts`, in SI
-            units. It joins the summary.
+            [rad] if the system has it, whether both end the same way, the largest differences of
+            the times of shared turnings [s], of every column (`columns`), and of shared `phases`
+            and `impacts`, in SI units. It joins the summary.
         """
         result = certificate(self.problem, seconds("window", window))
         self.attributes["certificate"] = root.finite(result)

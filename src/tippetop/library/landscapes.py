@@ -125,8 +125,8 @@ def turning_angles(
     energy : float or array
         The modified energy E~ [J].
     theta : float or array, optional
-        An angle [rad] of the motion: it says in which of two wells the body moves; without it, in
-        the deeper one.
+        An angle [rad] of the motion: it selects one of two wells; by default the deeper
+        one.
 
     Returns
     -------

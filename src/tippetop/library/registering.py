@@ -15,7 +15,7 @@ SYSTEMS = MappingProxyType(systems.SYSTEMS)
 
 
 class _Laws(Mapping):
-    """The laws that some system takes, as they are known when they are asked for."""
+    """The friction laws of all registered systems, looked up when they are read."""
 
     def __getitem__(self, name: str) -> type[FrictionLaw]:
         return systems.systems_of_laws()[name][0]

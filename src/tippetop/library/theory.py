@@ -11,11 +11,11 @@ from ..mechanics.contact.body import Top
 from ..mechanics.friction import has_parts
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.systems.heavy_top import HeavyTop
-from ..mechanics.systems.spinning import thresholds_of_surface
 from ..mechanics.systems.tippe_top import TippeTop
 from ..mechanics.theory import modes, regimes
 from ..mechanics.theory import thresholds as limits
 from ..mechanics.theory.regimes import Regime
+from ..mechanics.theory.spinning import thresholds_of_surface
 from ..mechanics.theory.thresholds import Threshold
 from ..mechanics.units import JELLETT, RADIAN_PER_SECOND
 from ..problem import Problem
@@ -84,7 +84,7 @@ def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
     -------
     Regime
         upright, inverted: whether that spin is stable; tumbling, unstable: theta [rad] of the
-        stable and unstable tumbling states. `sentence()` says it in words.
+        stable and unstable tumbling states. `sentence()` describes the regime.
 
     Raises
     ------
@@ -191,7 +191,7 @@ def reconstruct(run: Run, *, period: float | str | None = None) -> "xr.Dataset":
 
     Notes
     -----
-    Rutstam (2010), eqs. 4.40 and 5.26; what bounds it stands in the atlas, chapter 4.
+    Rutstam (2010), eqs. 4.40 and 5.26; chapter 4 of the atlas derives what limits its accuracy.
     """
     instance("run", run, Run, "a Run")
     guess = seconds("period", period)

@@ -4,14 +4,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from ..arguments import dotted_keys, instance, measured_values, takes, whole
+from ..arguments import dotted_keys, flag, instance, measured_values, takes, whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
 from ..mechanics.contact.body import Top
-from ..mechanics.system import Number, System
-from ..mechanics.units import SECOND
+from ..mechanics.system import System
+from ..mechanics.units import ONE, SECOND
 from ..problem import Problem
 from .scenarios import problem_of
 
@@ -41,10 +39,10 @@ def ensemble(
     Parameters
     ----------
     source, friction
-        What they have in common, as for `run`.
+        Common to all tops, as for `run`.
     variations : mapping of str to array, (n,) each
-        What varies, in SI units: `dict(omega3=..., mu=...)`; or texts with units, `["1000 rpm",
-        "1200 rpm"]`. A name that stands in several tables is written with its table,
+        The varied numbers, in SI units: `dict(omega3=..., mu=...)`; or texts with units,
+        `["1000 rpm", "1200 rpm"]`. Write a name that occurs in several tables with its table,
         `"friction.mu"`; `"until"` varies the end of the run.
     threads : int, optional
         How many threads compute; by default one per usable core.
@@ -58,8 +56,7 @@ def ensemble(
         Whether the finite-time Lyapunov exponent of each run is wanted: a column lyapunov [1/s],
         that of `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
     {names}
-        What the tops have in common, as for `run`; none that say which rows are kept: there are
-        none.
+        Common to all tops, as for `run`, but for options about rows, which ensembles do not have.
 
     Returns
     -------
@@ -86,15 +83,14 @@ def ensemble(
     base = problem_of(source, friction, **scenario)
     instance("variations", variations, Mapping, "a mapping of names to arrays")
     keys = dotted_keys(variations, base.rules)
-    dotted, sentences = {}, []
+    dotted = {}
     for key, (name, values) in zip(keys, variations.items(), strict=True):
-        dotted[key] = _in_si(name, values, base.rules.get(key))
-        if np.asarray(dotted[key]).dtype.kind not in "fiu":
-            sentences.append(f"`{name}` must be an array of numbers, but is {values!r:.60}.")
-    if sentences:
-        raise InputError(sentences)
+        rule = base.rules.get(key)
+        unit = rule.unit if rule is not None else SECOND if name == "until" else ONE
+        dotted[key] = measured_values(name, values, unit)
     threads = None if threads is None else whole("threads", threads)
-    instance("progress", progress, bool | Callable, "a function or a bool")
+    flag("orientation", orientation)
+    flag("lyapunov", lyapunov)
     return ensembles.of_problem(
         base,
         dotted,
@@ -103,9 +99,3 @@ def ensemble(
         orientation=orientation,
         lyapunov=lyapunov,
     )
-
-
-def _in_si(name: str, values: Any, rule: Number | None) -> Any:
-    """Return the varied values, with texts such as "1480 rpm" as numbers. Raises InputError."""
-    unit = rule.unit if rule is not None else SECOND if name == "until" else None
-    return values if unit is None or np.ndim(values) == 0 else measured_values(name, values, unit)

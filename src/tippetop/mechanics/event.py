@@ -81,8 +81,8 @@ class Event:
     direction : int
         +1: rising zeros only; -1: falling ones only; 0: all.
     ends : str, optional
-        The status of a run that the event ends (unless `on_liftoff` says "continue"): liftoff,
-        fallen; any other word gives `ended`. Without, it ends none.
+        The status of a run that the event ends (unless `on_liftoff` is "continue"): liftoff,
+        fallen; any other word gives `ended`. None: it does not end a run.
     sense : int
         Of the turnings of theta: +1 if the formula has the sign of theta', -1 if the opposite. 0:
         it is no turning.

@@ -21,7 +21,7 @@ class Quantity:
     formula
         formula(scalars, b), in any consistent units.
     meanings
-        Of a number that stands for a name: the names, by number.
+        The names that the numbers of a flag variable denote, by number.
     is_column
         Whether it is stored; otherwise it is used for comparisons only.
     """
@@ -96,7 +96,7 @@ class Domain(NamedTuple):
     meaning: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # a key of caches: compared by identity
 class Form:
     """A way to write the state of a system.
 
@@ -105,7 +105,7 @@ class Form:
     Parameters
     ----------
     name
-        As it stands in a scenario: vector, angles, ...
+        The name in a scenario: vector, euler, ...
     units
         The record (a NamedTuple) of the state that moves, q, filled with the unit of each variable.
     rates
@@ -122,7 +122,7 @@ class Form:
     integrals
         Variables that are integrated together with the state.
     orientation
-        How the turn of the whole body is known; None: it is not.
+        The orientation of the whole body; None if the form does not have it.
     domains
         Where the form or the model breaks down.
     length_unit, not_normalised
@@ -236,7 +236,7 @@ class Phase:
         The ways to write the state, by name; the first is the default, and the one that a jump
         enters. Or the only one.
     quantities
-        What can be read of a state, as columns.
+        Functions of a state that become columns.
     events
         Events of the phase.
     exits
@@ -248,9 +248,9 @@ class Phase:
     reaction
         reaction(q, b) -> what the plane does to the body, for columns; None: nothing.
     parameters
-        parameters(body) -> b, what the formulas of this phase take.
+        parameters(body) -> b, the argument of the formulas of this phase.
     label, ball
-        What tables and figures call it, and the number of the ball in contact, or last in contact.
+        The name in tables and figures; the number of the ball in contact, or last in contact.
     axis_stays
         Whether theta is constant: its turnings are rounding.
     """

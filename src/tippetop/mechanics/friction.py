@@ -2,8 +2,9 @@
 
 To add a law: a class, and its name in LAWS.
 
-k may depend on the sliding speed and on z = cos(theta), which says where on the body the contact
-lies. The attributes of a law decide how its contact behaves: no code tests its name or its class.
+k may depend on the sliding speed and on z = cos(theta), which determines the place of the
+contact on the body. The attributes of a law decide how its contact behaves: no code tests its name
+or its class.
 """
 
 import re
@@ -24,24 +25,18 @@ from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 __all__ = ["Contensou", "Coulomb", "Frictionless", "Latitude", "Mixed", "Stribeck", "Viscous"]
 
 
-PARTS = {
-    "mu_r": number(
-        METRE,
-        "rolling resistance of a tippe top: torque per normal force",
-        symbol=r"\mu_r",
-        least=0,
-        default=0.0,
-        optional=True,
-    ),
-    "mu_d": number(
-        METRE,
-        "drilling torque of a tippe top, per normal force",
-        symbol=r"\mu_d",
-        least=0,
-        default=0.0,
-        optional=True,
-    ),
-}
+ROLLING = number(
+    METRE,
+    "rolling resistance of a tippe top: torque per normal force",
+    symbol=r"\mu_r",
+    least=0,
+    default=0.0,
+    optional=True,
+)
+DRILLING = reuse(
+    ROLLING, long_name="drilling torque of a tippe top, per normal force", symbol=r"\mu_d"
+)
+PARTS = {"mu_r": ROLLING, "mu_d": DRILLING}
 """Numbers that can be added to every law of a system whose contact may open and is a sphere's."""
 
 
@@ -105,10 +100,12 @@ class FrictionLaw(Record, abstract=True):
     It must be finite, at rest too, and not negative. A law that is no multiple of g_n v_A (the
     modified reaction) has none.
     """
+    bounded_by: ClassVar[tuple[str, ...]] = ()
+    """Numbers of which the greatest bounds |F_h|/g_n; empty: no bound is known."""
     set_valued: ClassVar[bool] = False
     """Whether a contact at rest bears any |F_h| <= mu g_n: it slips, rolls, and slips again."""
     regions: ClassVar[Mapping[str, Region]] = {}
-    """The formulas of a law that has several, by the name of the region of w/U in which each holds.
+    """The formulas of a law that has several, by the name of the region of w/U where each is valid.
     """
     torque: ClassVar[Callable | None] = None
     """torque(drag, omega, law) -> (3,) [m], per normal force, in the region of this drag; it
@@ -117,10 +114,10 @@ class FrictionLaw(Record, abstract=True):
     without: ClassVar[Any] = None
     """The law where the optional numbers are left out."""
     with_parts: ClassVar[Any] = None
-    """The law with rolling resistance and a drilling torque; None of one that has them."""
+    """The law with rolling resistance and a drilling torque; None if it already has them."""
 
-    mu_r: Number = reuse(PARTS["mu_r"], default=None, kw_only=True)
-    mu_d: Number = reuse(PARTS["mu_d"], default=None, kw_only=True)
+    mu_r: Number = reuse(ROLLING, default=None, kw_only=True)
+    mu_d: Number = reuse(DRILLING, default=None, kw_only=True)
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -186,10 +183,11 @@ class Coulomb(FrictionLaw):
 
     Dry friction (Coulomb 1785). The regularisation speed eps decides when a top inverts. Without it
     this is Coulomb's law itself: the contact slips, rolls and flies, and the tables `phases` and
-    `impacts` say when.
+    `impacts` list when.
     """
 
     words = "regularised Coulomb friction"
+    bounded_by = ("mu",)
     mu: Number = number(ONE, "Coulomb friction coefficient mu", symbol=r"\mu", least=0)
     eps: Number = reuse(EPS, default=None, optional=True)
 
@@ -224,10 +222,11 @@ class Contensou(FrictionLaw):
     """Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev, Hertz).
 
     Friction that drills, of a tippe top, and rolling resistance. (Contensou 1963, Zhuravlev 1998)
-    The contact slips and flies, and the tables `phases` and `impacts` say when.
+    The contact slips and flies, and the tables `phases` and `impacts` list when.
     """
 
     words = "Coulomb–Contensou friction"
+    bounded_by = ("mu",)
     regions = REGIONS
     torque = staticmethod(torque)
     mu: Number = reuse(Coulomb.parameters["mu"])
@@ -237,14 +236,7 @@ class Contensou(FrictionLaw):
         symbol="contact radius",
         above=0,
     )
-    mu_r: Number = number(
-        METRE,
-        "rolling resistance: torque per normal force",
-        symbol=r"\mu_r",
-        least=0,
-        default=0.0,
-        kw_only=True,
-    )
+    mu_r: Number = reuse(ROLLING, optional=False, kw_only=True)
 
 
 class Mixed(FrictionLaw):
@@ -272,6 +264,7 @@ class Stribeck(FrictionLaw):
     """
 
     words = "Stribeck friction"
+    bounded_by = ("mu", "mu_static")
     mu: Number = reuse(Coulomb.parameters["mu"])
     mu_static: Number = number(
         ONE, "Coulomb friction coefficient at rest", symbol=r"\mu_s", least=0
@@ -414,9 +407,7 @@ def add(law: type[FrictionLaw]) -> None:
 
 
 NAME = r"[A-Za-z_][A-Za-z0-9_-]*"
-"""What the name of a law or a system is made of: it stands in TOML, on the command line and in
-stores.
-"""
+"""The pattern of names of laws and systems, which TOML, the command line and stores contain."""
 
 
 def checked_name(name: Any, kind: str) -> str:

@@ -57,7 +57,7 @@ def _lift(name: str) -> Callable:
     )
 
     def lifted(*x: Operand) -> Operand:
-        return symbolic(*x) if any(isinstance(v, hy.expression) for v in x) else numeric(*x)
+        return symbolic(*x) if hy.expression in map(type, x) else numeric(*x)
 
     lifted.__name__ = name
     lifted.for_numba = (scalar, numeric)  # type: ignore[attr-defined]
@@ -202,14 +202,9 @@ def teach_numba() -> None:
     from numba.extending import intrinsic, overload, register_jitable
 
     def teach(function: Callable) -> None:
-        if plain := getattr(function, "plain", None):  # numba inlines by itself
-            teach(plain)
-            overload(function)(lambda *arguments: lambda *arguments: plain(*arguments))
-            return
         choice = getattr(function, "for_numba", None)
-        if (
-            choice is None
-        ):  # numpy's error model: a division does not test for zero, 3.1 ns per V instead of 5.7
+        if choice is None:
+            # numpy's error model: a division does not test for zero, 3.1 ns per V instead of 5.7
             register_jitable(error_model="numpy", forceinline=True)(function)
         else:
 

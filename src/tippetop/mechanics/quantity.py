@@ -44,6 +44,8 @@ POWER = re.compile(r"(?<=[^\W\d_])\s*(?:\*\*|\^)?\s*(\()?([-+]?)(\d{1,2})(?![\w.
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 EXPONENT = re.compile(r"[eE]([-+]?[\d_]+)$")
 HERTZ = re.compile(r"\b(k?Hz|k?hertz)\b")
+Powers = tuple[int, ...] | None
+"""Of kg, m and s; None of a number without names."""
 FORMS = (
     'be a number, arithmetic of numbers (and of parameters, where there are any: "2/5*m*R^2"), '
     'or a number with its unit ("20 g", "2 min")'
@@ -116,8 +118,7 @@ class _Reading:
             else None
         )
         if measured is None or head is None:
-            tree = _tree(self.text)
-            value, powers = self.value(tree), self.powers(tree)
+            value, powers = self.term(_tree(self.text))
             if powers not in (None, self.unit.powers):
                 self.refuse(f"be in {self.unit.symbol}", f'"{self.text}" is in {_symbol(powers)}')
             return value
@@ -127,57 +128,44 @@ class _Reading:
             and head.col_offset == 0
         ):
             self.refuse("have its sum in brackets before a unit")
-        return self.converted(self.value(head), measured["unit"].strip())
+        return self.converted(self.term(head)[0], measured["unit"].strip())
 
-    def value(self, node: ast.expr | None) -> Fraction:
-        """Return the number of an expression."""
+    def term(self, node: ast.expr | None) -> tuple[Fraction, Powers]:
+        """Return the number of an expression and its powers of kg, m and s."""
         match node:
             case ast.Constant(value=int() | float() as number) if not isinstance(number, bool):
-                return _literal(
-                    ast.get_source_segment(_python(self.text), node) or str(number), number
-                )
+                digits = ast.get_source_segment(_python(self.text), node) or str(number)
+                return _literal(digits, number), None
             case ast.Name(id="pi"):
-                return PI
+                return PI, None
             case ast.Name(id=name):
-                return self.named(name)
+                return self.named(name), self.names[name][1].powers
             case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=inner):
-                value = self.value(inner)
-                return -value if isinstance(sign, ast.USub) else value
+                value, powers = self.term(inner)
+                return -value if isinstance(sign, ast.USub) else value, powers
             case ast.BinOp(left=left, op=ast.Pow(), right=right):
-                power = self.value(right)
+                (value, powers), (power, _) = self.term(left), self.term(right)
                 if power.denominator != 1 or abs(power) > MOST_POWER:
                     self.refuse(f"have whole powers up to {MOST_POWER}")
-                return _small(self.value(left), abs(int(power))) ** int(power)
+                n = int(power)
+                return _small(value, abs(n)) ** n, powers and tuple(n * each for each in powers)
             case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
-                return _small(OPERATORS[type(op)](self.value(left), self.value(right)))
+                (one, first), (other, second) = self.term(left), self.term(right)
+                powers = self.combined(op, first, second)
+                return _small(OPERATORS[type(op)](one, other)), powers
         return self.refuse(FORMS)
 
-    def powers(self, node: ast.expr | None) -> tuple[int, ...] | None:
-        """Return the powers of kg, m and s of an expression; None without names."""
-        match node:
-            case ast.Name(id=name) if name != "pi":
-                return self.names[name][1].powers
-            case ast.UnaryOp(operand=inner):
-                return self.powers(inner)
-            case ast.BinOp(left=left, op=ast.Pow(), right=right):
-                base, power = self.powers(left), int(self.value(right))
-                return base and tuple(power * each for each in base)
-            case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
-                terms = [term for term in map(self.powers, (left, right)) if term is not None]
-                if terms[1:] and terms[0] != terms[1]:
-                    first, second = map(_symbol, terms)
-                    self.refuse(
-                        "add numbers of one unit", f'"{self.text}" adds {first} to {second}'
-                    )
-                return terms[0] if terms else None
-            case ast.BinOp(left=left, op=op, right=right):
-                sign = -1 if isinstance(op, ast.Div) else 1
-                factors = self.powers(left), self.powers(right)
-                if factors == (None, None):
-                    return None
-                one, other = (each or (0, 0, 0) for each in factors)
-                return tuple(a + sign * b for a, b in zip(one, other, strict=True))
-        return None
+    def combined(self, op: ast.operator, first: Powers, second: Powers) -> Powers:
+        """Return the powers of a sum, a difference, a product or a quotient."""
+        if isinstance(op, ast.Add | ast.Sub):
+            if first and second and first != second:
+                words = f'"{self.text}" adds {_symbol(first)} to {_symbol(second)}'
+                self.refuse("add numbers of one unit", words)
+            return first or second
+        if not (first or second):
+            return None
+        sign, pure = -1 if isinstance(op, ast.Div) else 1, (0, 0, 0)
+        return tuple(a + sign * b for a, b in zip(first or pure, second or pure, strict=True))
 
     def named(self, name: str) -> Fraction:
         """Return the number of a name in an expression."""
@@ -329,26 +317,30 @@ def worked_out(
     """
     given, faults = tables.get("parameters"), []
     of_body = units.get("parameters", {})
+    texts = [
+        (table, name, text)
+        for table, of_table in units.items()
+        if isinstance(values := tables.get(table), Mapping)
+        for name, text in values.items()
+        if isinstance(text, str) and name in of_table
+    ]
+    if not texts:
+        return dict(tables)
     names = {
         name: (value, of_body[name])
         for name, value in (given.items() if isinstance(given, Mapping) else ())
         if name in of_body and (isinstance(value, str) or _is_number(value))
     }
-    result = dict(tables)
-    for table, of_table in units.items():
-        values = tables.get(table)
-        if not isinstance(values, Mapping):
-            continue
-        read = {}
-        for name, unit in of_table.items():
-            if isinstance(text := values.get(name), str):
-                try:
-                    read[name] = number_of(
-                        text, f"{table}.{name}", unit, names, name if table == "parameters" else ""
-                    )
-                except InputError as error:
-                    faults += error.sentences
-        result[table] = {**values, **read} if read else values
+    result = {
+        table: dict(values) if table in units and isinstance(values, Mapping) else values
+        for table, values in tables.items()
+    }
+    for table, name, text in texts:
+        own = name if table == "parameters" else ""
+        try:
+            result[table][name] = number_of(text, f"{table}.{name}", units[table][name], names, own)
+        except InputError as error:
+            faults += error.sentences
     if faults:
         raise InputError(faults)
     return result

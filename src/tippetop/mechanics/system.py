@@ -112,10 +112,9 @@ def _same(value: Any) -> Any:
 
 @dataclass(frozen=True, eq=False, repr=False)  # a key of caches: compared by identity
 class System:
-    """A mechanical system: everything that the rest of the package needs to know of it.
+    """A mechanical system: its equations, and everything else that the package reads of it.
 
-    `replace` makes another one from it. What each field is, and must be, says
-    docs/how-to/a-system.md.
+    `replace` returns a changed copy. docs/how-to/a-system.md explains each field.
 
     Parameters
     ----------
@@ -129,91 +128,104 @@ class System:
     scales : callable
         scales(b) -> the mass [kg] and the length [m] that are 1 while it is integrated.
     normalised_to : dict of float
-        What of `b` is 0 or 1 in these units, whatever the numbers are.
+        Fields of `b` that are always 0 or 1 in these units.
     start : callable
         start(data, sin_theta, cos_theta, b) -> the record of angles, SI; data: the initial numbers
         that were given.
     angles : NamedTuple
-        What people read of a state, each field filled with its unit; `start` gives such a record.
+        The variables that users read, each field filled with its unit; `start` returns such a
+        record.
     phases : dict of Phase
-        Forms of the equations, quantities and events, of each way of touching the plane.
+        Forms of the equations, quantities and events, of each way of touching the plane. A run
+        starts in the first phase unless its start determines another.
     integrals : tuple of str
         The quantities that are conserved: their drift is reported.
     long_names : dict of str
         Words for the fields of `angles` and for `vectors`.
-    **others
-        Each has a default, under which there is nothing of it: no friction laws, no theory, no
-        landscape.
+    vectors : dict of tuple of str
+        Vectors that users read: names of the variables of the form `vector` that they consist of.
+    undefined_at_poles : tuple of str
+        Fields of `angles` that are undefined where sin(theta) = 0.
+    checks : callable
+        checks(parameters) -> messages on numbers that do not fit together.
+    alternatives : tuple of Alternative
+        Initial data that determine the same numbers in another way.
+    laws : dict
+        The friction laws that it takes, by name; empty if nothing glides.
+    potential, theta_inertia : callable
+        `potential(z, *momenta, b)` -> V and `theta_inertia(z, b)` -> the factor J of
+        E~ = J theta'^2 + V.
+    momenta : tuple of str
+        The quantities that V takes.
+    landscape : Landscape
+        V in the variable of the landscape; None: no minimal surface and no band.
+    outlook : callable
+        outlook(b, start) -> Outlook, the predictions of theory; start: the quantities at t = 0 by
+        name; all SI. A system whose contact has phases gets its ContactLaw as a third argument.
+    motion : callable
+        motion(b, start) -> the name of the motion, if theory has one.
+    borders : callable
+        borders(b) -> {label: |lambda|}, the limits of regimes in a map of many tops, SI.
+    inverts : bool
+        Whether friction can turn it over: its inversion is then always reported.
+    on_request : tuple of Quantity
+        Quantities that are columns only of runs that request them.
+    classes : tuple of str
+        The names of its ends, of "tumbling", "upright", "inverted"; the last that fits counts.
+    tables : dict
+        Further tables of a run: units or flag meanings by column.
+    contact, opening
+        The contact law of a body whose contact may open, and the records of its phases: see
+        `mechanics.contact.opening`; None: the contact does not open.
+    common : Phase
+        Forms, columns and events of the rows of all phases; by default those of the first phase.
+    row : callable
+        row(phase, q, carried, body) -> the state of the common form; by default leave(q, b).
+    read : callable
+        read(phase, q, carried, b) -> the common state within a phase, and the body.
+    begin : callable
+        begin(x, world) -> Next, the beginning of a run; by default it begins in the first phase.
+    assembled : callable
+        assembled(b, rules, internal) -> the body of the world, and the phases; by default b and
+        `phases`.
     """
 
     name: str
     parameters: dict[str, Number]
-    # a run starts in the first phase unless its start determines another
     phases: dict[str, Phase]
     title: str = ""
     source: str = ""
-    # body(parameters, friction) -> the record that every formula takes, SI
     body: Any = None
-    # body_units(friction units) -> that record filled with units
     body_units: Any = None
-    # scales(b) -> mass [kg] and length [m] that become 1
     scales: Callable = lambda b: (1.0, 1.0)
-    # numbers of the body that are 0 or 1 in these units by construction: expressions fold
     normalised_to: dict[str, float] = field(default_factory=dict)
     initial: Any = None
-    # start(data, sin_theta, cos_theta, b) -> record of angles, SI
     start: Any = None
-    # the record that people read and write (a NamedTuple) filled with units
     angles: Any = None
-    # names of conserved quantities, whose drift is reported
     integrals: tuple[str, ...] = ()
-    # of the fields of `angles` and of `vectors`
     long_names: dict[str, str] = field(default_factory=dict)
-    # name -> variables of the vector form
     vectors: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    # fields of the angles that are undefined if sin(theta) = 0; empty: no poles
     undefined_at_poles: tuple[str, ...] = ()
-    # checks(parameters) -> messages on numbers that do not fit together
     checks: Callable = lambda parameters: []
-    # initial data that determine the same numbers in another way
     alternatives: tuple[Alternative, ...] = ()
-    # the friction laws that it takes, by name; empty if nothing glides
     laws: Mapping[Any, Any] = field(default_factory=dict)
-    # V(z, *momenta, b) of E~ = theta_inertia(z, b) theta'^2 + V
     potential: Callable | None = None
     theta_inertia: Callable | None = None
-    # the quantities that V takes
     momenta: tuple[str, ...] = ()
-    # V in the variable of the landscape; None: no surface, no band
     landscape: Landscape | None = None
-    # outlook(b, start) -> Outlook; start: the quantities at t = 0 by name; all SI;
-    # a system whose contact has phases takes its ContactLaw as a third argument
     outlook: Callable | None = None
-    # motion(b, start) -> the name of the motion, if theory has one
     motion: Callable | None = None
-    # borders(b) -> {words: |lambda| there}: regimes in a map of many tops, SI
     borders: Callable | None = None
-    # whether friction can turn it over: its inversion is then always reported
     inverts: bool = False
-    # how the contact was opened; None: it does not open
     contact: Any = None
-    # quantities that are columns only of runs that request them
     on_request: tuple[Quantity, ...] = ()
-    # names of its end, of "tumbling", "upright", "inverted"; the last that fits counts
     classes: tuple[str, ...] = ()
-    # of a body whose contact may open, see contact.opening.opened
     opening: Opening | None = None
-    # forms, columns and events of the rows of all phases; None: those of the first phase
     common: Phase | None = None
-    # row(phase, q, carried, body) -> the state of the common form; None: leave(q, b)
     row: Callable | None = None
-    # read(phase, q, carried, b) -> the common state within a phase, and the body
     read: Callable | None = None
-    # begin(x, world) -> Next, how a run begins; None: in the first phase
     begin: Callable | None = None
-    # assembled(b, rules, internal) -> body of the world, phases; None: b, `phases`
     assembled: Callable | None = None
-    # further tables: units or words by column
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -285,7 +297,7 @@ class System:
         friction
             The record of a friction law, numbers or arrays (n,), SI.
         number
-            What each of them passes through.
+            Applied to each of them.
 
         Returns
         -------
@@ -327,7 +339,7 @@ class System:
         initial
             Names of initial data.
         verb
-            How the others come, in a sentence.
+            The verb of the message for the others.
 
         Returns
         -------
@@ -356,14 +368,14 @@ class System:
         Parameters
         ----------
         initial
-            What stands: values by name.
+            The present values by name.
         changed
-            What takes its place.
+            The values that replace them.
 
         Returns
         -------
         dict
-            Both, without what `changed` says in another way.
+            Both, without numbers that `changed` determines in another way.
         """
         rivals = {rival for name in changed for rival in self.rivals(name)}
         return {**{name: value for name, value in initial.items() if name not in rivals}, **changed}
@@ -398,8 +410,7 @@ class System:
 
         `forms`, `quantities` and `events` are those of the first phase.
 
-        What theory says of a start (`outlook`) stays unless it is replaced too: None where the
-        equations are others.
+        The predictions of theory (`outlook`) are kept: pass None if you change the equations.
         """
         of_phase = {"forms", "quantities", "events", "exits"}
         refuse_unknown("System.replace", changes, {*vars(self), *of_phase})

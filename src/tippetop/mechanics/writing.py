@@ -8,8 +8,10 @@ import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import partialmethod
 from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 
 
 class Language(NamedTuple):
@@ -37,7 +39,7 @@ JAVASCRIPT = Language(
     json.dumps,  # with Infinity and NaN
     _functions("Math.", rint="round", absolute="abs", maximum="max", minimum="min"),
 )
-SIGNS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/", "true_divide": "/"}
+SIGNS = {"add": "+", "subtract": "-", "multiply": "*", "divide": "/"}
 
 
 @dataclass
@@ -62,6 +64,22 @@ class Program:
             return value
         return Symbol(self, self.language.number(float(value)), float(value))
 
+    def combined(self, a: "Symbol", sign: str, b: "Symbol") -> "Symbol":
+        """Return a sum, difference, product or quotient."""
+        x, y = a.number, b.number
+        if x is not None and y is not None and not (sign == "/" and y == 0):
+            return self.of({"+": x + y, "-": x - y, "*": x * y, "/": x / (y or 1)}[sign])
+        if (sign == "+" and x == 0) or (sign == "*" and x == 1):
+            return b
+        if (sign in "+-" and y == 0) or (sign in "*/" and y == 1):
+            return a
+        if (sign in "*/" and x == 0) or (sign == "*" and y == 0):
+            return self.of(0.0)
+        if sign in "+*" and b.name < a.name:
+            a, b = b, a
+        right = f"({b.name})" if b.name.startswith("-") else b.name
+        return self.new(f"{a.name} {sign} {right}", (a.name, b.name))
+
     def lines(self, results: Sequence[Any]) -> list[str]:
         """Return the lines that the results need, in order; each ends with a semicolon."""
         wanted = [self.of(result).name for result in results]
@@ -79,7 +97,7 @@ class Program:
 
 
 @dataclass(frozen=True, eq=False)
-class Symbol:
+class Symbol(NDArrayOperatorsMixin):
     """An operand that records the operations on it. 0 and 1 fold."""
 
     program: Program
@@ -89,65 +107,32 @@ class Symbol:
     def __repr__(self) -> str:
         return self.name
 
-    def _with(self, sign: str, other: Any, swapped: bool = False) -> "Symbol":
-        a, b = self, self.program.of(other)
-        if swapped:
-            a, b = b, a
-        x, y = a.number, b.number
-        if x is not None and y is not None and not (sign == "/" and y == 0):
-            return self.program.of({"+": x + y, "-": x - y, "*": x * y, "/": x / (y or 1)}[sign])
-        if (sign == "+" and x == 0) or (sign == "*" and x == 1):
-            return b
-        if (sign in "+-" and y == 0) or (sign in "*/" and y == 1):
-            return a
-        if (sign in "*/" and x == 0) or (sign == "*" and y == 0):
-            return self.program.of(0.0)
-        if sign in "+*" and b.name < a.name:
-            a, b = b, a
-        right = f"({b.name})" if b.name.startswith("-") else b.name
-        return self.program.new(f"{a.name} {sign} {right}", (a.name, b.name))
-
-    __add__ = __radd__ = partialmethod(_with, "+")
-    __sub__ = partialmethod(_with, "-")
-    __rsub__ = partialmethod(_with, "-", swapped=True)
-    __mul__ = __rmul__ = partialmethod(_with, "*")
-    __truediv__ = partialmethod(_with, "/")
-    __rtruediv__ = partialmethod(_with, "/", swapped=True)
-
-    def __neg__(self) -> "Symbol":
-        if self.number is not None:
-            return self.program.of(-self.number)
-        return self.program.new(f"-{self.name}", (self.name,))
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any) -> Any:
+        """Record a function of NumPy, which arithmetic is too: one of the program's language."""
+        name, program = ufunc.__name__, self.program
+        if name == "power":
+            return _power(*inputs)
+        a, *others = map(program.of, inputs)
+        if name in SIGNS:
+            return program.combined(a, SIGNS[name], *others)
+        if name == "negative":
+            if a.number is not None:
+                return program.of(-a.number)
+            return program.new(f"-{a.name}", (a.name,))
+        if name not in program.language.functions:
+            raise TypeError(f"a formula must not use `{name}`, nor branch")
+        names = [a.name, *(other.name for other in others)]
+        return program.new(f"{program.language.functions[name]}({', '.join(names)})", names)
 
     def __bool__(self) -> bool:
         raise TypeError("a formula must not branch")
 
-    def __pow__(self, power: float) -> "Symbol":
-        if power == 0.5:
-            return self._called("sqrt")
-        assert power == int(power) > 0, "the formulas' powers are whole"
-        return math.prod([self] * int(power), start=self.program.of(1.0))
 
-    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
-        """Apply a function of NumPy.
-
-        the functions of a language, and arithmetic with numbers of numpy on the left.
-        """
-        name = ufunc.__name__
-        if method != "__call__" or options:
-            return NotImplemented
-        first, *others = map(self.program.of, inputs)
-        if name in SIGNS:
-            return first._with(SIGNS[name], others[0])
-        if name in self.program.language.functions:
-            return first._called(name, *others)
-        return NotImplemented
-
-    def _called(self, name: str, *others: "Symbol") -> "Symbol":
-        names = [self.name, *(other.name for other in others)]
-        return self.program.new(
-            f"{self.program.language.functions[name]}({', '.join(names)})", names
-        )
+def _power(base: Symbol, power: float) -> Any:
+    if power == 0.5:
+        return np.sqrt(base)
+    assert power == int(power) > 0, "the formulas' powers are whole"
+    return math.prod([base] * int(power), start=base.program.of(1.0))
 
 
 def function(

@@ -95,7 +95,7 @@ class RunOptions:
         "steps between two keyframes; 8192", default=None, least=1, example=KEYFRAME_STEPS
     )
     stop_when: Literal["until", "settled"] = option(
-        "end at `until`, or once the axis is at rest", default="until"
+        "end at `until`, or earlier, once sliding has ended", default="until"
     )
     events: tuple[str, ...] | None = option(
         "the kinds of events that are logged; all of the system",

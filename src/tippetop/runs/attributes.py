@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..columns import Column, with_coordinates
 from ..engine.status import Status
+from ..mechanics.friction import PARTS
 from ..problem import ROUNDING
 from ..scenario.build import resolved, tables_of
 from ..scenario.identity import DIGESTS, digests_of
@@ -83,6 +84,10 @@ def headline_of(attrs: dict[str, Any]) -> str:
     if "friction" in attrs:
         law, *numbers = attrs["friction"].items()
         units = attrs["units"]
-        parts = [f"{name} = {value:g} {units[name]}".removesuffix(" 1") for name, value in numbers]
-        words.append(", ".join([f"{law[1]} friction", *parts]) if numbers else "no friction")
+        shown = [
+            f"{name} = {value:g} {units[name]}".removesuffix(" 1")
+            for name, value in numbers
+            if value or name not in PARTS
+        ]
+        words.append(", ".join([f"{law[1]} friction", *shown]) if numbers else "no friction")
     return " · ".join(words)

@@ -11,10 +11,9 @@ import numpy as np
 from ..columns import Column
 from ..errors import InputError
 from ..problem import Problem
-from ..sampling import ListedTimes
 from . import phases
 from .attributes import groups
-from .run import Solution, solve
+from .run import Solution, solve, with_rows_at
 
 
 # Largest relative drift that a run may show, by invariant.
@@ -71,22 +70,16 @@ def certificate(
     dict
         Largest differences of every column of the trajectory (`columns`), of the times of the
         turnings and of each column of phases and impacts that both runs share, in SI units;
-        `theta` [rad] is that of theta again. `against` is None if there is no wider precision.
+        `theta` [rad] is that of theta again, if the system has it. `against` is None if there is no
+        wider precision.
     """
     if problem.precision not in NEXT_PRECISION:
         return {"against": None, "reason": "no wider precision than quad"}
     if window is not None and not 0 < window < math.inf:
         raise InputError(f"`window` must be greater than 0 and finite, but is {window:g}.")
     until = min(problem.until, window or problem.until)
-    narrow = dataclasses.replace(
-        problem,
-        until=until,
-        times=ListedTimes(np.linspace(0.0, until, CERTIFICATE_ROWS)),
-        output="times",
-        stop_when="until",
-        columns=None,
-        orientation=False,
-    )
+    times = np.linspace(0.0, until, CERTIFICATE_ROWS)
+    narrow = with_rows_at(problem, times, orientation=False)
     wide = dataclasses.replace(narrow, precision=NEXT_PRECISION[problem.precision], tolerance=0.0)
     with following() as progress:
         run = solve(narrow, progress)
@@ -98,10 +91,11 @@ def certificate(
     result: dict[str, Any] = {
         "against": wide.precision,
         "window": [0.0, min(until, run.report["t_end"])],
-        "theta": float(columns["theta"].max(initial=0.0)),  # NaN is a violation
         "same_end": run.status is reference.status,
         "columns": largest,
     }
+    if "theta" in columns:
+        result["theta"] = float(columns["theta"].max(initial=0.0))  # NaN is a violation
     compared = _compare(_turnings(run), _turnings(reference))
     result |= {"turnings": compared} if compared["compared"] else {}
     return result | {
@@ -114,7 +108,7 @@ def certificate_violations(result: dict[str, Any]) -> list[str]:
     if result["against"] is None:
         return []
     messages = []
-    if not result["theta"] <= MAX_THETA_ERROR:
+    if "theta" in result and not result["theta"] <= MAX_THETA_ERROR:
         messages.append(
             f"theta must be within {MAX_THETA_ERROR:.0e} of the wider run, but differs by "
             f"{result['theta']:.1e}."

@@ -29,7 +29,8 @@ WORTH = 0.2
 def estimate(problem: Problem) -> dict[str, float]:
     """Return the order of magnitude of steps, seconds and megabytes of a run.
 
-    A disc that slows under friction that drills takes more steps: it becomes stiff.
+    Under friction with a torque they are at least these: a spin that it stops becomes stiff, which
+    neither the start nor the first steps show.
     """
     initial = problem.initial
     second = float(problem.scales.of(SECOND))
@@ -40,6 +41,7 @@ def estimate(problem: Problem) -> dict[str, float]:
         "steps": round(steps),
         "seconds": round(steps * MICROSECONDS_PER_STEP[problem.precision] * 1e-6, 4),
         "megabytes": round(len(problem.times) * 8 * 24 / 1e6, 3),
+        **({"at_least": True} if problem.law.torque else {}),
     }
 
 

@@ -240,7 +240,6 @@ class Integration:
             self.log.summary(),
             self.story.report() if self.problem.system.tables else None,
             self.driver.sentence,
-            not self.driver.is_called,
         )
 
     # --- snapshots -------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from ..problem import Problem
 
 # Keyframes per chunk: 1 MB.
 PER_CHUNK = 1024
-EXACT = ("state", "time", "carried")
+EXACT = ("state", "time", "until")
 """Entries of a snapshot in the precision of the run; all others are doubles."""
 PARTS = {"double": 1, "longdouble": 2, "quad": 3}
 """Doubles that add up to a number exactly."""

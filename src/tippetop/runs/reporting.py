@@ -44,8 +44,6 @@ class RunProgress:
         The phases of a contact that may change them.
     sentence
         Why the contact ended the run, if it did.
-    compiled
-        Whether the compiled loop makes the steps.
     """
 
     problem: Problem
@@ -58,7 +56,6 @@ class RunProgress:
     events: LogReport
     phases: dict[str, Any] | None
     sentence: str
-    compiled: bool
 
     @cached_property
     def view(self) -> Observables:
@@ -78,7 +75,6 @@ class RunProgress:
 
 def report(progress: RunProgress) -> dict[str, Any]:
     """Return the measured part of `info --json`, as far as the run has come."""
-    by_heyoka = not progress.compiled and progress.problem.precision == "double"
     return {
         "t_end": progress.t_end,
         "steps": progress.steps,
@@ -87,7 +83,6 @@ def report(progress: RunProgress) -> dict[str, Any]:
         **progress.events.report(),
         "theta_end": progress.view.theta(progress.last),
         **({} if progress.phases is None else {"contact_phases": progress.phases}),
-        **({"steps_by": "heyoka"} if by_heyoka else {}),
         **outcome(progress),
     }
 

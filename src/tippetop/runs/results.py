@@ -47,8 +47,8 @@ class Summary(Record):
     Attributes
     ----------
     status : str
-        How the run ended: finished, liftoff, fallen, settled, stalled, non-finite; running if it
-        has not ended.
+        The status at the end: finished, liftoff, fallen, settled, stalled, non-finite;
+        running if it has not ended.
     reason : str
         The same in a sentence.
     t_end : float
@@ -61,8 +61,7 @@ class Summary(Record):
         `min`, `max` [N], when (`t_min`, `t_max` [s]), and the `weight` m g [N]; only where there is
         such a force.
     event_counts : Record
-        How many events of each kind were logged, and of the turnings how many are more than
-        rounding.
+        Number of logged events of each kind, and of the turnings that are more than rounding.
     inversion : Record
         `first_equator`, `last_equator`, `inverted_at` [s]: passages of theta = pi/2 and pi - 0.1,
         None for none.
@@ -83,7 +82,7 @@ class Summary(Record):
     final_state : Record
         The integrated variables at the end, in SI units.
     versions, cpu
-        What computed it.
+        Versions of the packages, and the processor.
     motion
         The name of a heavy top's motion, only of such a top.
     """

@@ -8,7 +8,7 @@ from ..errors import InputError, a_system
 from ..mechanics.contact.body import Touch
 from ..mechanics.friction import Frictionless
 from ..mechanics.rotation import Quaternion, axes
-from ..mechanics.systems import find
+from ..mechanics.systems import by_name, find
 from ..problem import column_names
 
 
@@ -44,18 +44,6 @@ def columns_of(attrs: dict[str, Any]) -> set[str]:
     return {*column_names(system, system.forms[attrs["form"]], True, "double"), *of_contact}
 
 
-def is_planar(attrs: dict[str, Any]) -> bool:
-    """Return whether the body is a cylinder."""
-    system = find(attrs["system"])
-    return system is not None and not system.vectors
-
-
-def is_fixed(attrs: dict[str, Any]) -> bool:
-    """Return whether the tip of a heavy top is fixed."""
-    system = find(attrs["system"])
-    return system is not None and "x" not in system.initial
-
-
 def shape(attrs: dict[str, Any]) -> dict[str, Any]:
     """Return the body as the page draws it, from root attributes; lengths in metres.
 
@@ -66,8 +54,10 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
         along 3hat from the centre of mass, and radius), ellipsoid (half axes across and along),
         weight [N], fixed.
     """
-    b = body_of(attrs)
-    kind = "cylinder" if is_planar(attrs) else "ball" if b.R > 0 else "heavy"
+    b, system = body_of(attrs), by_name(attrs["system"])
+    kind = "ball" if b.R > 0 else "heavy"
+    if not system.vectors:
+        kind = "cylinder"
     offset, radius, weight, *ellipsoid = map(float, sizes(b, heavy=kind == "heavy"))
     balls, stem = [{"offset": offset, "radius": radius}], attrs.get("stem")
     if stem:
@@ -78,7 +68,7 @@ def shape(attrs: dict[str, Any]) -> dict[str, Any]:
         "balls": balls,
         "ellipsoid": ellipsoid,
         "weight": weight,
-        "fixed": kind == "heavy" and is_fixed(attrs),
+        "fixed": kind == "heavy" and "x" not in system.initial,
     }
 
 

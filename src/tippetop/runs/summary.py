@@ -161,7 +161,8 @@ def contact(phases: Info) -> str:
 
 def _verb(phase: Info) -> str:
     """Return the verb of a phase of a contact; of a user-defined system, its name."""
-    return VERBS[phase["phase"]] if "ball" in phase else f"`{phase['phase']}`"
+    name = phase["phase"]
+    return VERBS.get(name, f"`{name}`") if "ball" in phase else f"`{name}`"
 
 
 def _does(phase: Info) -> str:
@@ -177,8 +178,11 @@ def _until(phase: Info) -> str:
 def _certificate(result: Info) -> str:
     if result["against"] is None:
         return result["reason"]
-    span = f"against {result['against']} over {result['window'][1]:g} s"
-    text = f"{span}: theta differs by at most {result['theta']:.1e} rad"
+    if "theta" in result:
+        error = f"theta differs by at most {result['theta']:.1e} rad"
+    else:  # of a user's system
+        error = f"columns differ by at most {max(result['columns'].values()):.1e} in SI units"
+    text = f"against {result['against']} over {result['window'][1]:g} s: {error}"
     for name, words, time in COMPARED:
         if name in result:
             text += f", {result[name]['compared']} {words} by {result[name][time]:.1e} s"

@@ -138,14 +138,15 @@ def contact_faults(problem: Problem) -> list[str]:
     balls = {"body": (body.c, body.R)}
     if rules.stem:
         balls["stem"] = body.c + rules.h, rules.r
-    mu, mu_r = friction.mu if law.set_valued or disc else 0.0, getattr(friction, "mu_r", 0.0)
+    coefficients = {getattr(friction, name): name for name in law.bounded_by}
+    mu, mu_r = max(coefficients, default=0.0), getattr(friction, "mu_r", 0.0)
     # Coulomb friction has one contact force only below Painleve's bound. [contact 2.6]
     bounds = {name: float(painleve_bound(body.m, body.I1, *ball)) for name, ball in balls.items()}
     name = min(bounds, key=bounds.__getitem__)
     if mu >= bounds[name]:
         faults.append(
-            f"`friction.mu` must be less than {bounds[name]:.4f}, but is {mu:g}: above it the "
-            f"contact force of this {name} is not unique (Painleve)."
+            f"`friction.{coefficients[mu]}` must be less than {bounds[name]:.4f}, but is {mu:g}: "
+            f"above it the contact force of this {name} is not unique (Painleve)."
         )
     if not faults and mu_r and mu_r >= (most := _most_rolling(body, mu, list(balls.values()))):
         faults.append(

@@ -73,14 +73,17 @@ def _parsed(text: str) -> dict[str, Any]:
         raise ValueError("tables or lists are nested too deeply") from None
 
 
-def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
+def override(tables: dict[str, Any], assignments: list[str] | None) -> dict[str, Any]:
     """Return the tables with `table.key=value` assignments; values are TOML, or bare words.
 
     Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`.
     Raises InputError.
     """
     given: dict[str, dict[str, Any]] = {}
-    for assignment in assignments:
+    listed = [] if assignments is None else assignments
+    if not isinstance(listed, list | tuple) or not all(isinstance(each, str) for each in listed):
+        raise InputError(f"`assignments` must be a list of texts, but is {assignments!r:.60}.")
+    for assignment in listed:
         key, equals, text = (part.strip() for part in assignment.partition("="))
         if not equals or not re.fullmatch(r"(\w[\w-]*\.)?\w[\w-]*", key):
             raise InputError(f"--set must be table.key=value, but is `{_short(assignment)}`.")
@@ -124,7 +127,7 @@ def merged(table: str, old: dict[str, Any], given: Mapping[str, Any]) -> dict[st
 
 
 def law_name(tables: Mapping[str, Any]) -> str | None:
-    """Return the name of the law in the tables of a scenario; None if there is none."""
+    """Return the name of the law in the tables of a scenario, or None without one."""
     friction = tables.get("friction")
     name = friction.get("law") if isinstance(friction, dict) else None
     return name if isinstance(name, str) else None

@@ -10,7 +10,7 @@ def plan() -> list[Section]:
     return [
         Section(
             "A plan",
-            "A TOML file that says how the tops of a sweep differ.",
+            "A TOML file that lists how the tops of a sweep differ.",
             KEYS,
             keys_of(PlanTable),
         ),

@@ -11,12 +11,12 @@ from ..columns import flag_names, flagged, greek, require, units_text
 from ..errors import InputError, StoreError
 from ..mechanics.systems import find
 from ..runs.attributes import headline_of
-from ..runs.shape import body_of, columns_of, is_planar, shape
+from ..runs.shape import body_of, columns_of, shape
 from ..store import chunks
 from . import pages, spacing
 from .encoding import encode
 from .phase_formulas import potential
-from .samples import needed, samples
+from .samples import NEEDED, needed, samples
 
 
 MOST = 200_000  # samples of a page: 20 MB
@@ -51,10 +51,8 @@ def refuse(attrs: dict[str, Any], what: str) -> None:
             "run.orientation = true."
         )
     if "columns" in attrs["run"]:
-        wanted = columns_of(attrs) & {*needed(attrs)}
+        wanted = columns_of(attrs) & {*NEEDED}
         require(sorted(wanted), attrs["run"]["columns"], "a page")
-    if attrs["run"].get("output") == "keyframes" and "replay" not in attrs:
-        raise InputError("a page requires rows, but the run has none: replay a part of it.")
 
 
 def page(
@@ -85,13 +83,14 @@ def page(
             "A run with a smaller run.output_step, or a replay with a smaller step, shows more."
         )
     log, phases = _events(groups, times[0], times[-1]), _phases(groups, times[0], times[-1])
+    body = shape(attrs)
     data = {
         "name": attrs["system"],
         "title": attrs["title"][0].upper() + attrs["title"][1:],
         "about": units_text(greek(headline_of(attrs).partition(" · ")[2])),
         "notes": notes,
-        "body": shape(attrs),
-        "wound": is_planar(attrs),
+        "body": body,
+        "wound": body["kind"] == "cylinder",
         "times": encode(times, "<f8"),
         "samples": encode(kept, "<f4"),
         "events": log,
@@ -128,7 +127,10 @@ def read(
             )
             break
     if not times:
-        raise InputError(f"a page must have rows between {begin:g} and {end:g} s, but has none.")
+        raise InputError(
+            f"a page must have rows between {begin:g} and {end:g} s, but has none: show another "
+            "part, or replay one."
+        )
     return np.concatenate(times), np.concatenate(kept), rough, notes
 
 

@@ -10,21 +10,22 @@ from ..mechanics.friction import SLIP, slip_coefficient
 from ..mechanics.operand import Vector, cross, times
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
-from ..runs.shape import body_of, is_fixed, is_planar
+from ..runs.shape import body_of, shape
 
 
 Columns = Mapping[str, np.ndarray]
-STRIDE = 23  # numbers of a sample, as motion.js reads them
 ORIENTATION, OMEGA = slice(0, 4), slice(4, 7)
 NEEDED = (
     *("time", "orientation", "axis", "L", "theta", "theta_dot", "omega3", "phi", "nu_x", "nu_y"),
-    *("x", "y", "z", "normal_force", "phase", "ball"),
+    *("x", "y", "z", "phase", "ball"),
 )
+"""Columns without which there is no page; the force and the potential are drawn if they are there.
+"""
 
 
 def needed(attrs: dict[str, Any]) -> list[str]:
     """Return the columns of a trajectory from which samples are made."""
-    return [*NEEDED, *well_quantities(find(attrs["system"]))]
+    return [*NEEDED, "normal_force", *well_quantities(find(attrs["system"]))]
 
 
 def well_quantities(system: Any) -> list[str]:
@@ -35,7 +36,7 @@ def well_quantities(system: Any) -> list[str]:
 
 
 def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
-    """Return samples (n, STRIDE) of rows given as columns by name, SI.
+    """Return samples (n, 23), as motion.js reads them, of rows given as columns by name, SI.
 
     Parameters
     ----------
@@ -44,14 +45,14 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     attrs
         The root attributes of its store.
     """
-    b, n = body_of(attrs), len(columns["time"])
+    b, n, drawn = body_of(attrs), len(columns["time"]), shape(attrs)
     third = axes(Quaternion(*columns["orientation"].T))[2]
-    if is_planar(attrs):
+    if drawn["kind"] == "cylinder":
         none, spin = np.zeros(n), columns["theta_dot"]
         omega, momentum = Vector(none, spin, none), Vector(none, b.I1 * spin, none)
     else:
         momentum = Vector(*columns["L"].T)
-        inert = b._replace(I1=tip_inertia(b)) if is_fixed(attrs) else b  # L is about the tip then
+        inert = b._replace(I1=tip_inertia(b)) if drawn["fixed"] else b  # L is about the tip then
         omega = angular_velocity_of(
             Vector(*columns["axis"].T), momentum, b.I3 * columns["omega3"], inert
         )
@@ -67,7 +68,7 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
         [
             columns["orientation"],
             *omega,
-            _place(columns, third, offset, radius, is_fixed(attrs)),
+            _place(columns, third, offset, radius, drawn["fixed"]),
             _force(columns, velocity, slip, third.z, b),
             *slip,
             np.zeros(n),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from examples import CANONICAL
 from scipy.integrate import solve_ivp
 from test_phases_of_runs import run
 from touching import LEINE_GLOCKER, table_of
@@ -12,6 +13,7 @@ from tippetop.engine.status import Status
 STEM = {"r": 0.005, "h": 0.013}
 Z = -10 / 13  # cos(theta) where both touch
 MU = 2.0  # s/m
+PEG = {**CANONICAL, "alpha": -0.6}
 
 
 def in_euler_angles(start, t):
@@ -116,3 +118,48 @@ def test_coulombs_law_itself_ends_there():
     done = run(LEINE_GLOCKER, initial=start, stem=STEM, until=0.1)
     assert done.status is Status.ENDED
     assert "sphere and its stem at once" in done.reason
+
+
+def test_a_frictionless_landing_on_both_goes_on_where_one_ball_presses():
+    """Gyroscopic torque lifts the sphere and presses the stem: the body stays on the stem alone."""
+    done = run(
+        {**CANONICAL, "alpha": -0.543},
+        friction={"law": "none"},
+        initial={"theta": 2 * np.pi / 3, "gap": 0.01, "phi_dot": -20.0, "omega3": 100.0},
+        stem={"r": 0.002, "h": 0.036},
+        until=0.3,
+    )
+    assert done.status is Status.FINISHED, done.reason
+    assert max(done.report["drift"].values()) < 1e-12
+    columns = done.columns()
+    assert columns["gap_stem"].values.min() > -1e-12
+
+
+@pytest.mark.parametrize("mu_r", [0.0, 1e-6])
+def test_discs_that_stop_together_roll_on_both_as_a_cone_does(mu_r):
+    """A cone rolls evenly; rolling resistance takes mu_r N |omega| of its energy, so that omega
+    falls evenly.
+    """
+    m, R = (PEG[name] for name in ("m", "R"))
+    friction = {"law": "contensou", "mu": 0.3, "patch": 1.5e-5, "mu_r": mu_r}
+    start = {"theta": float(np.arccos(-0.0185 / 0.027)), "omega3": 20.0, "phi_dot": 10.0}
+    stem = {"r": 0.0015, "h": 0.027}
+    done = run(PEG, friction=friction, initial=start, stem=stem, until=0.6)
+    assert done.status is Status.FINISHED, done.reason
+    assert max(done.report["drift"].values()) < 1e-12
+    columns, phases = done.columns(), table_of(done, "phases")
+    assert phases["phase"][-1] == 3
+    assert phases["reason"][-1] == 8  # rests
+    last = columns["time"].values > phases["start"][-1]
+    t, z = columns["time"].values[last], columns["theta"].values[last]
+    assert np.ptp(z) < 1e-12
+    c, s = np.cos(z[0]), np.sin(z[0])
+    phi_dot, omega3 = (columns[name].values[last] for name in ("phi_dot", "omega3"))
+    for name in ("nu_x", "nu_y"):
+        assert np.abs(columns[name].values[last]).max() < 1e-12
+    # omega = -phi' s 1hat + omega_3 3hat is horizontal
+    assert phi_dot * s**2 + omega3 * c == pytest.approx(0 * t, abs=1e-10)
+    omega = np.abs(omega3) / s
+    energy = columns["energy"].values[last] - m * PEG["g"] * R * (1 - PEG["alpha"] * c)
+    slowing = mu_r * m * PEG["g"] / (2 * energy[0] / omega[0] ** 2)
+    assert omega == pytest.approx(omega[0] - slowing * (t - t[0]), rel=1e-8)

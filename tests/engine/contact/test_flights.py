@@ -56,7 +56,7 @@ class Flights:
         driver.forget()
         while driver.status[0] == RUNNING:
             driver.make(NO_ROWS, 10**6)
-        return driver.reached()[0], NAMES[int(driver.log.event[driver.log.filled[0] - 1])]
+        return driver.reached()[0], NAMES[int(driver.log.rows["event"][driver.log.filled[0] - 1])]
 
 
 @pytest.fixture(scope="module")

@@ -9,15 +9,33 @@ from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from itertools import product
 from typing import Any, NamedTuple
 
-from ..disc_friction import Region
+from ..disc_friction import STOPS_ROLLING, Region, rolling
 from ..form import Phase
 from ..operand import Operand, Vector, cross, dot, plus, times
 from ..units import METRE_PER_SECOND
-from .body import Touch, angular_velocity, arm, arm_velocity, height, seen_from_other, state
+from .body import (
+    Touch,
+    angular_velocity,
+    arm,
+    arm_velocity,
+    centre_velocity,
+    height,
+    seen_from_other,
+    state,
+)
 from .gliding.gliding_vector import axis, axis_rate, momentum
-from .single_contact import borders, disc_friction, ending, force_of, phase_of, smooth_friction
+from .single_contact import (
+    beyond_rest,
+    borders,
+    disc_friction,
+    ending,
+    force_of,
+    phase_of,
+    smooth_friction,
+)
 from .state import Moving, Reaction, gained
 
 
@@ -65,6 +83,11 @@ def jellett_lost(sides):
     return one.N * dot(one.torque, one.arm) + two.N * dot(two.turn, one.arm)
 
 
+def enter(x, b):
+    """Return the state."""
+    return type(STATE)(*x.u, *x.L, *x.velocity[:2])
+
+
 def leave(q, b):
     """Return the common state."""
     velocity = Vector(q.rx_dot, q.ry_dot, 0 * q.uz)
@@ -74,6 +97,13 @@ def leave(q, b):
 LEAVES = (
     ending("sphere-leaves", "the sphere leaves the plane, the stem stays", force_of),
     ending("stem-leaves", "the stem leaves the plane, the sphere stays", lambda s, b: s.stem_force),
+)
+
+
+STANDS = ending(
+    "stands",
+    "the discs of both contacts neither slide nor turn",
+    lambda s, b: beyond_rest(s.by, b) + beyond_rest(s.stem, b),
 )
 
 
@@ -129,17 +159,117 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
         F = sum_of(both, "force")
         return Reaction(F, power(q, b) + dot(F, both[0].velocity))
 
-    ends = (*borders(regions[0]), *borders(regions[1], "stem", "stem-")) if regions else ()
+    ends: tuple = ()
+    if regions:
+        ends = (STANDS, *borders(regions[0]), *borders(regions[1], "stem", "stem-"))
     phase = phase_of(
-        "both",
         STATE,
         (*LEAVES, *ends),
-        (rates, scalars, lambda x, b: type(STATE)(*x.u, *x.L, *x.velocity[:2]), leave, reaction),
+        (rates, scalars, enter, leave, reaction),
         work=power,
         impulse=lambda q, b: b.m * b.g + 0 * q.uz,
         jellett_lost=lambda q, b: jellett_lost(pair(q, b)),
     )
     return Double(replace(phase, axis_stays=True), sides)
+
+
+# --- rolling on both, as a cone does ------------------------------------------------------------
+
+
+def rolled(q, b):
+    """Return L', the acceleration of the centre of mass, and the power of rolling resistance.
+
+    The body turns about the line through both contacts, and that line about the vertical.
+    """
+    x, u_dot = leave(q, b), axis_rate(q, b)
+    turn = (x.u.x * u_dot.y - x.u.y * u_dot.x) / (x.u.x**2 + x.u.y**2)
+    omega = angular_velocity(x.u, x.L, b)
+    moves = dot(omega, x.L) + b.m * dot(x.velocity, x.velocity)  # twice the energy
+    resists = b.m * b.g * dot(rolling(omega, b.friction), omega)
+    slows = resists / (moves + b.I1 * STOPS_ROLLING**2)
+
+    def rate(v):
+        return Vector(slows * v.x - turn * v.y, slows * v.y + turn * v.x, slows * v.z)
+
+    return rate(x.L), rate(x.velocity), slows * moves
+
+
+def rolling_sides(q, b):
+    """Return sphere and stem with N, of a body that rolls on both."""
+    x, (L_dot, V_dot, _) = leave(q, b), rolled(q, b)
+    omega, none = angular_velocity(x.u, x.L, b), 0 * q.uz
+    up, still = Vector(none, none, 1 + none), Vector(none, none, none)
+    rolls = rolling(omega, b.friction)
+
+    def side(ball):
+        a = arm(x.u, ball)
+        turn = cross(a, up)
+        return Side(a, up, rolls, still, omega, turn, cross(turn, x.u).z)
+
+    swing = cross(L_dot, x.u).z - b.m * (height(q.uz, b) * dot(V_dot, x.u))
+    swing = swing - b.m * b.g * cross(rolls, x.u).z
+    return loaded([side(b), side(seen_from_other(b))], b.m * b.g, swing)
+
+
+def rolling_scalars(q, b):
+    """Return the scalars of a body that rolls on both."""
+    one, two = rolling_sides(q, b)
+    return Scalars(q.uz, one.N, two.N, one, two)
+
+
+def rolling_rates(q, b):
+    """Return the rates of a body that rolls on both."""
+    L_dot, V_dot, _ = rolled(q, b)
+    return type(STATE)(*axis_rate(q, b), *L_dot, *V_dot[:2])
+
+
+def rolling_reaction(q, b):
+    """Return the sum of both forces, and the power that the torques take."""
+    _, V_dot, gains = rolled(q, b)
+    return Reaction(Vector(b.m * V_dot.x, b.m * V_dot.y, b.m * b.g + 0 * q.uz), -gains)
+
+
+ROLLS_ON_BOTH = phase_of(
+    STATE,
+    LEAVES,
+    (rolling_rates, rolling_scalars, enter, leave, rolling_reaction),
+    work=lambda q, b: -rolled(q, b)[2],
+    impulse=lambda q, b: b.m * b.g + 0 * q.uz,
+    jellett_lost=lambda q, b: dot(rolled(q, b)[0], arm(axis(q), b)),
+)
+ROLLS_ON_BOTH = replace(ROLLS_ON_BOTH, axis_stays=True)
+
+
+def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
+    """Return the phases on both balls under a law, by the regions of the law on each."""
+    if law.set_valued:
+        return {}
+    if not law.regions:
+        return {(): double_contact((), law.torque).phase}
+    phases: dict[tuple[str, ...], Phase] = {("roll",): ROLLS_ON_BOTH}
+    for names in product(law.regions, repeat=2):
+        regions = tuple(law.regions[name] for name in names)
+        phases[names] = double_contact(regions, law.torque).phase
+    return phases
+
+
+def without_slip_on_both(x: Moving, b: Touch) -> Moving:
+    """Return the body without the rest of its sliding and turning on both balls."""
+    omega = angular_velocity(x.u, x.L, b)
+    spin = (omega.x * x.u.x + omega.y * x.u.y) / (x.u.x**2 + x.u.y**2)
+    omega = Vector(spin * x.u.x, spin * x.u.y, 0 * spin)
+    L = plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, x.u), x.u))
+    none = 0 * spin
+    after = x._replace(L=L, velocity=centre_velocity(x.u, L, Vector(none, none, none), b))
+    lost = plus(L, times(-1, x.L))
+    work = kinetic_energy(x, b) - kinetic_energy(after, b)
+    return gained(after, work=work, jellett_lost=dot(lost, arm(x.u, b)))
+
+
+def kinetic_energy(x, b):
+    """Return the kinetic energy of a common state."""
+    turns = dot(angular_velocity(x.u, x.L, b), x.L)
+    return (b.m * dot(x.velocity, x.velocity) + turns) / 2
 
 
 def brought_to_rest(x: Moving, sides: Callable, b: Touch, drills: bool) -> Moving:

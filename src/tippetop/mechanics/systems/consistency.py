@@ -78,6 +78,8 @@ def inconsistencies(system: System) -> list[str]:
                     for event in phase.events
                     if not event.direction and event.name in [way.event for way in phase.exits]
                 ],
+                f"{where} must lead to phases of the system by a tuple of names, but has exits by":
+                    [way.event for way in phase.exits if not (way.to and type(way.to) is tuple)],
                 f"{where} must lead to phases of the system, but leads to":
                     [to for way in phase.exits for to in way.to if to not in system.phases],
             }
@@ -123,11 +125,6 @@ def unmet_requirements(system: System) -> list[str]:
                 for event in lifting
                 if "lifted_at" not in [kept.name for kept in event.kept]
             ],
-            **{
-                f"`{name}` {of} must be a function or None, but is": [f"{value!r:.60}"]
-                for name in ("outlook", "motion", "borders")
-                if not (callable(value := getattr(system, name)) or value is None)
-            },
         }
     )  # fmt: skip
 
@@ -165,7 +162,7 @@ def allowed(rule: Number) -> float:
 
 
 def answer(must: str, function: Callable, holds: Callable = lambda found: True) -> Any:
-    """Return what a function of the user gives, if it holds. Raises InputError."""
+    """Return the result of a user's function if it passes a test. Raises InputError."""
     try:
         found = function()
         is_right = holds(found)
@@ -211,6 +208,13 @@ def check_answers(system: System) -> None:
         lambda angles: getattr(angles, "_fields", ()) == system.angles._fields,
     )
     for name, phase in system.phases.items():
+        for form in phase.forms.values():
+            answer(
+                f"`rates` of the form `{form.name}` of phase `{name}` {of} must give its "
+                f"{len(form.units)} rates",
+                lambda form=form, phase=phase: form.rates(sample(form), phase.parameters(body)),
+                lambda rates, form=form: len(rates) == len(form.units),
+            )
         answer(
             f"`enter` and `leave` of phase `{name}` {of} must keep the common state",
             lambda phase=phase: common_states(phase, body),

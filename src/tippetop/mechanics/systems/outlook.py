@@ -16,6 +16,7 @@ from ..system import Outlook
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
 from ..theory.regimes import regime
+from ..theory.spinning import thresholds_of_surface
 from ..theory.thresholds import (
     Threshold,
     lambda_de,
@@ -53,7 +54,7 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
     now = regime(start["jellett"], b)
     if is_frictionless(b.friction):
         fate = STAYS if start["at_pole"] else "theta nutates for ever" + UNLESS
-        return Outlook(FREE, fate, {**thresholds(b), **_of_surface(b)})
+        return Outlook(FREE, fate, {**thresholds(b), **thresholds_of_surface(b)})
     acts = nowhere_vanishes(b.friction)
     if start["at_pole"]:
         fate = STAYS
@@ -64,7 +65,7 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
     else:
         fate = "depends on the start: " + ", or ".join(now.attractors) + UNLESS
     sentence = now.sentence() if acts else SOMEWHERE_FREE
-    return Outlook(sentence, fate, {**thresholds(b), **_of_surface(b)})
+    return Outlook(sentence, fate, {**thresholds(b), **thresholds_of_surface(b)})
 
 
 def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
@@ -122,20 +123,13 @@ def tippe_top_borders(b: Touch) -> dict[str, Any]:
 
 def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
     """Predict a rolling tippe top: one degree of freedom. [T ch. 4]"""
-    limits = _of_surface(b)
+    limits = thresholds_of_surface(b)
     sentence = "pure rolling conserves E, D and lambda: theta nutates for ever"
     stable = "stable" if abs(start["jellett"]) > limits["lambda_pi"].value else "unstable"
     limits["gamma"] = thresholds(b)["gamma"]
     nutates = STAYS if start["at_pole"] else "nutation between two angles" + UNLESS
     fate = f"{nutates}; the {poles(b)[1]} spin of this lambda is {stable} in rolling"
     return Outlook(sentence, fate, limits)
-
-
-def _of_surface(b: Touch) -> dict[str, Threshold]:
-    # `spinning` imports `tippe_top`, which imports this module
-    from .spinning import thresholds_of_surface
-
-    return thresholds_of_surface(b)
 
 
 def heavy_top(b: Touch, start: Start) -> Outlook:

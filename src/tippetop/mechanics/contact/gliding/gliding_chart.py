@@ -90,7 +90,7 @@ def in_euler_angles(
     integrals: tuple[Integral, ...],
     *domains: Domain,
 ) -> Form:
-    """Return the form of a body in Euler angles, beside its vector form.
+    """Return the form of a body in Euler angles, in addition to its vector form.
 
     Parameters
     ----------

@@ -5,15 +5,27 @@ In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.2
 
 from ..contact.body import height, height_energy
 from ..operand import formula, sqrt
-from ..theory.thresholds import Threshold, poles, sense, spin, two_wells_from
 from ..units import JELLETT, ONE
-from . import tippe_top
+from .thresholds import Threshold, poles, sense, spin, two_wells_from
+
+
+@formula
+def d(z, b):
+    """Return d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit.
+
+    It gives D = L_3 sqrt(d).
+
+    [T 4.7]
+    """
+    return (
+        b.I1 + b.m * ((b.c - b.R * z) ** 2 + b.R**2 * (b.I1 / b.I3) * ((1 - z) * (1 + z)))
+    ) / b.I3
 
 
 @formula
 def slope(z, b):
     """Return rho = D/lambda on the marked line [1/m]: where X(z) = 0. [section 5]"""
-    return sqrt(tippe_top.d(z, b)) / (b.R * z - b.c)
+    return sqrt(d(z, b)) / (b.R * z - b.c)
 
 
 @formula
@@ -35,12 +47,7 @@ def lambda_pi(b):
     """
     high = -sense(b)
     h = height(high, b)
-    return (
-        2
-        * h
-        * sqrt(b.m * b.g * abs(b.c) * b.I3 * tippe_top.d(high, b))
-        / (1 + b.m * b.R * h / b.I3)
-    )
+    return 2 * h * sqrt(b.m * b.g * abs(b.c) * b.I3 * d(high, b)) / (1 + b.m * b.R * h / b.I3)
 
 
 def thresholds_of_surface(b) -> dict[str, Threshold]:
@@ -59,18 +66,3 @@ def thresholds_of_surface(b) -> dict[str, Threshold]:
             two_wells_from(b), ONE, "two wells of the potential are possible above"
         ),
     }
-
-
-@formula
-def critical(z, D, lam, b):
-    """Return N(z), of the sign of dV/dz in (-1, 1). [section 5]
-
-    It is regular on [-1, 1], with N(-1) <= 0 <= N(1).
-    """
-    X, w = tippe_top.X(z, D, lam, b), (1 - z) * (1 + z)
-    X_rate = (
-        lam
-        * (-b.m * b.R * (b.c - b.R * z) / b.I3 - b.m * b.R**2 * b.I1 / b.I3**2 * z)
-        / sqrt(tippe_top.d(z, b))
-    )
-    return X * ((X_rate - b.R * D) * w + z * X) - b.c * b.m * b.g * b.I1**2 / b.I3 * (b.R * w) ** 2
