@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from forked import Forked
+from nightly import at_night
 from stores import ended, wait_until
 from typed import typed
 
@@ -34,7 +35,7 @@ def shell(words: str, redirected: str = "", **environment: str) -> subprocess.Co
         ("presets", ">&-", 0),
         ("fly", "2>&-", 2),
         ("run nothing", "2>/dev/full", 2),
-        ("systems", ">/dev/full", 5),
+        at_night("systems", ">/dev/full", 5),
         ("--version", ">/dev/full", 5),
         ("--help", "| true", 0),
     ],

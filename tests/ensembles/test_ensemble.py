@@ -77,15 +77,16 @@ def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Da
             assert float(top[name]) == pytest.approx(
                 np.nan if expected is None else expected, abs=1e-11, nan_ok=True
             )
-        dense = solve(
-            dataclasses.replace(run.problem, times=np.linspace(0, report["t_end"], 40_001))
-        )
-        force, weight = dense.columns()["normal_force"].values, report["normal_force"]["weight"]
+        weight = report["normal_force"]["weight"]
         least, most = float(top["normal_force_min"]), float(top["normal_force_max"])
-        assert least - force.min() < 1e-13 * weight  # no row of a dense scan lies outside
-        assert force.max() - most < 1e-13 * weight
         assert least == pytest.approx(report["normal_force"]["min"], abs=1e-11 * weight)
         assert most == pytest.approx(report["normal_force"]["max"], abs=1e-11 * weight)
+        if i % 5 == 0:  # no row of a dense scan lies outside
+            times = np.linspace(0, report["t_end"], 40_001)
+            dense = solve(dataclasses.replace(run.problem, times=times))
+            force = dense.columns()["normal_force"].values
+            assert least - force.min() < 1e-13 * weight
+            assert force.max() - most < 1e-13 * weight
         assert float(top["drift_jellett"]) < 1e-13
         assert float(top["drift_energy_balance"]) < 1e-12
     assert {"finished", "liftoff"} <= set(kinds(found, "status"))

@@ -52,7 +52,7 @@ def worst(parameters, points):
     return np.max(errors, axis=0)
 
 
-few_or_many = pytest.mark.parametrize("count", [100, pytest.param(1000, marks=pytest.mark.slow)])
+few_or_many = pytest.mark.parametrize("count", [50, pytest.param(1000, marks=pytest.mark.slow)])
 
 
 @few_or_many

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from touching import BOUNCE
 from typed import typed
 
 from tippetop.engine.status import Status
@@ -129,7 +130,7 @@ def test_planted_errors_of_phases_and_impacts_are_measured(monkeypatch: pytest.M
         return made
 
     spoil(monkeypatch, late)
-    found = certificate.certificate(build.load("plastic-toy", until=1.22))
+    found = certificate.certificate(build.problem(BOUNCE))
     assert found["impacts"]["time"] == pytest.approx(2e-7, rel=1e-3)
     assert found["phases"]["start"] == pytest.approx(3e-7, rel=1e-3)
     assert found["theta"] < 1e-12

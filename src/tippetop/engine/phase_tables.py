@@ -29,12 +29,15 @@ class PhaseTables:
         self.under_way = [math.nan] * (1 + len(self.tables["phases"]))
         self.rows: dict[str, list[Sequence[Any]]] = {name: [] for name in self.tables}
 
-    def begin(self, time: float, name: str, phase: Phase, cause: str) -> None:
-        """Begin a phase of this name at an internal time."""
-        self.end(time)
+    def row_of(self, name: str, phase: Phase, cause: str) -> list[int]:
+        """Return the row of a phase of this name without its times."""
         row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
-        kinds = self.tables["phases"].items()
-        self.under_way = [time, *(number_of(row[key], kind) for key, kind in kinds)]
+        return [number_of(row[key], kind) for key, kind in self.tables["phases"].items()]
+
+    def begin(self, time: float, row: Sequence[int]) -> None:
+        """Begin a phase at an internal time."""
+        self.end(time)
+        self.under_way = [time, *row]
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""
