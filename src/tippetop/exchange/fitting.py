@@ -321,9 +321,10 @@ def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
 
 def names_of(text: str | Sequence[str]) -> tuple[str, ...]:
     """Return the names of free numbers from a text with commas or a list. Raises InputError."""
-    names = [part.strip() for part in text.split(",")] if isinstance(text, str) else list(text)
-    if not names or not all(isinstance(name, str) and name for name in names):
+    names = [part.strip() for part in text.split(",")] if isinstance(text, str) else text
+    is_list = isinstance(names, list | tuple) and len(names) > 0
+    if not is_list or not all(isinstance(name, str) and name for name in names):
         raise InputError(
-            "the free numbers must be names such as friction.mu, parameters.I1, but none is given."
+            f"`free` must be names such as friction.mu, parameters.I1, but is {text!r:.60}."
         )
     return tuple(names)

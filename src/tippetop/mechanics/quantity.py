@@ -310,26 +310,30 @@ def worked_out(
     """
     given, faults = tables.get("parameters"), []
     of_body = units.get("parameters", {})
+    texts = [
+        (table, name, text)
+        for table, of_table in units.items()
+        if isinstance(values := tables.get(table), Mapping)
+        for name, text in values.items()
+        if isinstance(text, str) and name in of_table
+    ]
+    if not texts:
+        return dict(tables)
     names = {
         name: (value, of_body[name])
         for name, value in (given.items() if isinstance(given, Mapping) else ())
         if name in of_body and (isinstance(value, str) or _is_number(value))
     }
-    result = dict(tables)
-    for table, of_table in units.items():
-        values = tables.get(table)
-        if not isinstance(values, Mapping):
-            continue
-        read = {}
-        for name, unit in of_table.items():
-            if isinstance(text := values.get(name), str):
-                try:
-                    read[name] = number_of(
-                        text, f"{table}.{name}", unit, names, name if table == "parameters" else ""
-                    )
-                except InputError as error:
-                    faults += error.sentences
-        result[table] = {**values, **read} if read else values
+    result = {
+        table: dict(values) if table in units and isinstance(values, Mapping) else values
+        for table, values in tables.items()
+    }
+    for table, name, text in texts:
+        own = name if table == "parameters" else ""
+        try:
+            result[table][name] = number_of(text, f"{table}.{name}", units[table][name], names, own)
+        except InputError as error:
+            faults += error.sentences
     if faults:
         raise InputError(faults)
     return result

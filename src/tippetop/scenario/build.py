@@ -74,10 +74,7 @@ def problem(
         raise InputError(
             first_sentences(errors, lambda e: scenario_sentence(e, system, tables))
         ) from None
-    plainly = scenario.model_dump()
-    given: dict[str, Any] = {
-        key: tuple(v) if isinstance(v, list) else v for key, v in plainly["run"].items()
-    }
+    given: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in scenario.run}
     run = RunOptions(**given)
     system = system.with_requested(run.columns or ())
     law = system.laws[scenario.friction.law] if system.frictional else LAWS["none"]
@@ -87,8 +84,8 @@ def problem(
     if columns is not None or known not in (None, find(system.name)):  # the store names them
         columns = tuple(n for n in known_columns if run.columns is None or n in run.columns)
     rules, kinds = rules_of(scenario, system), tuple(event.name for event in system.events)
-    parameters = plainly["parameters"]
-    initial = {k: v for k, v in plainly["initial"].items() if v is not None and v is not False}
+    parameters = dict(scenario.parameters)
+    initial = {k: v for k, v in scenario.initial if v is not None and v is not False}
     turns = run.columns is None or any(name in TURN for name in run.columns)
     del given["output_step"], given["output_times"]
     given |= {

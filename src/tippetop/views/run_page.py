@@ -16,7 +16,7 @@ from ..store import chunks
 from . import pages, spacing
 from .encoding import encode
 from .phase_formulas import potential
-from .samples import needed, samples
+from .samples import NEEDED, needed, samples
 
 
 MOST = 200_000  # samples of a page: 20 MB
@@ -51,7 +51,7 @@ def refuse(attrs: dict[str, Any], what: str) -> None:
             "run.orientation = true."
         )
     if "columns" in attrs["run"]:
-        wanted = columns_of(attrs) & {*needed(attrs)}
+        wanted = columns_of(attrs) & {*NEEDED}
         require(sorted(wanted), attrs["run"]["columns"], "a page")
 
 
