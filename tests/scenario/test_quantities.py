@@ -87,8 +87,7 @@ def test_parameters_of_a_scenario_must_not_lead_to_one_another() -> None:
         ("(" * 150, "must be a number, arithmetic"),
         ("1" * 201, "at most 200 characters"),
         ("1e400", "in the range of a double"),
-        ("1e99999999", "in the range of a double"),  # these took minutes
-        ("(" * 8 + "9" + "^12)" * 8, "in the range of a double"),
+        ("1e99999999", "in the range of a double"),  # this took minutes
         ("1 kg*m**9**9**9", "is no unit"),
     ],
 )
