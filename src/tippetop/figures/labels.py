@@ -3,6 +3,7 @@
 from typing import Any
 
 from ..columns import SUPERSCRIPTS, units_text
+from ..mechanics.friction import PARTS
 from .style import broken, compact, letters
 
 
@@ -40,8 +41,9 @@ def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False
 
 
 def friction(table: dict[str, Any], attrs: dict[str, Any]) -> str:
-    """Return the name of a friction law with its numbers."""
-    numbers = entries({key: value for key, value in table.items() if key != "law"}, attrs)
+    """Return the name of a friction law with its numbers, without parts that are 0."""
+    shown = {k: v for k, v in table.items() if k != "law" and (v or k not in PARTS)}
+    numbers = entries(shown, attrs)
     return ", ".join(
         [attrs.get("law", f"{table['law']} friction"), *numbers] if "law" in table else numbers
     )
