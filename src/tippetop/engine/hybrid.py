@@ -184,7 +184,7 @@ class Jump:
         Raises
         ------
         ArithmeticError
-            If the jump raises it: nothing can follow.
+            If the jump raises it, or one of this package cannot compute: nothing can follow.
         InputError
             If the jump fails otherwise, or what it returns cannot follow.
         """
@@ -194,8 +194,9 @@ class Jump:
         except Exception as error:
             if type(error) in (ArithmeticError, InputError):
                 raise
+            is_ours = world.rules and isinstance(error, ArithmeticError)
             message = f"{self.where} fails: {type(error).__name__}: {error}"
-            raise InputError([message]) from error
+            raise (ArithmeticError if is_ours else InputError)(message) from error
 
     def _next(self, state: Sequence, world: World) -> tuple:
         q, carried = self.variables.split(state[: len(self.variables.names)])
@@ -204,7 +205,7 @@ class Jump:
             x = x._replace(carried=carried)
         n = self.exit.jump(x, world)
         if fault := fault_of(n, self.exit, x, self.events):
-            raise InputError([f"{self.where} must {fault}."])
+            raise InputError(f"{self.where} must {fault}.")
         if n.cause is None:
             n.cause = self.exit.event
         if n.phase not in world.phases:
@@ -230,9 +231,8 @@ def begin_in_first(x: Any, world: World) -> Next:
 
 def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
     """Return the events of a run, by name."""
-    events = {event.name: event for event in system.events}
-    in_phases = {event.name: event for phase in phases.values() for event in phase.events}
-    return events | in_phases | events
+    in_phases = [event for phase in phases.values() for event in phase.events]
+    return {event.name: event for event in (*system.events, *in_phases, *system.events)}
 
 
 def fault_of(n: Any, exit: Exit, x: Any, events: Collection[str]) -> str:
@@ -298,16 +298,16 @@ class Track:
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase, `mine`, are looked for."""
-        known = run.all_events.events
+        known, numbers, ways = run.all_events.events, [*self.events], [*self.ways]
+        known["scale"][numbers] = mine["scale"]
         records = np.zeros_like(known)
-        for (number, event), of_phase in zip(self.events.items(), mine, strict=True):
-            known["scale"][number] = of_phase["scale"]
-            records[number] = of_phase
-            record, kept = records[number], known[number][["first", "last"]].item()
-            if number in self.ways:  # its jump logs
-                kept, record["ends"] = (0, 0), record["ends"] or Status.ENDED.code
-            record["first"], record["last"] = kept
-            record["watched"] = not event.sense or event.name in run.problem.events
+        records[numbers] = mine
+        records["first"], records["last"] = known["first"], known["last"]
+        records["first"][ways] = records["last"][ways] = 0  # its jump logs
+        records["ends"][ways] = Status.ENDED.code
+        records["watched"][numbers] = [
+            not event.sense or event.name in run.problem.events for event in self.events.values()
+        ]
         return records
 
     def sides(self, n: Next) -> dict[int, tuple[int, int]]:
@@ -319,15 +319,17 @@ class Track:
             for k, name in self.ways.items()
         }
 
-    def has_root(self, number: int, count: int, state: Sequence) -> bool:
-        """Return whether an event function has a root of this multiplicity in a state: its value,
-        or what it is soon afterwards, is almost zero.
+    def has_root(self, number: int, count: int, state: Sequence, values: Sequence) -> bool:
+        """Return whether an event function has a root of this multiplicity in a state with these
+        values: its value, and its slope if there is more than one root, are zero.
         """
         k, split = [*self.events].index(number), self.variables.split
-        step, bound = (NEAR, SLOPE * NEAR) if count > 1 else (0.0, ROOT)
+        if count == 1 or not abs(values[k]) < ROOT:
+            return abs(values[k]) < ROOT
         rates = self.variables.rates(*split(state), self.b)
-        soon = [one + step * rate for one, rate in zip(state, rates, strict=True)]
-        return abs(self.formulas.functions(*split(soon), self.b)[k]) < bound
+        near = [one + NEAR * rate for one, rate in zip(state, rates, strict=True)]
+        ahead = self.formulas.functions(*split(near), self.b)[k]
+        return abs(ahead - values[k]) < SLOPE * NEAR
 
 
 class HybridDriver(Driver):
@@ -343,6 +345,7 @@ class HybridDriver(Driver):
 
     track: Track
     last: np.ndarray  # the state where the last phase ended
+    width = 0  # the greatest number of variables of a phase
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
@@ -359,16 +362,17 @@ class HybridDriver(Driver):
         rows = event_rows(self.events, [(0, 1, 1.0, 0.0)] * len(self.events), ())
         for event in (event for phase in self.phases.values() for event in phase.events):
             rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
-        self.all_events, width = rows, self.width
+        widths = (len(Variables(phase.form).names) for phase in self.phases.values())
+        self.all_events, self.width = rows, max(widths) + len(self.events)
         self.shared = Shared(
             new_tallies(rows, 1),
-            new_log(PASSAGES + len(self.events) * MOST_COEFFICIENTS, width),
-            new_samples(STEPS_PER_SLICE + 2, width),
+            new_log(PASSAGES + len(self.events) * MOST_COEFFICIENTS, self.width),
+            new_samples(STEPS_PER_SLICE + 2, self.width),
         )
         functions = self.shared.tallies.functions
         functions[SIGN] = 0.0  # not known
         self.signs, self.zeros = (view(functions[kind, :, 0]) for kind in (SIGN, ON_ZERO))
-        self.wanted, self.tables = Wanted(width - len(self.events)), PhaseTables(problem)
+        self.wanted, self.tables = Wanted(self.width - len(self.events)), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.short = 0
         # the phases of a slice: their places, and the numbers of rows, passages and samples before
@@ -525,9 +529,7 @@ class HybridDriver(Driver):
         """
         end = self.until if self.until < self.end else self.end
         sampler = self.track.sampler
-        name, when = (sampler and sampler.next(self)) or ("", end)
-        if not when < end:
-            name, when = "", end
+        when, name = min([(end, ""), *(sampler.next(self) if sampler else ())])
         self.end_at(when)
         return name
 
@@ -540,7 +542,7 @@ class HybridDriver(Driver):
         now, track, last = self.number(when), self.track, self.last
         given = tuple(last.tolist()), self.end - now, self.struck, self.body
         try:
-            begun = n, state, _ = jump(*given)
+            begun = n, state, values = jump(*given)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
@@ -564,14 +566,13 @@ class HybridDriver(Driver):
         if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
             self._add(np.array([when]), last[None])
         self._enter(begun, now, track)
-        for number, (_, count) in self.track.sides(n).items():
-            if count and not self.track.has_root(number, count, state):
+        sides = self.track.sides(n) if self.problem.contact is None else {}
+        for number, (_, count) in sides.items():
+            if count and not self.track.has_root(number, count, state, values):
                 raise InputError(
-                    [
-                        f"{jump.where} must give multiplicities of roots in `zeros`, but "
-                        f"{self.events[number].name!r} has no root of multiplicity {count} where "
-                        f"phase `{n.phase}` begins."
-                    ]
+                    f"{jump.where} must give multiplicities of roots in `zeros`, but "
+                    f"{self.events[number].name!r} has no root of multiplicity {count} where phase "
+                    f"`{n.phase}` begins."
                 )
         return None
 
@@ -583,8 +584,7 @@ class HybridDriver(Driver):
         self.spans.append([self.track.at, *counts])
 
     def ask(self) -> None:
-        if self.wanted.made[0] > self.given:
-            self._hand_over()
+        self._hand_over()
         super().ask()
         states, self.given = self.wanted.rows.states, 0
         self.states = states if self.number is float else np.empty(states.shape, self.number)
@@ -717,12 +717,6 @@ class HybridDriver(Driver):
 
     def extremes(self) -> Extremes:
         return extremes_of(self.all_events.events, self.tallies)
-
-    @property
-    def width(self) -> int:
-        """The greatest number of variables of a phase."""
-        widths = (len(Variables(phase.form).names) for phase in self.phases.values())
-        return max(widths) + len(self.events)
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,
