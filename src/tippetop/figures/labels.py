@@ -3,7 +3,6 @@
 from typing import Any
 
 from ..columns import SUPERSCRIPTS, units_text
-from ..mechanics.friction import PARTS
 from .style import broken, compact, letters
 
 
@@ -42,7 +41,9 @@ def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False
 
 def friction(table: dict[str, Any], attrs: dict[str, Any]) -> str:
     """Return the name of a friction law with its numbers, without parts that are 0."""
-    shown = {k: v for k, v in table.items() if k != "law" and (v or k not in PARTS)}
+    shown = {
+        k: v for k, v in table.items() if k != "law" and (v or k not in attrs.get("parts", ()))
+    }
     numbers = entries(shown, attrs)
     return ", ".join(
         [attrs.get("law", f"{table['law']} friction"), *numbers] if "law" in table else numbers
@@ -73,7 +74,7 @@ def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the attributes that several runs have in common, for their title."""
     first = runs[0]
     common: dict[str, Any] = {
-        name: first[name] for name in ("title", "units", "symbols", "law") if name in first
+        name: first[name] for name in ("title", "units", "symbols", "law", "parts") if name in first
     }
     if any(attrs["title"] != first["title"] for attrs in runs):
         same = all(attrs.get("system") == first.get("system") for attrs in runs)
