@@ -379,11 +379,11 @@ class HybridDriver(Driver):
         self.spans: list[list[int]] = []
         self.states = np.empty((self.wanted.variables, 0), number)  # of the rows
         self.copies: Changes | None = None
-        self.impacts: ImpactMotions | None = None
-        self.kind: tuple | None = None  # of impacts
+        self.kind = self.impacts = self.struck = None
         if problem.contact is not None:
-            self.kind = kind = kind_of(problem, self.body[0].friction)
-            self.impacts = ImpactMotions(*kind, stop)
+            self.kind = kind_of(problem, self.body[0].friction)
+            self.impacts = ImpactMotions(*self.kind, stop)
+            self.struck = self.impacts.struck
             self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
         self._start(tuple(problem.start().tolist()))
         self.first = self.present()
@@ -405,11 +405,6 @@ class HybridDriver(Driver):
         self._enter(begun, self.number(0), None)
 
     # --- phases ----------------------------------------------------------------------------------
-
-    @property
-    def struck(self) -> Callable | None:
-        """See `World`."""
-        return self.impacts.struck if self.impacts else None
 
     def jump(self, name: str, phase: Phase, exit: Exit) -> Jump:
         """Return the jump of a phase by an exit."""
