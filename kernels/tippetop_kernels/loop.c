@@ -51,7 +51,7 @@ enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
    run starts on a zero of it, -k if its first k Taylor coefficients vanish where the next step
    begins; in the present step its bounds, and 1 if it is monotone; the times of its least and
    greatest values. */
-enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST, KNOWN };
+enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST };
 
 /* The number that an event keeps of its passages: the time of the first or the last one, or their number. */
 enum { FIRST, LAST, COUNT };
@@ -63,7 +63,7 @@ typedef void (*Step)(real *state, const real *pars, const real *time, real *h, r
 typedef void (*Dense)(real *out, const real *tc, const real *h);
 
 typedef struct {
-    integer variables, parameters, size, lanes, events, numbers, axis, log, samples;
+    integer variables, parameters, size, lanes, events, axis, log, samples;
     integer width; /* numbers from one state to the next in the log and among the samples */
 } Sizes;
 
@@ -74,7 +74,7 @@ typedef struct {
 typedef struct {
     integer row, shift, direction, ends, sense, first, last;
     real scale, offset;
-    bool extremes, watched, ranged;
+    bool lasting, extremes, watched, ranged;
 } Event;
 
 typedef struct {
@@ -121,7 +121,6 @@ typedef struct {
 } Samples;
 
 typedef struct {
-    integer lasting, way;
     real settled_for;
     integer most_steps, every, first;
 } StopRules;
@@ -570,8 +569,8 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     known(l, SIGN, e)[lane] = sign;
     if (of_start(l, e, when, lane))
         return;
-    if (e == l->rules.lasting && (real)l->rules.way * sign > 0)
-        tally->lasts_since = when;
+    if (event->lasting)
+        tally->lasts_since = (real)event->direction * sign > 0 ? when : NAN;
     bool at_pole = false;
     if (event->sense != 0 && l->sizes.axis > 0) {
         real theta = theta_at(l, x * h, lane, &at_pole);
@@ -644,11 +643,9 @@ static void count_step(const Loop *l, integer lane, real t, real h, real upto) {
     tally->steps++;
     tally->tiny = h < TINY ? tally->tiny + 1 : 0;
     if (tally->status == RUNNING) {
-        bool lasts =
-            rules->lasting >= 0 && (real)rules->way * known(l, SIGN, rules->lasting)[lane] > 0;
         if (tally->steps >= rules->most_steps || tally->tiny >= PATIENCE)
             tally->status = STALLED;
-        else if (lasts && t + h - tally->lasts_since > rules->settled_for &&
+        else if (t + h - tally->lasts_since > rules->settled_for &&
                  tally->lasts_since != tally->doubted)
             tally->status = SETTLED;
     }
