@@ -32,8 +32,7 @@ enum {
     WIDEST = 32,  /* lanes */
     HALVES = 32,  /* rows of the table of (1/2 + x/2)^j */
     NODES = 9,    /* points of a step: it covers about a radian, so no dip hides between them */
-    TIMES = 8,    /* rows made together */
-    VECTOR = 4,   /* of them in a vector of the processor */
+    TIMES = 4,    /* rows made together, in a vector of the processor */
     TOGETHER = 6, /* variables made together: each sum waits for its last addition */
     FEW = 2,      /* rows in a step that are made one by one */
     PATIENCE = 64 /* tiny steps in a row that are a stall */
@@ -669,38 +668,36 @@ static void state_at(const Loop *l, integer lane, real time) {
 #define FUSES
 #endif
 
-typedef real Vector __attribute__((vector_size(VECTOR * sizeof(real))));
+typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
 
-/* Write the states of the first lane at `count` of the times `when` (TIMES,) after the beginning of
+/* Write the states of the first lane at the times `when` (TIMES,) after the beginning of
    the step to out (variables, TIMES). The sums are compensated, and have the bits of those that a
    compiled step that fuses makes of one time. */
-FUSES static void sum_rows(const Loop *l, integer count, const real *when, real *out) {
+FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
     integer size = l->sizes.size, last = l->output.variables - 1;
     for (integer first = 0; first <= last; first += TOGETHER) {
-        for (int group = 0; group < count; group += VECTOR) {
-            const real *c[TOGETHER];
-            Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
-            memcpy(&h, when + group, sizeof h);
-            power = h;
-            for (int i = 0; i < TOGETHER; i++) {
-                c[i] = l->motion.tc + MIN(last, first + i) * size;
-                sums[i] = zero + c[i][0];
-                rests[i] = zero;
-            }
-            for (integer k = 1; k < size; k++) {
-                for (int i = 0; i < TOGETHER; i++) {
-                    Vector factor = zero + c[i][k], minus = -rests[i], more;
-                    for (int t = 0; t < VECTOR; t++)
-                        more[t] = fma(factor[t], power[t], minus[t]);
-                    Vector sum = sums[i] + more;
-                    rests[i] = (sum - sums[i]) - more;
-                    sums[i] = sum;
-                }
-                power *= h;
-            }
-            for (int i = 0; i < TOGETHER && first + i <= last; i++)
-                memcpy(out + (first + i) * TIMES + group, sums + i, sizeof h);
+        const real *c[TOGETHER];
+        Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
+        memcpy(&h, when, sizeof h);
+        power = h;
+        for (int i = 0; i < TOGETHER; i++) {
+            c[i] = l->motion.tc + MIN(last, first + i) * size;
+            sums[i] = zero + c[i][0];
+            rests[i] = zero;
         }
+        for (integer k = 1; k < size; k++) {
+            for (int i = 0; i < TOGETHER; i++) {
+                Vector factor = zero + c[i][k], minus = -rests[i], more;
+                for (int t = 0; t < TIMES; t++)
+                    more[t] = fma(factor[t], power[t], minus[t]);
+                Vector sum = sums[i] + more;
+                rests[i] = (sum - sums[i]) - more;
+                sums[i] = sum;
+            }
+            power *= h;
+        }
+        for (int i = 0; i < TOGETHER && first + i <= last; i++)
+            memcpy(out + (first + i) * TIMES, sums + i, sizeof h);
     }
 }
 
@@ -719,7 +716,7 @@ static void write_rows(const Loop *l, integer at, integer count) {
         real time = rows->times[at + (k < count ? k : count - 1)];
         when[k] = (time - l->motion.start_high[0]) - l->motion.start_low[0];
     }
-    sum_rows(l, count, when, out);
+    sum_rows(l, when, out);
     for (integer i = 0; i < rows->variables; i++)
         memcpy(rows->states + i * rows->count + at, out + i * TIMES, count * sizeof(real));
 }
