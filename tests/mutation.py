@@ -44,7 +44,7 @@ JUDGES: dict[str, tuple[str, ...]] = {
     ),
     "mechanics.doubledouble": ("mechanics/test_operand.py", "-k", "doubles"),
     "mechanics.event": ("runs/test_events.py", "-k", "TestSignificance"),
-    "mechanics.systems.spinning": ("mechanics/test_spinning.py",),
+    "mechanics.theory.spinning": ("mechanics/test_spinning.py",),
     "mechanics.systems.tippe_top": ("mechanics/test_spinning.py",),
     "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),
     "landscape.formulas": ("landscape/test_formulas.py",),
@@ -79,12 +79,12 @@ COMPILED = (
 """Test files that drive whole runs; of the others numba compiles nothing, which would be most of
 their time.
 """
-UNREAD = ("mechanics.contact.impact", "mechanics.rotation", "mechanics.systems.spinning")
+UNREAD = ("mechanics.rotation", "mechanics.theory.spinning")
 """Formulas of mechanics that the laws do not read."""
 # z is +1 or -1 of a spinning top, and so is its own reciprocal
 EQUAL: dict[str, tuple[str, ...]] = {
     "mechanics.theory.thresholds": ("spin: b.R * z",),
-    "mechanics.systems.spinning": ("slope: b.R * z",),
+    "mechanics.theory.spinning": ("slope: b.R * z",),
 }
 """Expressions whose mutant is the same formula."""
 FLIPPED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}

@@ -14,11 +14,21 @@ import numpy as np
 import pytest
 
 import tippetop as tt
+from tippetop import benchmark
 
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-SHORTER = {"1e6": "12", "2e6": "13", "5e5": "9", "500001": "9.01", "--step 1e-5": "--step 1e-3"}
+SHORTER = {
+    "1e6": "12",
+    "2e6": "13",
+    "5e5": "9",
+    "500001": "9.01",
+    "--step 1e-5": "--step 1e-3",
+    "benchmark export DIR": "benchmark export DIR joint",
+    "benchmark export cases  ": "benchmark export cases joint",
+    "mine.csv --case bounce": "ENGINE/best/joint/dt=1e-3.csv --case joint",
+}
 DONE_ALREADY = ("resume RUN.zarr  ", "resume LONG.zarr  ")
 """They continue an unfinished run; what is finished is refused, in a sentence."""
 PLAN = """
@@ -49,7 +59,9 @@ def commands(page: Path) -> list[str]:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What the commands find: scenarios, a plan, runs, and motions in tables."""
+    """What the commands find: scenarios, a plan, runs, motions in tables, and results of
+    simulators.
+    """
     place = tmp_path_factory.mktemp("typed")
     tt_words(place, "new tippe-top --out SCENARIO.toml")
     (place / "PLAN.toml").write_text(PLAN, encoding="utf-8")
@@ -69,6 +81,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             header="t [s],axis_x,axis_y,axis_z",
             comments="",
         )
+    made = benchmark.export(place / "exported", ["joint"])
+    (reference,) = (path for path in made if path.name == "reference.csv")
+    for name in ("ENGINE", "OUT"):
+        result = place / name / "best" / "joint"
+        result.mkdir(parents=True)
+        shutil.copy(reference, result / "dt=1e-3.csv")
     return place
 
 
@@ -95,7 +113,7 @@ def test_each_command_of_a_page_runs(page: Path, folder: Path, tmp_path: Path) -
         words = line.partition(" ")[2]
         for long, short in SHORTER.items():
             words = words.replace(long, short)
-        made = re.search(r"--out (\S+)", words)
+        made = re.search(r"(?:--out|^benchmark export) (\S+)", words)
         if made and (tmp_path / made[1]).exists():
             words += " --overwrite" * (not re.search("--overwrite|^sweep", words))
         done = tt_words(tmp_path, words)

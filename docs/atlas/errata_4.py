@@ -9,7 +9,8 @@ from exact import UP, rate
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.operand import cross, dot
-from tippetop.mechanics.systems import spinning, tippe_top
+from tippetop.mechanics.systems import tippe_top
+from tippetop.mechanics.theory import spinning
 from tippetop.mechanics.theory.thresholds import lambda_de, two_wells_from
 
 

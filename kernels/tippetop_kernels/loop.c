@@ -912,23 +912,26 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the state, the time left and the
-   signs of event functions. From `out` on they have the state in which phase `next` begins, of event
-   functions the signs, of which 0 stays, and the roots, the time that the phase lasts (NaN: it has
-   no clock), and the numbers of tables. */
+/* What follows where a phase ends by an event. Registers begin with the state, the time left, the
+   signs of event functions, the numbers of the body and the constants; the results of lines follow.
+   From line `out` on these are the state in which phase `next` begins, of event functions the signs,
+   of which 0 stays, and the roots, the time that the phase lasts (NaN: it has no clock), and the
+   numbers of tables. */
 typedef struct {
     const Line *lines;
-    real *registers;
-    integer count, begin, out, next, logged, first, last;
+    const real *constants;
+    integer length, count, out, next, logged, first, last;
 } Change;
 
 typedef struct {
     const Loop *const *loops; /* of phases, then of motions */
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
+    const real *body;
+    real *registers;
     real *made; /* of each change: time, phase and event, counts of rows, passages and samples, then
                    the last registers */
     real began, end, clock, chatter;
-    integer present, count, most, width;
+    integer present, count, most, numbers, width;
 } Phases;
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
@@ -955,10 +958,9 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
            n->variables * sizeof(real));
 }
 
-/* Execute a program. Return whether every comparison is as expected. */
-static bool execute(const Change *c, const Loop *const *loops) {
-    real *r = c->registers, *to = r + c->begin;
-    for (const Line *line = c->lines; line < c->lines + c->count; line++, to++) {
+/* Execute a program, whose results begin at `to`. Return whether every comparison is as expected. */
+static bool execute(const Change *c, real *r, real *to, const Loop *const *loops) {
+    for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
         int exponent;
         switch (line->what) {
@@ -1006,17 +1008,20 @@ static bool change_phase(Phases *p) {
     if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
         return false;
     const Change *c = p->changes + p->present * events + log->rows[at].event;
-    if (c->count == 0)
+    if (c->length == 0)
         return false;
-    real *r = c->registers, *signs = known(l, SIGN, 0), finite = 0;
+    real *r = p->registers, *results = r + n + 1 + events + p->numbers + c->count;
+    real *signs = known(l, SIGN, 0), finite = 0;
     copy(n, log->states + at * l->sizes.width, 1, r, 1);
     r[n] = p->end - when;
     copy(events, signs, 1, r + n + 1, 1);
-    if (!execute(c, p->loops))
+    copy(p->numbers, p->body, 1, r + n + 1 + events, 1);
+    copy(c->count, c->constants, 1, results - c->count, 1);
+    if (!execute(c, r, results, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
     const Motion *m = &next->motion;
-    const real *out = r + c->out, *sides = out + next->sizes.variables;
+    const real *out = results + c->out, *sides = out + next->sizes.variables;
     const real *roots = sides + events, *others = roots + events;
     for (const real *number = out; number < sides; number++)
         finite += 0.0 * *number;

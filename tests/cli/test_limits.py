@@ -11,11 +11,13 @@ from pathlib import Path
 
 import pytest
 from forked import Forked
+from nightly import at_night
 from stores import ended, wait_until
 from typed import typed
 
 from tippetop.errors import InputError
-from tippetop.scenario import build, reading
+from tippetop.runs import starting
+from tippetop.scenario import reading
 
 
 RUN = "run inverting --until 0.05"
@@ -34,7 +36,7 @@ def shell(words: str, redirected: str = "", **environment: str) -> subprocess.Co
         ("presets", ">&-", 0),
         ("fly", "2>&-", 2),
         ("run nothing", "2>/dev/full", 2),
-        ("systems", ">/dev/full", 5),
+        at_night("systems", ">/dev/full", 5),
         ("--version", ">/dev/full", 5),
         ("--help", "| true", 0),
     ],
@@ -101,7 +103,7 @@ def test_a_tolerance_far_below_the_rounding_unit_is_refused(
     precision: str, tolerance: float
 ) -> None:
     with pytest.raises(InputError, match=r"must be 0 .the rounding unit. or at least"):
-        build.load("inverting", [f"run.precision={precision}", f"run.tolerance={tolerance}"])
+        starting.load("inverting", [f"run.precision={precision}", f"run.tolerance={tolerance}"])
 
 
 MARKED = """

@@ -3,8 +3,8 @@ write instead.
 """
 
 import json
-import subprocess
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import tippetop as tt
+from tippetop import cli
 from tippetop.cli.application import COMMANDS, application
 from tippetop.figures import catalogue
 from tippetop.mechanics.systems import SYSTEMS
@@ -109,14 +110,15 @@ def test_a_finished_surface_has_nothing_to_do(tmp_path: Path, said: Callable) ->
     assert {p.name for p in tmp_path.rglob("m*")} == {"mine"}
 
 
-def test_warnings_are_lines_of_ours_on_stderr() -> None:
-    code = (
-        "import sys, warnings; from tippetop import cli\n"
-        "cli.outcome = lambda _: warnings.warn('two\\nlines', stacklevel=1) or 0\ncli.main([])"
-    )
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout == ""
-    assert found.stderr == "tippetop: warning: two lines\n"
+def test_warnings_are_lines_of_ours_on_stderr(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(cli, "outcome", lambda _: warnings.warn("two\nlines", stacklevel=1) or 0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        with pytest.raises(SystemExit):
+            cli.main([])
+    assert capsys.readouterr() == ("", "tippetop: warning: two lines\n")
 
 
 @pytest.mark.parametrize(

@@ -88,8 +88,8 @@ def test_the_egg_moves_by_its_lagrangian_without_friction(egg: dict[str, Any]) -
         tt.friction.Viscous(mu=0),
         parameters={"m": 0.06, "a": 0.03, "b": 0.02, "g": 9.81},
         start={"theta": 1.0, "theta_dot": 1.0, "phi_dot": 40.0, "omega3": 20.0},
-        until=0.5,
-        output_step=0.05,
+        until=0.25,
+        output_step=0.025,
     )
     s, z = np.sin(1.0), np.cos(1.0)
     start = np.array(
@@ -132,7 +132,7 @@ def toy(page: dict[str, Any], mu: float, spin: float, until: float, **changed: f
 def test_the_rattleback_moves_by_its_lagrangian_without_friction(
     rattleback: dict[str, Any],
 ) -> None:
-    run, toy_body = toy(rattleback, 0.0, -5.0, 0.3), rattleback["TOY"]
+    run, toy_body = toy(rattleback, 0.0, -5.0, 0.15), rattleback["TOY"]
     axes = np.array([toy_body[name] for name in "abc"])
     c, s = np.cos(0.15), np.sin(0.15)
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])

@@ -30,7 +30,7 @@ def film(tmp_path: Path) -> Path:
         (
             "t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n",
             "initial.phi",
-            "`initial.phi` must change the measurements",
+            "`initial.phi` must change the measurements, but has no effect on them",
         ),
         (
             "t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n",

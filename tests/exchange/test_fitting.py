@@ -233,7 +233,6 @@ def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     ("free", "words"),
     [
         ("friction.nu", "friction.mu"),
-        ("initial.x", "must change the measurements, but has no effect on them"),
         ("time.of", "time.offset"),
         (",", "must be names such as"),
     ],

@@ -103,10 +103,12 @@ class Faults:
 
     def _is_below(self, place: Any, how: dict[str, Any]) -> bool:
         if isinstance(place, int):
-            return Path(os.readlink(f"/proc/self/fd/{place}")).is_relative_to(self.root)
-        folder = how.get("dir_fd", how.get("src_dir_fd"))
-        base = "." if folder is None else os.readlink(f"/proc/self/fd/{folder}")
-        return Path(os.path.abspath(os.path.join(base, place))).is_relative_to(self.root)
+            path = os.readlink(f"/proc/self/fd/{place}")
+        else:
+            folder = how.get("dir_fd", how.get("src_dir_fd"))
+            base = "." if folder is None else os.readlink(f"/proc/self/fd/{folder}")
+            path = os.path.abspath(os.path.join(base, place))
+        return f"{path}/".startswith(f"{self.root}/")
 
     def _judge(self, name: str, half: Callable[[], object] = lambda: None) -> None:
         kinds, number = ONCE.get(self.way, (CHANGES, errno.EIO))

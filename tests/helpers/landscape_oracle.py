@@ -8,7 +8,8 @@ import mpmath as mp
 import numpy as np
 
 from tippetop.mechanics.friction import Frictionless
-from tippetop.mechanics.systems import spinning, tippe_top
+from tippetop.mechanics.systems import tippe_top
+from tippetop.mechanics.theory import spinning
 
 
 mp.mp.dps = 60

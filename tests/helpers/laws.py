@@ -480,7 +480,15 @@ def general_system(case: Case) -> Pairs:
     e, b = case.state, case.body
     rates = case.rates(e)
     w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x
-    found = rolling.general_accelerations(e, np.sin(e.theta), np.cos(e.theta), w_x, w_y, b)
+    s, z = np.sin(e.theta), np.cos(e.theta)
+    theta_dot2, phi_dot2, omega3_dot = rolling.euler_accelerations(e, s, z, b)
+    spin_inertia = b.I1 * b.I3 + b.m * (b.R**2 * b.I1 * s**2 + b.I3 * (b.c - b.R * z) ** 2)
+    found = (
+        theta_dot2
+        - b.m * (b.R - b.c * z) * w_x / (b.I1 + b.m * (b.c**2 + b.R**2 - 2 * b.c * b.R * z)),
+        phi_dot2 + b.m * b.I3 * (b.c - b.R * z) * w_y / (spin_inertia * s),
+        omega3_dot + b.m * b.R * b.I1 * s * w_y / spin_inertia,
+    )
     for name, mine in zip(("theta_dot", "phi_dot", "omega3"), found, strict=True):
         yield f"{name}'", mine, getattr(rates, name)
 

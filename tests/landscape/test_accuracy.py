@@ -8,7 +8,7 @@ import pytest
 
 from tippetop.landscape import formulas, surface
 from tippetop.landscape import landscape_body as bodies
-from tippetop.mechanics.systems import spinning
+from tippetop.mechanics.theory import spinning
 from tippetop_kernels.minimise import Status
 
 
@@ -52,7 +52,7 @@ def worst(parameters, points):
     return np.max(errors, axis=0)
 
 
-few_or_many = pytest.mark.parametrize("count", [100, pytest.param(1000, marks=pytest.mark.slow)])
+few_or_many = pytest.mark.parametrize("count", [50, pytest.param(1000, marks=pytest.mark.slow)])
 
 
 @few_or_many

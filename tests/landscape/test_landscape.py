@@ -10,7 +10,8 @@ from examples import CANONICAL, HEAVY
 
 from tippetop.landscape import landscape_body as bodies
 from tippetop.landscape import marked_lines, potential, surface, turning
-from tippetop.mechanics.systems import heavy_top, spinning
+from tippetop.mechanics.systems import heavy_top
+from tippetop.mechanics.theory import spinning
 from tippetop_kernels.level_crossings import Level
 from tippetop_kernels.minimise import Status
 

@@ -8,7 +8,7 @@ import pytest
 
 from tippetop.landscape import formulas, turning
 from tippetop.landscape import landscape_body as bodies
-from tippetop.mechanics.systems import spinning
+from tippetop.mechanics.theory import spinning
 from tippetop_kernels.level_crossings import Level
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nightly import at_night
 
 import tippetop as tt
 from tippetop.mechanics.operand import formula
@@ -41,7 +42,7 @@ def times(run: Any, kind: str) -> np.ndarray:
     return run.events.time.values[run.events.kind.values == kinds.index(kind)]
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", ["bounces", "stem", at_night("drilling")])
 def test_events_and_columns_of_users_mean_the_same_in_every_phase(case: str) -> None:
     """Every passage of a dense scan, on the ground, on the stem and in the air."""
     rows = tt.run(CASES[case], output_step=2e-5).trajectory

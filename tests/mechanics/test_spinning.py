@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tippetop.mechanics.operand import leaves, refill
-from tippetop.mechanics.systems import spinning, tippe_top
-from tippetop.mechanics.theory import thresholds
+from tippetop.mechanics.systems import tippe_top
+from tippetop.mechanics.theory import spinning, thresholds
 
 
 SMALL = mp.mpf(10) ** -20  # away from the end of the potential, where its terms are 0/0

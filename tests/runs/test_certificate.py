@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from touching import BOUNCE
 from typed import typed
 
 from tippetop.engine.status import Status
 from tippetop.problem import Problem
-from tippetop.runs import certificate
+from tippetop.runs import certificate, starting
 from tippetop.runs.certificate import certificate_violations, contract_violations
 from tippetop.runs.run import Solution, solve
 from tippetop.scenario import build
@@ -57,7 +58,7 @@ def test_a_tolerance_of_ones_own_promises_nothing() -> None:
 
 @pytest.fixture(scope="module")
 def problem() -> Problem:
-    return build.load("inverting", until=0.5)
+    return starting.load("inverting", until=0.5)
 
 
 def spoil(monkeypatch: pytest.MonkeyPatch, spoiled: Any) -> None:
@@ -129,7 +130,7 @@ def test_planted_errors_of_phases_and_impacts_are_measured(monkeypatch: pytest.M
         return made
 
     spoil(monkeypatch, late)
-    found = certificate.certificate(build.load("plastic-toy", until=1.22))
+    found = certificate.certificate(build.problem(BOUNCE))
     assert found["impacts"]["time"] == pytest.approx(2e-7, rel=1e-3)
     assert found["phases"]["start"] == pytest.approx(3e-7, rel=1e-3)
     assert found["theta"] < 1e-12

@@ -79,7 +79,7 @@ def gathered(memory: Memory) -> list[np.ndarray]:
         (BOUNCE, "flight roll"),
         (THROWN, "slip flight roll"),
         (TURNING, "slip roll"),
-        (ROCKING, "slip-inside rest"),
+        ({**ROCKING, "run": {"until": 0.2}}, "slip-inside rest"),
         at_night(STANDING, "slip stem-slip stem-flight flight both"),
         at_night(ON_STEM, "stem-flight stem-slip stem-roll"),
         at_night(DRILLS, "slip-between stem-slip-outside both-between-outside"),

@@ -8,13 +8,13 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from forked import Forked
 from nightly import at_night
 from plans import PLAN
-from stores import assert_same, written
+from stores import assert_same, ended, written
 
 import tippetop
 from tippetop.cli import outcome
@@ -198,29 +198,27 @@ def test_a_chunk_that_fails_is_named_and_the_others_finish(
     assert_same(store, whole)
 
 
+SIGNALLED = """
+import signal
+from tippetop.sweeps import chunk
+compute = chunk.compute_chunk
+def signalled(task, threads=1):
+    if task.chunk == 2:
+        signal.raise_signal({})
+    return compute(task, threads)
+chunk.compute_chunk = signalled
+"""
+
+
 @pytest.mark.parametrize(("number", "code"), [at_night(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_waits_for_the_store_and_the_way_on_is_said(
-    number: int,
-    code: int,
-    whole: Path,
-    file: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: Any,
+    number: int, code: int, whole: Path, file: Path, tmp_path: Path
 ) -> None:
-    from tippetop import cli
-
     store = tmp_path / "S.zarr"
-    handler = signal.signal(signal.SIGTERM, cli._terminate)
-    try:
-        with monkeypatch.context() as patched:
-            computed(patched, lambda chunk: signal.raise_signal(number) if chunk == 2 else None)
-            assert outcome(f"sweep {file} --out {store} --workers 1".split()) == code
-    finally:
-        signal.signal(signal.SIGTERM, handler)
-    assert (
-        f"Continue with: tippetop sweep {file} --out {store} --workers 1" in capsys.readouterr().err
-    )
+    words = f"sweep {file} --out {store} --workers 1"
+    found, said = ended(Forked(words.split(), SIGNALLED.format(int(number))))
+    assert found == code
+    assert f"Continue with: tippetop {words}" in said
     assert written(store) == 2
     tippetop.sweep(file, store, workers=1)
     assert_same(store, whole)

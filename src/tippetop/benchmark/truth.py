@@ -1,14 +1,12 @@
 """The exact motion of a case at given times, in the columns of a result."""
 
-import dataclasses
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..exchange.comparison import reference
 from ..exchange.simulators import motion_of
 from ..problem import Problem
-from ..runs.run import Solution
+from ..runs.run import Solution, solve, with_rows_at
 
 
 VECTORS = {
@@ -36,7 +34,7 @@ def truth(problem: Problem, times: np.ndarray, precision: Any = "double") -> tup
 
     The sign of the quaternion is continuous.
     """
-    run = reference(dataclasses.replace(problem, precision=precision), times)
+    run = solve(with_rows_at(problem, times, precision=precision))
     motion = Truth(run.times, *motion_of(run.problem, run.rows))
     flips = (motion.quaternion[1:] * motion.quaternion[:-1]).sum(axis=1) < 0
     signs = np.cumprod(np.where(flips, -1.0, 1.0))

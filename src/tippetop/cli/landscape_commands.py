@@ -61,6 +61,7 @@ def surface(
     from ..figures import drawing
     from ..landscape import marked_lines, surface, surface_recording
     from ..progress import Bar
+    from ..store import root
     from .targets import check_picture, finished
 
     parameters, system = _tippe_top(scenario)
@@ -78,6 +79,8 @@ def surface(
     )
     if out is not None:
         was_finished = finished(out, overwrite)
+        if overwrite:
+            root.remove(out)
         corners = [axis[[0, -1]] for axis in (Ds, lambdas)]
         try:
             if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
@@ -138,7 +141,8 @@ def potential(
     from ..awaiting import awaited
     from ..figures import drawing
     from ..landscape import potential, surface, surface_recording
-    from .targets import check_picture, finished
+    from ..store import root
+    from .targets import check_picture
 
     parameters, system = _tippe_top(scenario)
     if not 2 <= n <= MOST_POINTS:
@@ -154,7 +158,8 @@ def potential(
             f"`--D` and `--lambda` must keep V finite, but D = {D:g}, lambda = {lambda_:g} do not."
         )
     if out is not None:
-        finished(out, overwrite)
+        if overwrite:
+            root.remove(out)
         attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
         surface_recording.write_potential(
             out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": minimum}
@@ -224,9 +229,9 @@ def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     from ..errors import a_system
     from ..landscape.run_landscape import SPINNING
     from ..mechanics.systems import find
-    from ..scenario import build
+    from ..runs.starting import load
 
-    problem = build.load(scenario)
+    problem = load(scenario)
     record = find(problem.system.name)  # the sphere on the plane, whatever its contact does
     landscape = None if record is None else record.landscape
     if landscape is None or landscape.symbols != SPINNING:

@@ -1,6 +1,5 @@
 """Comparison of the motion of another program with the exact reference at its own times."""
 
-import dataclasses
 import itertools
 import math
 import re
@@ -14,8 +13,7 @@ from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.friction import Frictionless
 from ..problem import Problem
-from ..runs.run import Solution, solve
-from ..sampling import ListedTimes
+from ..runs.run import solve, with_rows_at
 from .motion import Convention, Motion, angle_between, motion
 from .motion_table import read
 
@@ -87,7 +85,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
             f"`{path}`: times must begin at 0, the start of the reference, or later, but "
             f"begin at {t[0]:g} s."
         )
-    run = reference(problem, t)
+    run = solve(with_rows_at(problem, t))
     rows = len(run.times)
     if rows < 2:
         raise InputError(
@@ -133,15 +131,6 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
         columns.get("theta", unknown),
         numbers,
     )
-
-
-def reference(problem: Problem, times: np.ndarray) -> Solution:
-    """Return the motion of a problem at given times [s], ascending, as far as it goes."""
-    at, until = ListedTimes(times), float(times[-1])
-    whole = dataclasses.replace(
-        problem, times=at, until=until, output="times", stop_when="until", columns=None
-    )
-    return solve(whole)
 
 
 def differences(there: Motion, columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

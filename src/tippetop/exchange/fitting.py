@@ -80,7 +80,6 @@ def fit(
     observation: Observation,
     loss: str = "linear",
     starts: int = STARTS,
-    seed: int = 0,
     progress: Callable[[int, int], None] = lambda *_: None,
 ) -> Fit:
     """Fit the free numbers of an observation.
@@ -93,8 +92,6 @@ def fit(
         linear, or soft_l1, huber, cauchy, which outliers hardly move.
     starts
         Independent searches at most, until `MET` of them have ended in the best minimum.
-    seed
-        Of the searches.
     progress
         Called with the numbers of windows that are done and that are expected.
 
@@ -115,14 +112,14 @@ def fit(
     widen(misfit)
     count = len(windows(misfit))
     ends: list[Minimum] = []
-    for n, points in enumerate(starts_of(misfit, starts, seed)):
+    for n, points in enumerate(starts_of(misfit, starts)):
         expected = n + MET - (ends[0].searches if ends else 0)
 
         def report(done: int, before: int = n * count, total: int = expected * count) -> None:
             progress(before + done, total)
 
         report(0)
-        minima = search(misfit, points, np.random.default_rng((seed, n)), report)
+        minima = search(misfit, points, np.random.default_rng((0, n)), report)
         if OFFSET in space.names:
             minima = [*walk(misfit, minima[0], space.names.index(OFFSET)), *minima[1:]]
         ends = merge([*ends, *minima])
@@ -324,9 +321,10 @@ def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
 
 def names_of(text: str | Sequence[str]) -> tuple[str, ...]:
     """Return the names of free numbers from a text with commas or a list. Raises InputError."""
-    names = [part.strip() for part in text.split(",")] if isinstance(text, str) else list(text)
-    if not names or not all(isinstance(name, str) and name for name in names):
+    names = [part.strip() for part in text.split(",")] if isinstance(text, str) else text
+    is_list = isinstance(names, list | tuple) and len(names) > 0
+    if not is_list or not all(isinstance(name, str) and name for name in names):
         raise InputError(
-            "the free numbers must be names such as friction.mu, parameters.I1, but none is given."
+            f"`free` must be names such as friction.mu, parameters.I1, but is {text!r:.60}."
         )
     return tuple(names)

@@ -178,12 +178,12 @@ def _cloud(misfit: Misfit, best: Minimum, rows: int, random: np.random.Generator
     return points[np.argsort(misfit.costs(residuals, best.residual), kind="stable")[:CHILDREN]]
 
 
-def starts_of(misfit: Misfit, searches: int, seed: int) -> np.ndarray:
+def starts_of(misfit: Misfit, searches: int) -> np.ndarray:
     """Return the starts of searches, (searches, starts, free), spread about the scenario."""
     from scipy.stats import qmc
 
     free = len(misfit.space.names)
     count = searches * BATCH
-    sobol = qmc.Sobol(free, seed=seed).random_base2(int(np.ceil(np.log2(count))))
+    sobol = qmc.Sobol(free, seed=0).random_base2(int(np.ceil(np.log2(count))))
     points = np.vstack([np.zeros(free), 2 * sobol - 1])[:count]
     return misfit.space.clipped(points).reshape(BATCH, searches, free).swapaxes(0, 1)

@@ -8,7 +8,7 @@ import numpy as np
 from ..engine.observables import Observables
 from ..errors import InputError, a_system
 from ..mechanics.contact import body as contact
-from ..mechanics.contact.state import moving, row_of_angles
+from ..mechanics.contact.rows import moving, row_of_angles
 from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated

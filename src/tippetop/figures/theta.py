@@ -40,8 +40,8 @@ def theta(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None =
         if len(when):
             size = 5 if len(when) < 500 else 1.5
             ax.scatter(*thinned(when, where), s=size, color=color, lw=0, zorder=3, label=name)
-    words = trajectory["theta"].attrs.get("long_name", "inclination")
-    label = "inclination θ (rad)" if "inclination" in words else "angle θ (rad)"
+    is_inclination = "inclination" in trajectory["theta"].attrs["long_name"]
+    label = "inclination θ (rad)" if is_inclination else "angle θ (rad)"
     ax.set(ylabel=label, title=title(attrs), xlim=span(t))
     ticks_of_inclination(ax)
     for when in events["time"].values[flagged(events["kind"], "liftoff")][:1]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..mechanics.systems import spinning
+from ..mechanics.theory import spinning
 from ..mechanics.theory.thresholds import spin
 from .landscape_body import top
 from .landscape_labels import attributes, axis, labelled, momenta

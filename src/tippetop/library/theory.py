@@ -11,11 +11,11 @@ from ..mechanics.contact.body import Top
 from ..mechanics.friction import has_parts
 from ..mechanics.systems import SYSTEMS
 from ..mechanics.systems.heavy_top import HeavyTop
-from ..mechanics.systems.spinning import thresholds_of_surface
 from ..mechanics.systems.tippe_top import TippeTop
 from ..mechanics.theory import modes, regimes
 from ..mechanics.theory import thresholds as limits
 from ..mechanics.theory.regimes import Regime
+from ..mechanics.theory.spinning import thresholds_of_surface
 from ..mechanics.theory.thresholds import Threshold
 from ..mechanics.units import JELLETT, RADIAN_PER_SECOND
 from ..problem import Problem
@@ -64,9 +64,7 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
     """
     body = top_of(top, TippeTop, HeavyTop)
     if isinstance(body, HeavyTop):
-        sleeping = limits.sleeping_spin(body.body())
-        above = "upright spin of a fixed tip stable above"
-        return Thresholds(spin_sleeping=Threshold(sleeping, RADIAN_PER_SECOND, above))
+        return Thresholds(limits.thresholds_of_sleeping(body.body()))
     return Thresholds(limits.thresholds(body.body()) | thresholds_of_surface(body.body()))
 
 

@@ -96,7 +96,7 @@ class Domain(NamedTuple):
     meaning: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # a key of caches: compared by identity
 class Form:
     """A way to write the state of a system.
 

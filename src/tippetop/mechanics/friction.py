@@ -25,24 +25,18 @@ from .units import METRE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
 __all__ = ["Contensou", "Coulomb", "Frictionless", "Latitude", "Mixed", "Stribeck", "Viscous"]
 
 
-PARTS = {
-    "mu_r": number(
-        METRE,
-        "rolling resistance of a tippe top: torque per normal force",
-        symbol=r"\mu_r",
-        least=0,
-        default=0.0,
-        optional=True,
-    ),
-    "mu_d": number(
-        METRE,
-        "drilling torque of a tippe top, per normal force",
-        symbol=r"\mu_d",
-        least=0,
-        default=0.0,
-        optional=True,
-    ),
-}
+ROLLING = number(
+    METRE,
+    "rolling resistance of a tippe top: torque per normal force",
+    symbol=r"\mu_r",
+    least=0,
+    default=0.0,
+    optional=True,
+)
+DRILLING = reuse(
+    ROLLING, long_name="drilling torque of a tippe top, per normal force", symbol=r"\mu_d"
+)
+PARTS = {"mu_r": ROLLING, "mu_d": DRILLING}
 """Numbers that can be added to every law of a system whose contact may open and is a sphere's."""
 
 
@@ -122,8 +116,8 @@ class FrictionLaw(Record, abstract=True):
     with_parts: ClassVar[Any] = None
     """The law with rolling resistance and a drilling torque; None if it already has them."""
 
-    mu_r: Number = reuse(PARTS["mu_r"], default=None, kw_only=True)
-    mu_d: Number = reuse(PARTS["mu_d"], default=None, kw_only=True)
+    mu_r: Number = reuse(ROLLING, default=None, kw_only=True)
+    mu_d: Number = reuse(DRILLING, default=None, kw_only=True)
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -242,14 +236,7 @@ class Contensou(FrictionLaw):
         symbol="contact radius",
         above=0,
     )
-    mu_r: Number = number(
-        METRE,
-        "rolling resistance: torque per normal force",
-        symbol=r"\mu_r",
-        least=0,
-        default=0.0,
-        kw_only=True,
-    )
+    mu_r: Number = reuse(ROLLING, optional=False, kw_only=True)
 
 
 class Mixed(FrictionLaw):
@@ -438,24 +425,18 @@ def checked_name(name: Any, kind: str) -> str:
 def _faults(law: type[FrictionLaw]) -> list[str]:
     """Return messages on a law that cannot be registered."""
     name, faults = law.key, []
-    if law.coefficient is None:
-        faults.append(f"the law `{name}` must have a coefficient k(v2, z, law), but has none.")
-    elif not callable(law.coefficient):
+    if not callable(law.coefficient):
         faults.append(
-            f"the coefficient of the law `{name}` must be a function, but is "
+            f"the law `{name}` must have a function `coefficient(v2, z, law)`, but has "
             f"{law.coefficient!r:.60}."
         )
     more = [word for word in ("set_valued", "regions", "torque", "without") if getattr(law, word)]
     must = "must be left out: it is for the laws of this package"
     faults += [f"`{word}` of the law `{name}` {must}." for word in more]
-    if "law" in law.parameters:
-        faults.append(
-            f"a parameter of the law `{name}` must not be named `law`: that is the key of the "
-            "law's name."
-        )
+    taken = {part: f"every law takes it, as {rule.long_name}" for part, rule in PARTS.items()}
+    taken["law"] = "that is the key of the law's name"
     return faults + [
-        f"a parameter of the law `{name}` must not be named `{part}`: every law takes it, as "
-        f"{rule.long_name}."
-        for part, rule in PARTS.items()
-        if part in law.parameters
+        f"a parameter of the law `{name}` must not be named `{word}`: {why}."
+        for word, why in taken.items()
+        if word in law.parameters
     ]

@@ -22,27 +22,6 @@ it costs no bit.
 """
 
 
-LONG_NAMES = {
-    "s": "sin(theta)",
-    "z": "cos(theta)",
-    "z_dot": "time derivative of cos(theta)",
-    "D": "Routh's function",
-    "lam": "Jellett's integral",
-    "L3": "angular momentum along the axis",
-    "rx_dot": "horizontal velocity of the centre of mass, x component",
-    "ry_dot": "horizontal velocity of the centre of mass, y component",
-    **{f"u{x}": f"unit vector 3hat along the axis, {x} component" for x in "xyz"},
-    **{
-        f"{L}{x}": f"angular momentum about the contact point, {x} component"
-        for L in "LM"
-        for x in "xyz"
-    },
-    "vx": "velocity of the contact point, x component",
-    "vy": "velocity of the contact point, y component",
-}
-"""Of variables of forms that are no columns of a run."""
-
-
 @dataclass(frozen=True)
 class Variables:
     """The variables of an integrator: the state of a form, then its integrals times INTEGRAL_SCALE.
@@ -123,11 +102,9 @@ class Variables:
 
     def weights(self, scales: Scales) -> list:
         """Return the SI value of one internal unit of each variable."""
-        known = {unit: scales.of(unit) for unit in {*self.units.values()}}
-        units = [known[unit] for unit in self.units.values()]
-        whole = units[: self.moving]
+        units = [scales.of(unit) for unit in self.units.values()]
         small = units[0].dtype.type(INTEGRAL_SCALE)
-        return [*whole, *(unit / small for unit in units[self.moving :])]
+        return [*units[: self.moving], *(unit / small for unit in units[self.moving :])]
 
     def coefficients(self, name: str, coefficients: Any) -> Any:
         """Return the Taylor coefficients (n, order + 1) of an integral.
@@ -136,6 +113,10 @@ class Variables:
         """
         with np.errstate(over="ignore"):  # wider numbers, where a motion ends in a singularity
             return coefficients[:, self.names.index(name)].astype(float) / INTEGRAL_SCALE
+
+
+variables_of = lru_cache(maxsize=256)(Variables)
+"""Returns the same `Variables` for the same form: their names and units are derived once."""
 
 
 @lru_cache

@@ -11,10 +11,9 @@ import numpy as np
 from ..columns import Column
 from ..errors import InputError
 from ..problem import Problem
-from ..sampling import ListedTimes
 from . import phases
 from .attributes import groups
-from .run import Solution, solve
+from .run import Solution, solve, with_rows_at
 
 
 # Largest relative drift that a run may show, by invariant.
@@ -79,15 +78,8 @@ def certificate(
     if window is not None and not 0 < window < math.inf:
         raise InputError(f"`window` must be greater than 0 and finite, but is {window:g}.")
     until = min(problem.until, window or problem.until)
-    narrow = dataclasses.replace(
-        problem,
-        until=until,
-        times=ListedTimes(np.linspace(0.0, until, CERTIFICATE_ROWS)),
-        output="times",
-        stop_when="until",
-        columns=None,
-        orientation=False,
-    )
+    times = np.linspace(0.0, until, CERTIFICATE_ROWS)
+    narrow = with_rows_at(problem, times, orientation=False)
     wide = dataclasses.replace(narrow, precision=NEXT_PRECISION[problem.precision], tolerance=0.0)
     with following() as progress:
         run = solve(narrow, progress)

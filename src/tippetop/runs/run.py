@@ -12,6 +12,7 @@ from ..engine.status import Status
 from ..errors import InputError
 from ..mechanics.caching import cached_property
 from ..problem import Problem
+from ..sampling import ListedTimes
 from . import reporting
 from .events import EventTable
 from .integration import Integration
@@ -64,6 +65,19 @@ class Solution:
     def columns(self) -> dict[str, Any]:
         """Return the rows as named SI columns."""
         return Observables(self.problem).columns(self.times, self.rows)
+
+
+def with_rows_at(problem: Problem, times: np.ndarray, **changes: Any) -> Problem:
+    """Return a problem whose only rows are at these times [s], ascending; it ends at the last."""
+    return replace(
+        problem,
+        times=ListedTimes(times),
+        until=float(times[-1]),
+        output="times",
+        stop_when="until",
+        columns=None,
+        **changes,
+    )
 
 
 def refuse_more_than_memory(problem: Problem) -> None:

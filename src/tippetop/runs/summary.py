@@ -161,7 +161,8 @@ def contact(phases: Info) -> str:
 
 def _verb(phase: Info) -> str:
     """Return the verb of a phase of a contact; of a user-defined system, its name."""
-    return VERBS[phase["phase"]] if "ball" in phase else f"`{phase['phase']}`"
+    name = phase["phase"]
+    return VERBS.get(name, f"`{name}`") if "ball" in phase else f"`{name}`"
 
 
 def _does(phase: Info) -> str:

@@ -20,13 +20,13 @@ from ..mechanics.contact.coulomb import sliding, sticking
 from ..mechanics.contact.gliding.gliding_catalogue import COS_INVERTED
 from ..mechanics.contact.gliding.gliding_vector import axis, momentum
 from ..mechanics.contact.response import mobility_inverse_times
+from ..mechanics.contact.rows import moving, row_of_angles
 from ..mechanics.contact.single_contact import (
     FLIGHT,
     disc_friction,
     patch_speed2,
     smooth_friction,
 )
-from ..mechanics.contact.state import moving, row_of_angles
 from ..mechanics.operand import Vector, atan2, cross, leaves, plus, refill, sqrt
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS

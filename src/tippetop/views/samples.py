@@ -14,17 +14,18 @@ from ..runs.shape import body_of, shape
 
 
 Columns = Mapping[str, np.ndarray]
-STRIDE = 23  # numbers of a sample, as motion.js reads them
 ORIENTATION, OMEGA = slice(0, 4), slice(4, 7)
 NEEDED = (
     *("time", "orientation", "axis", "L", "theta", "theta_dot", "omega3", "phi", "nu_x", "nu_y"),
-    *("x", "y", "z", "normal_force", "phase", "ball"),
+    *("x", "y", "z", "phase", "ball"),
 )
+"""Columns without which there is no page; the force and the potential are drawn if they are there.
+"""
 
 
 def needed(attrs: dict[str, Any]) -> list[str]:
     """Return the columns of a trajectory from which samples are made."""
-    return [*NEEDED, *well_quantities(find(attrs["system"]))]
+    return [*NEEDED, "normal_force", *well_quantities(find(attrs["system"]))]
 
 
 def well_quantities(system: Any) -> list[str]:
@@ -35,7 +36,7 @@ def well_quantities(system: Any) -> list[str]:
 
 
 def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
-    """Return samples (n, STRIDE) of rows given as columns by name, SI.
+    """Return samples (n, 23), as motion.js reads them, of rows given as columns by name, SI.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ RUNS = {
     "bounces": (({**BOUNCE, "friction": VISCOUS, "contact": {"e_n": 0.7}},), {"until": 1.0}),
     "parts": (({**BOUNCE, "friction": {**VISCOUS, "mu_r": 1e-4, "mu_d": 1e-4}},), {"until": 1.0}),
     "coulomb": (({**BOUNCE, "friction": COULOMB, "initial": THROWN},), {"until": 0.3}),
-    "drilling": (({**BOUNCE, "friction": DRILLING, "initial": THROWN},), {"until": 0.3}),
+    "drilling": (({**BOUNCE, "friction": DRILLING, "initial": THROWN},), {"until": 0.1}),
 }
 SMOOTH = "hops", "bounces", "parts"
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.contact.state import ANGLES, Row, row_of_angles, row_scalars
+from tippetop.mechanics.contact.rows import ANGLES, Row, row_of_angles, row_scalars
 from tippetop.mechanics.friction import Viscous
 
 

@@ -9,6 +9,7 @@ from collections import namedtuple
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from itertools import product
 from typing import Any, NamedTuple
 
 from ..disc_friction import STOPS_ROLLING, Region, rolling
@@ -162,7 +163,6 @@ def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Doub
     if regions:
         ends = (STANDS, *borders(regions[0]), *borders(regions[1], "stem", "stem-"))
     phase = phase_of(
-        "both",
         STATE,
         (*LEAVES, *ends),
         (rates, scalars, enter, leave, reaction),
@@ -230,7 +230,6 @@ def rolling_reaction(q, b):
 
 
 ROLLS_ON_BOTH = phase_of(
-    "both",
     STATE,
     LEAVES,
     (rolling_rates, rolling_scalars, enter, leave, rolling_reaction),
@@ -239,6 +238,19 @@ ROLLS_ON_BOTH = phase_of(
     jellett_lost=lambda q, b: dot(rolled(q, b)[0], arm(axis(q), b)),
 )
 ROLLS_ON_BOTH = replace(ROLLS_ON_BOTH, axis_stays=True)
+
+
+def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
+    """Return the phases on both balls under a law, by the regions of the law on each."""
+    if law.set_valued:
+        return {}
+    if not law.regions:
+        return {(): double_contact((), law.torque).phase}
+    phases: dict[tuple[str, ...], Phase] = {("roll",): ROLLS_ON_BOTH}
+    for names in product(law.regions, repeat=2):
+        regions = tuple(law.regions[name] for name in names)
+        phases[names] = double_contact(regions, law.torque).phase
+    return phases
 
 
 def without_slip_on_both(x: Moving, b: Touch) -> Moving:

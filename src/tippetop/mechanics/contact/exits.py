@@ -5,30 +5,40 @@ the common state.
 struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..form import Next
+from ..form import CLOCK, Next
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
 from .body import Touch
 from .coulomb import cone, sticking
 from .disc_at_rest import Held, direction, impulses, margin, stopping, turning
-from .double_contact import STANDS, brought_to_rest, double_contact, without_slip_on_both
-from .first_slip import first_directions, first_slip
+from .double_contact import (
+    STANDS,
+    brought_to_rest,
+    double_contact,
+    on_both,
+    without_slip_on_both,
+)
+from .first_slip import FirstSlip, first_directions, first_slip
 from .response import Struck, after_impact, bias_vector, mobility_inverse_times
 from .single_contact import (
     DIRECTED,
     DIRECTED_SLIP,
+    FLIGHT,
+    REST,
     RESTS,
+    ROLL,
     STOPS_AT,
     disc_held,
     regions_of,
     rest_speed2,
+    slides,
 )
 from .state import BALLS, Moving, gained
 
@@ -52,14 +62,12 @@ SOON = 0.1
 """A disc that passes its rest has its speed again within this part of the time in which the lack of
 friction may vanish."""
 
-MOST_STRIKES = 16
-"""Impacts at one instant."""
+MOST_STRIKES = 256
+"""Impacts at one instant: balls that throw each other down strike ever more slowly."""
 
 SPAN, SLOW = 0.03, 0.5
 """Time over which sliding begins at the edge of the cone: this part of 1/|omega|, and at most that
 of the time in which gravity swings the body."""
-
-MOST_HALVINGS = 10
 
 NO_WAY = "the contact opens and closes at once: the model has no solution"
 MAKES_ENERGY = (
@@ -408,13 +416,14 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     F = sticking(x.u, x.L, b)[0]
     omega = contact.angular_velocity(x.u, x.L, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
-    state = np.array([*x.u, *x.L, *x.carried])
-    for _ in range(MOST_HALVINGS):  # short enough for nothing else to happen to the contact
-        first = first_slip(rates, turning, state, np.arctan2(-F.y, -F.x), span)
+
+    def lasts(first: FirstSlip) -> bool:
         q = read(*first.at(first.time[-1:]))[0]
-        if phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * phase.leave(q, b).u.z > 0:
-            break
-        span = span / 2
+        other = b.clearance + b.lever * phase.leave(q, b).u.z
+        return bool(phase.reaction(q, b).force.z > 0 and other > 0)
+
+    state, beta = np.array([*x.u, *x.L, *x.carried]), np.arctan2(-F.y, -F.x)
+    first = first_slip(rates, turning, state, beta, span, lasts=lasts)
 
     def series(t: np.ndarray) -> tuple[Any, Any]:
         t = np.array([eighty_bits(one) for one in t])
@@ -574,14 +583,46 @@ def kicked(x: Moving, by: Held, b: Touch) -> Moving:
     return pushed_by(x, after_impact(x.u, x.L, x.velocity, by.force, twist, b), b)
 
 
-JUMPS: dict[str, Callable] = {
-    "liftoff": lift_off,
-    "stick": stick,
-    "slip": begin_slip,
-    "gives": give_way,
-    "touch": change_ball,
-    STANDS.name: roll_on_both,
-    "sphere-leaves": partial(stay_on, ball=1),
-    "stem-leaves": partial(stay_on, ball=0),
+class Kind(NamedTuple):
+    """A phase of the contact, whatever the law."""
+
+    phases: Callable  # phases(law) -> its phases, by the regions of the law on each ball in contact
+    jumps: Mapping[str, Callable]  # by event
+    balls: int = 1  # in contact
+
+
+ON_BALL = {"liftoff": lift_off, "touch": change_ball}
+
+KINDS = {
+    "slip": Kind(slides, {**ON_BALL, "stick": stick}),
+    "roll": Kind(lambda law: {(): ROLL} if law.set_valued else {}, {**ON_BALL, "slip": begin_slip}),
+    "flight": Kind(lambda law: {(): FLIGHT}, dict.fromkeys(("land", "touch", CLOCK), land)),
+    "both": Kind(
+        on_both,
+        {
+            STANDS.name: roll_on_both,
+            "sphere-leaves": partial(stay_on, ball=1),
+            "stem-leaves": partial(stay_on, ball=0),
+        },
+        balls=2,
+    ),
+    "rest": Kind(lambda law: {(): REST} if law.regions else {}, {**ON_BALL, "gives": give_way}),
 }
-"""The jump at an event of a phase in contact."""
+"""The phases of the contact by label."""
+
+PHASES = tuple(KINDS)
+"""Labels of phases; the place of a label is its number in a store."""
+
+REASONS = (
+    "start",
+    "stick",
+    "slip",
+    "liftoff",
+    "landing",
+    "other-ball",
+    "opens-at-once",
+    "other-leaves",
+    "rests",
+    "gives",
+)
+"""Causes of phases, by number in a store."""

@@ -30,7 +30,13 @@ class FirstSlip(NamedTuple):
 
 
 def first_slip(
-    rates: Callable, turning: Callable, state: np.ndarray, beta: Any, duration: Any, nodes: int = 12
+    rates: Callable,
+    turning: Callable,
+    state: np.ndarray,
+    beta: Any,
+    duration: Any,
+    nodes: int = 12,
+    lasts: Callable = lambda first: True,
 ) -> FirstSlip:
     """Return the motion from the edge of the cone, where w = P = Q = 0.
 
@@ -46,9 +52,11 @@ def first_slip(
     beta
         The direction of the first slip: against the horizontal force of rolling.
     duration
-        How long; 0.03/|omega| is right. It is halved until the sweeps converge.
+        How long; 0.03/|omega| is right. It is halved until the sweeps converge and it `lasts`.
     nodes
         How many times in it.
+    lasts
+        lasts(first) -> whether nothing else happens to the contact in a FirstSlip.
 
     Returns
     -------
@@ -62,7 +70,8 @@ def first_slip(
     """
     for _ in range(12):
         start, change = _swept(rates, turning, state, beta, duration, nodes)
-        if change < 1e4 * np.finfo(np.result_type(state)).eps and bool(np.all(start.w[1:] > 0)):
+        converged = change < 1e4 * np.finfo(np.result_type(state)).eps
+        if converged and bool(np.all(start.w[1:] > 0)) and lasts(start):
             return start
         duration = duration / 2
     raise ArithmeticError("no slip begins at this edge of the cone")

@@ -5,7 +5,6 @@ from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache, lru_cache, partial
-from itertools import product
 from operator import itemgetter
 from typing import Any
 
@@ -17,28 +16,13 @@ from ..operand import formula, leaves, refill
 from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from .body import Touch, seen_from_balls
-from .double_contact import ROLLS_ON_BOTH, double_contact
-from .exits import IMPACT, JUMPS, begin, come_to_rest, go_on, land, phase_name
+from .exits import IMPACT, KINDS, PHASES, REASONS, begin, come_to_rest, go_on, phase_name
 from .gliding import gliding_catalogue as gliding
 from .integrals import NAMED, integral
-from .single_contact import (
-    CONE,
-    DIRECTED_SLIP,
-    FLIGHT,
-    LOADED_SLIP,
-    REST,
-    RESTS,
-    ROLL,
-    SLIP,
-    STICK,
-    disc_slip,
-)
-from .state import (
+from .rows import (
     ANGLES,
-    BALLS,
     DISC_ANGLES,
     DISC_ROW,
-    PHASES,
     PLANAR_ANGLES,
     PLANAR_ROW,
     ROW,
@@ -48,6 +32,8 @@ from .state import (
     row,
     row_within,
 )
+from .single_contact import CONE, RESTS, STICK
+from .state import BALLS
 
 
 ABOVE = {
@@ -93,18 +79,6 @@ SETTLED = Event(
 )
 """An event of runs that stop when they have settled."""
 
-REASONS = (
-    "start",
-    "stick",
-    "slip",
-    "liftoff",
-    "landing",
-    "other-ball",
-    "opens-at-once",
-    "other-leaves",
-    "rests",
-    "gives",
-)
 TABLES = {
     "phases": {
         "phase": PHASES,
@@ -154,52 +128,33 @@ def in_plane(phase: Phase) -> Phase:
 def phases_of(planar: bool, law: Any, balls: int) -> dict[str, Phase]:
     """Return the phases of a body under a law, by name."""
     bare: dict[str, Bare] = {}
-
-    def place(phase: Phase, ball: int, *regions: str) -> None:
-        bare[phase_name(phase.label, ball, *regions)] = phase, ball, regions
-
-    if law.set_valued:
-        on_ball = [DIRECTED_SLIP, ROLL, FLIGHT]
-    elif law.regions:
-        on_ball = [REST, FLIGHT]
-    else:
-        on_ball = [LOADED_SLIP if law.torque else SLIP, FLIGHT]
-    for ball in range(balls):
-        for name, region in law.regions.items():
-            place(disc_slip(region, law.torque), ball, name)
-        for phase in on_ball:
-            place(in_plane(phase) if planar else phase, ball)
-    if balls > 1 and not law.set_valued:
-        for names in product(law.regions, repeat=2) if law.regions else ((),):
-            regions = tuple(law.regions[name] for name in names)
-            place(double_contact(regions, law.torque).phase, 0, *names)
-        if law.regions:
-            place(ROLLS_ON_BOTH, 0, "roll")
-    integrals = {one.name for one in row_of(planar, law).integrals}
-    return {name: with_exits(name, bare, law, integrals) for name in bare}
+    for label, kind in KINDS.items():
+        for regions, phase in kind.phases(law).items():
+            named = replace(in_plane(phase) if planar else phase, label=label)
+            for ball in range(balls + 1 - kind.balls):
+                bare[phase_name(label, ball, *regions)] = named, ball, regions
+    return {name: with_exits(name, bare, law) for name in bare}
 
 
 Bare = tuple[Phase, int, tuple[str, ...]]
 """A phase without exits, its ball, and the regions of the law on each ball in contact."""
 
 
-def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) -> Phase:
-    """Return a phase as its body and its law have it, which moves these integrals."""
+def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
+    """Return a phase as its body and its law have it."""
     phase, ball, regions = bare[name]
-    jumps = JUMPS | {RESTS.name: partial(come_to_rest, slides=name)}
-    for at, region in enumerate(regions):
-        for border in law.regions[region].borders if region in law.regions else ():
+    jumps: Any = {RESTS.name: partial(come_to_rest, slides=name), **KINDS[phase.label].jumps}
+    for at, region in enumerate(regions if law.regions.keys() >= {*regions} else ()):
+        for border in law.regions[region].borders:
             to = phase_name(phase.label, ball, *regions[:at], border.follows, *regions[at + 1 :])
             stays = border.direction if border.follows == region else 0
             of_ball = "stem-" * at
             jumps[of_ball + border.event] = partial(
                 go_on, to=to, passed=of_ball + border.back, side=stays
             )
-    flies = phase.label == "flight"
-    names = [event.name for event in phase.events] + [CLOCK] * flies
-    exits = tuple(Exit(one, tuple(bare), land if flies else jumps[one]) for one in names)
-    carried = tuple(one for one in phase.form.integrals if one.name in integrals)
-    form = replace(phase.form, integrals=carried, not_normalised=("R", "c"))
+    names = [event.name for event in phase.events] + [CLOCK] * (CLOCK in jumps)
+    exits = tuple(Exit(one, tuple(bare), jumps[one]) for one in names)
+    form = replace(phase.form, not_normalised=("R", "c"))
     return replace(phase, forms=form, exits=exits, parameters=itemgetter(ball), ball=ball)
 
 

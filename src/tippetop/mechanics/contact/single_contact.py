@@ -26,7 +26,7 @@ from .rolling.rolling_vector import spin
 from .state import VELOCITY, Moving, Reaction
 
 
-def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
+def phase_of(units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
     """Return a phase whose state has axis and momentum.
 
     `formulas` are the rates of the state, its scalars, `enter`, `leave` and `reaction`; `rates` are
@@ -41,7 +41,7 @@ def phase_of(label: str, units: Any, events: tuple, formulas: tuple, **rates: Ca
     integrals = tuple(carried(*item) for item in {**place, **rates}.items())
     turn = carried_along(axis, axis_rate, spin)
     form = Form("vector", units, moved, scalars, integrals=integrals, orientation=turn)
-    return Phase(form, (), events, (), enter, leave, reaction, label=label)
+    return Phase(form, (), events, (), enter, leave, reaction)
 
 
 class Acts(NamedTuple):
@@ -58,7 +58,6 @@ Contact: Any = namedtuple("Contact", "z z_dot force by q")
 
 
 def on_ball(
-    label: str,
     units: Any,
     events: tuple,
     forces: Callable,
@@ -110,7 +109,6 @@ def on_ball(
         return -(dot(by.force, by.velocity) + dot(by.torque, by.omega))
 
     return phase_of(
-        label,
         units,
         events,
         (rates, scalars, entered, leave, drilled),
@@ -167,7 +165,6 @@ def own_gap(s, b):
 
 LAND = ending("land", "the ball lands", own_gap)
 FLIGHT = phase_of(
-    "flight",
     FREE,
     (LAND, replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b))),
     (
@@ -196,7 +193,6 @@ SLIP = Phase(
     enter=lambda x, b: VectorState(*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2]),
     leave=slip_leave,
     reaction=lambda q, b: Reaction(gliding_vector.reaction(q, b)),
-    label="slip",
 )
 
 
@@ -208,10 +204,10 @@ def still(q: Any) -> Vector:
     return Vector(*(0 * q.uz,) * 3)
 
 
-def without_slip(label: str, events: tuple, holds: Callable) -> Phase:
+def without_slip(events: tuple, holds: Callable) -> Phase:
     """Return a phase in which the contact point stays at rest: holds(u, L, b) -> force, torque."""
     forces = lambda u, L, q, b: holds(u, L, b)  # noqa: E731
-    return on_ball(label, state(), events, forces, still, lambda v: (), lambda q, G: ())
+    return on_ball(state(), events, forces, still, lambda v: (), lambda q, G: ())
 
 
 CONE = ending(
@@ -219,7 +215,7 @@ CONE = ending(
     "rolling needs more friction than there is: the contact slides",
     lambda s, b: cone(s.by.force, b),
 )
-ROLL = without_slip("roll", (LIFTOFF, TOUCH, CONE), sticking)
+ROLL = without_slip((LIFTOFF, TOUCH, CONE), sticking)
 
 STOPS_AT = 2.0**-43
 """|v_A| at which a sliding contact stops, internal units: 1.1e-13. An impulse takes the rest."""
@@ -246,7 +242,6 @@ STICK = ending(
     lambda s, b: s.q.w - STOPS_AT,  # transversal, as |v_A|^2 is not [contact 2.2]
 )
 DIRECTED_SLIP = on_ball(
-    "slip",
     DIRECTED,
     (LIFTOFF, TOUCH, STICK),
     lambda u, L, q, b: sliding_along(u, L, direction(q), b),
@@ -316,15 +311,14 @@ def rest_speed2(b):
     return STILL**2 + (b.friction.patch * RESTS_BELOW) ** 2
 
 
-def speeds(by: Any, b: Touch) -> Speeds:
+def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
     """Return the squares of the speeds of a contact."""
-    v = by.velocity
-    return Speeds(v.x * v.x + v.y * v.y, patch_speed2(by.omega, b))
+    return Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
 
 
 def beyond_rest(by, b):
     """Return the square of the speeds of a contact beyond those of a disc at rest."""
-    return sum(speeds(by, b)) - STILL**2 - rest_speed2(b)
+    return sum(speeds(by.velocity, by.omega, b)) - STILL**2 - rest_speed2(b)
 
 
 RESTS = ending(
@@ -338,7 +332,10 @@ def borders(region: Region, field: str = "by", prefix: str = "") -> list[Event]:
     """Return the events in which a region ends, of the contact in a field of the scalars."""
 
     def end(way: Any) -> Event:
-        beyond = lambda s, b: way.beyond(speeds(getattr(s, field), b), b)  # noqa: E731
+        def beyond(s, b):
+            by = getattr(s, field)
+            return way.beyond(speeds(by.velocity, by.omega, b), b)
+
         return ending(prefix + way.event, "sliding against turning", beyond, way.direction)
 
     return [end(way) for way in region.borders]
@@ -355,7 +352,7 @@ def slip_under(friction: Callable, events: tuple) -> Phase:
         return sliding(u, L, push, per_force, b)
 
     enter, changes = lambda v: v[:2], lambda q, G: G[:2]
-    return on_ball("slip", DISC, events, forces, velocity, enter, changes)
+    return on_ball(DISC, events, forces, velocity, enter, changes)
 
 
 @lru_cache
@@ -370,7 +367,7 @@ def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tupl
     names = []
     for b in bodies if regions else ():
         v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
-        names.append(region_of(speeds(Acts(v, v, v, omega), b), regions, b))
+        names.append(region_of(speeds(v, omega, b), regions, b))
     return tuple(names)
 
 
@@ -404,8 +401,17 @@ def disc_held(u: Vector, L: Vector, b: Touch) -> tuple[Vector, Vector]:
     return held.force, Vector(N * rolls.x, N * rolls.y, held.torque)
 
 
-REST = without_slip("rest", (LIFTOFF, TOUCH, GIVES), disc_held)
+REST = without_slip((LIFTOFF, TOUCH, GIVES), disc_held)
 
 
 LOADED_SLIP = slip_under(smooth_friction, (LIFTOFF, TOUCH))
 """Sliding under a law that is smooth in the velocity and has a torque."""
+
+
+def slides(law: Any) -> dict[tuple[str, ...], Phase]:
+    """Return the phases of sliding under a law, by the regions of the law."""
+    if law.regions:
+        return {(name,): disc_slip(region, law.torque) for name, region in law.regions.items()}
+    if law.set_valued:
+        return {(): DIRECTED_SLIP}
+    return {(): LOADED_SLIP if law.torque else SLIP}

@@ -163,11 +163,11 @@ def load_entry_points() -> None:
     """
     from importlib.metadata import entry_points
 
-    groups: dict[str, tuple[type, str, Callable[[Any], None], str, str]] = {
-        "tippetop.friction": (RecordType, "a FrictionLaw", add_law, "key", "the key of its class"),
-        "tippetop.systems": (System, "a System", add, "name", "the name of its System"),
+    groups: dict[str, tuple[type, str, Callable[[Any], None]]] = {
+        "tippetop.friction": (RecordType, "a FrictionLaw", add_law),
+        "tippetop.systems": (System, "a System", add),
     }
-    for group, (kind, words, register, field, meaning) in groups.items():
+    for group, (kind, words, register) in groups.items():
         for entry in entry_points(group=group):
             try:
                 record = entry.load()
@@ -177,9 +177,3 @@ def load_entry_points() -> None:
                 SHARED.add(record)
             except Exception as error:  # any package may have installed it, and broken it
                 warnings.warn(f"`{entry.name}` of {group} is left out: {error}", stacklevel=2)
-                continue
-            if (name := getattr(record, field)) != entry.name:
-                warnings.warn(
-                    f"`{entry.name}` of {group} is known as `{name}`, {meaning}, and by no other.",
-                    stacklevel=2,
-                )

@@ -125,11 +125,6 @@ def unmet_requirements(system: System) -> list[str]:
                 for event in lifting
                 if "lifted_at" not in [kept.name for kept in event.kept]
             ],
-            **{
-                f"`{name}` {of} must be a function or None, but is": [f"{value!r:.60}"]
-                for name in ("outlook", "motion", "borders")
-                if not (callable(value := getattr(system, name)) or value is None)
-            },
         }
     )  # fmt: skip
 

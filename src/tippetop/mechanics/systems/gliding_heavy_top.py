@@ -4,12 +4,11 @@ It is the body of `gliding` with R = 0, c = -l.
 """
 
 from ..contact.gliding import gliding_catalogue as gliding
-from ..contact.gliding import gliding_euler, rates
-from ..friction import LAWS
+from ..contact.gliding import rates
 from ..operand import formula
 from ..system import Opening, Quantity, of_one_phase
 from . import heavy_top, outlook
-from .tippe_top import SOURCE
+from .tippe_top import GLIDING, SOURCE
 
 
 @formula
@@ -34,11 +33,6 @@ GLIDING_HEAVY_TOP = of_one_phase(
     name="gliding-heavy-top",
     title="heavy symmetric top whose tip glides on a plane",
     source=SOURCE + "5",
-    initial=gliding.INITIAL,
-    alternatives=gliding.ALTERNATIVES,
-    start=gliding.start_of(gliding_euler.ANGLES),
-    angles=gliding_euler.ANGLES,
-    forms=gliding.FORMS,
     quantities=(*heavy_top.MOMENTA, *gliding.QUANTITIES),
     on_request=(
         Quantity("Lz_rate", "L_z'", rates.TORQUE, "rate of L_z about the tip", own_Lz_rate),
@@ -46,10 +40,9 @@ GLIDING_HEAVY_TOP = of_one_phase(
     ),
     integrals=("L3",),
     events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),
-    undefined_at_poles=gliding.UNDEFINED_AT_POLES,
     long_names=gliding.LONG_NAMES,
-    laws=LAWS,
     outlook=outlook.gliding_heavy_top,
     opening=Opening(without=("L3", "Lz")),
+    **GLIDING,
     **heavy_top.COMMON,
 )

@@ -16,6 +16,7 @@ from ..system import Outlook
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
 from ..theory.regimes import regime
+from ..theory.spinning import thresholds_of_surface
 from ..theory.thresholds import (
     Threshold,
     lambda_de,
@@ -25,6 +26,7 @@ from ..theory.thresholds import (
     sleeping_spin,
     spin_of,
     thresholds,
+    thresholds_of_sleeping,
 )
 from ..theory.tumbling import lambda_t
 from ..units import JELLETT, RADIAN_PER_SECOND
@@ -53,7 +55,7 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
     now = regime(start["jellett"], b)
     if is_frictionless(b.friction):
         fate = STAYS if start["at_pole"] else "theta nutates for ever" + UNLESS
-        return Outlook(FREE, fate, {**thresholds(b), **_of_surface(b)})
+        return Outlook(FREE, fate, {**thresholds(b), **thresholds_of_surface(b)})
     acts = nowhere_vanishes(b.friction)
     if start["at_pole"]:
         fate = STAYS
@@ -64,7 +66,7 @@ def tippe_top(b: Touch, start: Start) -> Outlook:
     else:
         fate = "depends on the start: " + ", or ".join(now.attractors) + UNLESS
     sentence = now.sentence() if acts else SOMEWHERE_FREE
-    return Outlook(sentence, fate, {**thresholds(b), **_of_surface(b)})
+    return Outlook(sentence, fate, {**thresholds(b), **thresholds_of_surface(b)})
 
 
 def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
@@ -122,7 +124,7 @@ def tippe_top_borders(b: Touch) -> dict[str, Any]:
 
 def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
     """Predict a rolling tippe top: one degree of freedom. [T ch. 4]"""
-    limits = _of_surface(b)
+    limits = thresholds_of_surface(b)
     sentence = "pure rolling conserves E, D and lambda: theta nutates for ever"
     stable = "stable" if abs(start["jellett"]) > limits["lambda_pi"].value else "unstable"
     limits["gamma"] = thresholds(b)["gamma"]
@@ -131,18 +133,13 @@ def rolling_tippe_top(b: Touch, start: Start) -> Outlook:
     return Outlook(sentence, fate, limits)
 
 
-def _of_surface(b: Touch) -> dict[str, Threshold]:
-    # `spinning` imports `tippe_top`, which imports this module
-    from .spinning import thresholds_of_surface
-
-    return thresholds_of_surface(b)
-
-
 def heavy_top(b: Touch, start: Start) -> Outlook:
     """Predict a heavy top whose tip is fixed. [T ch. 2]"""
     upright = "stable" if _sleeps(b, start) else "unstable"
     return Outlook(
-        f"the sleeping top of this spin is {upright}", heavy_top_motion(b, start), _sleeping(b)
+        f"the sleeping top of this spin is {upright}",
+        heavy_top_motion(b, start),
+        thresholds_of_sleeping(b),
     )
 
 
@@ -162,7 +159,7 @@ def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
     growth = float(linear_modes(start["L3"] / b.I3, b)[0].real)
     if is_frictionless(b.friction):
         regime = f"without friction the upright spin is {'un' if growth > GROWS else ''}stable"
-        return Outlook(regime, STAYS if start["at_pole"] else "", _sleeping(b))
+        return Outlook(regime, STAYS if start["at_pole"] else "", thresholds_of_sleeping(b))
     how = "spirals out slowly" if _sleeps(b, start) else "topples"
     rate = f" (growth rate {growth:.3g} per second)" if GROWS < growth < math.inf else ""
     regime, fate = f"upright spin unstable at every speed{rate}: the top {how}", ""
@@ -170,7 +167,7 @@ def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
         regime = SOMEWHERE_FREE
     elif start.get("theta", 0.0) < math.pi / 2:
         fate = "falls to the plane in the end" + UNLESS
-    return Outlook(regime, STAYS if start["at_pole"] else fate, _sleeping(b))
+    return Outlook(regime, STAYS if start["at_pole"] else fate, thresholds_of_sleeping(b))
 
 
 def cylinder(b: Touch, start: Start) -> Outlook:
@@ -206,10 +203,3 @@ def _round(law: Any) -> str:
 def _sleeps(b: Touch, start: Start) -> bool:
     """Return whether the spin is above that of the sleeping top."""
     return abs(start["L3"]) / b.I3 > sleeping_spin(b)
-
-
-def _sleeping(b: Touch) -> dict[str, Threshold]:
-    limit = Threshold(
-        sleeping_spin(b), RADIAN_PER_SECOND, "upright spin of a fixed tip stable above"
-    )
-    return {"spin_sleeping": limit}

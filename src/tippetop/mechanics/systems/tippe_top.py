@@ -16,6 +16,7 @@ from ..number import Number, number
 from ..operand import formula, sqrt
 from ..potential_coefficients import PotentialCoefficients
 from ..system import Landscape, Momentum, Opening, Quantity, of_one_phase
+from ..theory.spinning import d
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -67,19 +68,6 @@ class TippeTop(Top):
     def seen(self, friction: Any) -> Touch:
         """Return the body: c = alpha*R."""
         return Touch(self.m, self.R, self.alpha * self.R, self.I1, self.I3, self.g, friction)
-
-
-@formula
-def d(z, b):
-    """Return d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit.
-
-    It gives D = L_3 sqrt(d).
-
-    [T 4.7]
-    """
-    return (
-        b.I1 + b.m * ((b.c - b.R * z) ** 2 + b.R**2 * (b.I1 / b.I3) * ((1 - z) * (1 + z)))
-    ) / b.I3
 
 
 @formula
@@ -225,25 +213,30 @@ COMMON: dict[str, Any] = {
 }
 """Fields of the systems of a tippe top, gliding or rolling."""
 
+GLIDING: dict[str, Any] = {
+    "initial": gliding.INITIAL,
+    "alternatives": gliding.ALTERNATIVES,
+    "start": gliding.start_of(gliding_euler.ANGLES),
+    "angles": gliding_euler.ANGLES,
+    "forms": gliding.FORMS,
+    "undefined_at_poles": gliding.UNDEFINED_AT_POLES,
+    "laws": LAWS,
+}
+"""Fields of the systems of a top that glides."""
+
 TIPPE_TOP = of_one_phase(
     "slip",
     name="tippe-top",
     title="rolling and gliding tippe top",
     source=SOURCE + "3",
-    initial=gliding.INITIAL,
-    alternatives=gliding.ALTERNATIVES,
-    start=gliding.start_of(gliding_euler.ANGLES),
-    angles=gliding_euler.ANGLES,
-    forms=gliding.FORMS,
     quantities=QUANTITIES,
     on_request=ON_REQUEST,
     integrals=("jellett",),
     events=gliding.EVENTS,
-    undefined_at_poles=gliding.UNDEFINED_AT_POLES,
-    laws=LAWS,
     outlook=outlook.tippe_top,
     opening=Opening(sphere=True, routh=routh, outlook=outlook.tippe_top_with_contact),
     borders=outlook.tippe_top_borders,
     inverts=True,
+    **GLIDING,
     **COMMON,
 )

@@ -15,6 +15,7 @@ from ..contact.integrals import integral, place
 from ..contact.rolling import reaction, rolling_euler
 from ..operand import Operand, atan2, cos, formula, sin, sqrt
 from ..system import Form
+from ..theory.spinning import d
 from ..units import ANGULAR_MOMENTUM, JELLETT, ONE, PER_SECOND
 from . import tippe_top
 
@@ -43,7 +44,7 @@ REDUCED_UNITS = ReducedState(ONE, PER_SECOND, ANGULAR_MOMENTUM, JELLETT)
 @formula
 def spin_momentum(z, D, b):
     """Return L_3 = D/sqrt(d(z)) [kg m^2/s]. [T 4.7]"""
-    return D / sqrt(tippe_top.d(z, b))
+    return D / sqrt(d(z, b))
 
 
 @formula

@@ -47,21 +47,6 @@ def euler_accelerations(e, s, z, b):
 
 
 @formula
-def general_accelerations(e, s, z, w_x, w_y, b):
-    """Return theta'', phi'', omega_3' of any motion, of the acceleration of its contact point.
-
-    That is w_x e + w_y 2hat; rolling is w = 0. [T 3.36; section 12]
-    """
-    theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
-    h, q, determinant = contact.height(z, b), b.c - b.R * z, spin_determinant(z, b)
-    return (
-        theta_dot2 - b.m * (h * w_x) / (b.I1 + b.m * contact.arm2(z, b)),
-        phi_dot2 + b.m * b.I3 * (q * w_y) / (determinant * s),
-        omega3_dot + b.m * b.R * b.I1 * (s * w_y) / determinant,
-    )
-
-
-@formula
 def euler_scalars(e, b):
     """Return the scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)

@@ -5,15 +5,27 @@ In every formula z = +1 or -1 is cos(theta) of the state. [section 5; T 4.23-4.2
 
 from ..contact.body import height, height_energy
 from ..operand import formula, sqrt
-from ..theory.thresholds import Threshold, poles, sense, spin, two_wells_from
 from ..units import JELLETT, ONE
-from . import tippe_top
+from .thresholds import Threshold, poles, sense, spin, two_wells_from
+
+
+@formula
+def d(z, b):
+    """Return d(z) = gamma + sigma (alpha - z)^2 + sigma gamma (1 - z^2), without unit.
+
+    It gives D = L_3 sqrt(d).
+
+    [T 4.7]
+    """
+    return (
+        b.I1 + b.m * ((b.c - b.R * z) ** 2 + b.R**2 * (b.I1 / b.I3) * ((1 - z) * (1 + z)))
+    ) / b.I3
 
 
 @formula
 def slope(z, b):
     """Return rho = D/lambda on the marked line [1/m]: where X(z) = 0. [section 5]"""
-    return sqrt(tippe_top.d(z, b)) / (b.R * z - b.c)
+    return sqrt(d(z, b)) / (b.R * z - b.c)
 
 
 @formula
@@ -35,12 +47,7 @@ def lambda_pi(b):
     """
     high = -sense(b)
     h = height(high, b)
-    return (
-        2
-        * h
-        * sqrt(b.m * b.g * abs(b.c) * b.I3 * tippe_top.d(high, b))
-        / (1 + b.m * b.R * h / b.I3)
-    )
+    return 2 * h * sqrt(b.m * b.g * abs(b.c) * b.I3 * d(high, b)) / (1 + b.m * b.R * h / b.I3)
 
 
 def thresholds_of_surface(b) -> dict[str, Threshold]:

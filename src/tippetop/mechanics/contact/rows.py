@@ -1,0 +1,274 @@
+"""The rows of a run in any phase, and the columns that are functions of their `Scalars`.
+
+A row is the common state with the reaction of the plane, the ball in contact, or last in contact,
+and the phase. User-defined events are functions of the scalars too.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from ..form import Form, Integral, Phase, Quantity
+from ..operand import Vector, dot
+from ..units import (
+    ANGULAR_MOMENTUM,
+    JELLETT,
+    JOULE,
+    METRE,
+    METRE_PER_SECOND,
+    NEWTON,
+    NEWTON_SECOND,
+    ONE,
+    RADIAN,
+    WATT,
+)
+from . import body as contact
+from .body import filled, kinematics, of_azimuth, state
+from .body_axes import carried_along, planar
+from .exits import PHASES
+from .gliding import gliding_catalogue as gliding
+from .gliding.gliding_chart import angles_by, axis_and_momentum
+from .gliding.gliding_euler import EULER_UNITS
+from .gliding.gliding_vector import axis, axis_rate, momentum
+from .integrals import NAMED
+from .rolling.rolling_vector import spin
+from .state import BALLS, VELOCITY, Moving
+
+
+ROW_UNITS = state(
+    **VELOCITY,
+    height=METRE,  # of the centre of mass
+    Fx=NEWTON,
+    Fy=NEWTON,
+    force=NEWTON,  # normal
+    radius=METRE,  # of the ball in contact, or last in contact
+    offset=METRE,
+    stem_gap=METRE,
+    phase=ONE,
+    ball=ONE,
+    jellett_taken=JELLETT,
+    drilled=WATT,
+)
+Row = type(ROW_UNITS)
+"""A common state as one record of numbers, with the other numbers of a row."""
+
+
+def moving(row: Any, carried: Any) -> Moving:
+    """Return the common state of a row."""
+    return Moving(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, carried)
+
+
+def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -> Any:
+    """Return the row of a state of a phase, of numbers or arrays; `bodies`: seen from each ball."""
+    b, stem = bodies[phase.ball], bodies[-1]
+    x, by = phase.leave(q, b), phase.reaction(q, b)
+    reference = getattr(carried, "jellett_reference", math.nan)
+    if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
+        reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
+    gap = x.height - stem.R + stem.c * x.u.z if len(bodies) > 1 else 0
+    numbers = b.R, b.c, gap, PHASES.index(phase.label), phase.ball, reference, by.drilled
+    return Row(*x.u, *x.L, *x.velocity, x.height, *by.force, *numbers)
+
+
+def row_within(
+    phase: Phase, q: Any, carried: Any, b: contact.Touch, two: bool
+) -> tuple[Any, contact.Touch]:
+    """Return the row of a state of a phase and the body seen from its first ball.
+
+    b is the body seen from the ball of the phase; the reference of Jellett's integral is not known
+    there.
+    """
+    other = contact.seen_from_other(b)
+    bodies = (b,) if not two else (b, other) if phase.ball == 0 else (other, b)
+    return row(phase, q, carried, bodies), bodies[0]
+
+
+# --- scalars ------------------------------------------------------------------------------------
+
+KNOWN = (
+    "v_u",  # v_A.3hat of the horizontal part
+    "v_n",  # (3hat x v_A).zhat
+    "v2",  # |v_A|^2 of the horizontal part
+    "rise",  # v_A.zhat
+    "speed2",  # |s'|^2 of the centre of mass, all three components
+    "power",  # that friction takes
+    "gap",  # of the ball that is in contact, or was last
+)
+FIELDS = (*contact.Kinematics._fields, *KNOWN, *Row._fields[9:])
+Scalars = type(filled(**dict.fromkeys(FIELDS)))
+"""The scalars of a gliding body, with the other numbers of a row."""
+
+
+def lowest_velocity(q, b):
+    """Return the velocity of the lowest point of the ball of a row, (3,) [m/s]."""
+    b = b._replace(R=q.radius, c=q.offset)
+    return contact.contact_velocity(axis(q), momentum(q), Vector(*q[6:9]), b)
+
+
+def row_scalars(q, b):
+    """Return the scalars of a row."""
+    u, v = axis(q), lowest_velocity(q, b)
+    return Scalars(
+        *kinematics(u, momentum(q), axis_rate(q, b), b),
+        u.x * v.x + u.y * v.y,
+        u.x * v.y - u.y * v.x,
+        v.x * v.x + v.y * v.y,
+        v.z,
+        q.rx_dot**2 + q.ry_dot**2 + q.rz_dot**2,
+        q.drilled - (q.Fx * v.x + q.Fy * v.y),
+        q.height - q.radius + q.offset * u.z,
+        *q[9:],
+    )
+
+
+# --- angles -------------------------------------------------------------------------------------
+
+
+ANGLES = filled(
+    **EULER_UNITS._asdict(),
+    nu_z=METRE_PER_SECOND,
+    gap=METRE,
+    phi=RADIAN,
+    x=METRE,
+    y=METRE,
+    work=JOULE,
+    impulse=NEWTON_SECOND,
+)
+"""Public variables: those of a gliding body, and velocity and height of the lowest point."""
+
+DISC_ANGLES = filled(**ANGLES._asdict(), jellett_lost=JELLETT)
+ACROSS = ("phi_dot", "omega3", "nu_y", "phi", "y")
+PLANAR_ANGLES = filled(**{n: unit for n, unit in ANGLES._asdict().items() if n not in ACROSS})
+"""Of a motion in a plane, where theta is not wrapped."""
+
+
+def row_of_angles(e, s, z, b):
+    """Return the row of the angles, its reaction not yet known.
+
+    s, z are sin(theta), cos(theta), exact at the poles.
+    """
+    none = 0 * z
+    e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
+    u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
+    b = b._replace(R=b.R + none, c=b.c + none)
+    v = contact.arm_velocity(u, L, b)
+    along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
+    velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
+    height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(L.z, b.I3 * e.omega3, b)
+    zeros = (none,) * 3
+    return Row(*u, *L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none)
+
+
+def planar_angles_of_row(q, carried, b):
+    """Return the angles of a row of a motion in a plane."""
+    v, gap = lowest_velocity(q, b), row_scalars(q, b).gap
+    theta, *others = carried[:4]
+    return type(PLANAR_ANGLES)(theta, planar_theta_dot(q, b), v.x, v.z, gap, *others)
+
+
+def planar_theta_dot(q, b):
+    """Return theta' [rad/s] of an axis in the x-z plane."""
+    u_dot = axis_rate(q, b)
+    return q.uz * u_dot.x - q.ux * u_dot.z
+
+
+# --- the forms of rows --------------------------------------------------------------------------
+
+
+def carried(*names: str) -> tuple[Integral, ...]:
+    """Return the integrals of rows; a phase integrates some of them, the others stay."""
+    names = (*names, "jellett_reference")
+    return tuple(Integral(name, *NAMED[name], rate=None) for name in names)
+
+
+ROW = Form(
+    "vector",
+    ROW_UNITS,
+    None,
+    row_scalars,
+    row_of_angles,
+    angles_by(ANGLES, row_scalars),
+    integrals=carried("x", "y", "work", "impulse"),
+    orientation=carried_along(axis, axis_rate, spin),
+)
+DISC_ROW = replace(
+    ROW,
+    to_angles=angles_by(DISC_ANGLES, row_scalars),
+    integrals=carried("x", "y", "work", "impulse", "jellett_lost"),
+)
+PLANAR_ROW = replace(
+    ROW,
+    name="angle",
+    to_angles=planar_angles_of_row,
+    integrals=carried("theta", "x", "work", "impulse"),
+    orientation=planar(lambda q: (q.ux, q.uz)),
+)
+
+
+# --- columns ------------------------------------------------------------------------------------
+
+
+def of_ball(function: Callable) -> Callable:
+    """Return a formula of a gliding body for the ball in contact.
+
+    Its R and c are those of the row.
+    """
+    return lambda s, b: function(s, b._replace(R=s.radius, c=s.offset))
+
+
+def energy(s, b):
+    """Return the energy E = m |s'|^2/2 + omega.L/2 + m g s_z [J]; E' = F.v_A."""
+    return b.m * s.speed2 / 2 + contact.rotation_energy(s, b) + b.m * (b.g * s.height)
+
+
+def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity, ...]:
+    """Return the columns of rows.
+
+    `routh`: Routh's function of a gliding body, if its system has one.
+    """
+    formulas = {
+        "energy": energy,
+        "modified_energy": of_ball(contact.modified_energy),
+        "normal_force": lambda s, b: s.force,
+        "friction_power": lambda s, b: s.power,
+    }
+    quantities = [
+        replace(one, formula=formulas[one.name])
+        for one in gliding.QUANTITIES
+        if one.name in formulas
+    ]
+    if routh is not None:
+        text = "Routh's function of the ball in contact"
+        quantities.insert(0, Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))
+    if stem:
+        text = "height of the stem's ball"
+        gap = Quantity("gap_stem", "gap of the stem", METRE, text, lambda s, b: s.stem_gap)
+        quantities.append(gap)
+    return (*(() if planar else JELLETT_COLUMNS), *quantities, *PLACE_COLUMNS)
+
+
+JELLETT_COLUMNS = (
+    Quantity(
+        "jellett",
+        "lambda",
+        JELLETT,
+        "Jellett's integral of the ball in contact",
+        of_ball(contact.jellett),
+    ),
+    Quantity(
+        "jellett_taken",
+        "",
+        JELLETT,
+        "Jellett's integral when its ball was taken",
+        lambda s, b: s.jellett_taken,
+        is_column=False,
+    ),
+)
+PLACE_COLUMNS = (
+    Quantity("z", "s_z", METRE, "height of the centre of mass", lambda s, b: s.height),
+    Quantity("phase", "phase", ONE, "phase of the contact", lambda s, b: s.phase, PHASES),
+    Quantity(
+        "ball", "ball", ONE, "what touches the plane, or did last", lambda s, b: s.ball, BALLS
+    ),
+)
