@@ -225,9 +225,9 @@ def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     from ..errors import a_system
     from ..landscape.run_landscape import SPINNING
     from ..mechanics.systems import find
-    from ..scenario import build
+    from ..runs.starting import load
 
-    problem = build.load(scenario)
+    problem = load(scenario)
     record = find(problem.system.name)  # the sphere on the plane, whatever its contact does
     landscape = None if record is None else record.landscape
     if landscape is None or landscape.symbols != SPINNING:

@@ -64,9 +64,7 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
     """
     body = top_of(top, TippeTop, HeavyTop)
     if isinstance(body, HeavyTop):
-        sleeping = limits.sleeping_spin(body.body())
-        above = "upright spin of a fixed tip stable above"
-        return Thresholds(spin_sleeping=Threshold(sleeping, RADIAN_PER_SECOND, above))
+        return Thresholds(limits.thresholds_of_sleeping(body.body()))
     return Thresholds(limits.thresholds(body.body()) | thresholds_of_surface(body.body()))
 
 

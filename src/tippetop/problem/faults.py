@@ -132,8 +132,8 @@ def start_faults(problems: "Problems") -> list[Fault]:
     together = (
         "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
     )
-    sizes = abs(np.concatenate([given, table[:kept]]))
-    faults.append((together, ~(sizes < LARGEST).all(axis=0)))
+    bounded: np.ndarray = (abs(np.concatenate([given, table[:kept]])) < LARGEST).all(axis=0)
+    faults.append((together, ~bounded))
     large = abs(start[variables.moving :]) > 1
     for i in _rows(large):
         name = variables.names[variables.moving + i]

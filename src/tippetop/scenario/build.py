@@ -3,12 +3,11 @@
 import math
 from collections.abc import Mapping
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from ..arguments import measured, path_of, plain
+from ..arguments import measured, plain
 from ..errors import InputError, first_sentences, suggestion
 from ..mechanics.contact.gliding.gliding_chart import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
@@ -29,7 +28,7 @@ from ..problem.options import UNITS, RunOptions
 from ..sampling import EvenTimes, ListedTimes
 from .contact import contact_faults, on_stem, rules_of, system_with_contact
 from .identity import changed_records, missing_records, user_records
-from .reading import law_name, override, read
+from .reading import law_name, override
 from .schema import scenario_model
 from .sentences import scenario_sentence
 
@@ -175,28 +174,6 @@ def system_of(tables: dict[str, Any]) -> System:
         near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
         raise InputError(f"`system` must be one of {', '.join(SYSTEMS)}, but {given}.{near}")
     return system
-
-
-def load(
-    source: str | Path, assignments: list[str] | None = None, until: float | None = None
-) -> Problem:
-    """Return the checked Problem of a TOML file or a preset that starts from no other run.
-
-    Parameters
-    ----------
-    source
-        The file, or the name of the preset.
-    assignments
-        `table.key=value` texts, as `--set` takes them.
-    until
-        Another end of the run [s].
-
-    Raises
-    ------
-    InputError
-    """
-    tables = override(read(str(path_of("source", source))), assignments or [])
-    return problem(ending(tables, until))
 
 
 def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:
