@@ -259,7 +259,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: made().plot("theta", others=3), "`others` must be a list of Runs, but is 3"),
     (lambda: made().plot(np.ones(2)), "the kind of figure must be one of"),
     (lambda: made().plot(size=[1]), r"`size` must be two numbers, but is \[1\]"),
-    (lambda: linear_modes(TOP, VISCOUS, omega3=1, inverted=[1]), "`inverted` must be True or False"),
+    (lambda: linear_modes(TOP, VISCOUS, omega3=1, inverted=[1]), "`inverted` must be True or"),
     (lambda: minimal_surface(TOP, **MOMENTA, gradient="x"), "`gradient` must be True or False"),
     (lambda: minimal_surface(TOP, **MOMENTA, threads=[1]), "`threads` must be a whole number"),
     (lambda: made().plot("theta", dark="x"), "`dark` must be True or False"),
