@@ -288,10 +288,9 @@ class Track:
         self.ways = {k: one.name for k, one in self.events.items() if one.name in self.exits}
         self.live = self.events.keys() - self.ways.keys()
         code = code_for(problem, self.formulas, run.stop)
-        numbers = [*self.events, -1]
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
-        self.place = Place(code, run.stepper_of(code), rows, numbers[code.lasting], run.shared)
+        self.place = Place(code, run.stepper_of(code), rows, run.shared)
         run.take(self.place, leaves(self.b))
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(phase.form, self.b, code.integrator, sampled) if sampled else None
@@ -379,11 +378,11 @@ class HybridDriver(Driver):
         self.spans: list[list[int]] = []
         self.states = np.empty((self.wanted.variables, 0), number)  # of the rows
         self.copies: Changes | None = None
-        self.impacts: ImpactMotions | None = None
-        self.kind: tuple | None = None  # of impacts
+        self.kind = self.impacts = self.struck = None
         if problem.contact is not None:
-            self.kind = kind = kind_of(problem, self.body[0].friction)
-            self.impacts = ImpactMotions(*kind, stop)
+            self.kind = kind_of(problem, self.body[0].friction)
+            self.impacts = ImpactMotions(*self.kind, stop)
+            self.struck = self.impacts.struck
             self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
         self._start(tuple(problem.start().tolist()))
         self.first = self.present()
@@ -405,11 +404,6 @@ class HybridDriver(Driver):
         self._enter(begun, self.number(0), None)
 
     # --- phases ----------------------------------------------------------------------------------
-
-    @property
-    def struck(self) -> Callable | None:
-        """See `World`."""
-        return self.impacts.struck if self.impacts else None
 
     def jump(self, name: str, phase: Phase, exit: Exit) -> Jump:
         """Return the jump of a phase by an exit."""
