@@ -32,8 +32,7 @@ enum {
     WIDEST = 32,  /* lanes */
     HALVES = 32,  /* rows of the table of (1/2 + x/2)^j */
     NODES = 9,    /* points of a step: it covers about a radian, so no dip hides between them */
-    TIMES = 8,    /* rows made together */
-    VECTOR = 4,   /* of them in a vector of the processor */
+    TIMES = 4,    /* rows made together, in a vector of the processor */
     TOGETHER = 6, /* variables made together: each sum waits for its last addition */
     FEW = 2,      /* rows in a step that are made one by one */
     PATIENCE = 64 /* tiny steps in a row that are a stall */
@@ -51,7 +50,7 @@ enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
    run starts on a zero of it, -k if its first k Taylor coefficients vanish where the next step
    begins; in the present step its bounds, and 1 if it is monotone; the times of its least and
    greatest values. */
-enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST, KNOWN };
+enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST };
 
 /* The number that an event keeps of its passages: the time of the first or the last one, or their number. */
 enum { FIRST, LAST, COUNT };
@@ -63,7 +62,7 @@ typedef void (*Step)(real *state, const real *pars, const real *time, real *h, r
 typedef void (*Dense)(real *out, const real *tc, const real *h);
 
 typedef struct {
-    integer variables, parameters, size, lanes, events, numbers, axis, log, samples;
+    integer variables, parameters, size, lanes, events, axis, log, samples;
     integer width; /* numbers from one state to the next in the log and among the samples */
 } Sizes;
 
@@ -74,7 +73,7 @@ typedef struct {
 typedef struct {
     integer row, shift, direction, ends, sense, first, last;
     real scale, offset;
-    bool extremes, watched, ranged;
+    bool lasting, extremes, watched, ranged;
 } Event;
 
 typedef struct {
@@ -121,7 +120,6 @@ typedef struct {
 } Samples;
 
 typedef struct {
-    integer lasting, way;
     real settled_for;
     integer most_steps, every, first;
 } StopRules;
@@ -570,8 +568,8 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     known(l, SIGN, e)[lane] = sign;
     if (of_start(l, e, when, lane))
         return;
-    if (e == l->rules.lasting && (real)l->rules.way * sign > 0)
-        tally->lasts_since = when;
+    if (event->lasting)
+        tally->lasts_since = (real)event->direction * sign > 0 ? when : NAN;
     bool at_pole = false;
     if (event->sense != 0 && l->sizes.axis > 0) {
         real theta = theta_at(l, x * h, lane, &at_pole);
@@ -644,11 +642,9 @@ static void count_step(const Loop *l, integer lane, real t, real h, real upto) {
     tally->steps++;
     tally->tiny = h < TINY ? tally->tiny + 1 : 0;
     if (tally->status == RUNNING) {
-        bool lasts =
-            rules->lasting >= 0 && (real)rules->way * known(l, SIGN, rules->lasting)[lane] > 0;
         if (tally->steps >= rules->most_steps || tally->tiny >= PATIENCE)
             tally->status = STALLED;
-        else if (lasts && t + h - tally->lasts_since > rules->settled_for &&
+        else if (t + h - tally->lasts_since > rules->settled_for &&
                  tally->lasts_since != tally->doubted)
             tally->status = SETTLED;
     }
@@ -672,38 +668,36 @@ static void state_at(const Loop *l, integer lane, real time) {
 #define FUSES
 #endif
 
-typedef real Vector __attribute__((vector_size(VECTOR * sizeof(real))));
+typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
 
-/* Write the states of the first lane at `count` of the times `when` (TIMES,) after the beginning of
+/* Write the states of the first lane at the times `when` (TIMES,) after the beginning of
    the step to out (variables, TIMES). The sums are compensated, and have the bits of those that a
    compiled step that fuses makes of one time. */
-FUSES static void sum_rows(const Loop *l, integer count, const real *when, real *out) {
+FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
     integer size = l->sizes.size, last = l->output.variables - 1;
     for (integer first = 0; first <= last; first += TOGETHER) {
-        for (int group = 0; group < count; group += VECTOR) {
-            const real *c[TOGETHER];
-            Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
-            memcpy(&h, when + group, sizeof h);
-            power = h;
-            for (int i = 0; i < TOGETHER; i++) {
-                c[i] = l->motion.tc + MIN(last, first + i) * size;
-                sums[i] = zero + c[i][0];
-                rests[i] = zero;
-            }
-            for (integer k = 1; k < size; k++) {
-                for (int i = 0; i < TOGETHER; i++) {
-                    Vector factor = zero + c[i][k], minus = -rests[i], more;
-                    for (int t = 0; t < VECTOR; t++)
-                        more[t] = fma(factor[t], power[t], minus[t]);
-                    Vector sum = sums[i] + more;
-                    rests[i] = (sum - sums[i]) - more;
-                    sums[i] = sum;
-                }
-                power *= h;
-            }
-            for (int i = 0; i < TOGETHER && first + i <= last; i++)
-                memcpy(out + (first + i) * TIMES + group, sums + i, sizeof h);
+        const real *c[TOGETHER];
+        Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
+        memcpy(&h, when, sizeof h);
+        power = h;
+        for (int i = 0; i < TOGETHER; i++) {
+            c[i] = l->motion.tc + MIN(last, first + i) * size;
+            sums[i] = zero + c[i][0];
+            rests[i] = zero;
         }
+        for (integer k = 1; k < size; k++) {
+            for (int i = 0; i < TOGETHER; i++) {
+                Vector factor = zero + c[i][k], minus = -rests[i], more;
+                for (int t = 0; t < TIMES; t++)
+                    more[t] = fma(factor[t], power[t], minus[t]);
+                Vector sum = sums[i] + more;
+                rests[i] = (sum - sums[i]) - more;
+                sums[i] = sum;
+            }
+            power *= h;
+        }
+        for (int i = 0; i < TOGETHER && first + i <= last; i++)
+            memcpy(out + (first + i) * TIMES, sums + i, sizeof h);
     }
 }
 
@@ -722,7 +716,7 @@ static void write_rows(const Loop *l, integer at, integer count) {
         real time = rows->times[at + (k < count ? k : count - 1)];
         when[k] = (time - l->motion.start_high[0]) - l->motion.start_low[0];
     }
-    sum_rows(l, count, when, out);
+    sum_rows(l, when, out);
     for (integer i = 0; i < rows->variables; i++)
         memcpy(rows->states + i * rows->count + at, out + i * TIMES, count * sizeof(real));
 }

@@ -194,13 +194,14 @@ class Changes:
         record.present, record.began = run.track.at, run.began
         record.length, record.most = 0, changes
         steps = library().loop_run(ctypes.byref(record), steps)
-        for time, number, *numbers in self.made[: record.length].tolist():
-            program = self.known[int(number)]
-            run.spans.append([program.change.next, *map(int, numbers[:3])])
+        for time, number, rows, passages, samples, _, *numbers in self.made[
+            : record.length
+        ].tolist():
+            program, rest = self.known[int(number)], iter(numbers)
+            run.spans.append([program.change.next, int(rows), int(passages), int(samples)])
             run.tables.begin(time, program.row)
-            rest = iter(numbers[4:])
             for name, size in program.tables:
-                run.tables.add(time, {name: [[*islice(rest, size)]]})
+                run.tables.rows[name].append([time, *islice(rest, size)])
         if record.length:
             run.follow(run.tracks[program.phase], time)
             run.short, run.until = 0, record.clock

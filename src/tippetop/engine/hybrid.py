@@ -288,10 +288,9 @@ class Track:
         self.ways = {k: one.name for k, one in self.events.items() if one.name in self.exits}
         self.live = self.events.keys() - self.ways.keys()
         code = code_for(problem, self.formulas, run.stop)
-        numbers = [*self.events, -1]
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
-        self.place = Place(code, run.stepper_of(code), rows, numbers[code.lasting], run.shared)
+        self.place = Place(code, run.stepper_of(code), rows, run.shared)
         run.take(self.place, leaves(self.b))
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(phase.form, self.b, code.integrator, sampled) if sampled else None

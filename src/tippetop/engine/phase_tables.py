@@ -71,9 +71,9 @@ def as_table(
     """Return rows, in internal units, as columns in SI; words as their places."""
     table, times = {}, ("start", "end") if name == "phases" else ("time",)
     for k, (column, kind) in enumerate({**dict.fromkeys(times, SECOND), **kinds}.items()):
-        values = [number_of(row[k], kind) for row in rows]
+        values = [row[k] for row in rows]
         if isinstance(kind, tuple):
-            table[column] = np.array(values, np.int8)
+            table[column] = np.array([number_of(value, kind) for value in values], np.int8)
         else:
             unit = float(scales.of(kind)) if rows else 1.0
             table[column] = (np.array(values) * unit).astype(float)

@@ -143,7 +143,7 @@ Bare = tuple[Phase, int, tuple[str, ...]]
 def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
     """Return a phase as its body and its law have it."""
     phase, ball, regions = bare[name]
-    jumps = {RESTS.name: partial(come_to_rest, slides=name), **KINDS[phase.label].jumps}
+    jumps: Any = {RESTS.name: partial(come_to_rest, slides=name), **KINDS[phase.label].jumps}
     for at, region in enumerate(regions if law.regions.keys() >= {*regions} else ()):
         for border in law.regions[region].borders:
             to = phase_name(phase.label, ball, *regions[:at], border.follows, *regions[at + 1 :])
