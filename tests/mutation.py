@@ -43,7 +43,6 @@ JUDGES: dict[str, tuple[str, ...]] = {
         f"{RUNS}/test_disc_at_rest.py",
     ),
     "mechanics.doubledouble": ("mechanics/test_operand.py", "-k", "doubles"),
-    "mechanics.event": ("runs/test_events.py", "-k", "TestSignificance"),
     "mechanics.theory.spinning": ("mechanics/test_spinning.py",),
     "mechanics.systems.tippe_top": ("mechanics/test_spinning.py",),
     "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),
