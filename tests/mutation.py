@@ -47,7 +47,13 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.systems.tippe_top": ("mechanics/test_spinning.py",),
     "mechanics.theory.thresholds": ("mechanics/test_spinning.py",),
     "landscape.formulas": ("landscape/test_formulas.py",),
-    "mechanics.friction": ("mechanics/test_friction.py", "-k", "set_valued"),
+    "mechanics.friction": (
+        "mechanics/test_friction.py",
+        f"{RUNS}/test_parts_of_laws.py",
+        f"{RUNS}/test_loaded_impacts.py",
+        "-k",
+        "set_valued or linearly or (newton_and_euler and contensou)",
+    ),
     "mechanics.contact.body": (f"{CONTACT}/test_body.py", f"{CONTACT}/test_response.py"),
     "mechanics.contact.response": (
         f"{CONTACT}/test_response.py",
