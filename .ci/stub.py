@@ -23,8 +23,8 @@ MODULES = {
 HEAD = """from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal
 
-import numpy as np
-import xarray as xr
+import numpy as _np
+import xarray as _xr
 
 from .mechanics.event import Event
 from .mechanics.system import Quantity
@@ -48,7 +48,8 @@ def written(annotation: Any, imports: set[str], home: Any) -> str:
         imports.add(f"from {module.removeprefix('tippetop')} import {name}")
         return name
 
-    return NAMED.sub(short, text).replace("NoneType", "None")
+    text = NAMED.sub(short, text).replace("NoneType", "None")
+    return re.sub(r"\b(np|xr)\.", r"_\1.", text)  # np would be offered as a name of the module
 
 
 def signature(function: Any, imports: set[str], home: Any) -> str:

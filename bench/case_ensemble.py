@@ -19,8 +19,8 @@ from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.ensembles import ensemble
 from tippetop.ensembles.lanes import LANES
 from tippetop.problem import Problems
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 from .measure import elapsed, interleaved, ratio, timed
 from .minimal import Minimal, theta_of
@@ -37,7 +37,7 @@ PEERS = ("DOP853, C++", "DOP853, numbalsoda")
 
 def tops_at(spins: np.ndarray, until: float, tolerance: float = 0.0) -> Problems:
     """Canonical tops with these spins [rad/s]."""
-    tops = ensemble.vary(build.load("inverting", None, until), {"initial.omega3": spins})
+    tops = ensemble.vary(starting.load("inverting", None, until), {"initial.omega3": spins})
     assert tops.valid.all()
     return Problems(replace(tops.base, tolerance=tolerance or tops.base.tolerance), tops.columns)
 
@@ -124,11 +124,15 @@ def _enter_python(contestants: dict, works: dict, spin: float, exact: np.longdou
 
 
 def _minimal(spin: float, until: float) -> Minimal:
-    return Minimal(build.load("inverting", [f"initial.omega3={spin!r}"], until), np.array([until]))
+    return Minimal(
+        starting.load("inverting", [f"initial.omega3={spin!r}"], until), np.array([until])
+    )
 
 
 def _exact(spin: float) -> np.longdouble:
-    wide = build.load("inverting", ["run.precision=longdouble", f"initial.omega3={spin!r}"], MIDST)
+    wide = starting.load(
+        "inverting", ["run.precision=longdouble", f"initial.omega3={spin!r}"], MIDST
+    )
     return theta_of(wide, solve(replace(wide, times=np.array([MIDST]))).rows)[0]
 
 

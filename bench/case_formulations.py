@@ -17,7 +17,7 @@ import numpy as np
 from tippetop.engine.expressions import equations_of_motion, formulas_of
 from tippetop.mechanics.operand import leaves
 from tippetop.problem import Problem
-from tippetop.scenario import build
+from tippetop.runs import starting
 
 from .case_ensemble import MIDST
 from .measure import interleaved, timed
@@ -122,7 +122,7 @@ def ways() -> dict[str, Tried]:
 
 
 def _inverting(*settings: str) -> Problem:
-    return build.load("inverting", [*settings, f"run.output_step={MIDST}"], MIDST)
+    return starting.load("inverting", [*settings, f"run.output_step={MIDST}"], MIDST)
 
 
 def _system(problem: Problem) -> tuple[list, np.ndarray, list[float]]:

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 from . import ours
 from .measure import interleaved, timed
@@ -52,7 +52,7 @@ def compare(comparison: Comparison, quick: bool) -> dict[str, Any]:
     """Errors and seconds of all contestants."""
     until = comparison.quick if quick else comparison.until
     samples = until * np.arange(1, SAMPLES + 1) / SAMPLES
-    problem = build.load(comparison.preset, [*comparison.assignments], until)
+    problem = starting.load(comparison.preset, [*comparison.assignments], until)
     minimal = Minimal(problem, samples)
     exact = reference(comparison, samples)
     found: dict[str, Any] = {
@@ -124,7 +124,7 @@ def reference(comparison: Comparison, samples: np.ndarray) -> np.ndarray:
     """theta at the samples [rad], by the engine in wider numbers; the tests hold the engine against
     an independent multi-precision integration.
     """
-    wide = build.load(
+    wide = starting.load(
         comparison.preset,
         [*comparison.assignments, f"run.precision={comparison.wide}"],
         float(samples[-1]),

@@ -19,8 +19,8 @@ from tippetop.engine.taylor import driver_of
 from tippetop.ensembles import ensemble
 from tippetop.landscape import landscape_body as bodies
 from tippetop.landscape import surface, surface_recording
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 from .case_ensemble import tops_at
 from .case_surface import FIGURE
@@ -68,7 +68,7 @@ def grown(
 
 def span(until: float) -> float:
     """Return the cost of a span of a heavy top, with its events, in memory that does not grow."""
-    driver = driver_of(build.load("heavy-top", None, until))
+    driver = driver_of(starting.load("heavy-top", None, until))
 
     def work() -> None:
         while driver.advance(NoRows(), STEPS_PER_SLICE).status is None:
@@ -104,7 +104,7 @@ def tolerance(every: int) -> dict[str, Any]:
         *(("longdouble", k) for k in range(6, 19, every)),
     ]:
         sets = [f"run.precision={precision}"]
-        problem = replace(build.load("inverting", sets, 8.0), times=times)
+        problem = replace(starting.load("inverting", sets, 8.0), times=times)
         if exact is None:
             exact = theta_of(problem, solve(problem).rows)
             continue

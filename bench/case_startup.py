@@ -28,9 +28,9 @@ done("import xarray and zarr")
 import tippetop.cli
 from tippetop.engine.taylor import driver_of
 from tippetop.runs import recording
-from tippetop.scenario import build
+from tippetop.runs import starting
 done("import tippetop and the rest")
-problem = build.load("inverting")
+problem = starting.load("inverting")
 done("check the scenario, compile the columns")
 driver_of(problem)
 done("compile the integrator")

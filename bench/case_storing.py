@@ -15,12 +15,11 @@ import zarr
 
 from tippetop.cli.host import prepare
 from tippetop.problem import Problem
-from tippetop.runs import recording
+from tippetop.runs import recording, starting
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Sink
 from tippetop.sampling import EvenTimes
-from tippetop.scenario import build
 
 from .measure import Seconds, interleaved, ratio, spent
 from .ours import alone, end_of
@@ -111,7 +110,7 @@ def compare(quick: bool) -> dict[str, Any]:
     found: dict[str, Any] = {"title": "Storing a run at 1 kHz", "runs": {}}
     for name, (preset, until) in RUNS.items():
         sets = ["run.output_step=0.001"] + (["friction.mu=0.0"] if preset == "inverting" else [])
-        problem = build.load(preset, sets, until / 10 if quick else until)
+        problem = starting.load(preset, sets, until / 10 if quick else until)
         works = {
             f.__name__: lambda f=f, p=problem: f(p)
             for f in (bare, followed, keyframes, three, stored)
@@ -138,7 +137,7 @@ def compare(quick: bool) -> dict[str, Any]:
 def long(preset: str, until: float, quick: bool) -> dict[str, float]:
     """Return ratios of keyframes over a span in which making the store takes no share."""
     sets = ["run.output=keyframes"] + (["friction.mu=0.0"] if preset == "inverting" else [])
-    problem = build.load(preset, sets, until / 10 if quick else until)
+    problem = starting.load(preset, sets, until / 10 if quick else until)
     works = {f.__name__: lambda f=f: f(problem) for f in (bare, followed, keyframes)}
     seconds: dict[Any, list[Any]] = interleaved(works, 2)
     ways = {

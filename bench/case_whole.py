@@ -11,10 +11,10 @@ import numpy as np
 
 from tippetop.engine.taylor import driver_of
 from tippetop.problem import Problem
+from tippetop.runs import starting
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Sink
-from tippetop.scenario import build
 
 from .measure import interleaved, ratio, timed
 from .minimal import Minimal
@@ -36,7 +36,7 @@ def compare(quick: bool) -> dict[str, Any]:
     """Return processor seconds of motion, whole run and rows, and processor over wall time."""
     found: dict[str, Any] = {"title": "A whole run beside its motion", "runs": {}}
     for name, (preset, until) in RUNS.items():
-        problem = build.load(preset, None, until / 4 if quick else until)
+        problem = starting.load(preset, None, until / 4 if quick else until)
         works = {
             what: partial(timed, work) for what, work in of(problem, hand=name == HAND).items()
         }
@@ -56,7 +56,7 @@ def compare(quick: bool) -> dict[str, Any]:
 
 def hops(rounds: int) -> dict[str, Any]:
     """Return the cost of a second of motion with rows, of a top that hops and one that slides."""
-    problems = {name: build.load(name) for name in (HOPS, SMOOTH)}
+    problems = {name: starting.load(name) for name in (HOPS, SMOOTH)}
     seconds = interleaved(
         {name: partial(timed, partial(solve, problem)) for name, problem in problems.items()},
         rounds,

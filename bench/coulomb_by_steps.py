@@ -17,7 +17,7 @@ from tippetop.mechanics.contact.gliding import gliding_catalogue
 from tippetop.mechanics.contact.gliding.gliding_vector import VectorState, sliding_velocity
 from tippetop.mechanics.friction import Coulomb
 from tippetop.problem import Problem
-from tippetop.scenario.build import load
+from tippetop.runs.starting import load
 
 
 STEPS = (1e-3, 5e-4, 2e-4, 1e-4)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tippetop.engine.expressions import equations_of_motion, formulas_of
-from tippetop.scenario import build
+from tippetop.runs import starting
 
 from . import report
 from .case_precision import reference
@@ -32,7 +32,7 @@ def made(name: str, until: float = 0.5) -> Minimal:
     """The minimal problem of a comparison, shortened."""
     comparison = COMPARISONS[name]
     return Minimal(
-        build.load(comparison.preset, [*comparison.assignments], until),
+        starting.load(comparison.preset, [*comparison.assignments], until),
         np.array([until / 2, until]),
     )
 
@@ -213,6 +213,6 @@ def test_a_step_that_is_too_long_turns_a_top_over_that_would_stick() -> None:
     """Cohen's top under Coulomb's law itself sticks at 0.0288 s; by fixed steps it inverts, the
     later the shorter.
     """
-    problem = build.load("cohen-coulomb")
+    problem = starting.load("cohen-coulomb")
     long, longer = (inversion(problem, step, 2.2)[0] for step in (2e-3, 4e-3))
     assert 0.5 < longer < long < 2.2

@@ -14,7 +14,7 @@ from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.units import KILOGRAM, METRE, SECOND, Scales
 from tippetop.problem import Problem, Problems
-from tippetop.scenario import build
+from tippetop.runs import starting
 from tippetop.scenario.schema import scenario_model
 
 
@@ -67,7 +67,7 @@ def test_one_run_is_the_case_n_1_of_many(
     """Starts, bodies, units and ends are the same to the bit, whatever stands beside a run: in
     every form.
     """
-    preset = build.load(PRESETS[system])
+    preset = starting.load(PRESETS[system])
     for form in preset.system.forms.values():
         base = dataclasses.replace(preset, form=form, precision=precision)
         numbers = columns(base, rng)
@@ -94,7 +94,7 @@ def test_one_run_is_the_case_n_1_of_many(
 )
 def test_compiled_values_of_many_are_those_of_one(system: str, rng: np.random.Generator) -> None:
     """What states say is the same for one run and for many, whatever stands beside a run."""
-    base = dataclasses.replace(build.load(PRESETS[system]), orientation=False)
+    base = dataclasses.replace(starting.load(PRESETS[system]), orientation=False)
     numbers = columns(base, rng)
     many = Problems(base, numbers)
     found = values_of(many, many.start, np.arange(N))
@@ -111,7 +111,7 @@ def test_internal_numbers_do_not_depend_on_the_units(system: str) -> None:
 
     The factors are powers of two, so that this holds to the bit.
     """
-    base = build.load(PRESETS[system])
+    base = starting.load(PRESETS[system])
     mass, length, time = 8.0, 0.25, 2.0
 
     def scaled(values: dict, rules: dict) -> dict:
@@ -137,7 +137,7 @@ def test_a_check_changes_nothing_and_says_what_is_wrong() -> None:
     mu = np.array([0.3, 0.3, -1.0, 0.3, 0.3])
     moments = np.array([3.2e-6, 3.2e-6, 3.2e-6, 3.2e-6, 7e-6])
     tops = Problems.vary(
-        build.load("inverting"),
+        starting.load("inverting"),
         {"initial.omega3": spins, "friction.mu": mu, "parameters.I3": moments},
     )
     valid, faults = tops.check()
@@ -162,7 +162,7 @@ def test_a_start_so_far_away_that_it_would_set_the_steps_is_refused(name: str) -
     """Integrals are scaled by 2^-32, so that they have no say: a start at 1e300 m was one step, 4 %
     wrong.
     """
-    base = build.load("inverting")
+    base = starting.load("inverting")
     far = Problems.vary(base, {f"initial.{name}": np.array([0.0, 1e6, -1e6, 1e300, -1e12])})
     valid, faults = far.check()
     assert valid.tolist() == [True, True, True, False, False]
@@ -172,9 +172,9 @@ def test_a_start_so_far_away_that_it_would_set_the_steps_is_refused(name: str) -
 def test_a_run_and_a_top_are_refused_in_the_same_words() -> None:
     """Where the contact jams at the start, and where numbers overflow together."""
     for key, good, value in (("initial.nu_x", 0.0, 100.0), ("initial.omega3", 155.0, 1e200)):
-        base = build.load("inverting", ["initial.theta=1.5", "friction.mu=3.0"])
+        base = starting.load("inverting", ["initial.theta=1.5", "friction.mu=3.0"])
         with pytest.raises(InputError) as caught:
-            build.load("inverting", ["initial.theta=1.5", "friction.mu=3.0", f"{key}={value}"])
+            starting.load("inverting", ["initial.theta=1.5", "friction.mu=3.0", f"{key}={value}"])
         (fault,) = Problems.vary(base, {key: [good, value]}).check()[1]
         assert fault == (1, str(caught.value))
 
@@ -184,7 +184,7 @@ def test_every_way_in_refuses_the_same_numbers(system: str) -> None:
     """TOML, arrays, and the system's record: for every number of every system, at its ends and
     beside them.
     """
-    base = build.load(PRESETS[system])
+    base = starting.load(PRESETS[system])
     for key, rule in base.rules.items():
         table, _, name = key.partition(".")
         ends = [e for e in (rule.above, rule.least, rule.below, rule.most) if e is not None]
@@ -213,7 +213,7 @@ def test_every_way_in_refuses_the_same_numbers(system: str) -> None:
 
 def test_what_varies_takes_the_place_of_its_rival() -> None:
     """psi_dot varies over a base that has omega3, and the other way round."""
-    by_omega3 = dataclasses.replace(build.load("inverting"), orientation=False)
+    by_omega3 = dataclasses.replace(starting.load("inverting"), orientation=False)
     tops = Problems.vary(by_omega3, {"initial.psi_dot": [100.0]})
     assert set(tops.given("initial")) == {"theta", "psi_dot"}
     theta = by_omega3.initial["theta"]
@@ -229,5 +229,5 @@ def test_what_varies_takes_the_place_of_its_rival() -> None:
 def test_a_torque_varies_where_the_scenario_has_it() -> None:
     varied = {"friction.mu_r": [1e-5, 1e-4]}
     with pytest.raises(InputError, match=r"Give the scenario a `friction.mu_r`, 0 at least"):
-        Problems.vary(build.load("inverting", []), varied)
-    assert Problems.vary(build.load("inverting", ["friction.mu_r=0"]), varied).n == 2
+        Problems.vary(starting.load("inverting", []), varied)
+    assert Problems.vary(starting.load("inverting", ["friction.mu_r=0"]), varied).n == 2

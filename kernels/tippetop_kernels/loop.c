@@ -32,8 +32,7 @@ enum {
     WIDEST = 32,  /* lanes */
     HALVES = 32,  /* rows of the table of (1/2 + x/2)^j */
     NODES = 9,    /* points of a step: it covers about a radian, so no dip hides between them */
-    TIMES = 8,    /* rows made together */
-    VECTOR = 4,   /* of them in a vector of the processor */
+    TIMES = 4,    /* rows made together, in a vector of the processor */
     TOGETHER = 6, /* variables made together: each sum waits for its last addition */
     FEW = 2,      /* rows in a step that are made one by one */
     PATIENCE = 64 /* tiny steps in a row that are a stall */
@@ -51,7 +50,7 @@ enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
    run starts on a zero of it, -k if its first k Taylor coefficients vanish where the next step
    begins; in the present step its bounds, and 1 if it is monotone; the times of its least and
    greatest values. */
-enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST, KNOWN };
+enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST };
 
 /* The number that an event keeps of its passages: the time of the first or the last one, or their number. */
 enum { FIRST, LAST, COUNT };
@@ -63,7 +62,7 @@ typedef void (*Step)(real *state, const real *pars, const real *time, real *h, r
 typedef void (*Dense)(real *out, const real *tc, const real *h);
 
 typedef struct {
-    integer variables, parameters, size, lanes, events, numbers, axis, log, samples;
+    integer variables, parameters, size, lanes, events, axis, log, samples;
     integer width; /* numbers from one state to the next in the log and among the samples */
 } Sizes;
 
@@ -74,7 +73,7 @@ typedef struct {
 typedef struct {
     integer row, shift, direction, ends, sense, first, last;
     real scale, offset;
-    bool extremes, watched, ranged;
+    bool lasting, extremes, watched, ranged;
 } Event;
 
 typedef struct {
@@ -121,7 +120,6 @@ typedef struct {
 } Samples;
 
 typedef struct {
-    integer lasting, way;
     real settled_for;
     integer most_steps, every, first;
 } StopRules;
@@ -570,8 +568,8 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     known(l, SIGN, e)[lane] = sign;
     if (of_start(l, e, when, lane))
         return;
-    if (e == l->rules.lasting && (real)l->rules.way * sign > 0)
-        tally->lasts_since = when;
+    if (event->lasting)
+        tally->lasts_since = (real)event->direction * sign > 0 ? when : NAN;
     bool at_pole = false;
     if (event->sense != 0 && l->sizes.axis > 0) {
         real theta = theta_at(l, x * h, lane, &at_pole);
@@ -644,11 +642,9 @@ static void count_step(const Loop *l, integer lane, real t, real h, real upto) {
     tally->steps++;
     tally->tiny = h < TINY ? tally->tiny + 1 : 0;
     if (tally->status == RUNNING) {
-        bool lasts =
-            rules->lasting >= 0 && (real)rules->way * known(l, SIGN, rules->lasting)[lane] > 0;
         if (tally->steps >= rules->most_steps || tally->tiny >= PATIENCE)
             tally->status = STALLED;
-        else if (lasts && t + h - tally->lasts_since > rules->settled_for &&
+        else if (t + h - tally->lasts_since > rules->settled_for &&
                  tally->lasts_since != tally->doubted)
             tally->status = SETTLED;
     }
@@ -672,38 +668,36 @@ static void state_at(const Loop *l, integer lane, real time) {
 #define FUSES
 #endif
 
-typedef real Vector __attribute__((vector_size(VECTOR * sizeof(real))));
+typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
 
-/* Write the states of the first lane at `count` of the times `when` (TIMES,) after the beginning of
+/* Write the states of the first lane at the times `when` (TIMES,) after the beginning of
    the step to out (variables, TIMES). The sums are compensated, and have the bits of those that a
    compiled step that fuses makes of one time. */
-FUSES static void sum_rows(const Loop *l, integer count, const real *when, real *out) {
+FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
     integer size = l->sizes.size, last = l->output.variables - 1;
     for (integer first = 0; first <= last; first += TOGETHER) {
-        for (int group = 0; group < count; group += VECTOR) {
-            const real *c[TOGETHER];
-            Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
-            memcpy(&h, when + group, sizeof h);
-            power = h;
-            for (int i = 0; i < TOGETHER; i++) {
-                c[i] = l->motion.tc + MIN(last, first + i) * size;
-                sums[i] = zero + c[i][0];
-                rests[i] = zero;
-            }
-            for (integer k = 1; k < size; k++) {
-                for (int i = 0; i < TOGETHER; i++) {
-                    Vector factor = zero + c[i][k], minus = -rests[i], more;
-                    for (int t = 0; t < VECTOR; t++)
-                        more[t] = fma(factor[t], power[t], minus[t]);
-                    Vector sum = sums[i] + more;
-                    rests[i] = (sum - sums[i]) - more;
-                    sums[i] = sum;
-                }
-                power *= h;
-            }
-            for (int i = 0; i < TOGETHER && first + i <= last; i++)
-                memcpy(out + (first + i) * TIMES + group, sums + i, sizeof h);
+        const real *c[TOGETHER];
+        Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
+        memcpy(&h, when, sizeof h);
+        power = h;
+        for (int i = 0; i < TOGETHER; i++) {
+            c[i] = l->motion.tc + MIN(last, first + i) * size;
+            sums[i] = zero + c[i][0];
+            rests[i] = zero;
         }
+        for (integer k = 1; k < size; k++) {
+            for (int i = 0; i < TOGETHER; i++) {
+                Vector factor = zero + c[i][k], minus = -rests[i], more;
+                for (int t = 0; t < TIMES; t++)
+                    more[t] = fma(factor[t], power[t], minus[t]);
+                Vector sum = sums[i] + more;
+                rests[i] = (sum - sums[i]) - more;
+                sums[i] = sum;
+            }
+            power *= h;
+        }
+        for (int i = 0; i < TOGETHER && first + i <= last; i++)
+            memcpy(out + (first + i) * TIMES, sums + i, sizeof h);
     }
 }
 
@@ -722,7 +716,7 @@ static void write_rows(const Loop *l, integer at, integer count) {
         real time = rows->times[at + (k < count ? k : count - 1)];
         when[k] = (time - l->motion.start_high[0]) - l->motion.start_low[0];
     }
-    sum_rows(l, count, when, out);
+    sum_rows(l, when, out);
     for (integer i = 0; i < rows->variables; i++)
         memcpy(rows->states + i * rows->count + at, out + i * TIMES, count * sizeof(real));
 }
@@ -918,23 +912,26 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the state, the time left and the
-   signs of event functions. From `out` on they have the state in which phase `next` begins, of event
-   functions the signs, of which 0 stays, and the roots, the time that the phase lasts (NaN: it has
-   no clock), and the numbers of tables. */
+/* What follows where a phase ends by an event. Registers begin with the state, the time left, the
+   signs of event functions, the numbers of the body and the constants; the results of lines follow.
+   From line `out` on these are the state in which phase `next` begins, of event functions the signs,
+   of which 0 stays, and the roots, the time that the phase lasts (NaN: it has no clock), and the
+   numbers of tables. */
 typedef struct {
     const Line *lines;
-    real *registers;
-    integer count, begin, out, next, logged, first, last;
+    const real *constants;
+    integer length, count, out, next, logged, first, last;
 } Change;
 
 typedef struct {
     const Loop *const *loops; /* of phases, then of motions */
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
+    const real *body;
+    real *registers;
     real *made; /* of each change: time, phase and event, counts of rows, passages and samples, then
                    the last registers */
     real began, end, clock, chatter;
-    integer present, count, most, width;
+    integer present, count, most, numbers, width;
 } Phases;
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
@@ -961,10 +958,9 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
            n->variables * sizeof(real));
 }
 
-/* Execute a program. Return whether every comparison is as expected. */
-static bool execute(const Change *c, const Loop *const *loops) {
-    real *r = c->registers, *to = r + c->begin;
-    for (const Line *line = c->lines; line < c->lines + c->count; line++, to++) {
+/* Execute a program, whose results begin at `to`. Return whether every comparison is as expected. */
+static bool execute(const Change *c, real *r, real *to, const Loop *const *loops) {
+    for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
         int exponent;
         switch (line->what) {
@@ -1012,17 +1008,20 @@ static bool change_phase(Phases *p) {
     if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
         return false;
     const Change *c = p->changes + p->present * events + log->rows[at].event;
-    if (c->count == 0)
+    if (c->length == 0)
         return false;
-    real *r = c->registers, *signs = known(l, SIGN, 0), finite = 0;
+    real *r = p->registers, *results = r + n + 1 + events + p->numbers + c->count;
+    real *signs = known(l, SIGN, 0), finite = 0;
     copy(n, log->states + at * l->sizes.width, 1, r, 1);
     r[n] = p->end - when;
     copy(events, signs, 1, r + n + 1, 1);
-    if (!execute(c, p->loops))
+    copy(p->numbers, p->body, 1, r + n + 1 + events, 1);
+    copy(c->count, c->constants, 1, results - c->count, 1);
+    if (!execute(c, r, results, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
     const Motion *m = &next->motion;
-    const real *out = r + c->out, *sides = out + next->sizes.variables;
+    const real *out = results + c->out, *sides = out + next->sizes.variables;
     const real *roots = sides + events, *others = roots + events;
     for (const real *number = out; number < sides; number++)
         finite += 0.0 * *number;

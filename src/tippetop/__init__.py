@@ -7,7 +7,7 @@
 >>> run.trajectory.theta.plot()
 """
 
-from typing import Any
+from typing import Any as _Any
 
 
 _NAMES = {
@@ -30,14 +30,14 @@ _MODULES = ("derivatives", "errors", "extending", "friction", "landscapes", "the
 __all__ = sorted([*_PLACES, *_MODULES, "__version__"])
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> _Any:
     """Import public names when first used: `tippetop --help` must not wait for LLVM."""
     from importlib import import_module
 
     if name == "__version__":
         from importlib.metadata import version
 
-        public: Any = version("tippetop")
+        public: _Any = version("tippetop")
     elif name in _PLACES:
         public = getattr(import_module(f".{_PLACES[name]}", __name__), name)
     elif name in _MODULES:

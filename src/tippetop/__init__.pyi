@@ -3,8 +3,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-import xarray as xr
+import numpy as _np
+import xarray as _xr
 
 from . import derivatives as derivatives
 from . import errors as errors
@@ -52,7 +52,7 @@ def ensemble(
     stem: Mapping[str, float] | None = ...,
     until: float | str | None = ...,
     output_step: float | str | None = ...,
-    output_times: Sequence[float] | np.ndarray | Any | None = ...,
+    output_times: Sequence[float] | _np.ndarray | Any | None = ...,
     output: Literal["times", "events", "steps", "keyframes"] | None = ...,
     keyframe_steps: int | None = ...,
     stop_when: Literal["until", "settled"] | None = ...,
@@ -61,7 +61,7 @@ def ensemble(
     precision: Literal["double", "longdouble", "quad"] | None = ...,
     tolerance: float | None = ...,
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
-) -> xr.Dataset: ...
+) -> _xr.Dataset: ...
 def run(
     source: Top | str | Path | System | Mapping[str, Any] | Problem,
     friction: FrictionLaw | tuple | Mapping[str, Any] | None = ...,
@@ -78,7 +78,7 @@ def run(
     stem: Mapping[str, float] | None = ...,
     until: float | str | None = ...,
     output_step: float | str | None = ...,
-    output_times: Sequence[float] | np.ndarray | Any | None = ...,
+    output_times: Sequence[float] | _np.ndarray | Any | None = ...,
     output: Literal["times", "events", "steps", "keyframes"] | None = ...,
     keyframe_steps: int | None = ...,
     stop_when: Literal["until", "settled"] | None = ...,

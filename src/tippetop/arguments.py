@@ -6,11 +6,11 @@ import inspect
 import math
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .errors import InputError, StoreError, refuse_unknown
+from .errors import InputError, StoreError, refuse_unknown, suggestion
 
 
 if TYPE_CHECKING:
@@ -75,6 +75,24 @@ def instance(name: str, value: Any, kind: Any, words: str) -> None:
         raise InputError(f"`{name}` must be {words}, but is {value!r:.60}.")
 
 
+def choice(name: str, value: Any, known: Collection[str]) -> None:
+    """Raise InputError if an argument is not one of these words."""
+    if not isinstance(value, str) or value not in known:
+        near = suggestion(value, known) if isinstance(value, str) else ""
+        raise InputError(f"`{name}` must be one of {', '.join(known)}, but is {value!r:.60}.{near}")
+
+
+def names_of(argument: str, given: Any) -> tuple[str, ...]:
+    """Return the names of numbers, from a list or a text with commas. Raises InputError."""
+    names = [part.strip() for part in given.split(",")] if isinstance(given, str) else given
+    is_list = isinstance(names, list | tuple) and len(names) > 0
+    if not is_list or not all(isinstance(name, str) and name for name in names):
+        raise InputError(
+            f"`{argument}` must be names such as friction.mu, parameters.I1, but is {given!r:.60}."
+        )
+    return tuple(names)
+
+
 def flag(name: str, value: Any) -> None:
     """Raise InputError if an argument is neither True nor False: "no" would count as yes."""
     instance(name, value, bool, "True or False")
@@ -101,12 +119,12 @@ def measured_values(name: str, values: Any, unit: "Unit") -> Any:
     """Return a number, a text or an array of them as numbers in SI units. Raises InputError."""
     import numpy as np
 
-    array = np.asarray(values)
+    array = np.asarray(values, dtype=object)  # takes ragged lists too
     if array.ndim == 0:
         return measured(name, values, unit)
-    if array.dtype.kind in "UO" and any(isinstance(value, str) for value in values):
-        return [measured(name, value, unit) for value in values]
-    return values
+    if any(isinstance(value, str) for value in array):
+        values = [measured(name, value, unit) for value in array]
+    return numbers(name, values)
 
 
 def within(name: str, values: Any, low: float, high: float, words: str) -> None:

@@ -108,7 +108,7 @@ def require(names: Iterable[str], kept: Container[Any], subject: str) -> None:
     """
     if missing := ", ".join(f"`{name}`" for name in names if name not in kept):
         raise InputError(
-            f"{subject} must have {missing}: add what is missing to the `columns` of the run."
+            f"{subject} must have {missing}: add the missing columns to the `columns` of the run."
         )
 
 

@@ -2,8 +2,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-import xarray as xr
+import numpy as _np
+import xarray as _xr
 
 from .library.derivatives import Sensitivities as Sensitivities
 from .mechanics.event import Event
@@ -22,7 +22,7 @@ def lyapunov(
     stem: Mapping[str, float] | None = ...,
     until: float | str | None = ...,
     output_step: float | str | None = ...,
-    output_times: Sequence[float] | np.ndarray | Any | None = ...,
+    output_times: Sequence[float] | _np.ndarray | Any | None = ...,
     output: Literal["times", "events", "steps", "keyframes"] | None = ...,
     keyframe_steps: int | None = ...,
     stop_when: Literal["until", "settled"] | None = ...,
@@ -32,7 +32,7 @@ def lyapunov(
     tolerance: float | None = ...,
     columns: Iterable[str | Quantity] | str | Quantity | None = ...,
     orientation: bool | None = ...,
-) -> xr.Dataset: ...
+) -> _xr.Dataset: ...
 def sensitivities(
     source: Any,
     wrt: Sequence[str],
@@ -47,7 +47,7 @@ def sensitivities(
     stem: Mapping[str, float] | None = ...,
     until: float | str | None = ...,
     output_step: float | str | None = ...,
-    output_times: Sequence[float] | np.ndarray | Any | None = ...,
+    output_times: Sequence[float] | _np.ndarray | Any | None = ...,
     output: Literal["times", "events", "steps", "keyframes"] | None = ...,
     keyframe_steps: int | None = ...,
     stop_when: Literal["until", "settled"] | None = ...,

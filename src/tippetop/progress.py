@@ -9,6 +9,8 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from .arguments import instance
+
 
 # Times [s]: before the first drawing, and between two.
 FIRST_AFTER, AGAIN_AFTER = 0.4, 0.1
@@ -68,6 +70,7 @@ def reporting(
     progress: Callable[[int, int], None] | bool, things: str
 ) -> Iterator[Callable[[int, int], None]]:
     """Provide a progress callback: the given one, that of a bar (True), or none (False)."""
+    instance("progress", progress, bool | Callable, "a function or a bool")
     if progress is True:
         with Bar(things) as bar:
             yield bar.update

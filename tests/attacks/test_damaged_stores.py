@@ -27,8 +27,7 @@ from typed import answered
 import tippetop as tt
 from tippetop.errors import InputError, StoreError
 from tippetop.landscape import surface_recording as surfaces
-from tippetop.runs import recording, resuming
-from tippetop.scenario import build
+from tippetop.runs import recording, resuming, starting
 from tippetop.sweeps import sweep
 
 
@@ -43,7 +42,7 @@ def make(kind: str, store: Path, progress: Any = None) -> None:
     if kind == "run" and store.exists():
         resuming.resume(store, progress)
     elif kind == "run":
-        problem = build.load("inverting", [*TURNING, "run.output_step=0.01"], 30.0)
+        problem = starting.load("inverting", [*TURNING, "run.output_step=0.01"], 30.0)
         recording.record(problem, store, progress=progress)
     elif kind == "sweep":
         plan = store.with_name("PLAN.toml")

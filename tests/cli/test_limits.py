@@ -16,7 +16,8 @@ from stores import ended, wait_until
 from typed import typed
 
 from tippetop.errors import InputError
-from tippetop.scenario import build, reading
+from tippetop.runs import starting
+from tippetop.scenario import reading
 
 
 RUN = "run inverting --until 0.05"
@@ -102,7 +103,7 @@ def test_a_tolerance_far_below_the_rounding_unit_is_refused(
     precision: str, tolerance: float
 ) -> None:
     with pytest.raises(InputError, match=r"must be 0 .the rounding unit. or at least"):
-        build.load("inverting", [f"run.precision={precision}", f"run.tolerance={tolerance}"])
+        starting.load("inverting", [f"run.precision={precision}", f"run.tolerance={tolerance}"])
 
 
 MARKED = """

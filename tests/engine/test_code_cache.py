@@ -11,8 +11,8 @@ import pytest
 
 from tippetop.engine import code_cache
 from tippetop.engine.code_cache import compiled_once
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 X, V = hy.make_vars("x", "v")
@@ -113,14 +113,14 @@ def test_a_run_leaves_heyokas_cache_alone(
     precision: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     solve(
-        build.load("inverting", [f"run.precision={precision}"], until=0.02)
+        starting.load("inverting", [f"run.precision={precision}"], until=0.02)
     )  # other machine code is loaded now
     monkeypatch.setenv("TIPPETOP_CACHE_DIR", "")
     before, heyoka = hy.llvm_state.get_diskcache_path(), tmp_path / "heyoka"
     hy.llvm_state.set_diskcache_path(heyoka)
     try:
         solve(
-            build.load(
+            starting.load(
                 "inverting", [f"run.precision={precision}", "run.tolerance=3e-13"], until=0.03
             )
         )

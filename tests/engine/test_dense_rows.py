@@ -11,8 +11,8 @@ import pytest
 from tippetop.engine import taylor
 from tippetop.engine.integrator import compiled_from
 from tippetop.engine.opt_level import OPT_LEVEL
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 @pytest.fixture(params=["0", "3"])
@@ -30,11 +30,11 @@ def test_the_rows_of_a_step_have_the_bits_of_each_alone(fuses: bool, preset: str
     terms.
     """
     times = np.linspace(0.0, 0.5, 501)
-    problem = build.load(preset, ["run.output_step=1e-3"], 0.5)
+    problem = starting.load(preset, ["run.output_step=1e-3"], 0.5)
     driver = taylor.driver_of(problem)
     assert driver.compiled.machine.fused == fuses
     many = solve(problem)
     np.testing.assert_array_equal(many.times, times)
     for first in range(9):
-        few = solve(build.load(preset, [f"run.output_times={times[first::9].tolist()}"], 0.5))
+        few = solve(starting.load(preset, [f"run.output_times={times[first::9].tolist()}"], 0.5))
         np.testing.assert_array_equal(few.rows, many.rows[first::9])

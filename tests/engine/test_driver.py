@@ -18,9 +18,10 @@ from tippetop.engine.taylor import driver_of
 from tippetop.ensembles.lanes import Lanes
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
+from tippetop.runs import starting
 from tippetop.runs.integration import Integration
 from tippetop.runs.sinks import Memory
-from tippetop.scenario import build, reading
+from tippetop.scenario import reading
 
 
 ENDLESS = 1 << 40
@@ -31,7 +32,7 @@ def cases() -> list[tuple[str, str]]:
     found: dict[tuple[str, str], None] = {}
     seen = set()
     for preset in reading.presets():
-        made = build.load(preset)
+        made = starting.load(preset)
         if made.contact is not None:  # several problems, one a phase: `tests/engine/contact`
             continue
         forms = made.system.forms if made.system.name not in seen else [made.form.name]
@@ -43,7 +44,7 @@ def cases() -> list[tuple[str, str]]:
 
 def problem(preset: str, form: str, until: float, *sets: str) -> Problem:
     """A run that no event ends."""
-    return build.load(preset, [f"form={form}", "run.on_liftoff=continue", *sets], until)
+    return starting.load(preset, [f"form={form}", "run.on_liftoff=continue", *sets], until)
 
 
 class Rows:
@@ -145,7 +146,7 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
     leaves no trace.
     """
     n = lanes + 3
-    base = build.load(preset, ["form=vector", "run.on_liftoff=continue"], 0.3)
+    base = starting.load(preset, ["form=vector", "run.on_liftoff=continue"], 0.3)
     spins = base.initial["omega3"] * rng.uniform(0.9, 1.1, n)
     tops = Problems.vary(base, {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
     assert tops.valid.all()
@@ -185,7 +186,9 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
 @pytest.mark.parametrize("end", ["finished", "liftoff", "non-finite"])
 def test_rows_at_steps_are_each_there_once(end: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The end of the run has one row too, whatever ended it."""
-    made = build.load("inverting", [f"initial.omega3={170.0 if end == 'liftoff' else 155.0}"], 6.0)
+    made = starting.load(
+        "inverting", [f"initial.omega3={170.0 if end == 'liftoff' else 155.0}"], 6.0
+    )
     made = dataclasses.replace(made, output="steps")
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 100)
     integration, memory = Integration(made), Memory()

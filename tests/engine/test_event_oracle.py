@@ -29,7 +29,7 @@ from tippetop.mechanics.event import ON_ZERO_FOR, Event
 from tippetop.mechanics.operand import leaves
 from tippetop.mechanics.variables import Variables
 from tippetop.problem import Problem
-from tippetop.scenario import build
+from tippetop.runs import starting
 
 
 EVENT_SCALE = 2.0**-24
@@ -178,7 +178,7 @@ def matched(a: Found, b: Found, end: float, what: str) -> int:
 
 def start(preset: str, form: str, until: float, rng: np.random.Generator) -> Problem:
     """A preset that starts elsewhere, half of them at rest; no event ends it."""
-    base = build.load(preset, [f"form={form}", "run.on_liftoff=continue"], until)
+    base = starting.load(preset, [f"form={form}", "run.on_liftoff=continue"], until)
     initial = {
         key: value + float(rng.uniform(-0.5, 0.5)) * max(abs(value), 0.4)
         for key, value in base.initial.items()
@@ -206,7 +206,7 @@ def test_every_kind_of_event_is_among_what_is_compared() -> None:
         ("inverting", ["initial.omega3=0.0", "initial.theta_dot=3.0"], 0.5),
         ("gliding-heavy-top", ["initial.omega3=5.0", "initial.theta_dot=0.1"], 2.0),
     ):
-        made = build.load(
+        made = starting.load(
             preset,
             ["form=vector", "initial.theta_dot=0.2", "run.on_liftoff=continue", *sets],
             until,

@@ -10,7 +10,7 @@ from tippetop.engine import observables
 from tippetop.engine.observables import Observables
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem
-from tippetop.scenario import build
+from tippetop.runs import starting
 
 
 ROLLS = {"theta": 0.4, "theta_dot": 1.0, "phi_dot": 3.0, "omega3": 90.0}
@@ -114,7 +114,7 @@ def test_at_a_pole_angles_without_meaning_are_nan_and_nothing_else_is(theta: flo
 def test_wider_rows_give_the_columns_and_what_doubles_leave_out(precision: str) -> None:
     sets = [f"initial.{name}={value!r}" for name, value in STARTS["tippe-top"].items()]
     wide, plain = (
-        build.load("inverting", [*sets, f"run.precision={p}"]) for p in (precision, "double")
+        starting.load("inverting", [*sets, f"run.precision={p}"]) for p in (precision, "double")
     )
     columns, others = at_start(wide), at_start(plain)
     for name, column in others.items():

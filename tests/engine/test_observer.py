@@ -39,7 +39,7 @@ KEPT = (
 )
 UNTIL = 2.0
 PATIENCE, TINY = 64, 1e-10  # as in loop.c
-NO_RULES = StopRules(lasting=-1, way=0, settled_for=1.0, most_steps=10**6, every=8, first=0)
+NO_RULES = StopRules(settled_for=np.inf, most_steps=10**6, every=8, first=0)
 
 
 def event(name: str, **options: object) -> Event:

@@ -8,7 +8,7 @@ from tippetop.engine import integrator
 from tippetop.engine.opt_level import OPT_LEVEL, opt_level
 from tippetop.engine.taylor import driver_of, fingerprint
 from tippetop.errors import InputError
-from tippetop.scenario import build
+from tippetop.runs import starting
 
 
 def test_it_is_that_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -26,7 +26,7 @@ def test_another_word_is_refused_in_a_sentence(text: str, monkeypatch: pytest.Mo
 
 
 def test_a_run_is_not_resumed_under_another_level(monkeypatch: pytest.MonkeyPatch) -> None:
-    driver = driver_of(build.load("rolling-cylinder"))
+    driver = driver_of(starting.load("rolling-cylinder"))
     monkeypatch.setenv(OPT_LEVEL, "0")
     quick = fingerprint(driver)
     monkeypatch.setenv(OPT_LEVEL, "3")
@@ -53,5 +53,5 @@ def test_equations_so_long_that_llvm_would_take_a_minute_are_compiled_at_once(
     monkeypatch.setattr(integrator.hy, "taylor_adaptive", made)
     integrator.compiled_from.cache_clear()
     with pytest.raises(Reached):
-        driver_of(build.load(preset))
+        driver_of(starting.load(preset))
     assert levels == [level]

@@ -7,12 +7,12 @@ import pytest
 
 from tippetop.engine.driver import PLACES, Driver
 from tippetop.engine.taylor import driver_of
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 def made(until: float, *sets: str) -> Driver:
-    return driver_of(build.load("inverting", list(sets), until))
+    return driver_of(starting.load("inverting", list(sets), until))
 
 
 def test_drivers_that_live_share_nothing() -> None:
@@ -30,9 +30,9 @@ def test_a_run_has_the_bits_of_a_first_run_wherever_it_works() -> None:
     """After a longer one, with other events, that a liftoff ended: rows, events, report, and what a
     store keeps.
     """
-    problem = build.load("inverting", until=2.0)
+    problem = starting.load("inverting", until=2.0)
     first = solve(problem)
-    long = build.load(
+    long = starting.load(
         "inverting", ["initial.omega3=300.0", "run.events=[]", "run.orientation=true"], until=8.0
     )
     assert solve(long).status.value == "liftoff"
@@ -47,7 +47,7 @@ def test_the_extremes_of_a_run_are_those_of_its_column() -> None:
     """Of the heavy top the impulse is written otherwise than the column `normal_force`: they are
     one number.
     """
-    problem = build.load("heavy-top", ["run.output_step=0.0005"], until=2.0)
+    problem = starting.load("heavy-top", ["run.output_step=0.0005"], until=2.0)
     force = solve(problem, keep=False).report["normal_force"]
     column = solve(problem).columns()["normal_force"].values
     assert force["min"] == pytest.approx(column.min(), rel=1e-6)

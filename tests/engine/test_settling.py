@@ -7,13 +7,13 @@ from tippetop.engine.settling import stays
 from tippetop.engine.status import Status
 from tippetop.mechanics.theory import thresholds
 from tippetop.problem import Problem
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 @pytest.fixture(scope="module")
 def problem() -> Problem:
-    return build.load("inverting")
+    return starting.load("inverting")
 
 
 @pytest.mark.parametrize(
@@ -37,13 +37,13 @@ def test_a_spin_stays_iff_it_is_stable(side: str, factor: float, problem: Proble
 def test_what_does_not_slide_stays_away_from_the_poles_and_in_a_plane(problem: Problem) -> None:
     away = {"theta": np.array([0.5]), "omega3": np.array([1e3])}
     assert stays(problem.body(float), away, 1.0)
-    assert stays(build.load("gliding-cylinder").body(float), {"theta": np.array([0.0])}, 1.0)
+    assert stays(starting.load("gliding-cylinder").body(float), {"theta": np.array([0.0])}, 1.0)
 
 
 @pytest.mark.parametrize("mu", [0.0, 1e-9])
 def test_friction_that_takes_nothing_to_speak_of_lets_nothing_settle(mu: float) -> None:
     """Its loss is below the threshold from the start, while the contact slides on."""
-    problem = build.load("inverting", [f"friction.mu={mu}", "run.stop_when=settled"], until=12.0)
+    problem = starting.load("inverting", [f"friction.mu={mu}", "run.stop_when=settled"], until=12.0)
     solution = solve(problem, keep=False)
     assert solution.status is Status.FINISHED
     assert solution.report["t_end"] == 12.0  # 200 internal units are 9 s

@@ -62,9 +62,9 @@ for code in ({object_of("no_such_function_anywhere")!r}, b"", {object_of(second=
 FRAGMENTED = """
 import ctypes
 from tippetop.engine import taylor
-from tippetop.scenario import build
+from tippetop.runs import starting
 
-driver = taylor.driver_of(build.load("inverting", until=0.1))
+driver = taylor.driver_of(starting.load("inverting", until=0.1))
 code = driver.compiled.integrator.llvm_state.object_code
 libc = ctypes.CDLL(None)
 place, number = [ctypes.c_void_p, ctypes.c_size_t], ctypes.c_int

@@ -13,6 +13,7 @@ from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
 from tippetop.engine.wide import WideDriver
 from tippetop.problem import Problem
+from tippetop.runs import starting
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 
@@ -27,7 +28,7 @@ class Nothing:
 
 
 def load(precision: str, *sets: str, until: float = 0.4) -> Problem:
-    return build.load(
+    return starting.load(
         "inverting", [f"run.precision={precision}", "initial.theta_dot=0.2", *sets], until
     )
 

@@ -15,8 +15,8 @@ from tippetop.errors import InputError
 from tippetop.mechanics.event import Event, Kept
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 def kinds(found: xr.Dataset, name: str = "class") -> np.ndarray:
@@ -60,7 +60,7 @@ def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Da
     columns = plain(mixed)
     for i in range(40):
         run = solve(
-            build.load("inverting", [f"{key}={column[i]!r}" for key, column in columns.items()])
+            starting.load("inverting", [f"{key}={column[i]!r}" for key, column in columns.items()])
         )
         report, top = run.report, found.isel(top=i)
         assert kinds(found, "status")[i] == run.status.value
@@ -114,13 +114,13 @@ def test_neither_threads_nor_slices_nor_order_change_a_bit(
 def test_the_number_of_lanes_changes_no_bit(
     mixed: dict[str, np.ndarray], found: xr.Dataset
 ) -> None:
-    measured = measure(vary(build.load("inverting"), mixed), threads=1, lanes=4)
+    measured = measure(vary(starting.load("inverting"), mixed), threads=1, lanes=4)
     assert same(outcomes.dataset(measured, []), found)
 
 
 def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
     """Every third top's parameters are spoilt after validation: the others do not notice."""
-    tops = vary(build.load("inverting"), mixed)
+    tops = vary(starting.load("inverting"), mixed)
     assert tops.valid.all()
     spoilt = np.arange(40) % 3 == 1
     tops.pars[3, spoilt] = np.where(np.arange(spoilt.sum()) % 2, np.nan, 1e-280)
@@ -227,7 +227,7 @@ QUICK = Event(  # neither a variable nor the rate of one: its integral is integr
 
 def toy(*events: Event) -> Problem:
     """The inverting top, of a system with more events."""
-    base = build.load("inverting", until=5.0)
+    base = starting.load("inverting", until=5.0)
     system = base.system.replace(name="toy-top", events=(*base.system.events, *events))
     return dataclasses.replace(
         base, system=system, events=tuple(event.name for event in system.events)
@@ -275,7 +275,7 @@ def test_gliding_heavy_tops_fall_alike_in_lanes_and_alone() -> None:
     spins = np.array([5.0, 40.0, 200.0])
     tops = tippetop.ensemble("gliding-heavy-top", {"initial.omega3": spins}, threads=1)
     for i, spin in enumerate(spins.tolist()):
-        run = solve(build.load("gliding-heavy-top", [f"initial.omega3={spin!r}"]))
+        run = solve(starting.load("gliding-heavy-top", [f"initial.omega3={spin!r}"]))
         assert kinds(tops, "status")[i] == run.status.value
         assert float(tops["t_end"][i]) == pytest.approx(run.report["t_end"], abs=1e-11)
     assert "fallen" in kinds(tops, "status")
@@ -286,7 +286,7 @@ def test_a_top_that_will_leave_its_pole_has_not_settled_in_a_lane() -> None:
     has grown.
     """
     sets = ["friction.mu=0.03", "initial.theta=1e-6", "run.stop_when=settled"]
-    problem = build.load("inverting", sets, until=400.0)
+    problem = starting.load("inverting", sets, until=400.0)
     tops = Problems.vary(problem, {"friction.mu": np.array([0.03])})
     assert tops.valid.all()
     made = measure(tops, threads=1, lanes=4)
@@ -309,7 +309,7 @@ def test_the_orientation_of_lanes_is_that_of_runs_and_changes_no_other_column() 
     for i in range(4):
         sets = [f"initial.{name}={float(column[i])!r}" for name, column in numbers.items()]
         row = solve(
-            build.load("inverting", [*sets, "run.output_step=", "run.output_times=[0.5]"], 0.5)
+            starting.load("inverting", [*sets, "run.output_step=", "run.output_times=[0.5]"], 0.5)
         ).columns()
         turn = np.array([float(full[f"orientation_{part}_end"][i]) for part in "wxyz"])
         assert turn == pytest.approx(row["orientation"].values[0], abs=1e-11)

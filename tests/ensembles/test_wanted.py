@@ -10,7 +10,7 @@ import pytest
 from tippetop.ensembles import ensemble
 from tippetop.ensembles.outcomes import Outcomes
 from tippetop.problem import Problems
-from tippetop.scenario import build
+from tippetop.runs import starting
 
 
 TOPS = 10
@@ -20,7 +20,7 @@ TOPS = 10
 def tops() -> Problems:
     """Tops of every fate: some invert, some lift off, some stay."""
     rng = np.random.default_rng(20261121)
-    base = replace(build.load("inverting", None, None), orientation=False)
+    base = replace(starting.load("inverting", None, None), orientation=False)
     numbers = {
         "initial.omega3": rng.uniform(20, 330, TOPS),
         "initial.theta": rng.uniform(0.01, 3.0, TOPS),

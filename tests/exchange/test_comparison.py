@@ -12,7 +12,7 @@ import tippetop as tt
 from tippetop import cli
 from tippetop.errors import InputError
 from tippetop.exchange.simulators import start_of, text_of
-from tippetop.scenario import build
+from tippetop.runs import starting
 from tippetop.store.export import export
 
 
@@ -205,7 +205,7 @@ def test_the_command_prints_json_and_draws(
 def test_an_exported_model_follows_the_exact_motion(tmp_path: Path) -> None:
     """With MuJoCo's default stiffness the error exceeds 0.1 rad within 0.3 s."""
     mujoco = pytest.importorskip("mujoco")
-    problem = build.load("inverting", ["friction.law=coulomb", "friction.mu=0.3"], until=0.3)
+    problem = starting.load("inverting", ["friction.law=coulomb", "friction.mu=0.3"], until=0.3)
     model = mujoco.MjModel.from_xml_string(text_of(problem, "mjcf"))
     data, rows = mujoco.MjData(model), []
     mujoco.mj_resetDataKeyframe(model, data, 0)

@@ -17,14 +17,14 @@ from tippetop.mechanics.friction import LAWS, FrictionLaw
 from tippetop.mechanics.number import Number, number
 from tippetop.mechanics.operand import formula
 from tippetop.mechanics.units import METRE, SECOND, SECOND_PER_METRE
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 @pytest.fixture(scope="module")
 def inverting() -> tuple[xr.Dataset, xr.Dataset, dict]:
     """An inversion: its trajectory, its events, its attributes."""
-    groups = Run(solve(build.load("inverting", until=8.0))).datasets()
+    groups = Run(solve(starting.load("inverting", until=8.0))).datasets()
     return groups["trajectory"], groups["events"], groups["trajectory"].attrs
 
 

@@ -69,7 +69,7 @@ def ranges(c: np.ndarray, shift: int, h: np.ndarray) -> np.ndarray:
     rows = event_rows([Event("", "", lambda s, b: None)], [(0, shift, 1.0, 0.0)], [])
     motion, tallies = new_motion(1, 0, *c.shape), new_tallies(rows, c.shape[1])
     motion.end[:] = np.inf
-    rules = StopRules(-1, 0, np.inf, 1 << 62, 8, 0)
+    rules = StopRules(np.inf, 1 << 62, 8, 0)
     loop = Loop(
         motion,
         rows,

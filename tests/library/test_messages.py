@@ -134,7 +134,19 @@ CALLS: list[tuple[Call, str]] = [
         lambda: tt.run(tt.load("inverting"), until=1.0, output_step=0.1),
         "a Problem must be the only argument, but `until`, `output_step` is given too",
     ),
+    *(
+        (lambda given=given: tt.load("inverting", given), "`assignments` must be a list of texts")
+        for given in (0, {}, math.nan, True, [1], b"1", np.ones(2), "run.until=1")
+    ),
+    (lambda: run(output_times={}), "`output_times` must be"),
+    (lambda: run(output_times=[0.0, [1.0]]), "`output_times` must be a number or an array of"),
     # bodies and laws
+    (lambda: tt.TippeTop(m=1, R=1), r"TippeTop\(m, R, .* g\) lacks `alpha`, `I1`, `I3`, `g`"),
+    (lambda: tt.friction.Viscous(0.1, mu=0.2), r"Viscous\(mu\) was given too many arguments"),
+    *(
+        (lambda wrong=wrong: tt.friction.Viscous(mu=wrong), "`friction.mu` must be a number, but")
+        for wrong in (np.array([0.1, 0.2]), 1j, [0.1], True, None, b"1")
+    ),
     (lambda: tt.TippeTop(**{**BODY, "m": 10**400}), "`parameters.m` must be a"),
     (lambda: tt.TippeTop(m=1, R=1, alfa=0.3, I1=1, I3=1, g=9), "`alfa`. Did you mean `alpha`"),
     (lambda: tt.friction.Coulomb(mu=0.3, epsilon=1e-3), "`epsilon`. Did you mean `eps`"),
@@ -158,6 +170,33 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(out=3), "must be a path"),
     (lambda: made().plot("theta", 3), "must be a path"),
     (lambda: tt.compare(3, "inverting"), "`others` must be a path or a list of paths, but is 3"),
+    (lambda: tt.sweep("abc", "sweep.zarr"), "`abc` must be the TOML file of a plan"),
+    *(
+        (lambda given=given: tt.compare("film.csv", "inverting", **given), message)
+        for given, message in (
+            ({"up": "x"}, "`up` must be one of z, y, but is 'x'"),
+            ({"up": np.ones(2)}, "`up` must be one of z, y, but is array"),
+            ({"quaternion": [1]}, "`quaternion` must be one of wxyz, xyzw, but is"),
+        )
+    ),
+    (lambda: tt.compare("film.csv", 3), "`reference` must be a scenario or a run, but is 3"),
+    (lambda: tt.fit("film.csv", TOP, "friction.mu"), "`scenario` must be a scenario or a run, but"),
+    (lambda: tt.fit("film.csv", "", "friction.mu"), "`scenario` must be a path, but is ''"),
+    *(
+        (
+            lambda free=free: tt.fit("film.csv", "inverting", free),
+            "`free` must be names such as friction.mu, parameters.I1, but is",
+        )
+        for free in (None, 1, [1], [], "")
+    ),
+    *(
+        (lambda noise=noise: tt.fit("film.csv", "inverting", "friction.mu", noise=noise), message)
+        for noise, message in (
+            ([1], "`noise` must be a finite number, but is"),
+            (True, "`noise` must be a finite number, but is True"),
+            (np.ones(2), "`noise` must be a finite number, but is array"),
+        )
+    ),
     # numbers
     (lambda: regime(TOP, None), "must be a (finite )?number"),
     (lambda: regime(TOP, math.nan), "must be a (finite )?number"),
@@ -196,12 +235,15 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: tt.ensemble("inverting", {"spin": [1.0]}), "`spin` must be one of"),
     (lambda: tt.ensemble("inverting", [1.0]), "must be a mapping"),
     (lambda: tt.ensemble("inverting", {"omega3": ["3 kg"]}), "`omega3` must be in rad s-1 .*but"),
-    (lambda: tt.ensemble("inverting", {"omega3": [None]}), "`omega3` must be an array of numbers"),
+    (lambda: tt.ensemble("inverting", {"omega3": [None]}), "`omega3` must be a number or an"),
     (
         lambda: tt.ensemble("inverting", SPINS | {"initial.omega3": [155.0, 150.0]}),
         r"`initial\.omega3` must be given once, but is given as `omega3` and",
     ),
+    (lambda: tt.ensemble("inverting", {"omega3": [100, [1]]}), "`omega3` must be a number or an"),
     (lambda: tt.ensemble("inverting", SPINS, threads="x"), "`threads` must be a whole number"),
+    (lambda: tt.ensemble("inverting", SPINS, orientation=[1]), "`orientation` must be True or"),
+    (lambda: tt.ensemble("inverting", SPINS, lyapunov="x"), "`lyapunov` must be True or False"),
     (lambda: tt.ensemble("inverting", SPINS, progress=3), "`progress` must be"),
     *(
         (
@@ -215,13 +257,18 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: made().plot(3), "the kind of figure must be one of .* but is `3`"),
     (lambda: made().plot("theta", "theta"), "must end with the format"),
     (lambda: made().plot("theta", others=3), "`others` must be a list of Runs, but is 3"),
+    (lambda: made().plot(np.ones(2)), "the kind of figure must be one of"),
+    (lambda: made().plot(size=[1]), r"`size` must be two numbers, but is \[1\]"),
+    (lambda: linear_modes(TOP, VISCOUS, omega3=1, inverted=[1]), "`inverted` must be True or"),
+    (lambda: minimal_surface(TOP, **MOMENTA, gradient="x"), "`gradient` must be True or False"),
+    (lambda: minimal_surface(TOP, **MOMENTA, threads=[1]), "`threads` must be a whole number"),
     (lambda: made().plot("theta", dark="x"), "`dark` must be True or False"),
     (lambda: made().plot("theta", "t.png", overwrite=1), "`overwrite` must be True or False"),
     (lambda: made().save("run.zarr", overwrite="no"), "`overwrite` must be True or False"),
     (lambda: made().view().save("run.html", overwrite=1), "`overwrite` must be True or False"),
     (
         lambda: run(columns=["theta", "orientation"]).view(),
-        r"a page must have `L`, `axis`, .*: add what is missing",
+        r"a page must have `L`, `axis`, .*: add the missing columns",
     ),
     # user-defined events and columns
     *(
@@ -296,8 +343,8 @@ CALLS: list[tuple[Call, str]] = [
             (law(name="Other", key="mixed"), "must be new, but `mixed` is that of Mixed"),
             (law(name="Other", key="modified"), "must be new, but `modified` is that of Modified"),
             (law(key=""), "must be letters"),
-            (law(coefficient=3), "the coefficient of the law .* a function, but is 3"),
-            (law(coefficient=None), "must have a coefficient"),
+            (law(coefficient=3), r"must have a function `coefficient\(v2, z, law\)`, but has 3"),
+            (law(coefficient=None), "must have a function .*, but has None"),
             (law(law=number(ONE, "x", default=0)), "must not be named `law`"),
             (law(mu_r=number(ONE, "x", default=0)), "must not be named `mu_r`"),
             (3, "`record` must be a System or a class of FrictionLaw"),

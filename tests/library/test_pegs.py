@@ -10,7 +10,7 @@ import tippetop as tt
 from helpers.touching import BODY, BOUNCE
 from tippetop.exchange.scales import scale_of
 from tippetop.mechanics.systems.tippe_top import TippeTop
-from tippetop.runs import forecast
+from tippetop.runs import forecast, starting
 from tippetop.scenario import build
 from tippetop.sweeps.plan import Plan
 
@@ -147,7 +147,7 @@ def test_a_fit_keeps_the_sign_of_alpha() -> None:
 def test_a_peg_with_a_stem_stands_on_it_only_with_its_centre_of_mass_above() -> None:
     for alpha, stands in ((-0.2, True), (-0.9, False)):
         stem = ["stem.r='12 mm'", "stem.h='10 mm'"]
-        problem = build.load(
+        problem = starting.load(
             "leine-glocker-stem", [f"parameters.alpha={alpha}", "friction.mu=0.1", *stem]
         )
         assert ("lambda_s_stem" in forecast.assessment(problem)["thresholds"]) is stands

@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 
 from tippetop.engine.orientation import quaternion
 from tippetop.problem import Problem
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 STEP = 2e-4
@@ -24,7 +24,7 @@ STEP = 2e-4
 
 def load(preset: str, *settings: str, until: float = 0.6) -> Problem:
     """A preset with rows so dense that omega can be interpolated to rounding."""
-    return build.load(preset, [*settings, f"run.output_step={STEP}"], until)
+    return starting.load(preset, [*settings, f"run.output_step={STEP}"], until)
 
 
 def matrices(columns: dict[str, np.ndarray]) -> np.ndarray:

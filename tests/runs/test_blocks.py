@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from tippetop.errors import InputError, Interrupted
-from tippetop.runs import integration, recording
+from tippetop.runs import integration, recording, starting
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
-from tippetop.scenario import build
 
 
 class Largest(Memory):
@@ -29,7 +28,7 @@ class Largest(Memory):
 
 def test_memory_does_not_grow_with_the_rows_of_a_slice() -> None:
     integrating, sink = (
-        Integration(build.load("inverting", ["run.output_step=1e-8"], until=0.01)),
+        Integration(starting.load("inverting", ["run.output_step=1e-8"], until=0.01)),
         Largest(),
     )
     tracemalloc.start()
@@ -42,7 +41,7 @@ def test_memory_does_not_grow_with_the_rows_of_a_slice() -> None:
 
 
 def test_blocks_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
-    problem = build.load("inverting", until=1.0)
+    problem = starting.load("inverting", until=1.0)
     whole = solve(problem)
     monkeypatch.setattr(integration, "ROWS_PER_BLOCK", 7)
     blocks = solve(problem)
@@ -52,12 +51,12 @@ def test_blocks_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_rows_that_nobody_keeps_are_not_even_counted_through() -> None:
     """They are 1e12: it would not end."""
-    done = solve(build.load("inverting", ["run.output_step=1e-12"], until=1.0), keep=False)
+    done = solve(starting.load("inverting", ["run.output_step=1e-12"], until=1.0), keep=False)
     assert done.status.value == "finished"
 
 
 def test_rows_that_memory_cannot_hold_are_refused() -> None:
-    problem = build.load("inverting", ["run.output_step=1e-11"], until=8.0)
+    problem = starting.load("inverting", ["run.output_step=1e-11"], until=8.0)
     with pytest.raises(
         InputError, match=r"must fit in .* of memory, but take .* give a store .--out, out=."
     ):
@@ -76,6 +75,6 @@ def test_a_slice_of_many_rows_is_interrupted_before_its_end(
 
     monkeypatch.setattr(recording.Recorder, "rows", stopped_at_the_first)
     monkeypatch.setattr(recording, "PATIENCE", 0.2)
-    problem = build.load("inverting", ["run.output_step=1e-10"], until=8.0)
+    problem = starting.load("inverting", ["run.output_step=1e-10"], until=8.0)
     with pytest.raises(Interrupted):
         recording.record(problem, tmp_path / "a.zarr", stop=stop)

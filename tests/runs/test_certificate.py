@@ -12,7 +12,7 @@ from typed import typed
 
 from tippetop.engine.status import Status
 from tippetop.problem import Problem
-from tippetop.runs import certificate
+from tippetop.runs import certificate, starting
 from tippetop.runs.certificate import certificate_violations, contract_violations
 from tippetop.runs.run import Solution, solve
 from tippetop.scenario import build
@@ -58,7 +58,7 @@ def test_a_tolerance_of_ones_own_promises_nothing() -> None:
 
 @pytest.fixture(scope="module")
 def problem() -> Problem:
-    return build.load("inverting", until=0.5)
+    return starting.load("inverting", until=0.5)
 
 
 def spoil(monkeypatch: pytest.MonkeyPatch, spoiled: Any) -> None:

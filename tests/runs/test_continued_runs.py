@@ -15,8 +15,7 @@ from typed import typed
 import tippetop as tt
 from tippetop.cli import outcome
 from tippetop.errors import StoreError
-from tippetop.runs import recording, resuming
-from tippetop.scenario import build
+from tippetop.runs import recording, resuming, starting
 from tippetop.store import provenance, root
 from tippetop.store.folder import Folder
 
@@ -31,7 +30,7 @@ OUTPUT = {
 
 
 def made(store: Path, until: float, *sets: str) -> Path:
-    recording.record(build.load("inverting", [*TURNING, *sets], until), store)
+    recording.record(starting.load("inverting", [*TURNING, *sets], until), store)
     return store
 
 
@@ -79,7 +78,7 @@ def test_a_run_in_memory_that_is_saved_is_continued_too(tmp_path: Path) -> None:
 def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         recording.record(
-            build.load("inverting", [*TURNING, "run.output_step=0.1"], 100.0),
+            starting.load("inverting", [*TURNING, "run.output_step=0.1"], 100.0),
             tmp_path / "run.zarr",
             progress=Mock(side_effect=KeyboardInterrupt),
         )

@@ -5,10 +5,9 @@ from typing import Any
 
 import pytest
 
-from tippetop.runs import cost
+from tippetop.runs import cost, starting
 from tippetop.runs.integration import Integration
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 STEP, COMPILING = 1e-4, 3.0  # [s]
@@ -32,7 +31,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Callable[[], float]:
 @pytest.mark.parametrize("until", [0.5, 8.0, 400.0])
 def test_seconds_are_those_of_the_whole_run(until: float, clock: Callable[[], float]) -> None:
     """Of a long run only the beginning is made."""
-    problem = build.load("rolling", until=until)
+    problem = starting.load("rolling", until=until)
     expected = cost.measured(problem, clock)
     assert clock() < COMPILING + 4 * max(cost.WORTH, STEP * cost.STEPS)
     steps = solve(problem, keep=False).report["steps"]
@@ -41,13 +40,13 @@ def test_seconds_are_those_of_the_whole_run(until: float, clock: Callable[[], fl
 
 
 def test_a_run_that_ends_early_is_not_taken_for_longer(clock: Callable[[], float]) -> None:
-    problem = build.load("inverting", ["initial.omega3=170"], until=1e6)
+    problem = starting.load("inverting", ["initial.omega3=170"], until=1e6)
     steps = solve(problem, keep=False).report["steps"]
     assert cost.measured(problem, clock)["steps"] == steps
 
 
 def test_the_cost_of_a_spin_that_friction_stops_is_a_lower_bound() -> None:
-    drilling, viscous = (build.load(name) for name in ("leine-glocker-drilling", "inverting"))
+    drilling, viscous = (starting.load(name) for name in ("leine-glocker-drilling", "inverting"))
     assert cost.estimate(drilling)["at_least"] is True
     assert "at_least" not in cost.estimate(viscous)
 
@@ -55,7 +54,7 @@ def test_the_cost_of_a_spin_that_friction_stops_is_a_lower_bound() -> None:
 def test_many_rows_are_measured_in_short_slices() -> None:
     """A slice of 512 steps would make a million rows; they are part of the time."""
     few, many = (
-        cost.measured(build.load("inverting", [f"run.output_step={step}"], until=8.0))
+        cost.measured(starting.load("inverting", [f"run.output_step={step}"], until=8.0))
         for step in (1e-2, 1e-6)
     )
     assert many["seconds"] > 10 * few["seconds"]

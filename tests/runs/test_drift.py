@@ -11,9 +11,9 @@ import pytest
 from tippetop.engine.invariants import invariants, sizes
 from tippetop.engine.observables import Observables
 from tippetop.mechanics.units import ANGULAR_MOMENTUM
+from tippetop.runs import starting
 from tippetop.runs.certificate import contract_violations
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 def momenta(column: dict[str, np.ndarray], p: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -59,7 +59,7 @@ def test_the_drift_is_the_worst_relative_change(
     scenario: str, name: str, formula: Callable, tolerance: float
 ) -> None:
     sets = ["form=euler", f"run.tolerance={tolerance}", "run.output_step=0.0005"]
-    run = solve(build.load(scenario, sets, until=2.0))
+    run = solve(starting.load(scenario, sets, until=2.0))
     values = formula(examples.columns(run), run.problem.parameters)
     worst = np.abs(values / values[0] - 1).max()
     assert worst > 1e-12  # it was made badly
@@ -70,7 +70,7 @@ def test_the_drift_is_the_worst_relative_change(
 
 def sizes_of(*sets: str, scenario: str = "inverting") -> tuple[dict[str, float], dict[str, float]]:
     """What drifts are relative to, and the invariants at the start."""
-    problem = build.load(scenario, list(sets))
+    problem = starting.load(scenario, list(sets))
     values = Observables(problem).evaluate(problem.start()[None, :])
     both = sizes(problem, values), invariants(problem, values)
     return tuple({name: float(v[0]) for name, v in each.items()} for each in both)  # type: ignore[return-value]
@@ -87,7 +87,7 @@ def test_a_drift_of_what_is_small_because_its_parts_cancel_is_relative_to_a_tent
     unit is then m g R.
     """
     spins = ["initial.theta=1.2661036727794992", "initial.phi_dot=0.0", "initial.omega3=600.0"]
-    problem = build.load("inverting", spins)
+    problem = starting.load("inverting", spins)
     size, start = sizes_of(*spins)
     assert abs(start["jellett"]) < 1e-12
     momentum = problem.parameters["I3"] * 600.0 / float(problem.scales.of(ANGULAR_MOMENTUM))
@@ -119,7 +119,7 @@ def test_a_top_that_hardly_spins_keeps_the_contract() -> None:
         for table, values in SLOW.items()
         for name, value in values.items()
     ]
-    run = solve(build.load("rolling", sets, until=50.0), keep=False)
+    run = solve(starting.load("rolling", sets, until=50.0), keep=False)
     size, start = sizes_of(*sets, scenario="rolling")
     assert run.report["drift"]["jellett"] * size["jellett"] / abs(start["jellett"]) > 1e-13
     assert contract_violations(run.report, 0.0) == []

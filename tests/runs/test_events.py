@@ -9,8 +9,8 @@ from tippetop.engine.loop import count_turnings
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import Tallies, event_rows, new_tallies
 from tippetop.mechanics.event import NOISE_FLOOR
+from tippetop.runs import starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 def count(
@@ -99,7 +99,7 @@ def test_starts_at_rest_log_every_turning_of_a_dense_scan(rng: np.random.Generat
     ]
     for start in starts:
         sets = [f"{key}={float(value)!r}" for key, value in start.items()]
-        run = solve(build.load("inverting", [*sets, "run.output_step=2e-5"], until=0.4))
+        run = solve(starting.load("inverting", [*sets, "run.output_step=2e-5"], until=0.4))
         turns = turning_times(run.times, run.columns()["theta"].values)
         found = run.events.of("turning").time
         sure = run.report["t_end"] - 1e-4  # the scan does not see a turning beyond its last row
@@ -128,7 +128,7 @@ def test_a_top_that_will_leave_its_pole_has_not_settled(monkeypatch: pytest.Monk
     then it inverts.
     """
     sets = ["friction.mu=0.03", "initial.theta=1e-6", "run.stop_when=settled"]
-    problem = build.load("inverting", sets, until=400.0)
+    problem = starting.load("inverting", sets, until=400.0)
     run = solve(problem, keep=False)
     assert run.status is Status.SETTLED
     assert run.report["theta_end"] > np.pi - 1e-6

@@ -6,16 +6,15 @@ import math
 
 import pytest
 
-from tippetop.runs import cost, forecast
+from tippetop.runs import cost, forecast, starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 def test_quantities_of_the_start_are_those_of_a_spinning_ball() -> None:
     """Tilted, spinning about its axis, its contact at rest: the centre moves with R omega3
     sin(theta), and no more.
     """
-    problem = build.load("inverting", ["initial.theta=0.4", "initial.omega3=80.0"])
+    problem = starting.load("inverting", ["initial.theta=0.4", "initial.omega3=80.0"])
     p, found = problem.parameters, forecast.at_start(problem)
     c, s, z, L3 = p["R"] * p["alpha"], math.sin(0.4), math.cos(0.4), p["I3"] * 80.0
     assert found["jellett"] == pytest.approx((p["R"] * z - c) * L3, rel=1e-13)
@@ -26,7 +25,7 @@ def test_quantities_of_the_start_are_those_of_a_spinning_ball() -> None:
 
 
 def test_everything_has_its_unit() -> None:
-    problem = build.load("inverting")
+    problem = starting.load("inverting")
     found = forecast.assessment(problem)
     units = {quantity.name: quantity.unit.symbol for quantity in problem.system.quantities}
     assert {name: entry["unit"] for name, entry in found["at_start"].items()} == units
@@ -37,21 +36,21 @@ def test_everything_has_its_unit() -> None:
 @pytest.mark.parametrize("preset", ["inverting", "rolling", "heavy-top"])
 def test_steps_are_foretold_to_an_order_of_magnitude(preset: str) -> None:
     """No more is promised; measured: 0.3 to 4 times what the run takes."""
-    problem = build.load(preset, until=2.0)
+    problem = starting.load(preset, until=2.0)
     made = solve(problem, keep=False)
     assert 0.1 < cost.estimate(problem)["steps"] / made.report["steps"] < 10
 
 
 def test_cost_is_proportional_to_what_is_asked_for() -> None:
     """To the time, to the spin, to the rows; wider numbers cost more for each step."""
-    base = cost.estimate(build.load("inverting", until=100.0))
-    twice = cost.estimate(build.load("inverting", ["run.output_step=0.001"], until=200.0))
+    base = cost.estimate(starting.load("inverting", until=100.0))
+    twice = cost.estimate(starting.load("inverting", ["run.output_step=0.001"], until=200.0))
     assert twice["steps"] == pytest.approx(2 * base["steps"], abs=1)
     assert twice["megabytes"] == pytest.approx(2 * base["megabytes"], rel=1e-3)
-    faster = cost.estimate(build.load("inverting", ["initial.omega3=310.0"], until=100.0))
+    faster = cost.estimate(starting.load("inverting", ["initial.omega3=310.0"], until=100.0))
     assert faster["steps"] == pytest.approx(2 * base["steps"], abs=1)
     seconds = [
-        cost.estimate(build.load("inverting", [f"run.precision={precision}"], until=100.0))[
+        cost.estimate(starting.load("inverting", [f"run.precision={precision}"], until=100.0))[
             "seconds"
         ]
         for precision in ("double", "longdouble", "quad")
@@ -64,11 +63,11 @@ def test_the_spin_that_a_stem_needs_is_the_published_one():
     """Leine and Glocker's top: 21.700 rad/s upright, 88.107 on its stem; nothing is promised where
     sliding may stop.
     """
-    facts = forecast.assessment(build.load("leine-glocker-drilling"))
+    facts = forecast.assessment(starting.load("leine-glocker-drilling"))
     assert facts["thresholds"]["spin_upright"]["value"] == pytest.approx(21.700, abs=1e-3)
     assert facts["thresholds"]["spin_stem"]["value"] == pytest.approx(88.107, abs=1e-3)
     assert "drilling" in facts["regime"]
-    sticks = forecast.assessment(build.load("cohen-coulomb"))
+    sticks = forecast.assessment(starting.load("cohen-coulomb"))
     assert "may stop" in sticks["regime"]
     assert "fate" not in sticks
     assert "spin_stem" not in sticks["thresholds"]

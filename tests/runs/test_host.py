@@ -15,8 +15,7 @@ from stores import assert_same
 import tippetop
 from tippetop.errors import Interrupted
 from tippetop.problem import Problem
-from tippetop.runs import recording, resuming
-from tippetop.scenario import build
+from tippetop.runs import recording, resuming, starting
 from tippetop.store import root
 from tippetop.store.ledger import Ledger
 from tippetop.sweeps.plan import Plan
@@ -25,7 +24,7 @@ from tippetop.sweeps.plan import Plan
 def problem() -> Problem:
     """A run of some twenty slices."""
     sets = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]
-    return build.load("inverting", [*sets, "run.output_step=0.01"], 20.0)
+    return starting.load("inverting", [*sets, "run.output_step=0.01"], 20.0)
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -18,7 +18,7 @@ from tippetop.cli import outcome
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing
 from tippetop.problem import column_names
-from tippetop.runs import attributes, recording
+from tippetop.runs import attributes, recording, starting
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 
@@ -41,8 +41,8 @@ def test_what_is_kept_has_the_bits_that_it_has_beside_everything(preset: str) ->
     """Columns, events, end and report; the turn of the body is integrated only where a column needs
     it.
     """
-    whole = solve(build.load(preset, until=1.0))
-    some = solve(build.load(preset, [asked(*SOME[preset])], until=1.0))
+    whole = solve(starting.load(preset, until=1.0))
+    some = solve(starting.load(preset, [asked(*SOME[preset])], until=1.0))
     kept, every = some.columns(), whole.columns()
     assert set(kept) == {"time", *SOME[preset]}
     assert set(every) == {"time", *whole.problem.kept_columns}
@@ -58,12 +58,14 @@ def test_what_is_kept_has_the_bits_that_it_has_beside_everything(preset: str) ->
 @pytest.mark.parametrize("precision", ["longdouble", "quad"])
 def test_wider_columns_come_with_their_low_parts(precision: str) -> None:
     sets = [f"run.precision={precision}", "run.output_times=[0.0]"]
-    base = build.load("rolling-cylinder", [*sets, "run.output_step="])
+    base = starting.load("rolling-cylinder", [*sets, "run.output_step="])
     every = solve(base)
     named = [name for name in every.columns() if name != "time" and not name.endswith("_lo")]
     assert sorted(named) == sorted(base.kept_columns)
     last = named[-1]
-    some = solve(build.load("rolling-cylinder", [*sets, "run.output_step=", asked(last)])).columns()
+    some = solve(
+        starting.load("rolling-cylinder", [*sets, "run.output_step=", asked(last)])
+    ).columns()
     assert set(some) == {"time", last, f"{last}_lo"}
     np.testing.assert_array_equal(some[f"{last}_lo"].values, every.columns()[f"{last}_lo"].values)
 
@@ -73,8 +75,10 @@ def test_a_store_keeps_them_and_is_continued_with_them(tmp_path: Path) -> None:
     same files.
     """
     names = ("phi_dot", "theta", "time")  # the time is there in any case
-    recording.record(build.load("inverting", [asked(*names)], until=2.0), tmp_path / "whole.zarr")
-    recording.record(build.load("inverting", [asked(*names)], until=0.7), tmp_path / "run.zarr")
+    recording.record(
+        starting.load("inverting", [asked(*names)], until=2.0), tmp_path / "whole.zarr"
+    )
+    recording.record(starting.load("inverting", [asked(*names)], until=0.7), tmp_path / "run.zarr")
     assert sorted(zarr.open_group(tmp_path / "run.zarr/trajectory").array_keys()) == sorted(names)
     tt.resume(tmp_path / "run.zarr", until=2.0)
     assert_same(tmp_path / "run.zarr", tmp_path / "whole.zarr")
@@ -88,7 +92,7 @@ def test_a_store_keeps_them_and_is_continued_with_them(tmp_path: Path) -> None:
 
 
 def test_a_replay_has_the_columns_of_its_run(tmp_path: Path) -> None:
-    source = build.load(
+    source = starting.load(
         "inverting", [asked("theta"), "run.output_step=", "run.output=keyframes"], until=2.0
     )
     recording.record(source, tmp_path / "run.zarr")
@@ -111,7 +115,7 @@ def test_columns_of_ones_own_are_kept_beside_those_that_are_named() -> None:
     assert kept(["theta", own]) == {"theta", "height"}
     assert kept("theta") == {"theta"}
     assert kept([]) == set()
-    narrow = {**build.resolved(build.load("inverting", [asked("theta")])), "form": "vector"}
+    narrow = {**build.resolved(starting.load("inverting", [asked("theta")])), "form": "vector"}
     assert kept(own, narrow) == {"theta", "height"}
 
 
@@ -159,7 +163,7 @@ def test_a_figure_needs_no_more_than_it_names() -> None:
         lines = [line.get_xydata() for line in picture.findobj(Line2D)]
         return [*lines, np.array([text.get_text() for text in picture.findobj(Text)])]
 
-    problem = build.load("inverting", until=0.3)
+    problem = starting.load("inverting", until=0.3)
     system, done = problem.system, solve(problem)
     attrs = attributes.attributes(done.progress)
     groups = {

@@ -15,10 +15,9 @@ from typed import typed
 import tippetop as tt
 from tippetop.errors import StoreError
 from tippetop.problem import Problem
-from tippetop.runs import recording, replay
+from tippetop.runs import recording, replay, starting
 from tippetop.runs.summary import lines
 from tippetop.sampling import EvenTimes
-from tippetop.scenario import build
 from tippetop.store import root
 
 
@@ -26,7 +25,7 @@ KEYFRAMES = ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=100
 
 
 def problem(until: float, *sets: str) -> Problem:
-    return build.load("inverting", [*TURNING, "run.output_step=0.1", *sets], until)
+    return starting.load("inverting", [*TURNING, "run.output_step=0.1", *sets], until)
 
 
 def stored(store: Path, until: float, *sets: str) -> Path:

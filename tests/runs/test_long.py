@@ -15,16 +15,15 @@ from typed import typed
 from tippetop.cli import outcome
 from tippetop.errors import InputError
 from tippetop.problem import ROUNDING
-from tippetop.runs import certificate, recording
+from tippetop.runs import certificate, recording, starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 from tippetop.store import chunks
 
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("long") / "run.zarr"
-    recording.record(build.load("inverting", until=7.0), path)
+    recording.record(starting.load("inverting", until=7.0), path)
     return path
 
 
@@ -33,7 +32,7 @@ def test_wide_rows_are_stored_without_losing_digits(precision: str, bits: int) -
     """hi + lo gives the integrated number back to the bits that two doubles hold, unit conversion
     included.
     """
-    problem = build.load(
+    problem = starting.load(
         "inverting", [f"run.precision={precision}", "run.output_step=0.1"], until=0.3
     )
     run = solve(problem)
@@ -115,7 +114,7 @@ def test_certify_is_kept_in_the_store(tmp_path: Path, capsys: pytest.CaptureFixt
 
 @pytest.mark.slow
 def test_the_rolling_preset_keeps_its_contract_over_ten_thousand_seconds() -> None:
-    problem = build.load("rolling", ["run.output_step=1"], until=1e4)
+    problem = starting.load("rolling", ["run.output_step=1"], until=1e4)
     done = solve(problem, keep=False)
     assert not certificate.contract_violations(done.report, ROUNDING["double"])
 
@@ -124,6 +123,6 @@ def test_the_rolling_preset_keeps_its_contract_over_ten_thousand_seconds() -> No
 def test_a_reduced_start_next_to_a_pole_is_refused(theta: float) -> None:
     near = [f"initial.theta={theta!r}"]
     with pytest.raises(InputError, match='form = "vector" can'):
-        build.load("rolling", [*near, "form=reduced"])
+        starting.load("rolling", [*near, "form=reduced"])
     for form in ("auto", "vector", "contact"):
-        build.load("rolling", [*near, f"form={form}"])
+        starting.load("rolling", [*near, f"form={form}"])

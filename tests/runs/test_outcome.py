@@ -10,15 +10,14 @@ from tippetop.engine.status import Status
 from tippetop.ensembles.ensemble import measure
 from tippetop.ensembles.outcomes import CLASSES
 from tippetop.problem import Problems
-from tippetop.runs import forecast
+from tippetop.runs import forecast, starting
 from tippetop.runs.run import solve
 from tippetop.runs.summary import lines
-from tippetop.scenario import build
 
 
 def outcomes(sets: list[str], until: float, **variations: list[float]) -> tuple[str, str]:
     """The outcome of a single run, and the class of the same top in a lane."""
-    problem = build.load("inverting", sets, until=until)
+    problem = starting.load("inverting", sets, until=until)
     lane = measure(
         Problems.vary(problem, {"initial.theta": np.array([problem.initial["theta"]])}),
         threads=1,
@@ -56,7 +55,7 @@ def test_a_settled_that_does_not_last_is_no_time_in_a_lane() -> None:
     """In planar motion sliding dies for a moment at every swing: a run marks none of these as
     significant.
     """
-    problem = build.load("inverting", ["initial.omega3=0.0"], until=1.0)
+    problem = starting.load("inverting", ["initial.omega3=0.0"], until=1.0)
     run = solve(problem)
     assert len(run.events.of("settled").time) > 3
     lane = measure(Problems.vary(problem, {"initial.omega3": np.array([0.0])}), threads=1, lanes=4)
@@ -66,14 +65,14 @@ def test_a_settled_that_does_not_last_is_no_time_in_a_lane() -> None:
 
 
 def test_a_fate_knows_liftoff() -> None:
-    problem = build.load("inverting", ["initial.omega3=300.0"])
+    problem = starting.load("inverting", ["initial.omega3=300.0"])
     assert forecast.assessment(problem)["fate"] == "ends in the inverted spin, unless it lifts off"
     done = solve(problem, keep=False)
     assert done.status is Status.LIFTOFF
     assert "4.96" in done.reason
     assert done.report["outcome"] == "lifted-off"
     assert abs(done.report["normal_force"]["min"]) < 1e-9
-    assert "unless it lifts off" in forecast.assessment(build.load("rolling"))["fate"]
+    assert "unless it lifts off" in forecast.assessment(starting.load("rolling"))["fate"]
 
 
 def test_a_summary_says_that_a_top_is_under_way() -> None:
@@ -86,7 +85,7 @@ def test_a_summary_says_that_a_top_is_under_way() -> None:
 def test_without_friction_nothing_ends(theta: float) -> None:
     """Not even within 0.1 rad of a pole: as `check` says."""
     assert outcomes([f"initial.theta={theta}", "friction.mu=0"], 0.5) == ("nutating", "nutating")
-    problem = build.load("inverting", [f"initial.theta={theta}", "friction.mu=0"])
+    problem = starting.load("inverting", [f"initial.theta={theta}", "friction.mu=0"])
     assert forecast.assessment(problem)["fate"].startswith("theta nutates for ever")
 
 
@@ -116,5 +115,6 @@ def test_what_rolls_for_ever_near_a_pole_is_rolling(theta: float) -> None:
         "stem.h=0.017",
     ]
     assert (
-        solve(build.load("inverting", sets, until=0.5), keep=False).report["outcome"] == "rolling"
+        solve(starting.load("inverting", sets, until=0.5), keep=False).report["outcome"]
+        == "rolling"
     )

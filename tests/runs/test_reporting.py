@@ -7,9 +7,8 @@ from dataclasses import FrozenInstanceError
 
 import pytest
 
-from tippetop.runs import reporting
+from tippetop.runs import reporting, starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 def test_what_a_callback_was_given_stays_what_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -21,7 +20,7 @@ def test_what_a_callback_was_given_stays_what_it_was(monkeypatch: pytest.MonkeyP
         kept.append(progress)
         reports.append(copy.deepcopy(reporting.report(progress)))
 
-    done = solve(build.load("inverting"), follow)
+    done = solve(starting.load("inverting"), follow)
     assert [reporting.report(progress) for progress in kept] == reports
     assert sorted({progress.steps for progress in kept}) == [progress.steps for progress in kept]
     assert kept[-1].steps < done.report["steps"]

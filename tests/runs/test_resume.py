@@ -33,12 +33,11 @@ import tippetop
 from tippetop import errors
 from tippetop.cli import outcome
 from tippetop.problem import Problem
-from tippetop.runs import recording, resuming
+from tippetop.runs import recording, resuming, starting
 from tippetop.runs.integration import Integration
 from tippetop.runs.reporting import report
 from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
-from tippetop.scenario import build
 from tippetop.store.folder import Folder
 
 
@@ -47,7 +46,7 @@ KEYFRAMES = ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=100
 
 
 def problem(until: float = UNTIL, *sets: str) -> Problem:
-    return build.load("inverting", [*TURNING, "run.output_step=0.01", *sets], until)
+    return starting.load("inverting", [*TURNING, "run.output_step=0.01", *sets], until)
 
 
 def start(*arguments: str, prelude: str = PRELUDE) -> Forked:

@@ -16,9 +16,8 @@ from typed import typed
 
 from tippetop import errors
 from tippetop.errors import StoreError
-from tippetop.runs import recording, resuming
+from tippetop.runs import recording, resuming, starting
 from tippetop.runs.integration import Integration
-from tippetop.scenario import build
 from tippetop.store import provenance, root
 from tippetop.store.ledger import LEDGER, digest
 
@@ -35,7 +34,7 @@ def half(tmp_path_factory: pytest.TempPathFactory) -> Path:
         short_slices(patch)
         with pytest.raises(errors.Interrupted):
             recording.record(
-                build.load("inverting", [*TURNING, "run.output_step=0.01"], UNTIL),
+                starting.load("inverting", [*TURNING, "run.output_step=0.01"], UNTIL),
                 store,
                 progress=stop,
             )

@@ -10,13 +10,12 @@ import pytest
 from tippetop.engine.status import Status
 from tippetop.engine.taylor import driver_of
 from tippetop.problem import Problem
-from tippetop.runs import attributes, integration
+from tippetop.runs import attributes, integration, starting
 from tippetop.runs.run import solve
-from tippetop.scenario import build
 
 
 def load(*assignments: str, until: float = 2.0, **changes: object) -> Problem:
-    return dataclasses.replace(build.load("inverting", list(assignments), until), **changes)
+    return dataclasses.replace(starting.load("inverting", list(assignments), until), **changes)
 
 
 def test_neither_rows_nor_events_change_the_run() -> None:
@@ -125,7 +124,7 @@ def test_a_state_that_turns_non_finite_keeps_the_last_good_one(
 
 def test_the_length_of_an_integrated_axis_is_watched() -> None:
     """Every form that integrates the components of 3hat promises |3hat| = 1."""
-    made = solve(build.load("gliding-heavy-top", [], 1.0))
+    made = solve(starting.load("gliding-heavy-top", [], 1.0))
     assert 0 <= made.report["drift"]["axis_norm"] < 1e-13
     axis = made.rows[
         :, [made.problem.form.units._fields.index(name) for name in ("ux", "uy", "uz")]

@@ -6,16 +6,16 @@ import pytest
 import tippetop
 from tippetop.ensembles.ensemble import measure
 from tippetop.problem import Problems
+from tippetop.runs import starting
 from tippetop.runs.run import solve
 from tippetop.runs.summary import lines
-from tippetop.scenario import build
 
 
 SWINGS = ["initial.omega3=0.0", "initial.phi_dot=0.0", "initial.theta=2.0"]
 
 
 def test_a_planar_swing_through_the_pole_is_no_turning() -> None:
-    problem = build.load("heavy-top", SWINGS, until=2.0)
+    problem = starting.load("heavy-top", SWINGS, until=2.0)
     run = solve(problem)
     events = run.events
     turning = events.kind == 0
@@ -33,7 +33,7 @@ def test_a_planar_swing_through_the_pole_is_no_turning() -> None:
 
 def test_a_near_passage_is_a_turning() -> None:
     """Almost planar: the axis passes the pole at some 1e-5 rad, and turns there."""
-    run = solve(build.load("heavy-top", [*SWINGS[:1], "initial.phi_dot=1e-4", SWINGS[2]], 1.0))
+    run = solve(starting.load("heavy-top", [*SWINGS[:1], "initial.phi_dot=1e-4", SWINGS[2]], 1.0))
     near = (run.events.kind == 0) & (np.pi - run.events.theta < 1e-3)
     assert near.any()
     assert run.events.significant[near].all()

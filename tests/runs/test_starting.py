@@ -16,7 +16,6 @@ from tippetop.runs import recording, starting
 from tippetop.runs.integration import Integration
 from tippetop.runs.sinks import Sink
 from tippetop.runs.summary import lines
-from tippetop.scenario import build
 from tippetop.store import hexfloat
 
 
@@ -28,7 +27,7 @@ SCENARIO = (
 @pytest.fixture(scope="module")
 def ended(tmp_path_factory: pytest.TempPathFactory) -> Path:
     store = tmp_path_factory.mktemp("ended") / "RUN.zarr"
-    recording.record(build.load("inverting", ["run.output_step=0.01"], 3.0), store)
+    recording.record(starting.load("inverting", ["run.output_step=0.01"], 3.0), store)
     return store
 
 
@@ -49,7 +48,7 @@ def end_of(store: Path) -> np.ndarray:
 @pytest.mark.parametrize("precision", ["double", "longdouble"])
 def test_the_start_is_the_end_to_the_last_bit(precision: str, tmp_path: Path) -> None:
     store = tmp_path / "RUN.zarr"
-    recording.record(build.load("inverting", [f"run.precision={precision}"], 1.0), store)
+    recording.record(starting.load("inverting", [f"run.precision={precision}"], 1.0), store)
     (tmp_path / "NEXT.toml").write_text(SCENARIO)
     problem = starting.load(tmp_path / "NEXT.toml", [f"run.precision={precision}"])
     assert hexfloat.encode(problem.start()) == hexfloat.encode(end_of(store))
@@ -108,7 +107,7 @@ def test_what_stands_on_a_plane_that_it_may_leave_is_taken_up(
     changes: list[str], ball: int, tmp_path: Path
 ) -> None:
     store = tmp_path / "RUN.zarr"
-    recording.record(build.load("inverting", ["run.on_liftoff=fly", *changes], 0.05), store)
+    recording.record(starting.load("inverting", ["run.on_liftoff=fly", *changes], 0.05), store)
     last = tt.open(store).trajectory.isel(time=-1)
     assert last.ball == ball
     assert abs(last.gap) < 1e-15  # to rounding, below the plane too
@@ -155,7 +154,7 @@ def test_a_run_that_has_not_ended_or_is_none_is_refused(before: Path, tmp_path: 
     assert typed(f"check {tmp_path}/NEXT.toml") == 5
     with pytest.raises(KeyboardInterrupt):
         recording.record(
-            build.load("inverting", ["initial.phi_dot=10.0", "friction.mu=0.0"], 4000.0),
+            starting.load("inverting", ["initial.phi_dot=10.0", "friction.mu=0.0"], 4000.0),
             before,
             progress=Mock(side_effect=KeyboardInterrupt),
         )

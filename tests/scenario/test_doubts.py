@@ -7,14 +7,14 @@ import pytest
 from typed import typed
 
 from tippetop.cli import main
-from tippetop.runs import forecast
+from tippetop.runs import forecast, starting
 from tippetop.scenario import build, reading
 from tippetop.scenario.doubts import doubts
 
 
 def test_presets_are_not_suspicious() -> None:
     for name in reading.presets():
-        assert doubts(build.load(name)) == []
+        assert doubts(starting.load(name)) == []
 
 
 @pytest.mark.parametrize(
@@ -48,17 +48,17 @@ def test_check_of_a_plan_takes_no_end(file: Path, capsys: pytest.CaptureFixture[
 
 
 def test_a_top_that_begins_below_its_plane_is_doubtful() -> None:
-    (sentence,) = doubts(build.load("gliding-heavy-top", ["initial.theta=3.0"]))
+    (sentence,) = doubts(starting.load("gliding-heavy-top", ["initial.theta=3.0"]))
     assert "beyond pi/2: this body has fallen" in sentence
 
 
 def test_torques_that_bring_a_body_to_rest_are_doubtful() -> None:
-    (sentence,) = doubts(build.load("inverting", ["friction.mu_r=1e-4", "friction.mu_d=1e-4"]))
+    (sentence,) = doubts(starting.load("inverting", ["friction.mu_r=1e-4", "friction.mu_d=1e-4"]))
     assert sentence.startswith("`friction.mu_r` and `friction.mu_d` can bring this body to rest")
 
 
 def test_check_says_the_limits_of_rolling() -> None:
-    found = forecast.assessment(build.load("rolling"))
+    found = forecast.assessment(starting.load("rolling"))
     for name in ("lambda_pi", "gamma_star"):
         assert found["thresholds"][name]["value"] > 0
     assert "the inverted spin of this lambda is" in found["fate"]
@@ -66,6 +66,6 @@ def test_check_says_the_limits_of_rolling() -> None:
 
 def test_gamma_star_is_where_two_wells_begin() -> None:
     """gamma* = 2.1213 for alpha = 0.3, sigma = 2.5 [section 5, item 4]."""
-    top = build.load("rolling", ["parameters.I1=3.2e-6", "parameters.I3=3.2e-6"])
+    top = starting.load("rolling", ["parameters.I1=3.2e-6", "parameters.I3=3.2e-6"])
     found = forecast.assessment(top)["thresholds"]["gamma_star"]["value"]
     assert found == pytest.approx(2.1213, abs=5e-5)

@@ -9,7 +9,7 @@ import pytest
 import tippetop as tt
 from tippetop.mechanics.contact.gliding.gliding_chart import AWAY_FROM_POLE
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.runs import recording
+from tippetop.runs import recording, starting
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 from tippetop.store import root
@@ -17,9 +17,9 @@ from tippetop.store import root
 
 def test_auto_is_the_default_and_an_explicit_form_wins() -> None:
     for sets in ([], ["form=auto"]):
-        assert build.load("rolling", sets).form.name == "contact"
+        assert starting.load("rolling", sets).form.name == "contact"
     for form in SYSTEMS["rolling-tippe-top"].forms:
-        assert build.load("rolling", [f"form={form}"]).form.name == form
+        assert starting.load("rolling", [f"form={form}"]).form.name == form
     assert tt.run("rolling", until=0.01).summary["form"] == "contact"
     assert tt.run("rolling", until=0.01, form="vector").summary["form"] == "vector"
 
@@ -36,7 +36,7 @@ def test_a_rolling_top_about_its_contact_passes_the_poles(start: dict) -> None:
     """Where the vector form goes, and with no undefined axis or momentum."""
     sets = [f"initial.{name}={value!r}" for name, value in ({"phi_dot": 0.0, **start}).items()]
     runs = [
-        solve(build.load("rolling", [*sets, f"form={form}"], 0.2)).columns()
+        solve(starting.load("rolling", [*sets, f"form={form}"], 0.2)).columns()
         for form in ("auto", "vector")
     ]
     for name in ("theta", "axis", "L", "x", "y", "orientation"):
@@ -50,7 +50,7 @@ def test_the_azimuth_is_as_exact_as_theta() -> None:
     """
     sets = ["initial.theta=0.3", "initial.phi_dot=60.0", "run.output_step=0.05"]
     axis, wide = (
-        solve(build.load("rolling", [*sets, f'run.precision="{precision}"'], 4.0))
+        solve(starting.load("rolling", [*sets, f'run.precision="{precision}"'], 4.0))
         .columns()["axis"]
         .values
         for precision in ("double", "longdouble")
@@ -62,7 +62,7 @@ def test_the_store_names_the_form(tmp_path: Path) -> None:
     """A resumed run takes what the store names."""
     for name, sets in (("contact", []), ("vector", ["form=vector"])):
         store = tmp_path / f"{name}.zarr"
-        recording.record(build.load("rolling", sets, 0.05), store)
+        recording.record(starting.load("rolling", sets, 0.05), store)
         attrs = root.attributes(store)
         assert attrs["form"] == name
         assert build.problem(build.tables_of(attrs)).form.name == name

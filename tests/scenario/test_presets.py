@@ -13,7 +13,7 @@ from tippetop.library.finished_run import Run
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs import cost
 from tippetop.runs.run import solve
-from tippetop.scenario.build import load
+from tippetop.runs.starting import load
 from tippetop.scenario.reading import presets
 
 

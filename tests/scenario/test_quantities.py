@@ -17,7 +17,7 @@ from tippetop.mechanics.units import (
     RADIAN_PER_SECOND,
     Unit,
 )
-from tippetop.scenario import build
+from tippetop.runs import starting
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_a_formula_has_the_dimension_of_its_number(text: str, message: str) -> N
 
 def test_parameters_of_a_scenario_must_not_lead_to_one_another() -> None:
     with pytest.raises(InputError, match="I1` must not depend on itself, but does"):
-        build.load("inverting", ["parameters.I1=2*I3", "parameters.I3=I1"])
+        starting.load("inverting", ["parameters.I1=2*I3", "parameters.I3=I1"])
 
 
 @pytest.mark.parametrize(
@@ -87,8 +87,7 @@ def test_parameters_of_a_scenario_must_not_lead_to_one_another() -> None:
         ("(" * 150, "must be a number, arithmetic"),
         ("1" * 201, "at most 200 characters"),
         ("1e400", "in the range of a double"),
-        ("1e99999999", "in the range of a double"),  # these took minutes
-        ("(" * 8 + "9" + "^12)" * 8, "in the range of a double"),
+        ("1e99999999", "in the range of a double"),  # this took minutes
         ("1 kg*m**9**9**9", "is no unit"),
     ],
 )
@@ -137,7 +136,7 @@ def test_a_scenario_and_its_assignments_take_them() -> None:
         "initial.omega3=1480 rpm",
         "run.until=2 s",
     ]
-    problem = build.load("inverting", assigned)
-    assert problem.parameters == pytest.approx(build.load("inverting").parameters, rel=1e-15)
+    problem = starting.load("inverting", assigned)
+    assert problem.parameters == pytest.approx(starting.load("inverting").parameters, rel=1e-15)
     assert problem.initial["omega3"] == pytest.approx(1480 * 2 * math.pi / 60, rel=1e-15)
     assert problem.until == 2.0

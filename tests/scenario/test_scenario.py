@@ -11,12 +11,13 @@ from hypothesis import strategies as st
 
 from tippetop.errors import InputError
 from tippetop.problem import Problem
+from tippetop.runs import starting
 from tippetop.scenario import build, reading
 
 
 def sentences(*assignments: str) -> str:
     with pytest.raises(InputError) as caught:
-        build.load("inverting", list(assignments))
+        starting.load("inverting", list(assignments))
     return str(caught.value)
 
 
@@ -70,7 +71,7 @@ def test_all_faults_are_reported_at_once() -> None:
 
 def test_euler_form_refuses_a_pole_and_vector_form_takes_it() -> None:
     assert "singular" in sentences("form=euler", "initial.theta=0.0")
-    assert build.load("inverting", ["initial.theta=0.0"]).start()[0] == 0.0
+    assert starting.load("inverting", ["initial.theta=0.0"]).start()[0] == 0.0
 
 
 def test_jammed_contact_at_the_start_is_refused() -> None:
@@ -79,12 +80,12 @@ def test_jammed_contact_at_the_start_is_refused() -> None:
 
 
 def test_the_grid_ends_with_until() -> None:
-    grid = build.load("inverting", ["run.until=1.05", "run.output_step=0.1"]).times[:]
+    grid = starting.load("inverting", ["run.until=1.05", "run.output_step=0.1"]).times[:]
     np.testing.assert_allclose(grid, [*np.arange(11) / 10, 1.05], rtol=1e-12)
 
 
 def test_centre_at_rest_means_no_velocity_of_the_centre() -> None:
-    problem = build.load("inverting", ["initial.centre_at_rest=true"])
+    problem = starting.load("inverting", ["initial.centre_at_rest=true"])
     names = problem.variables.names
     state = dict(zip(names, problem.start(), strict=True))
     assert abs(state["rx_dot"]) < 1e-15
@@ -133,4 +134,4 @@ def test_random_files_give_sentences(
     path = tmp_path_factory.mktemp("toml") / "scenario.toml"
     path.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8", "surrogatepass"))
     with pytest.raises(InputError):
-        build.load(str(path))
+        starting.load(str(path))

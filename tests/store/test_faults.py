@@ -15,9 +15,8 @@ from stores import files, state_of
 import tippetop as tt
 from tippetop.errors import InputError, StoreError
 from tippetop.landscape import surface_recording as surfaces
-from tippetop.runs import replay
+from tippetop.runs import replay, starting
 from tippetop.sampling import EvenTimes
-from tippetop.scenario import build
 from tippetop.store.folder import Folder
 from tippetop.store.ledger import LEDGER, Ledger
 
@@ -60,7 +59,7 @@ def extend(place: Path) -> None:
 
 def surface(place: Path) -> None:
     wanted = surfaces.Surface(
-        build.load("inverting").parameters, np.linspace(-1e-4, 1e-4, 6), [0.0, 1e-5], chunk=4
+        starting.load("inverting").parameters, np.linspace(-1e-4, 1e-4, 6), [0.0, 1e-5], chunk=4
     )
     surfaces.write(place, wanted)
 

@@ -15,8 +15,7 @@ from plans import PLAN
 from stores import PRELUDE, TURNING, assert_same, ended, short_slices, state_of
 
 from tippetop.cli import outcome
-from tippetop.runs import recording
-from tippetop.scenario import build
+from tippetop.runs import recording, starting
 from tippetop.store.ledger import LEDGER
 
 
@@ -26,9 +25,9 @@ SURFACE = """
 from pathlib import Path
 import numpy as np
 from tippetop.landscape import surface_recording as surfaces
-from tippetop.scenario import build
+from tippetop.runs import starting
 axes = np.linspace(-1e-4, 1e-4, 90), np.linspace(0, 1e-5, 80)
-wanted = surfaces.Surface(build.load("inverting").parameters, *axes, chunk=16)
+wanted = surfaces.Surface(starting.load("inverting").parameters, *axes, chunk=16)
 surfaces.write(Path("S.zarr"), wanted)
 """
 
@@ -40,7 +39,7 @@ def nothing() -> None:
 def interrupted() -> None:
     stop = Mock(side_effect=[None, None, KeyboardInterrupt])
     with contextlib.suppress(KeyboardInterrupt):
-        recording.record(build.load("inverting", SETS, 70.0), Path("S.zarr"), progress=stop)
+        recording.record(starting.load("inverting", SETS, 70.0), Path("S.zarr"), progress=stop)
 
 
 def finished() -> None:

@@ -13,7 +13,7 @@ from tippetop.cli import outcome
 from tippetop.ensembles.outcomes import CLASSES
 from tippetop.errors import InputError
 from tippetop.mechanics.theory import thresholds
-from tippetop.scenario import build
+from tippetop.runs import starting
 from tippetop.sweeps import maps
 from tippetop.sweeps.plan import Plan
 from tippetop.sweeps.sweep_summary import open_sweep
@@ -182,7 +182,7 @@ def test_what_cannot_be_drawn_is_said(
 
 def test_ends_change_at_the_analytic_thresholds(tmp_path: Path) -> None:
     """End upright below lambda_u, inverted above lambda_s, neither between, within 2 %."""
-    body = build.load("inverting").body()
+    body = starting.load("inverting").body()
     upright = thresholds.lambda_u(body) / thresholds.lambda_s(body)
     values = [*(upright * np.array([0.95, 0.98, 1.04])), 0.5, 0.98, 1.02, 1.05]
     axis = {"of": "lambda", "values": [float(v) for v in values]}

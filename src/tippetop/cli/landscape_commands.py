@@ -86,7 +86,9 @@ def surface(
                 )
             with Bar("chunks") as bar:
                 wanted = surface_recording.Surface(parameters, Ds, lambdas, system)
-                surface_recording.write(out, wanted, threads=threads, progress=bar.update)
+                surface_recording.write(
+                    out, wanted, threads=threads, progress=bar.update, overwrite=overwrite
+                )
         except KeyboardInterrupt:
             return complain(["interrupted; the same command continues from here."], 130)
         if was_finished:
@@ -138,7 +140,7 @@ def potential(
     from ..awaiting import awaited
     from ..figures import drawing
     from ..landscape import potential, surface, surface_recording
-    from .targets import check_picture, finished
+    from .targets import check_picture
 
     parameters, system = _tippe_top(scenario)
     if not 2 <= n <= MOST_POINTS:
@@ -154,10 +156,9 @@ def potential(
             f"`--D` and `--lambda` must keep V finite, but D = {D:g}, lambda = {lambda_:g} do not."
         )
     if out is not None:
-        finished(out, overwrite)
         attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
         surface_recording.write_potential(
-            out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": minimum}
+            out, V, attrs | {"D": D, "lambda": lambda_, "minimum": minimum}, overwrite=overwrite
         )
     if figure is not None:
         drawing.write(_potential(V, least), figure, overwrite=overwrite)
@@ -224,9 +225,9 @@ def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     from ..errors import a_system
     from ..landscape.run_landscape import SPINNING
     from ..mechanics.systems import find
-    from ..scenario import build
+    from ..runs.starting import load
 
-    problem = build.load(scenario)
+    problem = load(scenario)
     record = find(problem.system.name)  # the sphere on the plane, whatever its contact does
     landscape = None if record is None else record.landscape
     if landscape is None or landscape.symbols != SPINNING:

@@ -115,9 +115,9 @@ def _states(scenario: str, look: Look) -> Any:
     from ..figures.style import literal
     from ..landscape import run_landscape
     from ..runs import forecast
-    from ..scenario import build
+    from ..runs.starting import load
 
-    problem = build.load(scenario)
+    problem = load(scenario)
     run_landscape.refuse_parts(problem.friction._asdict())
     lam = forecast.at_start(problem).get("jellett", 0.0)
     parameters = {name: float(value) for name, value in problem.parameters.items()}

@@ -49,7 +49,9 @@ def sweep(
     was_finished = finished(out, overwrite)
     failed: list[str] = []
     try:
-        sweep.sweep(plan, out, workers=workers, scheduler=scheduler, progress=True)
+        sweep.sweep(
+            plan, out, workers=workers, scheduler=scheduler, progress=True, overwrite=overwrite
+        )
     except errors.Unfinished as unfinished:
         failed = unfinished.sentences
     except (KeyboardInterrupt, SystemExit) as stopped:  # not after the chunks under way

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from pathlib import Path
 
 from ..errors import InputError, StoreError, refuse_without
 from ..figures import catalogue
 from ..store import files, root
-from ..store.ledger import Ledger
 
 
 def check_picture(path: Path | None, option: str, overwrite: bool = False) -> None:
@@ -26,18 +23,7 @@ def check_picture(path: Path | None, option: str, overwrite: bool = False) -> No
 
 
 def finished(store: Path, overwrite: bool) -> bool:
-    """Return whether a store exists and is finished; with `overwrite` remove it.
-
-    Raises StoreError if it is not a store of tippetop, is being written, or is not writable.
-    """
-    if not overwrite:
-        return store.is_dir() and root.attributes(store, whole=False).get("status") == "finished"
-    if store.is_symlink():
-        raise StoreError(f"`{store}` is a link: it is not overwritten; name the store itself.")
-    if store.exists():
-        root.refuse_foreign(store)  # a damaged one may be overwritten
-        with files.writing(store), Ledger.locked(store):  # raises StoreError, naming the writer
-            old = files.scratch_name(store)
-            os.rename(store, old)  # immediately: a kill leaves no half store under its name
-            shutil.rmtree(old, ignore_errors=True)
-    return False
+    """Return whether a store exists, is finished and is not overwritten. Raises StoreError."""
+    if overwrite or not store.is_dir():  # a damaged one may be overwritten
+        return False
+    return root.root_of(store).get("status") == "finished"

@@ -36,18 +36,18 @@ def view(
     """
     from ..awaiting import awaited
     from ..errors import InputError
-    from ..views import pages
+    from ..store import files
 
     if (store is None) != playground:
         raise InputError("nothing to show: pass a store or `--playground`.")
-    if out is not None and not out.is_dir() and out.suffix.lower() not in (".html", ".htm"):
+    if out is not None and out.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"--out must end with .html, but is `{out}`.")
     if playground and (from_, until) != (None, None):
         raise InputError("`--from` and `--until` cannot be used with `--playground`.")
     place = out or Path(f"{store.resolve().stem if store else 'playground'}.html")
-    pages.check(place, overwrite=overwrite)
+    files.refuse_existing(place, overwrite)
     text = awaited(lambda: _text(store, from_, until), "the page is being made")
-    pages.write(text, place, overwrite=overwrite)
+    files.write_text(place, text, overwrite=overwrite)
     print(f"{place}: {len(text.encode()) / 1e6:.1f} MB, for a browser with WebGL2")
     return 0
 

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..mechanics.form import Phase
 from ..mechanics.lines import Program
 from ..mechanics.operand import leaves, refill
 from .driver import NO_ROWS
@@ -18,17 +17,17 @@ from .phase_tables import number_of
 
 PATIENCE = 16
 """Changes before a jump is written down as a program; then after twice as many, until it is one."""
-NUMBERS, MOTIONS = 24, 8
-"""Most numbers that a change may pass to the tables, and motions of impacts."""
+NUMBERS, MOTIONS, REGISTERS = 24, 8, 1 << 16
+"""Most numbers that a change may pass to the tables, motions of impacts, and registers of a
+program.
+"""
 
 
-class Change(NamedTuple):
-    """A change of phase, in numbers of the loop."""
-
+class _Change(NamedTuple):
     lines: np.ndarray
-    registers: np.ndarray
+    constants: np.ndarray
     length: int
-    begin: int
+    n_constants: int
     out: int
     next: int
     logged: int
@@ -39,6 +38,8 @@ class Change(NamedTuple):
 class _Phases(NamedTuple):
     loops: np.ndarray
     changes: int
+    body: np.ndarray
+    registers: np.ndarray
     made: np.ndarray
     began: float
     end: float
@@ -47,18 +48,17 @@ class _Phases(NamedTuple):
     present: int
     length: int
     most: int
+    numbers: int
     width: int
 
 
 class Written(NamedTuple):
     """The program of a jump, for every run of its system."""
 
-    lines: np.ndarray
-    constants: tuple[float, ...]
-    out: int  # of the lines, the first whose results begin the next phase
+    change: _Change
     motions: tuple[str, ...]  # regions of impacts
-    begins: tuple[str, Phase, str]  # the next phase, and why it begins
-    logged: int
+    phase: str  # the next one
+    row: list[int]  # of it in the table of phases
     tables: list[tuple[str, int]]  # each row of the other tables, and how many numbers it has
 
 
@@ -77,17 +77,19 @@ class Changes:
     Attributes
     ----------
     known
-        The programs and their changes, by the number of a change.
+        The programs, by the number of a change.
     """
 
     def __init__(self, run: Any, chatter: float, most: int):
-        self.events, self.known = len(run.events), dict[int, tuple[Written, Change]]()
+        self.events, self.known = len(run.events), dict[int, Written]()
         self.loops = np.zeros(len(run.phases) + MOTIONS, np.uint64)
-        self.table: Any = (structure(Change) * (len(run.phases) * self.events))()
+        self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
         self.made = np.zeros((most, 6 + NUMBERS))
-        arrays = self.loops, ctypes.addressof(self.table), self.made
+        self.numbers = np.array(leaves(run.body)), np.zeros(REGISTERS)
+        arrays = self.loops, ctypes.addressof(self.table), *self.numbers, self.made
         times = 0.0, float(run.end), 0.0, chatter
-        self.record: Any = filled(_Phases(*arrays, *times, 0, 0, most, self.made.shape[1]))
+        sizes = 0, 0, most, len(self.numbers[0]), self.made.shape[1]
+        self.record: Any = filled(_Phases(*arrays, *times, *sizes))
 
     def learn(self, run: Any, jump: Any, given: tuple) -> None:
         """Let the loop make a change of the present phase by itself, if its jump only begins a
@@ -103,24 +105,11 @@ class Changes:
     def take_up(self, run: Any, track: Any, jump: Any) -> None:
         """Let the loop make the change of a phase by a jump, if it has a program."""
         program: Written | None = jump.program
-        if program is None:
-            return
-        number = track.at * self.events + run.numbers[jump.exit.event]
-        if number in self.known:
-            return
-        to = run.track_of(program.begins[0])
-        if track.sampler or to.sampler:  # Python looks at each step
-            return
-        for region in program.motions:
-            run.impacts.driver(region)
-        first, last = run.all_events.events[program.logged][["first", "last"]].item()
-        state = [0.0] * (len(track.place.motion.state) + 1 + self.events)
-        inputs = [*state, *leaves(run.body), *program.constants]
-        registers = np.array([*inputs, *[0.0] * len(program.lines)])
-        begin = len(inputs), len(inputs) + program.out
-        logs = program.logged, first, last
-        change = Change(program.lines, registers, len(program.lines), *begin, to.at, *logs)
-        self.table[number], self.known[number] = filled(change), (program, change)
+        if program and not track.sampler and not run.track_of(program.phase).sampler:
+            number = track.at * self.events + run.numbers[jump.exit.event]
+            for region in program.motions:
+                run.impacts.driver(region)
+            self.table[number], self.known[number] = filled(program.change), program
 
     def _traced(
         self, run: Any, jump: Any, state: tuple, left: Any, struck: Any, body: Any
@@ -163,6 +152,7 @@ class Changes:
             and n.cause
             and len(n.logged) == 1
             and len(flat) <= NUMBERS
+            and program.count + 2 * len(program.lines) < REGISTERS
             and to.live <= track.live
             and all((value > 0) == (signs[k] > 0) for k, value in goes_on)
         )
@@ -174,14 +164,15 @@ class Changes:
         lasts = math.nan if n.lasts is None else n.lasts
         zeros = [-count for count in roots]
         first = program.joined([*state, *pad, *sides, *zeros, lasts, *flat, *none])
-        out = first.place - program.count
+        lines, constants = program.code(), np.array([*program.constants.values()])
+        logged = run.numbers[n.logged[0]]
+        kept = run.all_events.events[logged][["first", "last"]].item()
+        sizes = len(lines), len(constants), first.place - program.count
         return Written(
-            program.code(),
-            tuple(program.constants.values()),
-            out,
+            _Change(lines, constants, *sizes, to.at, logged, *kept),
             tuple(regions),
-            (n.phase, to.phase, n.cause),
-            run.numbers[n.logged[0]],
+            n.phase,
+            run.tables.row_of(n.phase, to.phase, n.cause),
             [(name, len(row)) for name, row in tables],
         )
 
@@ -203,14 +194,15 @@ class Changes:
         record.present, record.began = run.track.at, run.began
         record.length, record.most = 0, changes
         steps = library().loop_run(ctypes.byref(record), steps)
-        for time, number, *numbers in self.made[: record.length].tolist():
-            program, change = self.known[int(number)]
-            run.spans.append([change.next, *map(int, numbers[:3])])
-            run.tables.begin(time, *program.begins)
-            rest = iter(numbers[4:])
+        for time, number, rows, passages, samples, _, *numbers in self.made[
+            : record.length
+        ].tolist():
+            program, rest = self.known[int(number)], iter(numbers)
+            run.spans.append([program.change.next, int(rows), int(passages), int(samples)])
+            run.tables.begin(time, program.row)
             for name, size in program.tables:
-                run.tables.add(time, {name: [[*islice(rest, size)]]})
+                run.tables.rows[name].append([time, *islice(rest, size)])
         if record.length:
-            run.follow(run.tracks[program.begins[0]], time)
+            run.follow(run.tracks[program.phase], time)
             run.short, run.until = 0, record.clock
         return steps

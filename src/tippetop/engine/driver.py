@@ -99,7 +99,7 @@ class Shared(NamedTuple):
     samples: Samples
 
 
-RULES = StopRules(-1, 0, np.inf, ENDLESS, EVERY, FIRST)
+RULES = StopRules(np.inf, ENDLESS, EVERY, FIRST)
 """Of a single run: only an event ends it before its time."""
 NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(1, np.int64), False)
 
@@ -140,8 +140,6 @@ class Place:
         Its steps, in this place alone.
     rows
         The events.
-    lasting
-        The number of the event that must last; -1 without one.
     shared
         Arrays of a run of several phases, of which this is one; None: new ones.
     """
@@ -151,7 +149,6 @@ class Place:
         compiled: Compiled,
         stepper: Stepper,
         rows: EventRows,
-        lasting: int,
         shared: Shared | None = None,
     ):
         self.taken_by: Any = None  # a weak reference to a driver
@@ -164,8 +161,7 @@ class Place:
             new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n),
         )
         self.motion = new_motion(n, len(compiled.integrator.pars), size, 1)
-        rules = RULES._replace(lasting=lasting, way=compiled.way)
-        self.loop = Loop(self.motion, self.rows, *self.shared, rules, stepper)
+        self.loop = Loop(self.motion, self.rows, *self.shared, RULES, stepper)
 
 
 def place_for(driver: "Driver", compiled: Compiled) -> Place:
@@ -173,7 +169,7 @@ def place_for(driver: "Driver", compiled: Compiled) -> Place:
     places: list[Place] = compiled.places.__dict__.setdefault("places", [])
     place = next((place for place in places if place.taken_by() is None), None)
     if place is None:
-        place = Place(compiled, driver.stepper_of(compiled), compiled.rows, compiled.lasting)
+        place = Place(compiled, driver.stepper_of(compiled), compiled.rows)
         if len(places) < PLACES:
             places.append(place)
     place.taken_by = weakref.ref(driver)

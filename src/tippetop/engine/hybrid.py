@@ -184,7 +184,7 @@ class Jump:
         Raises
         ------
         ArithmeticError
-            If the jump raises it: nothing can follow.
+            If the jump raises it, or one of this package cannot compute: nothing can follow.
         InputError
             If the jump fails otherwise, or what it returns cannot follow.
         """
@@ -194,8 +194,9 @@ class Jump:
         except Exception as error:
             if type(error) in (ArithmeticError, InputError):
                 raise
+            is_ours = world.rules and isinstance(error, ArithmeticError)
             message = f"{self.where} fails: {type(error).__name__}: {error}"
-            raise InputError([message]) from error
+            raise (ArithmeticError if is_ours else InputError)(message) from error
 
     def _next(self, state: Sequence, world: World) -> tuple:
         q, carried = self.variables.split(state[: len(self.variables.names)])
@@ -204,7 +205,7 @@ class Jump:
             x = x._replace(carried=carried)
         n = self.exit.jump(x, world)
         if fault := fault_of(n, self.exit, x, self.events):
-            raise InputError([f"{self.where} must {fault}."])
+            raise InputError(f"{self.where} must {fault}.")
         if n.cause is None:
             n.cause = self.exit.event
         if n.phase not in world.phases:
@@ -230,9 +231,8 @@ def begin_in_first(x: Any, world: World) -> Next:
 
 def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
     """Return the events of a run, by name."""
-    events = {event.name: event for event in system.events}
-    in_phases = {event.name: event for phase in phases.values() for event in phase.events}
-    return events | in_phases | events
+    in_phases = [event for phase in phases.values() for event in phase.events]
+    return {event.name: event for event in (*system.events, *in_phases, *system.events)}
 
 
 def fault_of(n: Any, exit: Exit, x: Any, events: Collection[str]) -> str:
@@ -288,26 +288,25 @@ class Track:
         self.ways = {k: one.name for k, one in self.events.items() if one.name in self.exits}
         self.live = self.events.keys() - self.ways.keys()
         code = code_for(problem, self.formulas, run.stop)
-        numbers = [*self.events, -1]
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
-        self.place = Place(code, run.stepper_of(code), rows, numbers[code.lasting], run.shared)
+        self.place = Place(code, run.stepper_of(code), rows, run.shared)
         run.take(self.place, leaves(self.b))
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(phase.form, self.b, code.integrator, sampled) if sampled else None
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase, `mine`, are looked for."""
-        known = run.all_events.events
+        known, numbers, ways = run.all_events.events, [*self.events], [*self.ways]
+        known["scale"][numbers] = mine["scale"]
         records = np.zeros_like(known)
-        for (number, event), of_phase in zip(self.events.items(), mine, strict=True):
-            known["scale"][number] = of_phase["scale"]
-            records[number] = of_phase
-            record, kept = records[number], known[number][["first", "last"]].item()
-            if number in self.ways:  # its jump logs
-                kept, record["ends"] = (0, 0), record["ends"] or Status.ENDED.code
-            record["first"], record["last"] = kept
-            record["watched"] = not event.sense or event.name in run.problem.events
+        records[numbers] = mine
+        records["first"], records["last"] = known["first"], known["last"]
+        records["first"][ways] = records["last"][ways] = 0  # its jump logs
+        records["ends"][ways] = Status.ENDED.code
+        records["watched"][numbers] = [
+            not event.sense or event.name in run.problem.events for event in self.events.values()
+        ]
         return records
 
     def sides(self, n: Next) -> dict[int, tuple[int, int]]:
@@ -319,15 +318,17 @@ class Track:
             for k, name in self.ways.items()
         }
 
-    def has_root(self, number: int, count: int, state: Sequence) -> bool:
-        """Return whether an event function has a root of this multiplicity in a state: its value,
-        or what it is soon afterwards, is almost zero.
+    def has_root(self, number: int, count: int, state: Sequence, values: Sequence) -> bool:
+        """Return whether an event function has a root of this multiplicity in a state with these
+        values: its value, and its slope if there is more than one root, are zero.
         """
         k, split = [*self.events].index(number), self.variables.split
-        step, bound = (NEAR, SLOPE * NEAR) if count > 1 else (0.0, ROOT)
+        if count == 1 or not abs(values[k]) < ROOT:
+            return abs(values[k]) < ROOT
         rates = self.variables.rates(*split(state), self.b)
-        soon = [one + step * rate for one, rate in zip(state, rates, strict=True)]
-        return abs(self.formulas.functions(*split(soon), self.b)[k]) < bound
+        near = [one + NEAR * rate for one, rate in zip(state, rates, strict=True)]
+        ahead = self.formulas.functions(*split(near), self.b)[k]
+        return abs(ahead - values[k]) < SLOPE * NEAR
 
 
 class HybridDriver(Driver):
@@ -343,6 +344,7 @@ class HybridDriver(Driver):
 
     track: Track
     last: np.ndarray  # the state where the last phase ended
+    width = 0  # the greatest number of variables of a phase
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
@@ -359,27 +361,28 @@ class HybridDriver(Driver):
         rows = event_rows(self.events, [(0, 1, 1.0, 0.0)] * len(self.events), ())
         for event in (event for phase in self.phases.values() for event in phase.events):
             rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
-        self.all_events, width = rows, self.width
+        widths = (len(Variables(phase.form).names) for phase in self.phases.values())
+        self.all_events, self.width = rows, max(widths) + len(self.events)
         self.shared = Shared(
             new_tallies(rows, 1),
-            new_log(PASSAGES + len(self.events) * MOST_COEFFICIENTS, width),
-            new_samples(STEPS_PER_SLICE + 2, width),
+            new_log(PASSAGES + len(self.events) * MOST_COEFFICIENTS, self.width),
+            new_samples(STEPS_PER_SLICE + 2, self.width),
         )
         functions = self.shared.tallies.functions
         functions[SIGN] = 0.0  # not known
         self.signs, self.zeros = (view(functions[kind, :, 0]) for kind in (SIGN, ON_ZERO))
-        self.wanted, self.tables = Wanted(width - len(self.events)), PhaseTables(problem)
+        self.wanted, self.tables = Wanted(self.width - len(self.events)), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.short = 0
         # the phases of a slice: their places, and the numbers of rows, passages and samples before
         self.spans: list[list[int]] = []
         self.states = np.empty((self.wanted.variables, 0), number)  # of the rows
         self.copies: Changes | None = None
-        self.impacts: ImpactMotions | None = None
-        self.kind: tuple | None = None  # of impacts
+        self.kind = self.impacts = self.struck = None
         if problem.contact is not None:
-            self.kind = kind = kind_of(problem, self.body[0].friction)
-            self.impacts = ImpactMotions(*kind, stop)
+            self.kind = kind_of(problem, self.body[0].friction)
+            self.impacts = ImpactMotions(*self.kind, stop)
+            self.struck = self.impacts.struck
             self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
         self._start(tuple(problem.start().tolist()))
         self.first = self.present()
@@ -401,11 +404,6 @@ class HybridDriver(Driver):
         self._enter(begun, self.number(0), None)
 
     # --- phases ----------------------------------------------------------------------------------
-
-    @property
-    def struck(self) -> Callable | None:
-        """See `World`."""
-        return self.impacts.struck if self.impacts else None
 
     def jump(self, name: str, phase: Phase, exit: Exit) -> Jump:
         """Return the jump of a phase by an exit."""
@@ -438,7 +436,8 @@ class HybridDriver(Driver):
         track, time = self.track_of(n.phase), min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
         if n.cause:
-            self.tables.begin(float(now + n.logged_after), track.name, track.phase, n.cause)
+            row = self.tables.row_of(track.name, track.phase, n.cause)
+            self.tables.begin(float(now + n.logged_after), row)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
         passed = self._begin_events(n, values, before)
@@ -524,9 +523,7 @@ class HybridDriver(Driver):
         """
         end = self.until if self.until < self.end else self.end
         sampler = self.track.sampler
-        name, when = (sampler and sampler.next(self)) or ("", end)
-        if not when < end:
-            name, when = "", end
+        when, name = min([(end, ""), *(sampler.next(self) if sampler else ())])
         self.end_at(when)
         return name
 
@@ -539,7 +536,7 @@ class HybridDriver(Driver):
         now, track, last = self.number(when), self.track, self.last
         given = tuple(last.tolist()), self.end - now, self.struck, self.body
         try:
-            begun = n, state, _ = jump(*given)
+            begun = n, state, values = jump(*given)
         except ArithmeticError as error:
             self.sentence = str(error)
             return Status.STALLED
@@ -563,14 +560,13 @@ class HybridDriver(Driver):
         if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
             self._add(np.array([when]), last[None])
         self._enter(begun, now, track)
-        for number, (_, count) in self.track.sides(n).items():
-            if count and not self.track.has_root(number, count, state):
+        sides = self.track.sides(n) if self.problem.contact is None else {}
+        for number, (_, count) in sides.items():
+            if count and not self.track.has_root(number, count, state, values):
                 raise InputError(
-                    [
-                        f"{jump.where} must give multiplicities of roots in `zeros`, but "
-                        f"{self.events[number].name!r} has no root of multiplicity {count} where "
-                        f"phase `{n.phase}` begins."
-                    ]
+                    f"{jump.where} must give multiplicities of roots in `zeros`, but "
+                    f"{self.events[number].name!r} has no root of multiplicity {count} where phase "
+                    f"`{n.phase}` begins."
                 )
         return None
 
@@ -582,8 +578,7 @@ class HybridDriver(Driver):
         self.spans.append([self.track.at, *counts])
 
     def ask(self) -> None:
-        if self.wanted.made[0] > self.given:
-            self._hand_over()
+        self._hand_over()
         super().ask()
         states, self.given = self.wanted.rows.states, 0
         self.states = states if self.number is float else np.empty(states.shape, self.number)
@@ -674,7 +669,7 @@ class HybridDriver(Driver):
         for (kind, first, some), mine in zip(parts, np.split(at, ends[:-1]), strict=True):
             numbers = first + np.arange(some.shape[1])
             mine[:] = begin[np.searchsorted(begin[:, kind], numbers, side="right") - 1, 0]
-        rows = np.empty((len(at), self.variables), self.number)
+        rows = np.empty((self.variables, len(at)), self.number)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
             if len(mine):
@@ -686,9 +681,9 @@ class HybridDriver(Driver):
                     if system.row
                     else track.phase.leave(q, track.b)
                 )
-                for k, value in enumerate((*read[: variables.moving], *moved)):
-                    rows[mine, k] = value
-        return np.split(rows, ends[:-1])
+                for row, value in zip(rows, (*read[: variables.moving], *moved), strict=True):
+                    row[mine] = value
+        return np.split(rows.T, ends[:-1])
 
     def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:
         """Give the rows that exist, and return what else the steps have found."""
@@ -716,12 +711,6 @@ class HybridDriver(Driver):
 
     def extremes(self) -> Extremes:
         return extremes_of(self.all_events.events, self.tallies)
-
-    @property
-    def width(self) -> int:
-        """The greatest number of variables of a phase."""
-        widths = (len(Variables(phase.form).names) for phase in self.phases.values())
-        return max(widths) + len(self.events)
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,

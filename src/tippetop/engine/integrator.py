@@ -30,9 +30,6 @@ class Compiled(NamedTuple):
         heyoka's, to be copied: state, parameters and time are zero. It detects no events.
     rows
         Where the event functions stand among the variables.
-    lasting, way
-        The number of the event that must last, -1 without one; the sign of its function beyond
-        its zero.
     machine
         Its step as machine code, `Loaded`; None in numbers wider than doubles.
     places
@@ -41,8 +38,6 @@ class Compiled(NamedTuple):
 
     integrator: Any
     rows: EventRows
-    lasting: int
-    way: int
     machine: Any
     places: threading.local
 
@@ -149,10 +144,7 @@ def compiled_from(
         integrator = compiled_once(hy.taylor_adaptive, equations, zero, **options)
     machine = None if compact else load(integrator.llvm_state.object_code, level)
     rows = event_rows(formulas.events, sources, axis)
-    lasting, way = next(
-        ((e, event.direction) for e, event in enumerate(formulas.events) if event.lasting), (-1, 0)
-    )
-    return Compiled(integrator, rows, lasting, way, machine, threading.local())
+    return Compiled(integrator, rows, machine, threading.local())
 
 
 def _source(

@@ -62,7 +62,6 @@ class _Sizes(NamedTuple):
     size: int
     lanes: int
     events: int
-    numbers: int
     axis: int
     log: int
     samples: int
@@ -209,7 +208,7 @@ class Loop:
             raise ValueError(f"a step must have {most}, but has {size} and {lanes}")
         self.library = library()
         self.out = np.zeros((variables, lanes))  # a state in every lane
-        lengths = (rows.events, rows.numbers, rows.axis, log.rows, samples.top, log.states[:1].T)
+        lengths = (rows.events, rows.axis, log.rows, samples.top, log.states[:1].T)
         self.records = {
             "sizes": _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths)),
             "motion": motion,

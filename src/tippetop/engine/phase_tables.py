@@ -29,12 +29,15 @@ class PhaseTables:
         self.under_way = [math.nan] * (1 + len(self.tables["phases"]))
         self.rows: dict[str, list[Sequence[Any]]] = {name: [] for name in self.tables}
 
-    def begin(self, time: float, name: str, phase: Phase, cause: str) -> None:
-        """Begin a phase of this name at an internal time."""
-        self.end(time)
+    def row_of(self, name: str, phase: Phase, cause: str) -> list[int]:
+        """Return the row of a phase of this name without its times."""
         row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
-        kinds = self.tables["phases"].items()
-        self.under_way = [time, *(number_of(row[key], kind) for key, kind in kinds)]
+        return [number_of(row[key], kind) for key, kind in self.tables["phases"].items()]
+
+    def begin(self, time: float, row: Sequence[int]) -> None:
+        """Begin a phase at an internal time."""
+        self.end(time)
+        self.under_way = [time, *row]
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""
@@ -68,9 +71,9 @@ def as_table(
     """Return rows, in internal units, as columns in SI; words as their places."""
     table, times = {}, ("start", "end") if name == "phases" else ("time",)
     for k, (column, kind) in enumerate({**dict.fromkeys(times, SECOND), **kinds}.items()):
-        values = [number_of(row[k], kind) for row in rows]
+        values = [row[k] for row in rows]
         if isinstance(kind, tuple):
-            table[column] = np.array(values, np.int8)
+            table[column] = np.array([number_of(value, kind) for value in values], np.int8)
         else:
             unit = float(scales.of(kind)) if rows else 1.0
             table[column] = (np.array(values) * unit).astype(float)

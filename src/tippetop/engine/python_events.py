@@ -28,19 +28,15 @@ class Sampler:
         self.integrator = ta = copy.deepcopy(integrator)
         ta.pars[:] = leaves(b)[: len(ta.pars)]
 
-    def next(self, run: Driver) -> tuple[str, Any] | None:
-        """Return the event that ends the phase in the next step, and its internal time; None if
-        none does.
+    def next(self, run: Driver) -> list[tuple[Any, str]]:
+        """Return the internal times of events that would end the phase in the next step, and their
+        names.
         """
-        ta = self.integrator
+        ta, (high, low) = self.integrator, run.clock
         ta.state[:], ta.time = run.state, run.number(0)
         _, h = ta.step(write_tc=True)
-        zeros = [(t, one.name) for one in self.events if (t := self._zero(one, h)) is not None]
-        if not zeros:
-            return None
-        t, name = min(zeros)
-        high, low = run.clock
-        return name, run.number(high) + (low + t)
+        zeros = [(self._zero(event, h), event.name) for event in self.events]
+        return [(run.number(high) + (low + t), name) for t, name in zeros if t is not None]
 
     def _zero(self, event: Event, h: Any) -> Any:
         """Return the time in a step of length h at which an event function has become negative."""

@@ -20,9 +20,10 @@ class EventRows(NamedTuple):
 
     `events`: where a function stands among the kept coefficients (`row`): it is a variable plus
     `offset` (`shift` 0), or the rate of one (`shift` 1), times `scale`, a power of two.
-    `direction`, `sense`, `extremes` are those of the event; `ends` the code of the status of a top
-    that it ends, or 0; it keeps the `numbers` from `first` to `last`, this one excluded. Zeros are
-    detected of `watched` events only, least and greatest values of `ranged` ones.
+    `direction`, `sense`, `lasting`, `extremes` are those of the event; `ends` the code of the
+    status of a top that it ends, or 0; it keeps the `numbers` from `first` to `last`, this one
+    excluded. Zeros are detected of `watched` events only, least and greatest values of `ranged`
+    ones.
     """
 
     events: np.ndarray  # (events,)
@@ -37,9 +38,7 @@ class StopRules(NamedTuple):
     is sampled.
     """
 
-    lasting: int  # the event that must last; -1: no top ends because it has settled
-    way: int  # sign of its function beyond its zero
-    settled_for: float  # internal time that it must have lasted
+    settled_for: float  # internal time that the lasting event must have lasted
     most_steps: int
     every: int  # steps between two samples, a power of two
     first: int  # number of steps at the start that are all sampled
@@ -56,7 +55,7 @@ _LANE: dict[str, Any] = {
     "turnings": 0,  # that are more than rounding
     "theta_min": math.nan,  # their band
     "theta_max": math.nan,
-    "lasts_since": math.nan,  # when the lasting event last happened
+    "lasts_since": math.nan,  # when the lasting event last happened, while it lasts
     "doubted": math.nan,  # a value of `lasts_since` that is known not to last
 }
 """Initial values of a lane; times are internal, NaN if the event did not happen."""
@@ -79,7 +78,7 @@ class Tallies(NamedTuple):
 
 
 _EVENT = [(name, int) for name in ("row", "shift", "direction", "ends", "sense", "first", "last")]
-_FLAGS = [(name, bool) for name in ("extremes", "watched", "ranged")]
+_FLAGS = [(name, bool) for name in ("lasting", "extremes", "watched", "ranged")]
 EVENT_RECORD = np.dtype([*_EVENT, ("scale", float), ("offset", float), *_FLAGS], align=True)
 LANE_RECORD = np.dtype([(name, np.array(value).dtype) for name, value in _LANE.items()])
 NUMBER_RECORD = np.dtype([("what", int), ("direction", int)])
@@ -100,7 +99,7 @@ def event_rows(
         numbers += [(WHAT[kept.what], kept.direction) for kept in event.kept]
         ends = Status.of_event(event.ends).code if event.ends else 0
         place = variable, shift, event.direction, ends, event.sense, first, len(numbers)
-        records.append((*place, scale, offset, ranged, True, ranged))
+        records.append((*place, scale, offset, event.lasting, ranged, True, ranged))
     return EventRows(
         np.array(records, EVENT_RECORD), np.array(numbers, NUMBER_RECORD), np.array(axis, int)
     )

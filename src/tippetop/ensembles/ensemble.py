@@ -29,6 +29,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+QUIET = np.errstate(all="ignore")
+"""The numbers of invalid tops are computed with, and not used."""
+
+
+@QUIET
 def measure(
     tops: Problems,
     *,
@@ -64,17 +69,16 @@ def measure(
     """
     measured = Outcomes(tops)
     measured.status[~tops.valid] = Status.INVALID.code
-    with np.errstate(all="ignore"):
-        at_start = values_of(tops, tops.start, np.arange(tops.n))
-        start, size = invariants(tops.base, at_start), sizes(tops.base, at_start)
-        functions = event_functions(tops)
+    at_start = values_of(tops, tops.start, np.arange(tops.n))
+    start, size = invariants(tops.base, at_start), sizes(tops.base, at_start)
+    functions = event_functions(tops)
     measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in start}
 
     def look(states: np.ndarray, some: np.ndarray) -> None:
         """Compare invariants with the start."""
         values = values_of(tops, states[: len(tops.start)], some)
         for name, value in invariants(tops.base, values).items():
-            with np.errstate(all="ignore"):  # the drift of a top that is not finite is NaN
+            with np.errstate(all="ignore"):  # in every thread
                 off = np.abs(value - start[name][some]) / size[name][some]
                 np.maximum.at(measured.drift[name], some, off)
 
@@ -194,6 +198,7 @@ def _write(measured: Outcomes, numbers: np.ndarray, tallies: Tallies, rows: Even
             columns[f"{event.extremes}_max"][numbers] = most[e] / rows.events["scale"][e]
 
 
+@QUIET
 def vary(base: Problem, variations: Mapping[str, Any], *, orientation: bool = False) -> Problems:
     """Return the tops of a problem and its variations, for lanes.
 
@@ -257,6 +262,7 @@ def base_faults(base: Problem) -> list[str]:
     return sentences
 
 
+@QUIET
 def of_problem(
     base: Problem,
     variations: Mapping[str, Any],

@@ -88,7 +88,7 @@ def _run(outcomes: Outcomes, top: int, problem: Problem) -> None:
     force = facts.get("normal_force", {})
     values = {
         **end.events.kept(),
-        **{name: facts.get(name) for name in ("t_end", "steps")},
+        **facts,
         **facts["nutational_band"],
         "turnings": facts["event_counts"].get("turning_significant", 0),
         "normal_force_min": force.get("min"),
@@ -96,10 +96,7 @@ def _run(outcomes: Outcomes, top: int, problem: Problem) -> None:
     }
     for name, (_, unit, _) in outcomes.forms.items():
         if values.get(name) is not None:
-            whole = outcomes.columns[name].dtype.kind == "i"
-            outcomes.columns[name][top] = (
-                values[name] if whole else values[name] / outcomes.tops.unit(unit)[top]
-            )
+            outcomes.columns[name][top] = values[name] / outcomes.tops.unit(unit)[top]
     assert end.status is not None
     outcomes.status[top] = end.status.code
     outcomes.final[:, top] = end.last[0]

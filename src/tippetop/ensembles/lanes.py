@@ -70,8 +70,8 @@ class Lanes:
         self.top = self.samples.in_lane  # which top is in a lane; -1: none, and it takes no steps
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
-        lasting = code.lasting if base.stop_when == "settled" else -1
-        rules = StopRules(lasting, code.way, SETTLED_FOR, MOST_STEPS, every, 0)
+        settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
+        rules = StopRules(settled_for, MOST_STEPS, every, 0)
         self.loop = Loop(
             self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, code.machine
         )

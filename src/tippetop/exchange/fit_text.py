@@ -119,6 +119,6 @@ def marker_of(given: str | Sequence[float] | None) -> tuple[float, float, float]
         x, y, z = (float(part) for part in (given.split(",") if isinstance(given, str) else given))
     except (TypeError, ValueError):
         raise InputError(
-            f"the marker must be three lengths x,y,z [m], but is {given!r:.40}."
+            f"`marker` must be three lengths x,y,z [m], but is {given!r:.40}."
         ) from None
     return x, y, z

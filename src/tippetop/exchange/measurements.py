@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arguments import dotted_keys
+from ..arguments import dotted_keys, measured
 from ..errors import InputError
-from ..mechanics.quantity import number_of
 from ..mechanics.units import RADIAN
 from ..problem import Problem
 from ..progress import reporting
@@ -39,7 +38,7 @@ def observation_of(
     InputError
         If the table, the names or the conventions are wrong.
     """
-    noise = number_of(noise, "noise", RADIAN) if isinstance(noise, str) else noise
+    noise = None if noise is None else measured("noise", noise, RADIAN)
     if noise is not None and not 0 < noise < np.pi:
         raise InputError(f"`noise` must be an angle between 0 and pi, but is {noise} rad.")
     table = read(data, wrapped=bool(problem.system.vectors), noise=noise or 0.0)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..arguments import choice
 from .observation import Observation
 from .scales import Space
 
@@ -39,8 +39,7 @@ class Misfit:
     """
 
     def __init__(self, observation: Observation, space: Space, loss: str):
-        if loss not in WEIGHTS:
-            raise InputError(f"the loss must be one of {', '.join(WEIGHTS)}, but is {loss!r:.40}.")
+        choice("loss", loss, WEIGHTS)
         self.observation, self.space, self.loss = observation, space, loss
         self.weights = dict.fromkeys(observation.groups, 1.0)
         self.evaluations = 0

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arguments import choice
 from ..errors import InputError
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, rotated
@@ -29,6 +30,14 @@ class Convention(NamedTuple):
 
     quaternion: str | None = None
     up: str = "z"
+
+
+def convention_of(quaternion: str | None, up: str) -> Convention:
+    """Return the conventions of these arguments. Raises InputError."""
+    choice("up", up, UPS)
+    if quaternion is not None:
+        choice("quaternion", quaternion, ORDERS)
+    return Convention(quaternion, up)
 
 
 class Motion(NamedTuple):
@@ -62,12 +71,6 @@ class Motion(NamedTuple):
 
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
     """Return the motion of a table. Raises InputError for missing conventions and non-rotations."""
-    if convention.up not in UPS:
-        raise InputError(f"the vertical must be z or y, but is {convention.up!r:.20} (--up).")
-    if convention.quaternion not in (None, *ORDERS):
-        raise InputError(
-            f"the order of a quaternion must be wxyz or xyzw, but is {convention.quaternion!r:.20}."
-        )
     turn = (0, 1, 2) if convention.up == "z" else (2, 0, 1)  # y up: (z, x, y) are ours
     q = _quaternion(table, convention, turn)
     axis = _axis(table, turn)

@@ -130,9 +130,10 @@ def several(
 
 
 def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
-    """Return the attributes with `symbols` and the name of the `law` from the records."""
+    """Return the attributes with `symbols`, the name of the `law` and its `parts` from records."""
     from ..mechanics.contact.opening import ABOVE
     from ..mechanics.contact.restitution import CONTACT
+    from ..mechanics.friction import PARTS
     from ..mechanics.systems import find
 
     system, friction = find(attrs["system"]), attrs.get("friction", {})
@@ -141,7 +142,7 @@ def with_records(attrs: dict[str, Any]) -> dict[str, Any]:
     rules = {**ABOVE, **CONTACT, **system.initial, **system.parameters}
     if law := system.laws.get(friction.get("law", "")):
         law = law.given(friction)
-        attrs = attrs | {"law": law.words}
+        attrs = attrs | {"law": law.words, "parts": tuple(PARTS)}
         rules |= law.parameters
     return attrs | {
         "symbols": {name: symbol(rule.symbol) for name, rule in rules.items() if rule.symbol}

@@ -40,8 +40,11 @@ def entries(table: dict[str, Any], attrs: dict[str, Any], at_start: bool = False
 
 
 def friction(table: dict[str, Any], attrs: dict[str, Any]) -> str:
-    """Return the name of a friction law with its numbers."""
-    numbers = entries({key: value for key, value in table.items() if key != "law"}, attrs)
+    """Return the name of a friction law with its numbers, without parts that are 0."""
+    shown = {
+        k: v for k, v in table.items() if k != "law" and (v or k not in attrs.get("parts", ()))
+    }
+    numbers = entries(shown, attrs)
     return ", ".join(
         [attrs.get("law", f"{table['law']} friction"), *numbers] if "law" in table else numbers
     )
@@ -71,7 +74,7 @@ def shared(runs: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the attributes that several runs have in common, for their title."""
     first = runs[0]
     common: dict[str, Any] = {
-        name: first[name] for name in ("title", "units", "symbols", "law") if name in first
+        name: first[name] for name in ("title", "units", "symbols", "law", "parts") if name in first
     }
     if any(attrs["title"] != first["title"] for attrs in runs):
         same = all(attrs.get("system") == first.get("system") for attrs in runs)

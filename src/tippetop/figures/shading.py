@@ -38,8 +38,9 @@ def mark(panels: list[Axes], phases: Any, impacts: Any) -> None:
         return
     colours, lengths = ink(), ended - begun
     known = phases["phase"].attrs["flag_meanings"].split()
-    spare = itertools.cycle(pair for name, pair in colours.shades.items() if name not in known)
-    pairs = {name: colours.shades.get(name) or next(spare) for name in known}
+    spare = [pair for name, pair in colours.shades.items() if name not in known]
+    others = itertools.cycle(spare or colours.shades.values())
+    pairs = {name: colours.shades.get(name) or next(others) for name in known}
     balls = flag_names(phases["ball"]) if "ball" in phases else itertools.repeat("body")
     kinds = [
         (ball == "stem" and phase in ON_ONE, phase)

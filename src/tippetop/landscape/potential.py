@@ -48,7 +48,7 @@ def potential(
         interval, and axes that are empty or do not ascend.
     """
     t = top(parameters, system)
-    given = (z, first, second)
+    given = z, first, second
     z, x, y = map(axis, ("z", *t.momenta), given)
     V, V_z, V_zz = np.empty((3, z.size, x.size, y.size))
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):

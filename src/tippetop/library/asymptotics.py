@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ..arguments import measured, measured_values, numbers, within
+from ..arguments import measured, measured_values, within
 from ..errors import InputError
 from ..mechanics.systems.tippe_top import TippeTop
 from ..mechanics.theory import least_energy as least
@@ -83,8 +83,8 @@ def least_energy(
     E = E_lambda + m|s'|^2/2 + (omega - omega_lambda).I(omega - omega_lambda)/2 with omega_lambda =
     -lambda a/(a.I a). Rutstam (2010), eqs. 3.43 and 3.44, corrected.
     """
-    theta = numbers("theta", measured_values("theta", theta, RADIAN))[()]
-    lam = numbers("lam", measured_values("lam", lam, JELLETT))[()]
+    theta = measured_values("theta", theta, RADIAN)
+    lam = measured_values("lam", lam, JELLETT)
     within("theta", theta, 0, math.pi, "[0, pi]")
     try:
         np.broadcast_shapes(np.shape(theta), np.shape(lam))

@@ -1,18 +1,19 @@
 """The calls that hold another program's motion against ours."""
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import in_python, instance, path_of, whole
+from ..arguments import in_python, instance, names_of, path_of, whole
 from ..errors import InputError
 from ..exchange import fit_text, measurements
-from ..exchange.fitting import STARTS, names_of
-from ..exchange.motion import Convention
+from ..exchange.fitting import STARTS
+from ..exchange.motion import convention_of
 from ..exchange.verdict import Verdict
 from ..problem import Problem
 from ..runs.starting import load_any
+from .finished_run import Run
 from .sources import problem_behind
 
 
@@ -83,8 +84,8 @@ def compare(
     instance("others", files, list | tuple, "a path or a list of paths")
     if not files:
         raise InputError("`others` must name at least one file, but is empty.")
-    problem = _reference(reference)
-    convention = Convention(quaternion, up)
+    problem = _reference("reference", reference)
+    convention = convention_of(quaternion, up)
     return Comparison(problem, [path_of("others", file) for file in files], convention)
 
 
@@ -209,12 +210,12 @@ def fit(
     >>> import tippetop as tt
     >>> print(tt.fit("film.csv", "inverting", ["friction.mu", "initial.omega3"]))
     """
-    problem = _reference(scenario)
+    problem = _reference("scenario", scenario)
     observation = measurements.observation_of(
         problem,
         path_of("data", data),
-        names_of(free),
-        Convention(quaternion, up),
+        names_of("free", free),
+        convention_of(quaternion, up),
         fit_text.marker_of(marker),
         noise,
     )
@@ -237,11 +238,10 @@ def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
     return figure
 
 
-def _reference(source: Any) -> Any:
+def _reference(name: str, source: Any) -> Any:
     """Return the problem of a scenario, a run, or the store of one. Raises InputError."""
-    if isinstance(source, str | Path) and Path(source).is_dir():
-        return load_any(source)
-    problem = problem_behind(source)
-    if problem is None:
-        raise InputError(f"`reference` must be a scenario or a run, but is {source!r:.60}.")
-    return problem
+    kinds = Run | Problem | Mapping | str | os.PathLike
+    instance(name, source, kinds, "a scenario or a run")
+    if isinstance(source, str | os.PathLike):
+        return load_any(path_of(name, source))
+    return problem_behind(source)

@@ -43,7 +43,7 @@ def problem_of(
             surplus = ", ".join(f"`{name}`" for name in given)
             raise InputError(
                 f"a Problem must be the only argument, but {surplus} is given too: "
-                "change it in `load`."
+                "give the preset or file that it was loaded from instead."
             )
         return checked(source)
     if not given and isinstance(source, str) and not Path(source).is_file():
@@ -160,8 +160,8 @@ def _start(tables: dict[str, Any], given: Any, system: System) -> None:
 def _options(tables: dict[str, Any], run: dict[str, Any]) -> None:
     """Replace options of the run; those that are None are not given."""
     given = {key: plain(value) for key, value in run.items() if value is not None}
-    if "output_times" in given:
-        given["output_times"] = measured_values("output_times", given["output_times"], SECOND)
+    if isinstance(times := given.get("output_times"), list):
+        given["output_times"] = measured_values("output_times", times, SECOND).tolist()
     _merge(tables, "run", given)
 
 

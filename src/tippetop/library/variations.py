@@ -4,14 +4,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from ..arguments import dotted_keys, instance, measured_values, takes, whole
+from ..arguments import dotted_keys, flag, instance, measured_values, takes, whole
 from ..ensembles import ensemble as ensembles
 from ..errors import InputError
 from ..mechanics.contact.body import Top
-from ..mechanics.system import Number, System
-from ..mechanics.units import SECOND
+from ..mechanics.system import System
+from ..mechanics.units import ONE, SECOND
 from ..problem import Problem
 from .scenarios import problem_of
 
@@ -85,15 +83,14 @@ def ensemble(
     base = problem_of(source, friction, **scenario)
     instance("variations", variations, Mapping, "a mapping of names to arrays")
     keys = dotted_keys(variations, base.rules)
-    dotted, sentences = {}, []
+    dotted = {}
     for key, (name, values) in zip(keys, variations.items(), strict=True):
-        dotted[key] = _in_si(name, values, base.rules.get(key))
-        if np.asarray(dotted[key]).dtype.kind not in "fiu":
-            sentences.append(f"`{name}` must be an array of numbers, but is {values!r:.60}.")
-    if sentences:
-        raise InputError(sentences)
+        rule = base.rules.get(key)
+        unit = rule.unit if rule is not None else SECOND if name == "until" else ONE
+        dotted[key] = measured_values(name, values, unit)
     threads = None if threads is None else whole("threads", threads)
-    instance("progress", progress, bool | Callable, "a function or a bool")
+    flag("orientation", orientation)
+    flag("lyapunov", lyapunov)
     return ensembles.of_problem(
         base,
         dotted,
@@ -102,9 +99,3 @@ def ensemble(
         orientation=orientation,
         lyapunov=lyapunov,
     )
-
-
-def _in_si(name: str, values: Any, rule: Number | None) -> Any:
-    """Return the varied values, with texts such as "1480 rpm" as numbers. Raises InputError."""
-    unit = rule.unit if rule is not None else SECOND if name == "until" else None
-    return values if unit is None or np.ndim(values) == 0 else measured_values(name, values, unit)

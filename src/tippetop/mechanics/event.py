@@ -1,6 +1,5 @@
 """Events: zeros of functions of the state, their effect on a run, and the numbers kept of them."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -120,24 +119,3 @@ class Event:
         if callable(self.formula):
             named = names_its_faults(self.formula, f"the event `{self.name}`")
             object.__setattr__(self, "formula", named)
-
-
-def kinds(events: Sequence[Event]) -> tuple[str, ...]:
-    """Return the names of the kinds of events in a log, in the order of their numbers in stores.
-
-    Parameters
-    ----------
-    events
-        The events of a system.
-
-    Returns
-    -------
-    tuple of str
-        `NUMBERED`, then the others.
-
-    Notes
-    -----
-    The numbered kinds come first, whether these events have them or not; then new ones in their
-    order.
-    """
-    return (*NUMBERED, *(event.name for event in events if event.name not in NUMBERED))

@@ -96,7 +96,7 @@ class Domain(NamedTuple):
     meaning: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # a key of caches: compared by identity
 class Form:
     """A way to write the state of a system.
 
@@ -218,7 +218,8 @@ class Exit:
         jump(x, world) -> Next, of numbers: `x` is the common state where the phase ended; `world`
         has `body`, `system`, `rules` (of the contact), `phases` and the present `phase` by record,
         `left` (time to the end of the run), and `rates(phase, q, carried)` of the integrals of the
-        run.
+        run. An exception in a jump is an InputError that names it; ArithmeticError(message) itself
+        ends the run as `stalled`.
     """
 
     event: str

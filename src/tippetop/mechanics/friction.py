@@ -425,24 +425,18 @@ def checked_name(name: Any, kind: str) -> str:
 def _faults(law: type[FrictionLaw]) -> list[str]:
     """Return messages on a law that cannot be registered."""
     name, faults = law.key, []
-    if law.coefficient is None:
-        faults.append(f"the law `{name}` must have a coefficient k(v2, z, law), but has none.")
-    elif not callable(law.coefficient):
+    if not callable(law.coefficient):
         faults.append(
-            f"the coefficient of the law `{name}` must be a function, but is "
+            f"the law `{name}` must have a function `coefficient(v2, z, law)`, but has "
             f"{law.coefficient!r:.60}."
         )
     more = [word for word in ("set_valued", "regions", "torque", "without") if getattr(law, word)]
     must = "must be left out: it is for the laws of this package"
     faults += [f"`{word}` of the law `{name}` {must}." for word in more]
-    if "law" in law.parameters:
-        faults.append(
-            f"a parameter of the law `{name}` must not be named `law`: that is the key of the "
-            "law's name."
-        )
+    taken = {part: f"every law takes it, as {rule.long_name}" for part, rule in PARTS.items()}
+    taken["law"] = "that is the key of the law's name"
     return faults + [
-        f"a parameter of the law `{name}` must not be named `{part}`: every law takes it, as "
-        f"{rule.long_name}."
-        for part, rule in PARTS.items()
-        if part in law.parameters
+        f"a parameter of the law `{name}` must not be named `{word}`: {why}."
+        for word, why in taken.items()
+        if word in law.parameters
     ]

@@ -24,14 +24,13 @@ class Moment(tuple):
     scalars
         The record of the scalars.
     place
-        Functions without arguments that compute the others, by name; called where a formula reads
-        one.
+        Returns functions that compute the others, by name; called where a formula reads one.
     """
 
     _scalars: Any
-    _place: Mapping[str, Callable[[], Any]]
+    _place: Callable[[], Mapping[str, Callable[[], Any]]]
 
-    def __new__(cls, scalars: Any, place: Mapping[str, Callable[[], Any]]) -> "Moment":
+    def __new__(cls, scalars: Any, place: Callable[[], Mapping[str, Callable]]) -> "Moment":
         self = super().__new__(cls, scalars)
         self._scalars, self._place = scalars, place
         vars(self).update(zip(getattr(scalars, "_fields", ()), scalars, strict=False))
@@ -40,9 +39,10 @@ class Moment(tuple):
     def __getattr__(self, name: str) -> Any:
         if hasattr(self._scalars, name):
             return getattr(self._scalars, name)
-        if name in self._place:
-            return self._place[name]()
-        known = ", ".join([*getattr(self._scalars, "_fields", ()), *self._place])
+        place = self._place()
+        if name in place:
+            return place[name]()
+        known = ", ".join([*getattr(self._scalars, "_fields", ()), *place])
         raise AttributeError(f"a state of this form has no `{name}`; it has {known}")
 
 
@@ -61,7 +61,13 @@ def moment(system: "System", form: "Form", q: Any, carried: Any, b: Any) -> Mome
     Moment
         phi is atan2(uy, ux) where the form does not integrate it, and then undefined at a pole.
     """
-    scalars, values = form.scalars(q, b), {**q._asdict(), **carried._asdict()}
+    scalars = form.scalars(q, b)
+    return Moment(scalars, partial(_place, system, scalars, q, carried))
+
+
+def _place(system: "System", scalars: Any, q: Any, carried: Any) -> dict[str, Callable[[], Any]]:
+    """Return the functions of PLACE that a state has."""
+    values = {**q._asdict(), **carried._asdict()}
     axis = system.vectors.get("axis", AXIS)
     sources = {"phi": "phi", "x": "x", "y": "y", **dict(zip(AXIS, axis, strict=True))}
     place: dict[str, Callable[[], Any]] = {
@@ -77,4 +83,4 @@ def moment(system: "System", form: "Form", q: Any, carried: Any, b: Any) -> Mome
             "uy": lambda: sqrt(scalars.s2) * sin(values["phi"]),
             "uz": lambda: scalars.z,
         }
-    return Moment(scalars, place)
+    return place

@@ -1,13 +1,13 @@
 """Numbers of the user, declared once with unit, meaning and interval; and records of them."""
 
+import contextlib
 import inspect
 import math
 import operator
 from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from decimal import Decimal
-from numbers import Rational
+from numbers import Real
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast, dataclass_transform
 
 import numpy as np
@@ -124,7 +124,9 @@ class Number:
                 f", {words} {limit:g}" for words, limit, _ in self._bounds
             )
         broken = [
-            f"{words} {limit}" for words, limit, breaks in self._bounds if breaks(value, limit)
+            f"{words} {type(value)(limit)}"  # a whole number has a whole limit
+            for words, limit, breaks in self._bounds
+            if breaks(value, limit)
         ]
         return (
             f"must be {broken[0]}" if broken and np.isfinite(value) else "must be a finite number"
@@ -136,14 +138,12 @@ class Number:
 
     def read(self, key: str, value: Any) -> float:
         """Return a value that is given for it as a float. Raises InputError."""
-        try:
-            number = (
-                float(value)
-                if isinstance(value, int | float) and not isinstance(value, bool)
-                else None
-            )
-        except OverflowError:
-            number = None
+        if getattr(value, "ndim", None) == 0:
+            value = value.item()
+        number = None
+        if isinstance(value, Real | int) and value is not True and value is not False:
+            with contextlib.suppress(OverflowError):
+                number = float(value)
         if number is None:
             raise InputError([sentence(key, "must be a number", value)])
         if self.broken(number):
@@ -224,10 +224,9 @@ def _field(name: str, rule: Number) -> inspect.Parameter:
 
 
 class Record(tuple, metaclass=RecordType, abstract=True):
-    """Numbers for formulas, checked if all are plain: floats, or texts such as "20 g".
+    """Numbers for formulas, checked when a record is made: floats, or texts such as "20 g".
 
-    Operands of formulas (arrays, expressions, wide numbers) pass unchecked. So do the arguments of
-    `_make`, `_replace`.
+    `_make` and `_replace` check nothing: they take any operand of a formula, such as an array.
     """
 
     table: ClassVar[str]
@@ -254,20 +253,19 @@ class Record(tuple, metaclass=RecordType, abstract=True):
     else:
 
         def __new__(cls, *values: Any, **named: Any) -> Any:
-            signature = cls.__signature__
-            refuse_unknown(cls.__name__, named, signature.parameters)
-            try:
-                bound = signature.bind(*values, **named)
-            except TypeError as error:
-                raise TypeError(f"{cls.__name__}(): {error}") from None
-            kind = cls.given([key for key, value in bound.arguments.items() if value is not None])
-            given = {}
-            for key, rule in kind.parameters.items():
-                value = bound.arguments.get(key, rule.default)
-                given[key] = rule.default if value is None else _scalar(value)
-            return kind._make(
-                (given if any(map(_is_operand, given.values())) else kind.checked(given)).values()
-            )
+            refuse_unknown(cls.__name__, named, cls.__signature__.parameters)
+            given = dict(zip(cls._fields, values, strict=False)) | named
+            kind = cls.given([key for key, value in given.items() if value is not None])
+            needed = [key for key, rule in kind.parameters.items() if rule.default is None]
+            missing = ", ".join(f"`{key}`" for key in needed if key not in given)
+            if missing or len(given) < len(values) + len(named):
+                found = f"lacks {missing}" if missing else "was given too many arguments"
+                raise TypeError(f"{cls.__name__}({', '.join(cls._fields)}) {found}.")
+            whole = {
+                key: rule.default if given.get(key) is None else given[key]
+                for key, rule in kind.parameters.items()
+            }
+            return kind._make(kind.checked(whole).values())
 
     @classmethod
     def given(cls, names: Any) -> Any:
@@ -311,17 +309,6 @@ class Record(tuple, metaclass=RecordType, abstract=True):
     def __repr__(self) -> str:
         values = ", ".join(f"{key}={value!r}" for key, value in self._asdict().items())
         return f"{type(self).face.__name__}({values})"
-
-
-def _scalar(value: Any) -> Any:
-    """Return a number of NumPy, or an array of dimension 0, as a number of Python."""
-    return value.item() if getattr(value, "ndim", None) == 0 else value
-
-
-def _is_operand(value: Any) -> bool:
-    """Return whether only a formula can take a value."""
-    plain = isinstance(value, float | Rational | Decimal)
-    return not plain and hasattr(value, "__sub__") and hasattr(value, "__mul__")
 
 
 class Alternative(NamedTuple):

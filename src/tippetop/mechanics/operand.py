@@ -57,7 +57,7 @@ def _lift(name: str) -> Callable:
     )
 
     def lifted(*x: Operand) -> Operand:
-        return symbolic(*x) if any(isinstance(v, hy.expression) for v in x) else numeric(*x)
+        return symbolic(*x) if hy.expression in map(type, x) else numeric(*x)
 
     lifted.__name__ = name
     lifted.for_numba = (scalar, numeric)  # type: ignore[attr-defined]

@@ -26,7 +26,7 @@ from .units import RADIAN_PER_SECOND, Unit
 PI = Fraction("3.14159265358979323846264338327950288419716939937510")
 MOST_CHARACTERS = 200
 MOST_POWER = 12
-MOST_BITS = 8192  # of numerator and denominator: doubles need 1075 at most
+MOST_EXPONENT = 2048  # of ten in a literal: doubles have 324 at most
 OPERATORS: dict[type, Callable] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -148,11 +148,11 @@ class _Reading:
                 if power.denominator != 1 or abs(power) > MOST_POWER:
                     self.refuse(f"have whole powers up to {MOST_POWER}")
                 n = int(power)
-                return _small(value, abs(n)) ** n, powers and tuple(n * each for each in powers)
+                return value**n, powers and tuple(n * each for each in powers)
             case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
                 (one, first), (other, second) = self.term(left), self.term(right)
                 powers = self.combined(op, first, second)
-                return _small(OPERATORS[type(op)](one, other)), powers
+                return OPERATORS[type(op)](one, other), powers
         return self.refuse(FORMS)
 
     def combined(self, op: ast.operator, first: Powers, second: Powers) -> Powers:
@@ -257,19 +257,12 @@ def _tree(text: str) -> ast.expr | None:
 
 def _literal(digits: str, number: float) -> Fraction:
     exponent = EXPONENT.search(digits)
-    if exponent and abs(int(exponent[1])) > MOST_BITS // 4:
+    if exponent and abs(int(exponent[1])) > MOST_EXPONENT:
         raise OverflowError
     try:
         return Fraction(digits)
     except ValueError:  # 0x10
         return Fraction(str(number))
-
-
-def _small(value: Fraction, power: int = 1) -> Fraction:
-    """Return a number. Raises OverflowError if its power has more digits than can matter."""
-    if max(value.numerator.bit_length(), value.denominator.bit_length()) * power > MOST_BITS:
-        raise OverflowError
-    return value
 
 
 def _powers(unit: str) -> str:
@@ -317,26 +310,30 @@ def worked_out(
     """
     given, faults = tables.get("parameters"), []
     of_body = units.get("parameters", {})
+    texts = [
+        (table, name, text)
+        for table, of_table in units.items()
+        if isinstance(values := tables.get(table), Mapping)
+        for name, text in values.items()
+        if isinstance(text, str) and name in of_table
+    ]
+    if not texts:
+        return dict(tables)
     names = {
         name: (value, of_body[name])
         for name, value in (given.items() if isinstance(given, Mapping) else ())
         if name in of_body and (isinstance(value, str) or _is_number(value))
     }
-    result = dict(tables)
-    for table, of_table in units.items():
-        values = tables.get(table)
-        if not isinstance(values, Mapping):
-            continue
-        read = {}
-        for name, unit in of_table.items():
-            if isinstance(text := values.get(name), str):
-                try:
-                    read[name] = number_of(
-                        text, f"{table}.{name}", unit, names, name if table == "parameters" else ""
-                    )
-                except InputError as error:
-                    faults += error.sentences
-        result[table] = {**values, **read} if read else values
+    result = {
+        table: dict(values) if table in units and isinstance(values, Mapping) else values
+        for table, values in tables.items()
+    }
+    for table, name, text in texts:
+        own = name if table == "parameters" else ""
+        try:
+            result[table][name] = number_of(text, f"{table}.{name}", units[table][name], names, own)
+        except InputError as error:
+            faults += error.sentences
     if faults:
         raise InputError(faults)
     return result

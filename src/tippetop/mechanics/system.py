@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
 from ..errors import refuse_unknown, unknown_key
-from .event import Event, kinds
+from .event import NUMBERED, Event
 from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
 from .number import Alternative, Number
 from .readonly import freeze
@@ -461,8 +461,11 @@ class System:
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Return the names of the kinds of events in its logs, by their numbers in a store."""
-        return kinds(self.events)
+        """Return the names of the kinds of events in its logs, by their numbers in a store.
+
+        The numbered kinds come first, whether the system has them or not.
+        """
+        return (*NUMBERED, *(event.name for event in self.events if event.name not in NUMBERED))
 
     @property
     def frictional(self) -> bool:

@@ -1,10 +1,10 @@
 """Units as powers of mass, length and time, and the units in which a system is integrated."""
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, reduce
-from operator import mul
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 from ..errors import InputError
 
@@ -73,7 +73,8 @@ NEWTON = Unit("N")
 NEWTON_SECOND = Unit("N s")
 
 
-class Scales(NamedTuple):
+@dataclass(frozen=True)
+class Scales:
     """The units of mass [kg], length [m] and time [s] in which a system is integrated."""
 
     mass: Any
@@ -93,6 +94,16 @@ class Scales(NamedTuple):
         number or array
             mass^a length^b time^c with the powers of the unit, of the shape of the scales.
         """
-        powers = zip(self, unit.powers, strict=True)
-        factors = [scale if power == 1 else scale**power for scale, power in powers if power]
-        return reduce(mul, factors) if factors else self.mass**0
+        known, powers = self._known, unit.powers
+        if powers not in known:
+            mass, length, time = powers
+            known[powers] = self.mass**mass * self.length**length * self.time**time
+        return known[powers]
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter((self.mass, self.length, self.time))
+
+    @cached_property
+    def _known(self) -> dict[tuple[int, int, int], Any]:
+        """The converted units, by their powers."""
+        return {}

@@ -102,11 +102,9 @@ class Variables:
 
     def weights(self, scales: Scales) -> list:
         """Return the SI value of one internal unit of each variable."""
-        known = {unit: scales.of(unit) for unit in {*self.units.values()}}
-        units = [known[unit] for unit in self.units.values()]
-        whole = units[: self.moving]
+        units = [scales.of(unit) for unit in self.units.values()]
         small = units[0].dtype.type(INTEGRAL_SCALE)
-        return [*whole, *(unit / small for unit in units[self.moving :])]
+        return [*units[: self.moving], *(unit / small for unit in units[self.moving :])]
 
     def coefficients(self, name: str, coefficients: Any) -> Any:
         """Return the Taylor coefficients (n, order + 1) of an integral.
@@ -115,6 +113,10 @@ class Variables:
         """
         with np.errstate(over="ignore"):  # wider numbers, where a motion ends in a singularity
             return coefficients[:, self.names.index(name)].astype(float) / INTEGRAL_SCALE
+
+
+variables_of = lru_cache(maxsize=256)(Variables)
+"""Returns the same `Variables` for the same form: their names and units are derived once."""
 
 
 @lru_cache

@@ -15,7 +15,7 @@ from ..mechanics.caching import cached_property
 from ..mechanics.moment import Moment, moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.units import SECOND, Scales, Unit
-from ..mechanics.variables import Variables
+from ..mechanics.variables import Variables, variables_of
 from .faults import contradictions, start_faults, variation_faults
 
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .problem import Problem
 
 
+WIDE_ONE = np.longdouble(1)
 ROUNDING = 1e-9  # of the numbers that a system declares to be 0 or 1
 
 
@@ -98,7 +99,7 @@ class Problems:
         if isinstance(value, bool):
             return value
         if self._single:
-            return np.longdouble(value)
+            return WIDE_ONE * value  # np.longdouble(value) takes ten times as long
         value = np.asarray(value, dtype=self.base.exact)
         return value if value.ndim else np.full(self.n, value)
 
@@ -143,18 +144,15 @@ class Problems:
     @cached_property
     def variables(self) -> Variables:
         """The integrated variables."""
-        base, orientation = self.base, self.orientation
-        return (
-            base.variables if orientation == base.orientation else Variables(base.form, orientation)
-        )
+        return variables_of(self.base.form, self.orientation)
 
     @cached_property
     def pars(self) -> np.ndarray:
         """The leaves of the bodies in internal units, (leaves, n), in the working precision."""
         system = self.base.system
         units = leaves(system.body_units(self.base.law.units()))
-        values = zip(leaves(self._body), units, strict=True)
-        body = refill(self._body, (value / self._scales.of(unit) for value, unit in values))
+        values = zip(leaves(self._body), map(self._scales.of, units), strict=True)
+        body = refill(self._body, (value / unit for value, unit in values))
         folds = system.folds(self.base.form)
         for name, value in folds.items():  # the equations have it for 0 or 1
             if isinstance(getattr(body, name, ()), tuple):
@@ -203,7 +201,7 @@ class Problems:
     def _rounded(self, rows: list) -> np.ndarray:
         """Return rows of numbers or arrays (n,) in the working precision, (rows, n)."""
         if self._single:
-            return np.array([*map(self.base.number, rows)])[:, None]
+            return np.array(rows).astype(self.base.number)[:, None]
         rounded = np.empty((len(rows), self.n), dtype=self.base.number)
         for i, row in enumerate(rows):
             rounded[i] = row

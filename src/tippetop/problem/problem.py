@@ -15,7 +15,7 @@ from ..mechanics.operand import refill
 from ..mechanics.readonly import freeze
 from ..mechanics.system import Form, Number, System
 from ..mechanics.units import Scales
-from ..mechanics.variables import Variables
+from ..mechanics.variables import Variables, variables_of
 from ..sampling import EvenTimes, ListedTimes
 from .batch import Problems
 from .options import KEYFRAME_STEPS, OPTIONS, UNTIL, RunOptions
@@ -185,7 +185,7 @@ class Problem(RunOptions):
     @cached_property
     def variables(self) -> Variables:
         """The integrated variables."""
-        return Variables(self.form, self.orientation)
+        return variables_of(self.form, self.orientation)
 
     @property
     def kept_columns(self) -> tuple[str, ...]:

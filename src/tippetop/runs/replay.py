@@ -149,7 +149,11 @@ def _refuse(times: EvenTimes, end: float) -> None:
     least = 8 * math.ulp(until)
     for holds, sentence in (
         (
-            0 <= start <= until <= end,
+            start <= until,
+            f"the rows must not end before they begin, but are from {start:g} to {until:g} s.",
+        ),
+        (
+            start >= 0 and until <= end,
             f"the rows must be within 0 and {end:.15g} s, but are from {start:g} to {until:g} s.",
         ),
         (

@@ -25,7 +25,9 @@ TAKEN = (*SAME, "friction", "contact", "stem")
 
 
 def load(
-    source: str | Path, assignments: list[str] | None = None, until: float | str | None = None
+    source: str | os.PathLike,
+    assignments: list[str] | None = None,
+    until: float | str | None = None,
 ) -> Problem:
     """Return the checked Problem of a TOML file or a preset.
 
@@ -49,17 +51,15 @@ def load(
     StoreError
         If `initial.from` names no store that a run can start from.
     """
-    if isinstance(assignments, str):
-        raise InputError(f"`assignments` must be a list of texts, but is {assignments!r:.60}.")
-    tables = reading.override(reading.read(str(path_of("source", source))), assignments or [])
+    tables = reading.override(reading.read(str(path_of("source", source))), assignments)
     return problem(build.ending(tables, until), source)
 
 
-def load_any(source: str | Path, assignments: list[str] | None = None) -> Problem:
+def load_any(source: str | os.PathLike, assignments: list[str] | None = None) -> Problem:
     """Return the Problem of a TOML file, a preset or the store of a run. Raises InputError."""
     if not Path(source).is_dir():
         return load(source, assignments)
-    attrs = root.attributes(source)
+    attrs = root.attributes(Path(source))
     if "content" in attrs:
         raise InputError(
             f"the reference must be a scenario or a run, but `{source}` is a {attrs['content']}."

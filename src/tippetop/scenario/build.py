@@ -3,12 +3,11 @@
 import math
 from collections.abc import Mapping
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from ..arguments import measured, path_of, plain
+from ..arguments import measured, plain
 from ..errors import InputError, first_sentences, suggestion
 from ..mechanics.contact.gliding.gliding_chart import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
@@ -29,7 +28,7 @@ from ..problem.options import UNITS, RunOptions
 from ..sampling import EvenTimes, ListedTimes
 from .contact import contact_faults, on_stem, rules_of, system_with_contact
 from .identity import changed_records, missing_records, user_records
-from .reading import law_name, override, read
+from .reading import law_name, override
 from .schema import scenario_model
 from .sentences import scenario_sentence
 
@@ -74,10 +73,7 @@ def problem(
         raise InputError(
             first_sentences(errors, lambda e: scenario_sentence(e, system, tables))
         ) from None
-    plainly = scenario.model_dump()
-    given: dict[str, Any] = {
-        key: tuple(v) if isinstance(v, list) else v for key, v in plainly["run"].items()
-    }
+    given: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in scenario.run}
     run = RunOptions(**given)
     system = system.with_requested(run.columns or ())
     law = system.laws[scenario.friction.law] if system.frictional else LAWS["none"]
@@ -87,8 +83,8 @@ def problem(
     if columns is not None or known not in (None, find(system.name)):  # the store names them
         columns = tuple(n for n in known_columns if run.columns is None or n in run.columns)
     rules, kinds = rules_of(scenario, system), tuple(event.name for event in system.events)
-    parameters = plainly["parameters"]
-    initial = {k: v for k, v in plainly["initial"].items() if v is not None and v is not False}
+    parameters = dict(scenario.parameters)
+    initial = {k: v for k, v in scenario.initial if v is not None and v is not False}
     turns = run.columns is None or any(name in TURN for name in run.columns)
     del given["output_step"], given["output_times"]
     given |= {
@@ -173,33 +169,13 @@ def system_of(tables: dict[str, Any]) -> System:
     """Return the registered system that a scenario names. Raises InputError."""
     name = tables.get("system")
     system = find(name) if isinstance(name, str) else None
+    if name is None and "axis" in tables:
+        raise InputError("this must be a scenario, but is the plan of a sweep: a sweep runs it.")
     if system is None:
         given = "is missing" if name is None else f"is {name!r}"
         near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
         raise InputError(f"`system` must be one of {', '.join(SYSTEMS)}, but {given}.{near}")
     return system
-
-
-def load(
-    source: str | Path, assignments: list[str] | None = None, until: float | None = None
-) -> Problem:
-    """Return the checked Problem of a TOML file or a preset that starts from no other run.
-
-    Parameters
-    ----------
-    source
-        The file, or the name of the preset.
-    assignments
-        `table.key=value` texts, as `--set` takes them.
-    until
-        Another end of the run [s].
-
-    Raises
-    ------
-    InputError
-    """
-    tables = override(read(str(path_of("source", source))), assignments or [])
-    return problem(ending(tables, until))
 
 
 def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:

@@ -73,14 +73,17 @@ def _parsed(text: str) -> dict[str, Any]:
         raise ValueError("tables or lists are nested too deeply") from None
 
 
-def override(tables: dict[str, Any], assignments: list[str]) -> dict[str, Any]:
+def override(tables: dict[str, Any], assignments: list[str] | None) -> dict[str, Any]:
     """Return the tables with `table.key=value` assignments; values are TOML, or bare words.
 
     Nothing after the `=` removes the key or the table: `friction=`, `run.output_step=`.
     Raises InputError.
     """
     given: dict[str, dict[str, Any]] = {}
-    for assignment in assignments:
+    listed = [] if assignments is None else assignments
+    if not isinstance(listed, list | tuple) or not all(isinstance(each, str) for each in listed):
+        raise InputError(f"`assignments` must be a list of texts, but is {assignments!r:.60}.")
+    for assignment in listed:
         key, equals, text = (part.strip() for part in assignment.partition("="))
         if not equals or not re.fullmatch(r"(\w[\w-]*\.)?\w[\w-]*", key):
             raise InputError(f"--set must be table.key=value, but is `{_short(assignment)}`.")

@@ -213,7 +213,8 @@ class Ledger:
     def locked(cls, path: Path) -> "Ledger":
         """Lock a store that is to be replaced, and read nothing. Raises StoreError, OSError."""
         self = cls(Folder(path), path)
-        self._lock()
+        with self.released_on_failure():
+            self._lock()
         return self
 
     @classmethod
@@ -260,8 +261,7 @@ class Ledger:
                     f"`{self.path}` must have one writer, but {os.fsdecode(writer)} is writing it."
                 ) from None
         with contextlib.suppress(OSError):  # a full disk
-            name = f"process {os.getpid()} on {os.uname().nodename}"
-            self.folder.put(WRITER, name.encode())
+            self.folder.put(WRITER, f"process {os.getpid()} on {os.uname().nodename}".encode())
 
     def in_place(self) -> bool:
         """Return whether the folder that is locked is still in its place."""

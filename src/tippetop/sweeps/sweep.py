@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..arguments import path_of, whole
+from ..arguments import instance, path_of, whole
 from ..errors import InputError, Interrupted, StoreError, Unfinished
 from ..mechanics.systems import known_to_others
 from ..problem import Problem
@@ -41,6 +41,7 @@ def sweep(
     scheduler: str | None = None,
     progress: Callable[[int, int], None] | bool = False,
     stop: threading.Event | None = None,
+    overwrite: bool = False,
 ) -> "xr.Dataset":
     """Run every top of a plan into the store `out`, or continue it, and open it.
 
@@ -63,6 +64,8 @@ def sweep(
         Set it, from a signal handler or another thread, and the sweep stops after a chunk, or
         before the first. An exception such as KeyboardInterrupt ends it at once and costs the
         chunks that are being computed. Either way the same call continues it.
+    overwrite
+        Replace a store that exists, finished or not.
 
     Returns
     -------
@@ -83,6 +86,7 @@ def sweep(
     place = path_of("out", out)
     checked = plan if isinstance(plan, Plan) else Plan.from_toml(plan)
     workers = None if workers is None else whole("workers", workers)
+    instance("stop", stop, threading.Event | None, "a threading.Event")
     unknown = _unknown_to_others(checked.base)
     if unknown and (scheduler is not None or (workers or 1) > 1):
         raise InputError(
@@ -91,7 +95,7 @@ def sweep(
     with (
         reporting(progress, "tops") as report,
         contextlib.nullcontext() if scheduler is None else connect(scheduler) as cluster,
-        opened(place, checked) as store,
+        opened(place, checked, overwrite) as store,
     ):
         sentences = _fill(store, checked, 1 if unknown else workers, cluster, report, stop)
         if not sentences:

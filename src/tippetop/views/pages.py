@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..arguments import in_python, path_of
-from ..errors import StoreError
-from ..store.files import refuse_existing, write_text
+from ..store.files import write_text
 from .javascript import rotations
 
 
@@ -108,13 +107,6 @@ def page(
     return re.sub(r"\{\{(\w+)\}\}", lambda field: parts[field[1]], source("page.html"))
 
 
-def check(path: Path, *, overwrite: bool) -> None:
-    """Raise StoreError if a page cannot be written there."""
-    if path.is_dir():
-        raise StoreError(f"`{path}` must be a file that ends with .html, but is a folder.")
-    refuse_existing(path, overwrite)
-
-
 class Page:
     """An HTML file that needs no network; a notebook shows it.
 
@@ -154,7 +146,7 @@ class Page:
         """
         place = path_of("path", path)
         with in_python():
-            write(self.text, place, overwrite=overwrite)
+            write_text(place, self.text, overwrite=overwrite)
         return place
 
     def _repr_html_(self) -> str:
@@ -162,9 +154,3 @@ class Page:
         style = "width:100%;height:720px;border:0"
         frame = f'style="{style}" title="tippetop" allowfullscreen'
         return f'<iframe loading="lazy" srcdoc="{html.escape(self.text)}" {frame}></iframe>'
-
-
-def write(text: str, path: Path, *, overwrite: bool) -> None:
-    """Write a page atomically. Raises StoreError."""
-    check(path, overwrite=overwrite)
-    write_text(path, text, overwrite=overwrite)

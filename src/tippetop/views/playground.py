@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..mechanics.friction import LAWS
-from ..scenario import build
+from ..runs.starting import load
 from ..scenario.reading import presets
 from . import pages
 from .phase_formulas import TOP, contacts, given
@@ -34,7 +34,7 @@ def playground() -> str:
 
 def _preset(name: str) -> dict[str, Any] | None:
     """Return a preset of a sliding tippe top as JSON for the page; None for another system."""
-    problem = build.load(name)
+    problem = load(name)
     if problem.system.name != TOP.name:
         return None
     law = next(law for law, record in BY_NAME.items() if record is type(problem.friction))

@@ -16,7 +16,7 @@ from ..store import chunks
 from . import pages, spacing
 from .encoding import encode
 from .phase_formulas import potential
-from .samples import needed, samples
+from .samples import NEEDED, needed, samples
 
 
 MOST = 200_000  # samples of a page: 20 MB
@@ -51,10 +51,8 @@ def refuse(attrs: dict[str, Any], what: str) -> None:
             "run.orientation = true."
         )
     if "columns" in attrs["run"]:
-        wanted = columns_of(attrs) & {*needed(attrs)}
+        wanted = columns_of(attrs) & {*NEEDED}
         require(sorted(wanted), attrs["run"]["columns"], "a page")
-    if attrs["run"].get("output") == "keyframes" and "replay" not in attrs:
-        raise InputError("a page requires rows, but the run has none: replay a part of it.")
 
 
 def page(
@@ -129,7 +127,10 @@ def read(
             )
             break
     if not times:
-        raise InputError(f"a page must have rows between {begin:g} and {end:g} s, but has none.")
+        raise InputError(
+            f"a page must have rows between {begin:g} and {end:g} s, but has none: show another "
+            "part, or replay one."
+        )
     return np.concatenate(times), np.concatenate(kept), rough, notes
 
 

@@ -17,13 +17,15 @@ Columns = Mapping[str, np.ndarray]
 ORIENTATION, OMEGA = slice(0, 4), slice(4, 7)
 NEEDED = (
     *("time", "orientation", "axis", "L", "theta", "theta_dot", "omega3", "phi", "nu_x", "nu_y"),
-    *("x", "y", "z", "normal_force", "phase", "ball"),
+    *("x", "y", "z", "phase", "ball"),
 )
+"""Columns without which there is no page; the force and the potential are drawn if they are there.
+"""
 
 
 def needed(attrs: dict[str, Any]) -> list[str]:
     """Return the columns of a trajectory from which samples are made."""
-    return [*NEEDED, *well_quantities(find(attrs["system"]))]
+    return [*NEEDED, "normal_force", *well_quantities(find(attrs["system"]))]
 
 
 def well_quantities(system: Any) -> list[str]:

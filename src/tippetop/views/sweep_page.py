@@ -58,13 +58,13 @@ def page_of_sweep(path: Path) -> str:
         )
     axes = sorted(plan.design.axes, key=lambda axis: not axis.varies)
     movable = is_movable(plan.base)
-    notes = (
-        []
-        if movable
-        else [
+    about, notes = f"{plan.n} tops; point at one for its line", []
+    if movable:
+        about += ", click it for its motion"
+    else:
+        notes.append(
             "The page integrates tippe tops that slide; of these bodies it shows their map alone."
-        ]
-    )
+        )
     if table.attrs["status"] != "finished":
         notes.append("This sweep is not finished.")
     title = table.attrs["title"].partition(": ")[2]
@@ -77,9 +77,6 @@ def page_of_sweep(path: Path) -> str:
         "changes": {key: encode(values, "<f8") for key, values in changes(plan, tops).items()},
         "notes": notes,
     }
-    about = f"{plan.n} tops; point at one for its line" + (
-        ", click it for its motion" if movable else ""
-    )
     law = {plan.base.law.key: type(plan.base.friction)}
     scripts = NO_POTENTIAL | (contacts(law) if movable else NO_PHASES)
     heading = f"A sweep: {title}"

@@ -163,3 +163,21 @@ def test_discs_that_stop_together_roll_on_both_as_a_cone_does(mu_r):
     energy = columns["energy"].values[last] - m * PEG["g"] * R * (1 - PEG["alpha"] * c)
     slowing = mu_r * m * PEG["g"] / (2 * energy[0] / omega[0] ** 2)
     assert omega == pytest.approx(omega[0] - slowing * (t - t[0]), rel=1e-8)
+
+
+@pytest.mark.parametrize("e_n", [0.0, 0.3])
+def test_balls_that_throw_each_other_down_come_to_stand_on_both(e_n):
+    """Each impact throws the other ball down, with a speed that falls geometrically."""
+    done = run(
+        {**PEG, "I1": 2.994e-6},
+        friction={"law": "contensou", "mu": 0.37544, "patch": 4.66535e-4},
+        initial={"theta": 2.1573007041694843, "omega3": -45.757, "phi_dot": 10.135},
+        stem={"r": 0.0045708347893419436, "h": 0.03917465632193509},
+        contact={"e_n": e_n},
+        until=0.1,
+    )
+    assert done.status is Status.FINISHED, done.reason
+    assert max(done.report["drift"].values()) < 1e-13
+    assert 3 in table_of(done, "phases")["phase"]
+    columns = done.columns()
+    assert min(columns["gap"].values.min(), columns["gap_stem"].values.min()) > -1e-12

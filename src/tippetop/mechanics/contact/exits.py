@@ -62,8 +62,8 @@ SOON = 0.1
 """A disc that passes its rest has its speed again within this part of the time in which the lack of
 friction may vanish."""
 
-MOST_STRIKES = 16
-"""Impacts at one instant."""
+MOST_STRIKES = 256
+"""Impacts at one instant: balls that throw each other down strike ever more slowly."""
 
 SPAN, SLOW = 0.03, 0.5
 """Time over which sliding begins at the edge of the cone: this part of 1/|omega|, and at most that

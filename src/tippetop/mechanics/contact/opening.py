@@ -133,18 +133,17 @@ def phases_of(planar: bool, law: Any, balls: int) -> dict[str, Phase]:
             named = replace(in_plane(phase) if planar else phase, label=label)
             for ball in range(balls + 1 - kind.balls):
                 bare[phase_name(label, ball, *regions)] = named, ball, regions
-    integrals = {one.name for one in row_of(planar, law).integrals}
-    return {name: with_exits(name, bare, law, integrals) for name in bare}
+    return {name: with_exits(name, bare, law) for name in bare}
 
 
 Bare = tuple[Phase, int, tuple[str, ...]]
 """A phase without exits, its ball, and the regions of the law on each ball in contact."""
 
 
-def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) -> Phase:
-    """Return a phase as its body and its law have it, which moves these integrals."""
+def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
+    """Return a phase as its body and its law have it."""
     phase, ball, regions = bare[name]
-    jumps = {RESTS.name: partial(come_to_rest, slides=name), **KINDS[phase.label].jumps}
+    jumps: Any = {RESTS.name: partial(come_to_rest, slides=name), **KINDS[phase.label].jumps}
     for at, region in enumerate(regions if law.regions.keys() >= {*regions} else ()):
         for border in law.regions[region].borders:
             to = phase_name(phase.label, ball, *regions[:at], border.follows, *regions[at + 1 :])
@@ -155,8 +154,7 @@ def with_exits(name: str, bare: dict[str, Bare], law: Any, integrals: set[str]) 
             )
     names = [event.name for event in phase.events] + [CLOCK] * (CLOCK in jumps)
     exits = tuple(Exit(one, tuple(bare), jumps[one]) for one in names)
-    carried = tuple(one for one in phase.form.integrals if one.name in integrals)
-    form = replace(phase.form, integrals=carried, not_normalised=("R", "c"))
+    form = replace(phase.form, not_normalised=("R", "c"))
     return replace(phase, forms=form, exits=exits, parameters=itemgetter(ball), ball=ball)
 
 

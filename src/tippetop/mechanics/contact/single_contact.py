@@ -311,15 +311,14 @@ def rest_speed2(b):
     return STILL**2 + (b.friction.patch * RESTS_BELOW) ** 2
 
 
-def speeds(by: Any, b: Touch) -> Speeds:
+def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
     """Return the squares of the speeds of a contact."""
-    v = by.velocity
-    return Speeds(v.x * v.x + v.y * v.y, patch_speed2(by.omega, b))
+    return Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
 
 
 def beyond_rest(by, b):
     """Return the square of the speeds of a contact beyond those of a disc at rest."""
-    return sum(speeds(by, b)) - STILL**2 - rest_speed2(b)
+    return sum(speeds(by.velocity, by.omega, b)) - STILL**2 - rest_speed2(b)
 
 
 RESTS = ending(
@@ -333,7 +332,10 @@ def borders(region: Region, field: str = "by", prefix: str = "") -> list[Event]:
     """Return the events in which a region ends, of the contact in a field of the scalars."""
 
     def end(way: Any) -> Event:
-        beyond = lambda s, b: way.beyond(speeds(getattr(s, field), b), b)  # noqa: E731
+        def beyond(s, b):
+            by = getattr(s, field)
+            return way.beyond(speeds(by.velocity, by.omega, b), b)
+
         return ending(prefix + way.event, "sliding against turning", beyond, way.direction)
 
     return [end(way) for way in region.borders]
@@ -365,7 +367,7 @@ def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tupl
     names = []
     for b in bodies if regions else ():
         v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
-        names.append(region_of(speeds(Acts(v, v, v, omega), b), regions, b))
+        names.append(region_of(speeds(v, omega, b), regions, b))
     return tuple(names)
 
 

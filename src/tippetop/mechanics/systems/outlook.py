@@ -26,6 +26,7 @@ from ..theory.thresholds import (
     sleeping_spin,
     spin_of,
     thresholds,
+    thresholds_of_sleeping,
 )
 from ..theory.tumbling import lambda_t
 from ..units import JELLETT, RADIAN_PER_SECOND
@@ -136,7 +137,9 @@ def heavy_top(b: Touch, start: Start) -> Outlook:
     """Predict a heavy top whose tip is fixed. [T ch. 2]"""
     upright = "stable" if _sleeps(b, start) else "unstable"
     return Outlook(
-        f"the sleeping top of this spin is {upright}", heavy_top_motion(b, start), _sleeping(b)
+        f"the sleeping top of this spin is {upright}",
+        heavy_top_motion(b, start),
+        thresholds_of_sleeping(b),
     )
 
 
@@ -156,7 +159,7 @@ def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
     growth = float(linear_modes(start["L3"] / b.I3, b)[0].real)
     if is_frictionless(b.friction):
         regime = f"without friction the upright spin is {'un' if growth > GROWS else ''}stable"
-        return Outlook(regime, STAYS if start["at_pole"] else "", _sleeping(b))
+        return Outlook(regime, STAYS if start["at_pole"] else "", thresholds_of_sleeping(b))
     how = "spirals out slowly" if _sleeps(b, start) else "topples"
     rate = f" (growth rate {growth:.3g} per second)" if GROWS < growth < math.inf else ""
     regime, fate = f"upright spin unstable at every speed{rate}: the top {how}", ""
@@ -164,7 +167,7 @@ def gliding_heavy_top(b: Touch, start: Start) -> Outlook:
         regime = SOMEWHERE_FREE
     elif start.get("theta", 0.0) < math.pi / 2:
         fate = "falls to the plane in the end" + UNLESS
-    return Outlook(regime, STAYS if start["at_pole"] else fate, _sleeping(b))
+    return Outlook(regime, STAYS if start["at_pole"] else fate, thresholds_of_sleeping(b))
 
 
 def cylinder(b: Touch, start: Start) -> Outlook:
@@ -200,10 +203,3 @@ def _round(law: Any) -> str:
 def _sleeps(b: Touch, start: Start) -> bool:
     """Return whether the spin is above that of the sleeping top."""
     return abs(start["L3"]) / b.I3 > sleeping_spin(b)
-
-
-def _sleeping(b: Touch) -> dict[str, Threshold]:
-    limit = Threshold(
-        sleeping_spin(b), RADIAN_PER_SECOND, "upright spin of a fixed tip stable above"
-    )
-    return {"spin_sleeping": limit}

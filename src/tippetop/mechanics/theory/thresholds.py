@@ -187,3 +187,9 @@ def sleeping_spin(b: Touch) -> float:
     It is 2 sqrt(m g l I1*)/I3. [T 5.54]
     """
     return 2 * math.sqrt(b.m * b.g * -b.c * tip_inertia(b)) / b.I3
+
+
+def thresholds_of_sleeping(b: Touch) -> dict[str, Threshold]:
+    """Return the threshold of an upright heavy top with a fixed tip."""
+    words = "upright spin of a fixed tip stable above"
+    return {"spin_sleeping": Threshold(sleeping_spin(b), RADIAN_PER_SECOND, words)}
