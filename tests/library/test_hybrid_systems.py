@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.mechanics.form import Exit, Form, Next
+from tippetop.mechanics.form import Exit, Form, Integral, Next
 from tippetop.mechanics.systems import SYSTEMS
+from tippetop.mechanics.units import METRE
 from tippetop.runs.certificate import certificate_violations
 
 
@@ -242,6 +243,17 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         "lead to phases of the system by a tuple of names, but has exits by ground": {
             "fall": dataclasses.replace(fall, exits=(Exit("ground", "r", None),)),
             "r": rest,
+        },
+        "`rest` of `broken` must integrate what the first phase does, but integrates fallen": {
+            "rest": dataclasses.replace(
+                rest,
+                forms=Form(
+                    "plain",
+                    state,
+                    lambda q, b: State(0, 0),
+                    integrals=(Integral("fallen", METRE, "", lambda q, carried, b: q.v),),
+                ),
+            )
         },
         "of the system by a tuple": {
             "fall": dataclasses.replace(fall, exits=(Exit("ground", (), None),))

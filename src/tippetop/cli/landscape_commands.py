@@ -61,7 +61,6 @@ def surface(
     from ..figures import drawing
     from ..landscape import marked_lines, surface, surface_recording
     from ..progress import Bar
-    from ..store import root
     from .targets import check_picture, finished
 
     parameters, system = _tippe_top(scenario)
@@ -79,8 +78,6 @@ def surface(
     )
     if out is not None:
         was_finished = finished(out, overwrite)
-        if overwrite:
-            root.remove(out)
         corners = [axis[[0, -1]] for axis in (Ds, lambdas)]
         try:
             if not np.isfinite(awaited(lambda: minimal(*corners), COMPILING)["F"].values).all():
@@ -89,7 +86,9 @@ def surface(
                 )
             with Bar("chunks") as bar:
                 wanted = surface_recording.Surface(parameters, Ds, lambdas, system)
-                surface_recording.write(out, wanted, threads=threads, progress=bar.update)
+                surface_recording.write(
+                    out, wanted, threads=threads, progress=bar.update, overwrite=overwrite
+                )
         except KeyboardInterrupt:
             return complain(["interrupted; the same command continues from here."], 130)
         if was_finished:
@@ -141,7 +140,6 @@ def potential(
     from ..awaiting import awaited
     from ..figures import drawing
     from ..landscape import potential, surface, surface_recording
-    from ..store import root
     from .targets import check_picture
 
     parameters, system = _tippe_top(scenario)
@@ -158,11 +156,9 @@ def potential(
             f"`--D` and `--lambda` must keep V finite, but D = {D:g}, lambda = {lambda_:g} do not."
         )
     if out is not None:
-        if overwrite:
-            root.remove(out)
         attrs = {"title": "effective potential V(z)", "system": system, "parameters": parameters}
         surface_recording.write_potential(
-            out, V, {**attrs, "D": D, "lambda": lambda_, "minimum": minimum}
+            out, V, attrs | {"D": D, "lambda": lambda_, "minimum": minimum}, overwrite=overwrite
         )
     if figure is not None:
         drawing.write(_potential(V, least), figure, overwrite=overwrite)

@@ -24,5 +24,6 @@ def check_picture(path: Path | None, option: str, overwrite: bool = False) -> No
 
 def finished(store: Path, overwrite: bool) -> bool:
     """Return whether a store exists, is finished and is not overwritten. Raises StoreError."""
-    status = root.attributes(store, whole=False).get("status") if store.is_dir() else None
-    return status == "finished" and not overwrite
+    if overwrite or not store.is_dir():  # a damaged one may be overwritten
+        return False
+    return root.root_of(store).get("status") == "finished"

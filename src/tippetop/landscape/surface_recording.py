@@ -86,6 +86,7 @@ def write(
     *,
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    overwrite: bool = False,
 ) -> Path:
     """Write F [J], z and status of a surface into a store at `path`, or continue it.
 
@@ -101,6 +102,8 @@ def write(
         How many compute; all cores if None.
     progress
         Called as progress(done, of), which count chunks.
+    overwrite
+        Whether an existing store is replaced.
 
     Returns
     -------
@@ -119,7 +122,7 @@ def write(
     firsts = [range(0, axis.size, wanted.chunk) for axis in (wanted.x, wanted.y)]
     blocks = list(itertools.product(*firsts))
     with (
-        begin_or_continue(path, wanted.header, SAME) as store,
+        begin_or_continue(path, wanted.header, SAME, overwrite) as store,
         files.writing(path, "The same command continues it."),
     ):
         if AXES not in store.state.chunks:
@@ -139,7 +142,9 @@ def write(
     return path
 
 
-def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
+def write_potential(
+    path: str | Path, V: Any, attrs: dict[str, Any], *, overwrite: bool = False
+) -> None:
     """Write the Dataset V of `potential` along z into a new store. Raises StoreError."""
     group = "potential"
     columns = {
@@ -150,6 +155,6 @@ def write_potential(path: str | Path, V: Any, attrs: dict[str, Any]) -> None:
     arrays = {f"{group}/{name}": zarr3.array(column, {}) for name, column in columns.items()}
     attributes = {"content": group, **attrs, **RUNNING, **provenance()}
     header = ledger.header(attributes, {group: arrays})
-    with new_store(path) as scratch, Ledger.created(scratch, header) as store:
+    with new_store(path, overwrite=overwrite) as scratch, Ledger.created(scratch, header) as store:
         store.put(f"{group}/0", {name: column.values for name, column in columns.items()})
         store.finish(FINISHED)

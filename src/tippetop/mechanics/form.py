@@ -218,7 +218,8 @@ class Exit:
         jump(x, world) -> Next, of numbers: `x` is the common state where the phase ended; `world`
         has `body`, `system`, `rules` (of the contact), `phases` and the present `phase` by record,
         `left` (time to the end of the run), and `rates(phase, q, carried)` of the integrals of the
-        run.
+        run. An exception in a jump is an InputError that names it; ArithmeticError(message) itself
+        ends the run as `stalled`.
     """
 
     event: str

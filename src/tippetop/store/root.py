@@ -136,21 +136,6 @@ def loaded(table: Any, path: str | Path) -> Any:
     return table
 
 
-def remove(store: Path) -> None:
-    """Remove a store, if there is one, so that another may take its place.
-
-    Raises StoreError if it is not a store of tippetop, is being written, or is not writable.
-    """
-    if store.is_symlink():
-        raise StoreError(f"`{store}` is a link: it is not overwritten; name the store itself.")
-    if store.exists():
-        refuse_foreign(store)  # a damaged one may be overwritten
-        with files.writing(store), Ledger.locked(store):  # raises StoreError, naming the writer
-            old = files.scratch_name(store)
-            store.rename(old)  # immediately: a kill leaves no half store under its name
-            shutil.rmtree(old, ignore_errors=True)
-
-
 @contextlib.contextmanager
 def new_store(
     target: str | Path, *, overwrite: bool = False, in_sweep: bool = False

@@ -61,15 +61,20 @@ def begin(target: str | Path, head: Callable[[], dict[str, Any]], **how: bool) -
 
 
 def begin_or_continue(
-    path: str | Path, head: Callable[[], dict[str, Any]], same: Iterable[str]
+    path: str | Path,
+    head: Callable[[], dict[str, Any]],
+    same: Iterable[str],
+    overwrite: bool = False,
 ) -> Ledger:
     """Lock the store of a header, new or continued without the chunks that are damaged.
+
+    With `overwrite` it is new in any case.
 
     Raises StoreError if it differs in one of the attributes `same`, or has another writer.
     """
     path = files.own_folder(path)
-    if not path.exists():
-        store = begin(path, head)
+    if overwrite or not path.exists():
+        store = begin(path, head, overwrite=overwrite)
         with store.released_on_failure(), files.writing(path):
             store.derive({})
         return store

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..arguments import flag, instance, path_of, whole
+from ..arguments import instance, path_of, whole
 from ..errors import InputError, Interrupted, StoreError, Unfinished
 from ..mechanics.systems import known_to_others
 from ..problem import Problem
@@ -87,18 +87,15 @@ def sweep(
     checked = plan if isinstance(plan, Plan) else Plan.from_toml(plan)
     workers = None if workers is None else whole("workers", workers)
     instance("stop", stop, threading.Event | None, "a threading.Event")
-    flag("overwrite", overwrite)
     unknown = _unknown_to_others(checked.base)
     if unknown and (scheduler is not None or (workers or 1) > 1):
         raise InputError(
             f"{unknown} must come from an installed package for workers to know it: take workers=1."
         )
-    if overwrite:
-        root.remove(place)
     with (
         reporting(progress, "tops") as report,
         contextlib.nullcontext() if scheduler is None else connect(scheduler) as cluster,
-        opened(place, checked) as store,
+        opened(place, checked, overwrite) as store,
     ):
         sentences = _fill(store, checked, 1 if unknown else workers, cluster, report, stop)
         if not sentences:

@@ -52,6 +52,7 @@ def inconsistencies(system: System) -> list[str]:
         return [f"`phases` of `{system.name}` must have a Phase, but has none."]
     faults: list[str] = []
     directions: dict[str, int] = {}
+    integrals = {integral.name for integral in system.phase.form.integrals}
     for name, phase in system.phases.items():
         where = f"phase `{name}` of `{system.name}`"
         detected = [CLOCK, *(event.name for event in phase.events if event.formula)]
@@ -77,6 +78,9 @@ def inconsistencies(system: System) -> list[str]:
                     event.name
                     for event in phase.events
                     if not event.direction and event.name in [way.event for way in phase.exits]
+                ],
+                f"{where} must integrate what the first phase does, but integrates": [
+                    one.name for one in phase.form.integrals if one.name not in integrals
                 ],
                 f"{where} must lead to phases of the system by a tuple of names, but has exits by":
                     [way.event for way in phase.exits if not (way.to and type(way.to) is tuple)],
