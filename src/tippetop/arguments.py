@@ -82,6 +82,17 @@ def choice(name: str, value: Any, known: Collection[str]) -> None:
         raise InputError(f"`{name}` must be one of {', '.join(known)}, but is {value!r:.60}.{near}")
 
 
+def names_of(argument: str, given: Any) -> tuple[str, ...]:
+    """Return the names of numbers, from a list or a text with commas. Raises InputError."""
+    names = [part.strip() for part in given.split(",")] if isinstance(given, str) else given
+    is_list = isinstance(names, list | tuple) and len(names) > 0
+    if not is_list or not all(isinstance(name, str) and name for name in names):
+        raise InputError(
+            f"`{argument}` must be names such as friction.mu, parameters.I1, but is {given!r:.60}."
+        )
+    return tuple(names)
+
+
 def flag(name: str, value: Any) -> None:
     """Raise InputError if an argument is neither True nor False: "no" would count as yes."""
     instance(name, value, bool, "True or False")

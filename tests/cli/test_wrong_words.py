@@ -46,7 +46,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ),
     ("run inverting --until '2 m'", 2, 'in s or what can be converted to it, but is "2 m".'),
     ("run inverting --until --json", 2, "`--until` must be a number"),
-    ("run PLAN.toml", 2, "`PLAN.toml` must be a scenario, but is the plan of a sweep"),
+    ("run PLAN.toml", 2, "this must be a scenario, but is the plan of a sweep"),
     ("check inverting --set system=rolling-tippe-top", 2, "remove the table (--set friction=)"),
     ("run inverting --set run.output=keyframes --figure a.png", 2, "stand alone|requires rows"),
     # stores

@@ -19,22 +19,19 @@ def run() -> tt.Run:
     return tt.run("inverting", until=0.5, output_step=0.002)
 
 
-@pytest.mark.parametrize("kind", sorted(set(FIGURES) - {"surface", "film", "potential", "sphere"}))
-def test_the_curves_have_half_of_a_small_figure(run: tt.Run, kind: str) -> None:
-    figure = run.plot(kind, size=COLUMN)
-    figure.draw_without_rendering()
-    box = figure.axes[0].get_position()
-    assert box.height > 0.5
-    assert box.width > 0.6
-
-
 @pytest.mark.parametrize("kind", sorted(FIGURES))
-def test_all_of_a_small_figure_is_within_it(run: tt.Run, kind: str) -> None:
+def test_all_of_a_small_figure_is_within_it_and_the_curves_have_half_of_it(
+    run: tt.Run, kind: str
+) -> None:
     figure = run.plot(kind, size=COLUMN)
     figure.draw_without_rendering()
     drawn = figure.get_tightbbox()
     assert min(drawn.x0, drawn.y0) > -0.03
     assert (drawn.max < np.array(COLUMN) + 0.03).all()
+    if kind not in {"surface", "film", "potential", "sphere"}:
+        box = figure.axes[0].get_position()
+        assert box.height > 0.5
+        assert box.width > 0.6
 
 
 def test_a_panel_of_a_users_figure_keeps_its_settings(run: tt.Run) -> None:

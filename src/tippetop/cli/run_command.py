@@ -58,11 +58,7 @@ def run(
     from ..store.root import annotate, finite
     from .text import warn
 
-    try:
-        problem = starting.load(scenario, set_, until)
-    except InputError:
-        _refuse_plan(scenario)
-        raise
+    problem = starting.load(scenario, set_, until)
     warn(doubts(problem))
     if figure is not None:
         from .targets import check_picture
@@ -228,14 +224,3 @@ def _print(
     for sentence in broken:
         report(f"the accuracy contract is broken: {sentence}")
     return 4 if broken else 0
-
-
-def _refuse_plan(scenario: str) -> None:
-    """Raise InputError if a plan was given instead of a scenario."""
-    from ..scenario import reading
-    from ..sweeps.plan import is_plan
-
-    if is_plan(reading.read(scenario)):
-        raise InputError(
-            f"`{scenario}` must be a scenario, but is the plan of a sweep: tippetop sweep runs it."
-        )

@@ -302,7 +302,8 @@ class Driver:
         """Return the passages of the log, where they are."""
         logged = slice(int(self.log.filled[0]))
         rows = self.log.rows[logged]
-        return Passages(*(rows[name] for name in rows.dtype.names), self.log.states[logged])
+        columns = (rows[name] for name in ("time", "event", "sign", "at_pole"))
+        return Passages._make([*columns, self.log.states[logged]])
 
     def drop(self) -> None:
         """Remove the last passage."""

@@ -317,14 +317,3 @@ def _rivals(space: Space, ends: Sequence[Minimum]) -> list[str]:
     numbers = ", ".join(f"{name} = {value:.6g}" for name, value in near[0].items())
     more = f" (and {len(near) - 1} more such sets)" if len(near) > 1 else ""
     return [f"other numbers fit nearly as well: {numbers}{more}; errors are those of one set."]
-
-
-def names_of(text: str | Sequence[str]) -> tuple[str, ...]:
-    """Return the names of free numbers from a text with commas or a list. Raises InputError."""
-    names = [part.strip() for part in text.split(",")] if isinstance(text, str) else text
-    is_list = isinstance(names, list | tuple) and len(names) > 0
-    if not is_list or not all(isinstance(name, str) and name for name in names):
-        raise InputError(
-            f"`free` must be names such as friction.mu, parameters.I1, but is {text!r:.60}."
-        )
-    return tuple(names)

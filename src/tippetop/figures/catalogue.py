@@ -140,7 +140,7 @@ def described() -> str:
 def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
     """Raise InputError if there is no such figure."""
     known = list(known)
-    if kind not in known:
+    if not isinstance(kind, str) or kind not in known:
         raise InputError(
             f"the kind of figure must be one of {', '.join(known)}, but is "
             f"`{kind}`.{suggestion(str(kind), known)}"

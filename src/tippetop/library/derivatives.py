@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import dotted_keys, instance, takes, whole
+from ..arguments import dotted_keys, names_of, takes, whole
 from ..columns import column
 from ..errors import InputError
 from ..mechanics.units import ONE, PER_SECOND, SECOND
@@ -98,7 +98,7 @@ def sensitivities(
     from ..problem import refuse
     from ..runs.run import solve
 
-    wrt = _names(wrt)
+    wrt = names_of("wrt", wrt)
     if whole("order", order) > 2:
         raise InputError(f"`order` must be 1 or 2, but is {order!r:.60}.")
     problem = problem_of(source, friction, **arguments)
@@ -169,14 +169,3 @@ def lyapunov(
     }
     about = {"horizon": result.horizon, "sentence": result.sentence()}
     return attributes.dataset(columns, about)
-
-
-def _names(wrt: Any) -> tuple[str, ...]:
-    """Return the names as a tuple of texts. Raises InputError."""
-    if isinstance(wrt, str):
-        return (wrt,)
-    words = "names such as friction.mu"
-    instance("wrt", wrt, list | tuple, words)
-    for name in wrt:
-        instance("wrt", name, str, words)
-    return tuple(wrt)

@@ -5,10 +5,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import in_python, instance, path_of, whole
+from ..arguments import in_python, instance, names_of, path_of, whole
 from ..errors import InputError
 from ..exchange import fit_text, measurements
-from ..exchange.fitting import STARTS, names_of
+from ..exchange.fitting import STARTS
 from ..exchange.motion import convention_of
 from ..exchange.verdict import Verdict
 from ..problem import Problem
@@ -214,7 +214,7 @@ def fit(
     observation = measurements.observation_of(
         problem,
         path_of("data", data),
-        names_of(free),
+        names_of("free", free),
         convention_of(quaternion, up),
         fit_text.marker_of(marker),
         noise,
@@ -242,6 +242,6 @@ def _reference(name: str, source: Any) -> Any:
     """Return the problem of a scenario, a run, or the store of one. Raises InputError."""
     kinds = Run | Problem | Mapping | str | os.PathLike
     instance(name, source, kinds, "a scenario or a run")
-    if isinstance(source, str | os.PathLike) and path_of(name, source).is_dir():
-        return load_any(source)
+    if isinstance(source, str | os.PathLike):
+        return load_any(path_of(name, source))
     return problem_behind(source)

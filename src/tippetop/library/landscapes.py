@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from ..arguments import instance, measured_values, within
+from ..arguments import flag, instance, measured_values, whole, within
 from ..columns import require
 from ..errors import InputError
 from ..landscape import marked_lines as lines_of
@@ -66,6 +66,8 @@ def minimal_surface(
     at_upper_end (an infimum that is approached at a pole); lower_of_two; unsettled; undefined.
     """
     parameters, system, x, y = _body_and_momenta(top, momenta)
+    flag("gradient", gradient)
+    threads = None if threads is None else whole("threads", threads)
     return surface.minimal_surface(parameters, x, y, system, gradient=gradient, threads=threads)
 
 

@@ -95,8 +95,8 @@ class Plots:
         look = Look(title, size, dpi, dark)
         instance("title", title, str | None, "text")
         instance("size", size, list | tuple | None, "two numbers")
-        for side in size or ():
-            finite("size", side)
+        if size is not None and len([finite("size", side) for side in size]) != 2:
+            raise InputError(f"`size` must be two numbers, but is {size!r:.60}.")
         finite("dpi", dpi)
         flag("dark", dark)
         catalogue.check_look(look)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import instance, measured, seconds
+from ..arguments import flag, instance, measured, seconds
 from ..errors import InputError
 from ..landscape.reconstruction import reconstruction
 from ..mechanics.contact.body import Top
@@ -130,6 +130,7 @@ def linear_modes(
     The equations of motion, linearised about theta = 0 or pi: a cubic in p where the contact
     glides. Friedl (1997).
     """
+    flag("inverted", inverted)
     body, problem = top_of(top, TippeTop, HeavyTop), problem_behind(top)
     spin = measured("omega3", omega3, RADIAN_PER_SECOND)
     friction = problem.friction if problem is not None and problem.system.frictional else None

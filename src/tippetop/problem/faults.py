@@ -132,8 +132,8 @@ def start_faults(problems: "Problems") -> list[Fault]:
     together = (
         "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
     )
-    bounded: np.ndarray = (abs(np.concatenate([given, table[:kept]])) < LARGEST).all(axis=0)
-    faults.append((together, ~bounded))
+    sizes = abs(np.concatenate([given, table[:kept]]))
+    faults.append((together, ~np.all(sizes < LARGEST, axis=0)))
     large = abs(start[variables.moving :]) > 1
     for i in _rows(large):
         name = variables.names[variables.moving + i]

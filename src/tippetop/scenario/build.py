@@ -169,6 +169,8 @@ def system_of(tables: dict[str, Any]) -> System:
     """Return the registered system that a scenario names. Raises InputError."""
     name = tables.get("system")
     system = find(name) if isinstance(name, str) else None
+    if name is None and "axis" in tables:
+        raise InputError("this must be a scenario, but is the plan of a sweep: a sweep runs it.")
     if system is None:
         given = "is missing" if name is None else f"is {name!r}"
         near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
