@@ -66,9 +66,8 @@ def test_json_keys_are_names_and_units_are_values(said: Callable) -> None:
 
 
 def test_an_empty_value_removes_a_key_or_a_table(said: Callable) -> None:
-    rolling = "check inverting --set system=rolling-tippe-top"
-    assert "remove the table (--set friction=)" in said(rolling, code=2)[1]
-    assert "friction" not in json.loads(said(f"{rolling} --set friction= --json")[0])
+    words = "check inverting --set system=rolling-tippe-top --set friction= --json"
+    assert "friction" not in json.loads(said(words)[0])
 
 
 def test_negative_ranges_work_as_typed(tmp_path: Path, said: Callable) -> None:
@@ -89,8 +88,6 @@ def test_momenta_of_a_landscape_are_texts_with_units(tmp_path: Path, said: Calla
     surface = tt.open(store)
     assert np.array_equal(surface["D"], np.linspace(-1e-4, 1e-4, 3))
     assert np.array_equal(surface["lambda"], np.linspace(0, 4e-6, 5))
-    err = said("potential inverting --D '1 kg' --lambda 0", code=2)[1]
-    assert "`--D` must be in kg m2 s-1" in err
 
 
 def test_a_finished_surface_has_nothing_to_do(tmp_path: Path, said: Callable) -> None:

@@ -99,6 +99,11 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("potential inverting --D '1 kg' --lambda 0", 2, "`--D` must be in kg m2 s-1"),
     ("surface inverting --D -1:1:1000000000000 --out f.zarr", 2, "at most 10000000 points"),
     ("surface inverting --D 0:1e300:5 --out f.zarr", 2, "`--D` and `--lambda` must keep V finite"),
+    ("surface inverting --D 1:0:5 --figure F.png", 2, "--D must be min:max:n"),
+    ("surface inverting --D 0:1 --figure F.png", 2, "--D must be min:max:n"),
+    ("surface inverting --D 0:nan:5 --figure F.png", 2, "`--D` must be a number"),
+    ("potential inverting --D nan --lambda 0", 2, "`--D` must be a number"),
+    ("potential inverting --D 0 --lambda 0 --n 1", 2, "--n must be at least 2"),
     ("surface inverting", 2, "nothing is to be done: give --out F.zarr, --figure F.png, or both."),
     # measured motions
     (f"{FIT} --out film.csv --overwrite", 2, "--out must end with .toml, but is"),

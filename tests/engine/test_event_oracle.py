@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import heyoka as hy
 import numpy as np
 import pytest
+from test_wide import Nothing
 
 from tippetop.engine.driver import Driver
 from tippetop.engine.expressions import equations_of_motion, formulas_of
@@ -123,15 +124,6 @@ def compare(made: Problem) -> int:
         b = found(driver, made.system.events, output, e, times[order], signs[order])
         compared += matched(a, b, driver.end, f"{event.name} of {made.tables}")
     return compared
-
-
-class Nothing:
-    """No rows."""
-
-    steps = False
-
-    def wanted(self) -> np.ndarray:
-        return np.zeros(0)
 
 
 def found(

@@ -145,14 +145,6 @@ def test_what_is_not_finite_is_undefined():
     ("call", "sentence"),
     [
         (
-            lambda: surface.minimal_surface(CANONICAL, [1e-4, 0.0], 1e-6),
-            "`D` must ascend, but does not.",
-        ),
-        (
-            lambda: surface.minimal_surface(CANONICAL, [], 1e-6),
-            "`D` must be a number or a one-dimensional",
-        ),
-        (
             lambda: surface.minimal_surface(CANONICAL, 1e-4, [[1e-6]]),
             "`lambda` must be a number or a one-dim",
         ),

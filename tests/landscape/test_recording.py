@@ -123,41 +123,14 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
         calls.append(1)
         raise KeyboardInterrupt
 
-    words = [
-        "surface",
-        "inverting",
-        "--D=-6e-4:8e-4:21",
-        "--lambda",
-        "0:7e-6:31",
-        "--out",
-        str(tmp_path / "F.zarr"),
-    ]
+    axes = "--D=-6e-4:8e-4:21 --lambda 0:7e-6:31"
+    words = f"surface inverting {axes} --out {tmp_path / 'F.zarr'}".split()
     with monkeypatch.context() as patched:
         patched.setattr(surface_recording.surface, "minima", stop)
         assert outcome(words) == 130
     assert "the same command continues" in capsys.readouterr().err
     assert calls
     assert outcome(words) == 0
-
-
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["surface", "inverting"], "give --out F.zarr, --figure F.png, or both"),
-        (["surface", "inverting", "--D", "1:0:5", "--figure", "F.png"], "--D must be min:max:n"),
-        (["surface", "inverting", "--D", "0:1", "--figure", "F.png"], "--D must be min:max:n"),
-        (["surface", "inverting", "--D", "0:nan:5", "--figure", "F.png"], "`--D` must be a number"),
-        (["potential", "inverting", "--D", "nan", "--lambda", "0"], "`--D` must be a number"),
-        (
-            ["potential", "inverting", "--D", "0", "--lambda", "0", "--n", "1"],
-            "--n must be at least 2",
-        ),
-    ],
-)
-def test_wrong_words_are_one_sentence(words, sentence, capsys, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert outcome(words) == 2
-    assert sentence in capsys.readouterr().err
 
 
 DAMAGES = {

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_contact_runs import times
 
 import tippetop as tt
 from tippetop.mechanics.form import Exit, Form, Integral, Next
@@ -25,11 +26,6 @@ def page() -> dict[str, Any]:
     for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL):
         exec(block, names)
     return names
-
-
-def times(run: Any, kind: str) -> np.ndarray:
-    kinds = run.events.kind.attrs["flag_meanings"].split()
-    return run.events.time.values[run.events.kind.values == kinds.index(kind)]
 
 
 def bounces(until: float = 3.0, **run: Any) -> Any:
@@ -140,23 +136,6 @@ def test_an_ensemble_of_them_is_refused_or_the_runs_of_each(page: dict) -> None:
         )
 
 
-@pytest.mark.parametrize(
-    ("way", "words"),
-    [
-        (
-            Exit("ground", ("nowhere",), None),
-            "must lead to phases of the system, but leads to nowhere",
-        ),
-        (Exit("sky", ("rest",), None), "sky"),
-    ],
-)
-def test_an_exit_that_cannot_be_is_refused(page: dict, way: Exit, words: str) -> None:
-    point = SYSTEMS["bouncing-point"]
-    phases = {**point.phases, "fall": dataclasses.replace(point.phases["fall"], exits=(way,))}
-    with pytest.raises(tt.InputError, match=words):
-        tt.extending.register(dataclasses.replace(point, name="broken-point", phases=phases))
-
-
 def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
     """Run the point with another jump, or with other fields of its phase `fall`."""
     point = SYSTEMS["bouncing-point"]
@@ -229,6 +208,15 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     fall, rest, state = point.phases["fall"], point.phases["rest"], page["state"]
     other, both = (dataclasses.replace(page["ground"], direction=way) for way in (1, 0))
     phases = {
+        "must lead to phases of the system, but leads to nowhere": {
+            "fall": dataclasses.replace(fall, exits=(Exit("ground", ("nowhere",), None),))
+        },
+        "sky": {"fall": dataclasses.replace(fall, exits=(Exit("sky", ("rest",), None),))},
+        "must keep the common state": {
+            "rest": dataclasses.replace(
+                rest, enter=lambda x, b: x, leave=lambda q, b: State(q.h + 1, q.v)
+            )
+        },
         "must take arrays": {"rest": dataclasses.replace(rest, enter=lambda x, b: x, leave=scalar)},
         "must end in its events that have a formula": {
             "fall": dataclasses.replace(fall, exits=(Exit("rests", ("rest",), None),))
@@ -277,14 +265,3 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
 def scalar(q: Any, b: Any) -> Any:
     """Return a state, of numbers alone."""
     return q._replace(v=float(q.v))
-
-
-def test_a_phase_that_changes_the_common_state_is_refused(page: dict) -> None:
-    point, state = SYSTEMS["bouncing-point"], page["State"]
-    spoilt = dataclasses.replace(
-        point.phases["rest"], enter=lambda x, b: x, leave=lambda q, b: state(q.h + 1, q.v)
-    )
-    with pytest.raises(tt.InputError, match="must keep the common state"):
-        tt.extending.register(
-            dataclasses.replace(point, name="broken-point", phases={**point.phases, "rest": spoilt})
-        )

@@ -98,16 +98,6 @@ def test_a_body_is_checked_when_it_is_made() -> None:
         tt.TippeTop(**bad)
     assert found.value.sentences == from_toml.value.sentences
     assert len(found.value.sentences) == 3
-    with pytest.raises(
-        tt.InputError,
-        match=r"`friction.mu` must be at least 0.0.*\n.*eps` must be greater than 0.0",
-    ):
-        tt.friction.Coulomb(mu=-1, eps=0)
-    with pytest.raises(
-        tt.InputError,
-        match="a Problem must be the only argument, but `until`, `output_step` is given too",
-    ):
-        tt.run(tt.load("inverting"), until=1.0, output_step=0.1)
     mixed = tt.TippeTop(
         m=np.float64(0.02), R=np.array(0.02), alpha=0.3, I1=np.float32(2.0), I3=np.int64(1), g=9.82
     )
@@ -283,10 +273,6 @@ def test_an_ensemble_takes_bare_names_and_bodies() -> None:
     )
     for other in (dotted, body):
         np.testing.assert_array_equal(bare["theta_end"], other["theta_end"])
-    with pytest.raises(tt.InputError, match="`spin` must be one of"):
-        tt.ensemble("inverting", {"spin": spins})
-    with pytest.raises(tt.InputError, match="must be a mapping"):
-        tt.ensemble("inverting", [1.0])  # type: ignore[arg-type]
 
 
 # --- theory and landscape -----------------------------------------------------------------------
@@ -303,12 +289,6 @@ def test_the_landscape_takes_bodies_and_letters(run: tt.Run) -> None:
     )
     V = tt.landscapes.potential(TOP, np.linspace(-0.9, 0.9, 181), D=D[1], lam=lam[1])
     assert float(V["V"].min()) >= float(by_letter["F"][1, 1])
-    with pytest.raises(tt.InputError) as found:
-        tt.landscapes.minimal_surface(TOP, L3=D, lam=lam)
-    assert found.value.sentences == [
-        "`L3` is no momentum of tippe-top: it has D and lam.",
-        "`D` must be given, but is missing.",
-    ]
     band = tt.landscapes.band(run)
     theta = run.trajectory["theta"].values
     inside = (theta > band["theta_min"].values - 1e-6) & (theta < band["theta_max"].values + 1e-6)
@@ -323,8 +303,6 @@ def test_the_theory_takes_bodies() -> None:
     assert tt.theory.thresholds(HEAVY)["spin_sleeping"].value > 0
     assert tt.theory.linear_modes(TOP, tt.friction.Viscous(0.3), omega3=155.0)[0].real > 0
     assert np.all(np.abs(tt.theory.linear_modes(TOP, omega3=155.0).real) < 1e-9)
-    with pytest.raises(tt.InputError, match="must be a TippeTop"):
-        tt.theory.regime(CYLINDER, 1.0)  # type: ignore[arg-type]
 
 
 def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
@@ -350,8 +328,6 @@ def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:
             found["theta"][known], run.trajectory["theta"][known], rtol=0, atol=1e-7
         )
         assert found.attrs["mismatch"] < 1e-8
-    with pytest.raises(tt.InputError, match="must be one of a tippe top"):
-        tt.theory.reconstruct(tt.run(CYLINDER, start={"theta": 0.5}, until=0.1))
 
 
 # --- arguments that are wrong -------------------------------------------------------------------

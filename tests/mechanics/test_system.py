@@ -98,14 +98,6 @@ def test_a_phase_must_keep_the_common_state() -> None:
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        (
-            {"exits": (Exit("liftoff", ("rest",), land),)},
-            "must end in its events that have a formula, but has exits by liftoff",
-        ),
-        (
-            {"exits": (Exit("landing", ("roll",), land),)},
-            "must lead to phases of the system, but leads to roll",
-        ),
         ({"exits": FLIGHT.exits * 2}, "each name once, but has twice exit by `landing`"),
         ({"events": (LANDING, LANDING)}, "each name once, but has twice event `landing`"),
         (

@@ -42,18 +42,22 @@ def browser_without_webgl(launch: Callable[..., Any]) -> Any:
     return launch("--disable-3d-apis")
 
 
-@pytest.fixture(scope="session")
-def open_page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Any]:
+@pytest.fixture(scope="module")
+def open_page(
+    browser: Any, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Callable[..., Any]]:
     """Open a page from a file, with the network off, and wait until `ready` is true in it.
+    Close the pages of a module at its end: an open one draws frames.
 
     `faults` of the tab lists errors, messages and requests of the page; `used` is the browser.
     """
-    folder = tmp_path_factory.mktemp("pages")
+    folder, contexts = tmp_path_factory.mktemp("pages"), []
 
     def open_it(text: str, ready: str = READY, used: Any = browser, **options: Any) -> Any:
         path = folder / f"{len(list(folder.iterdir()))}.html"
         path.write_text(text, encoding="utf-8")
         context = used.new_context(viewport=SMALL, reduced_motion="reduce", **options)
+        contexts.append(context)
         context.set_offline(True)
         context.set_default_timeout(120_000)
         tab = context.new_page()
@@ -75,4 +79,6 @@ def open_page(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Callabl
         tab.wait_for_function(ready)
         return tab
 
-    return open_it
+    yield open_it
+    for context in contexts:
+        context.close()
