@@ -1,7 +1,7 @@
 """The gliding body in vector form: regular everywhere. [T 3.12, 3.17, 5.2]"""
 
 from ...friction import slip_coefficient
-from ...operand import Vector, formula, times
+from ...operand import Vector, formula
 from ...units import ANGULAR_MOMENTUM, METRE_PER_SECOND
 from .. import body as contact
 from ..body import Scalars, kinematics, state
@@ -66,7 +66,8 @@ def reaction(q, b):
     """Return F = N (zhat - k v_A), (3,) [N]. [T 3.16; contact 2.1]"""
     s, v = vector_scalars(q, b), sliding_velocity(q, b)
     N = contact.g_n(s, b)
-    return times(-(slip_coefficient(s.v2, s.z, b.friction) * N), v)._replace(z=N)
+    k = -(slip_coefficient(s.v2, s.z, b.friction) * N)
+    return Vector(k * v.x, k * v.y, N)
 
 
 @formula
