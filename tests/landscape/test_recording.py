@@ -135,7 +135,7 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
     with monkeypatch.context() as patched:
         patched.setattr(surface_recording.surface, "minima", stop)
         assert outcome(words) == 130
-    assert "the same command continues" in capsys.readouterr().err
+    assert "the same command without --overwrite continues" in capsys.readouterr().err
     assert calls
     assert outcome(words) == 0
 

@@ -5,6 +5,7 @@ import random
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -93,10 +94,11 @@ def go(
     folder: Folder, place: Path, chance: random.Random, note: Callable[[int], None] = lambda _: None
 ) -> None:
     """Begin or continue a toy run, and finish it; call `note` with the acknowledged steps."""
-    try:
-        store = Ledger.opened(place, folder)
-    except FileNotFoundError:
-        store = Ledger.created(place, header(), folder)
+    with mock.patch.object(ledger, "Folder", return_value=folder):
+        try:
+            store = Ledger.opened(place)
+        except FileNotFoundError:
+            store = Ledger.created(place, header())
     with store:
         if store.state.seal:
             return

@@ -20,7 +20,7 @@ EXIT_CODES = {
     3: "the physics stopped it: a fall, or a non-finite state; a liftoff is an ordinary end",
     4: "the accuracy contract is broken: a conserved quantity drifted by more than is promised",
     5: "the store or the disk",
-    6: "some chunks of a sweep failed; the same command tries them again",
+    6: "some chunks of a sweep failed; the same command without --overwrite tries them again",
     130: "interrupted by Ctrl-C; data on the disk are kept",
     143: "terminated; data on the disk are kept",
 }

@@ -90,7 +90,9 @@ def surface(
                     out, wanted, threads=threads, progress=bar.update, overwrite=overwrite
                 )
         except KeyboardInterrupt:
-            return complain(["interrupted; the same command continues from here."], 130)
+            return complain(
+                ["interrupted; the same command without --overwrite continues from here."], 130
+            )
         if was_finished:
             report(f"`{out}` was finished: its chunks are checked (--overwrite replaces it).")
     if figure is not None:

@@ -123,7 +123,7 @@ def write(
     blocks = list(itertools.product(*firsts))
     with (
         begin_or_continue(path, wanted.header, SAME, overwrite) as store,
-        files.writing(path, "The same command continues it."),
+        files.writing(path, "The same command without --overwrite continues it."),
     ):
         if AXES not in store.state.chunks:
             store.put(AXES, {name: axis.values for name, axis in wanted.axes().items()})

@@ -64,19 +64,18 @@ def replacing(path: str | Path, *, overwrite: bool = True) -> Iterator[Path]:
 
 def refuse_inside(path: Path) -> None:
     """Raise StoreError if a path that a user names lies in a store, which it would damage."""
-    for place in (Path(os.path.abspath(path)), Path(os.path.realpath(path))):
-        for folder in place.parents:
-            if os.path.lexists(folder / "zarr.json"):
-                raise StoreError(
-                    f"`{path}` must lie outside of every store, but `{folder}` is one: it would "
-                    "be damaged."
-                )
+    for folder in Path(os.path.realpath(path)).parents:
+        if os.path.lexists(folder / "zarr.json"):
+            raise StoreError(
+                f"`{path}` must lie outside of every store, but `{folder}` is one: it would be "
+                "damaged."
+            )
 
 
 @contextlib.contextmanager
 def scratch_folder(path: Path) -> Iterator[Path]:
     """Make a hidden folder next to `path`; remove it when the block ends. Raises OSError."""
-    scratch = scratch_name(path)
+    scratch = path.with_name(f".{path.name}.part-{uuid.uuid4().hex}")  # cannot be guessed
     scratch.mkdir()
     descriptor = Folder(scratch).lock()  # which the end of a killed writer releases
     try:
@@ -102,7 +101,7 @@ def put_back(path: Path) -> None:
 def remove_stale(path: Path) -> None:
     """Remove, with a warning, the scratch folders that killed writers of `path` left.
 
-    Only folders of this user with a name by `scratch_name`, and which no process has locked.
+    Only folders with a name by `scratch_folder` that no process has locked.
     """
     for old in sorted(path.parent.glob(f".{glob.escape(path.name)}.part-{SCRATCH}")):
         if _removed(old):
@@ -110,17 +109,14 @@ def remove_stale(path: Path) -> None:
 
 
 def _removed(old: Path) -> bool:
-    """Remove a folder of this user that no process has locked; return whether it had content."""
+    """Remove a folder that no process has locked; return whether it was removed."""
     try:
-        if os.lstat(old).st_uid != os.geteuid():
-            return False
         with contextlib.ExitStack() as stack:
             stack.callback(os.close, Folder(old).lock())
-            content = os.listdir(old)
             shutil.rmtree(old)
     except OSError:
         return False
-    return bool(content)
+    return True
 
 
 def rename_new(scratch: Path, path: Path) -> None:
@@ -151,11 +147,6 @@ def refuse_existing(path: Path, overwrite: bool = False) -> None:
 def name_aside(path: Path) -> Path:
     """Return the hidden name that a store has while another takes its place."""
     return path.with_name(f".{path.name}.replaced")
-
-
-def scratch_name(path: Path) -> Path:
-    """Return a hidden name next to `path` that cannot be guessed."""
-    return path.with_name(f".{path.name}.part-{uuid.uuid4().hex}")
 
 
 def synced(folder: Path, name: str = "") -> None:

@@ -85,18 +85,13 @@ class Folder:
     def tip(self, name: str) -> tuple[int, bytes]:
         """Return the size and the last four bytes of a file."""
         with self._open(name) as descriptor:
-            status = os.fstat(descriptor)
-            if not stat.S_ISREG(status.st_mode):
-                raise OSError(errno.EINVAL, "not a plain file", name)
-            return status.st_size, os.pread(descriptor, 4, max(0, status.st_size - 4))
+            size = os.fstat(descriptor).st_size
+            return size, os.pread(descriptor, 4, max(0, size - 4))
 
     def names(self, name: str) -> list[str]:
-        """Return the names in a folder inside, sorted; none if there is no such folder."""
-        try:
-            with self._open(name, READ | os.O_DIRECTORY) as descriptor:
-                return sorted(os.listdir(descriptor))
-        except FileNotFoundError:
-            return []
+        """Return the names in a folder inside, sorted."""
+        with self._open(name, READ | os.O_DIRECTORY) as descriptor:
+            return sorted(os.listdir(descriptor))
 
     def lock(self, name: str = "") -> int:
         """Lock a file, or the folder, until the descriptor that is returned is closed.

@@ -186,21 +186,21 @@ class Ledger:
     may look written and be lost.
     """
 
-    def __init__(self, folder: Folder, path: Path):
-        self.folder, self.path = folder, path
+    def __init__(self, path: Path):
+        self.folder, self.path = Folder(path), path
         self.state: Acknowledged
         self.pending: dict[str, str] = {}  # chunks that the next commit acknowledges
         self.broken: OSError | None = None
         self.held: int | None = None
 
     @classmethod
-    def created(cls, path: Path, head: dict[str, Any], folder: Folder | None = None) -> "Ledger":
+    def created(cls, path: Path, head: dict[str, Any]) -> "Ledger":
         """Make the store of a header in an empty folder. Raises OSError.
 
         Its root document contains all others, which are written when rows are acknowledged, so
         that a short run takes less time.
         """
-        self = cls(folder or Folder(path), path)
+        self = cls(path)
         self.state = Acknowledged.of([head])
         with self.released_on_failure():
             self._make_folders()
@@ -212,13 +212,13 @@ class Ledger:
     @classmethod
     def locked(cls, path: Path) -> "Ledger":
         """Lock a store that is to be replaced, and read nothing. Raises StoreError, OSError."""
-        self = cls(Folder(path), path)
+        self = cls(path)
         with self.released_on_failure():
             self._lock()
         return self
 
     @classmethod
-    def opened(cls, path: Path, folder: Folder | None = None) -> "Ledger":
+    def opened(cls, path: Path) -> "Ledger":
         """Open a store to write it, as its ledger acknowledges it.
 
         Raises
@@ -228,9 +228,8 @@ class Ledger:
         OSError
             The disk.
         """
-        self = cls(folder or Folder(path), path)
+        self = cls.locked(path)
         with self.released_on_failure():
-            self._lock()
             with sound(path):
                 self.state = acknowledged(self.folder.read(LEDGER))
             self._make_folders()
@@ -491,12 +490,6 @@ def _compare(folder: Folder, state: Acknowledged) -> None:
         same = data == zarr3.dump(document) if state.seal else _fixed(stored) == _fixed(document)
         if not same or rows[path] > most:
             raise Damaged(f"`{name}` is not what its ledger says{remedy}")
-    for group in {path.partition("/")[0] for path in members}:
-        for name in folder.names(group):
-            path = f"{group}/{name}"
-            known = path in members or name.isdigit() or name[0] == "."  # runs of a sweep
-            if not known and _found(folder.tip, f"{path}/{DOCUMENT}"):
-                raise Damaged(f"`{path}` is not in its ledger")
     keys = [*state.chunks]
     for table in state.rows:  # further chunks are derived from the tail
         path = tables[table][0]
@@ -521,8 +514,3 @@ def _found(read: Callable[[str], Any], name: str) -> Any:
     with contextlib.suppress(FileNotFoundError, NotADirectoryError):
         return read(name)
     return None
-
-
-def is_ledger(path: Path) -> bool:
-    """Return whether a folder is a store with a ledger."""
-    return os.path.lexists(path / LEDGER)

@@ -3,7 +3,7 @@
 import os
 import platform
 from functools import lru_cache
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +15,8 @@ FORMAT_VERSION = 2
 @lru_cache
 def versions() -> dict[str, str]:
     """Return the versions of the packages that a result depends on."""
-    result = {"python": platform.python_version()}
-    for name in ("tippetop", "heyoka", "numpy", "zarr"):
-        try:
-            result[name] = version(name)
-        except PackageNotFoundError:
-            result[name] = "unknown"
-    return result
+    packages = {name: version(name) for name in ("tippetop", "heyoka", "numpy", "zarr")}
+    return {"python": platform.python_version(), **packages}
 
 
 @lru_cache

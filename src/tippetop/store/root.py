@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import os
 import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -52,7 +53,7 @@ def root_of(path: str | Path) -> dict[str, Any]:
 
 def refuse_foreign(path: Path) -> None:
     """Raise StoreError unless tippetop wrote a store, damaged or not."""
-    if not ledger.is_ledger(path):
+    if not os.path.lexists(path / ledger.LEDGER):
         raise StoreError(f"`{path}` {_no_store(path)}.")
 
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 # core seconds: processes must start and may compile, so less is done sooner by threads of this one
 SMALL = 20.0
 FINISHED = {"status": "finished", "reason": "every top was run"}
-KEPT = "Stored chunks are kept: the same command continues it."
+KEPT = "Stored chunks are kept: the same command without --overwrite continues it."
 
 
 def sweep(
@@ -63,7 +63,8 @@ def sweep(
     stop
         Set it, from a signal handler or another thread, and the sweep stops after a chunk, or
         before the first. An exception such as KeyboardInterrupt ends it at once and costs the
-        chunks that are being computed. Either way the same call continues it.
+        chunks that are being computed. Either way the same call without `overwrite`
+        continues it.
     overwrite
         Replace a store that exists, finished or not.
 
