@@ -140,12 +140,17 @@ def test_a_top_in_the_air_has_not_settled() -> None:
 
 
 @pytest.mark.parametrize(
-    ("start", "until"), [(THROWN, 0.06), ({"theta": 0.1, "omega3": 155.0}, 0.05)]
+    ("law", "start", "until"),
+    [
+        (COULOMB, THROWN, 0.06),
+        (COULOMB, {"theta": 0.1, "omega3": 155.0}, 0.05),
+        (VISCOUS, {"theta": 0.5, "omega3": 180.0, "gap": 1e-4}, 0.02),
+    ],
 )
-def test_runs_under_coulombs_law_in_quad_agree_with_80_bits(start: dict, until: float) -> None:
+def test_runs_of_phases_in_quad_agree_with_80_bits(law: dict, start: dict, until: float) -> None:
     """To what 80 bits can show: through liftoff, impact and stick."""
     ends = [
-        tt.run(scenario(COULOMB, start, until), precision=p, output="events")
+        tt.run(scenario(law, start, until), precision=p, output="events", on_liftoff="fly")
         for p in ("longdouble", "quad")
     ]
     kinds = [run.events.kind.values.tolist() for run in ends]

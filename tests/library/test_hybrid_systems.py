@@ -3,7 +3,7 @@
 import dataclasses
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -12,8 +12,12 @@ from test_contact_runs import times
 import tippetop as tt
 from tippetop.mechanics.form import Exit, Form, Integral, Next
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.mechanics.units import METRE
+from tippetop.mechanics.units import METRE, METRE_PER_SECOND
 from tippetop.runs.certificate import certificate_violations
+
+
+class Candle(NamedTuple):
+    h: Any
 
 
 PAGE = Path(__file__).parents[2] / "docs/how-to/a-hybrid-system.md"
@@ -265,3 +269,17 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
 def scalar(q: Any, b: Any) -> Any:
     """Return a state, of numbers alone."""
     return q._replace(v=float(q.v))
+
+
+def test_a_state_may_be_one_number() -> None:
+    """A candle that burns down."""
+    burns = Form("plain", Candle(METRE), lambda q, b: Candle(-b.rate))
+    out = tt.extending.Event("out", "nothing is left", lambda s, b: s.h, -1)
+    exits = (Exit("out", ("dark",), lambda x, world: Next("dark", Candle(0))),)
+    dark = tt.extending.Phase(Form("plain", Candle(METRE), lambda q, b: Candle(0)))
+    rate = tt.extending.number(METRE_PER_SECOND, "rate", above=0)
+    phases = {"burns": tt.extending.Phase(burns, events=(out,), exits=exits), "dark": dark}
+    tt.extending.register(tt.extending.System("candle", {"rate": rate}, phases))
+    tables = {"system": "candle", "parameters": {"rate": 2}, "initial": {"h": 1}}
+    run = tt.run(tables, until=1)
+    assert run.phases.end.values[0] == pytest.approx(0.5, abs=1e-15)

@@ -83,7 +83,7 @@ def in_symbols(formulas: Formulas, variables: Variables) -> tuple[Any, Any, Any,
     """Return the variables as symbols, and the records that formulas take: the state, the
     integrals, the body.
     """
-    symbols = hy.make_vars(*variables.names)
+    symbols = [hy.make_vars(name) for name in variables.names]  # of one name: no list by itself
     return symbols, *variables.split(symbols), formulas.body(hy.par[i] for i in count())
 
 

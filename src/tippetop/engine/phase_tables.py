@@ -76,5 +76,5 @@ def as_table(
             table[column] = np.array([number_of(value, kind) for value in values], np.int8)
         else:
             unit = float(scales.of(kind)) if rows else 1.0
-            table[column] = (np.array(values) * unit).astype(float)
+            table[column] = np.array([float(value * unit) for value in values])
     return table
