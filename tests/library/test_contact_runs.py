@@ -145,6 +145,7 @@ def test_a_top_in_the_air_has_not_settled() -> None:
         (COULOMB, THROWN, 0.06),
         (COULOMB, {"theta": 0.1, "omega3": 155.0}, 0.05),
         (VISCOUS, {"theta": 0.5, "omega3": 180.0, "gap": 1e-4}, 0.02),
+        ({"law": "none"}, {"theta": 0.5, "omega3": 180.0, "gap": 1e-4}, 0.01),
     ],
 )
 def test_runs_of_phases_in_quad_agree_with_80_bits(law: dict, start: dict, until: float) -> None:

@@ -315,8 +315,8 @@ class Frictionless(FrictionLaw):
 
     @formula
     def coefficient(v2, z, law):
-        """Return k = 0."""
-        return 0.0
+        """Return k = 0, of the type of v2, as a float times numbers in quad precision fails."""
+        return 0 * v2
 
 
 LAWS: dict[str, type[FrictionLaw]] = {

@@ -80,7 +80,9 @@ def inconsistencies(system: System) -> list[str]:
                     if not event.direction and event.name in [way.event for way in phase.exits]
                 ],
                 f"{where} must integrate what the first phase does, but integrates": [
-                    one.name for one in phase.form.integrals if one.name not in integrals
+                    one.name
+                    for one in phase.form.integrals
+                    if one.name not in integrals and not system.common
                 ],
                 f"{where} must lead to phases of the system by a tuple of names, but has exits by":
                     [way.event for way in phase.exits if not (way.to and type(way.to) is tuple)],
