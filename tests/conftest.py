@@ -72,3 +72,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "PLAN.toml").write_text(PLAN)
     sweep.sweep(folder / "PLAN.toml", folder / "S.zarr", workers=1)
     return folder / "S.zarr"
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Keep compiled code in a folder of the test."""
+    monkeypatch.setenv("TIPPETOP_CACHE_DIR", str(tmp_path / "cache"))
+    return tmp_path / "cache"

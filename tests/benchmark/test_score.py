@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from examples import turned
 
 from tippetop import benchmark, cli
 from tippetop.benchmark.truth import VECTORS, truth
@@ -16,9 +17,7 @@ def result(name: str, turn: float = 0.0, count: int = 101) -> pd.DataFrame:
     """Return the reference of a case, turned about the vertical by `turn` rad per second."""
     problem = benchmark.case(name).problem
     exact, _ = truth(problem, np.linspace(0, problem.until, count))
-    c, s = np.cos(turn * exact.t / 2), np.sin(turn * exact.t / 2)
-    w, x, y, z = exact.quaternion.T
-    q = np.stack([c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w], axis=1)
+    q = turned(exact.quaternion, turn * exact.t)
     columns = {"t [s]": exact.t}
     for key, headers in VECTORS.items():
         values = q if key == "quaternion" else getattr(exact, key)

@@ -19,12 +19,6 @@ X, V = hy.make_vars("x", "v")
 PENDULUM = [(X, V), (V, -9.8125 * hy.sin(X))]
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("TIPPETOP_CACHE_DIR", str(tmp_path / "cache"))
-    return tmp_path / "cache"
-
-
 def swing() -> np.ndarray:
     pendulum = compiled_once(hy.taylor_adaptive, PENDULUM, np.zeros(2), opt_level=0, tol=1e-9)
     pendulum.state[:] = 0.3, 0.0
@@ -32,7 +26,7 @@ def swing() -> np.ndarray:
     return pendulum.state.copy()
 
 
-@pytest.mark.usefixtures("folder")
+@pytest.mark.usefixtures("cache")
 def test_the_second_integrator_comes_from_disk_and_has_the_same_bits(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -43,9 +37,9 @@ def test_the_second_integrator_comes_from_disk_and_has_the_same_bits(
     assert swing().tobytes() == first.tobytes()
 
 
-def test_no_flipped_bit_reaches_the_processor(folder: Path, rng: np.random.Generator) -> None:
+def test_no_flipped_bit_reaches_the_processor(cache: Path, rng: np.random.Generator) -> None:
     whole = swing()
-    (file,) = folder.iterdir()
+    (file,) = cache.iterdir()
     kept = file.read_bytes()
     for place in rng.integers(0, 8 * len(kept), 30):
         damaged = bytearray(kept)
@@ -68,16 +62,16 @@ def is_found(number: float = 1.0) -> bool:
 
 
 @pytest.mark.parametrize("way", ["group", "others", "owner", "link"])
-def test_a_folder_that_is_not_private_is_not_used(folder: Path, way: str) -> None:
+def test_a_folder_that_is_not_private_is_not_used(cache: Path, way: str) -> None:
     is_found()
     if way == "link":
-        folder.symlink_to(folder.rename(folder.with_name("elsewhere")))
+        cache.symlink_to(cache.rename(cache.with_name("elsewhere")))
     elif way == "owner":
         if os.geteuid() != 0:
             pytest.skip("only root can give files away")
-        os.chown(folder, 65534, -1)
+        os.chown(cache, 65534, -1)
     else:
-        folder.chmod(0o720 if way == "group" else 0o702)
+        cache.chmod(0o720 if way == "group" else 0o702)
     assert not is_found()
 
 
@@ -92,20 +86,20 @@ def test_without_a_folder_it_compiles(
 
 
 def test_the_least_recently_used_files_are_removed(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+    cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     is_found(1.0)
-    (first,) = folder.iterdir()
-    (folder / "older").write_bytes(bytes(5000))
+    (first,) = cache.iterdir()
+    (cache / "older").write_bytes(bytes(5000))
     os.utime(first, (2, 2))
-    os.utime(folder / "older", (1, 1))
+    os.utime(cache / "older", (1, 1))
     monkeypatch.setattr(code_cache, "LARGEST", 5000)
     is_found(2.0)
-    assert len([*folder.iterdir()]) == 2
+    assert len([*cache.iterdir()]) == 2
     assert is_found(1.0)
     monkeypatch.setattr(code_cache, "LARGEST", 0)
     is_found(3.0)
-    assert not [*folder.iterdir()]
+    assert not [*cache.iterdir()]
 
 
 @pytest.mark.parametrize("precision", ["double", "longdouble"])

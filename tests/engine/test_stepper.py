@@ -55,8 +55,14 @@ for code in ({object_of("no_such_function_anywhere")!r}, b"", {object_of(second=
     except ImportError as error:
         print("refused")
 """
+    assert printed(code) == "refused\n" * 3
+
+
+def printed(code: str) -> str:
+    """Run code in a process of its own and return what it prints."""
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (0, "refused\n" * 3), done.stderr
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 FRAGMENTED = """
@@ -91,5 +97,4 @@ def test_memory_in_pieces_does_not_abort_a_process() -> None:
     """The constants of an object fit into a hole of the memory that is far from where its code
     fits: LLVM's older linker ended the process, as it did a session of 2400 tests.
     """
-    done = subprocess.run([sys.executable, "-c", FRAGMENTED], capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
+    assert printed(FRAGMENTED) == "True\n"

@@ -4,6 +4,7 @@ highest orders.
 
 from typing import Any
 
+import examples
 import numpy as np
 import pytest
 
@@ -91,7 +92,7 @@ def test_a_wide_run_ends_where_its_steps_move_no_double() -> None:
     """Beyond its liftoff friction jams the contact: steps of 80 bits become shorter than doubles
     can count.
     """
-    numbers = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
+    numbers = examples.HEAVY
     start = {
         "theta": 2.483539299169197,
         "omega3": -248.84951671601448,

@@ -67,13 +67,12 @@ def test_lanes_agree_with_single_runs(mixed: dict[str, np.ndarray], found: xr.Da
         assert float(top["t_end"]) == pytest.approx(report["t_end"], abs=1e-11)
         assert float(top["theta_end"]) == pytest.approx(report["theta_end"], abs=1e-11)
         assert int(top["turnings"]) == report["event_counts"].get("turning_significant", 0)
-        for name in ("first_equator", "last_equator", "inverted_at"):
-            expected = report["inversion"][name]
-            assert float(top[name]) == pytest.approx(
-                np.nan if expected is None else expected, abs=1e-11, nan_ok=True
-            )
-        for name in ("theta_min", "theta_max"):
-            expected = report["nutational_band"][name]
+        inversion, band = report["inversion"], report["nutational_band"]
+        expectations = {
+            **{name: inversion[name] for name in ("first_equator", "last_equator", "inverted_at")},
+            **{name: band[name] for name in ("theta_min", "theta_max")},
+        }
+        for name, expected in expectations.items():
             assert float(top[name]) == pytest.approx(
                 np.nan if expected is None else expected, abs=1e-11, nan_ok=True
             )

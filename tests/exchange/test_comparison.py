@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from examples import turned
 
 import tippetop as tt
 from tippetop import cli
@@ -47,14 +48,11 @@ def columns(run: tt.Run, turn: float = 0.0) -> dict[str, np.ndarray]:
     """The run's own columns as another program's, turned about the vertical by `turn` rad per
     second.
     """
-    rows, q = run.trajectory, run.trajectory.orientation.values
-    half = turn * rows.time.values / 2
-    c, s = np.cos(half), np.sin(half)
-    w, x, y, z = q.T
-    turned = np.stack([c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w])
+    rows = run.trajectory
+    q = turned(rows.orientation.values, turn * rows.time.values)
     return {
         "t [s]": rows.time.values,
-        **dict(zip(("q_w", "q_x", "q_y", "q_z"), turned, strict=True)),
+        **dict(zip(("q_w", "q_x", "q_y", "q_z"), q.T, strict=True)),
         "x [mm]": 1e3 * rows.x.values,
         "y [mm]": 1e3 * rows.y.values,
     }

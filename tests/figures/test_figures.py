@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from examples import CANONICAL
 from matplotlib.figure import Figure
 
 from tippetop.errors import InputError
@@ -19,6 +20,9 @@ from tippetop.mechanics.operand import formula
 from tippetop.mechanics.units import METRE, SECOND, SECOND_PER_METRE
 from tippetop.runs import starting
 from tippetop.runs.run import solve
+
+
+PARAMETERS = {**CANONICAL, "I1": 3.008e-6}
 
 
 @pytest.fixture(scope="module")
@@ -185,10 +189,9 @@ def test_band_is_the_predicted_one_with_the_logged_turnings(inverting: tuple) ->
 def test_surface_is_drawn_with_its_marked_lines() -> None:
     from tippetop.figures import landscape_figures
 
-    parameters = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 3.008e-6, "I3": 3.2e-6, "g": 9.82}
     D, lam = np.linspace(-6e-4, 8e-4, 21), np.linspace(0, 7e-6, 31)
-    grid = surface.minimal_surface(parameters, D, lam)
-    axes = landscape_figures.surface(grid, marked_lines.marked_lines(parameters, lam))
+    grid = surface.minimal_surface(PARAMETERS, D, lam)
+    axes = landscape_figures.surface(grid, marked_lines.marked_lines(PARAMETERS, lam))
     shown = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
     assert {str(line.get_label()) for line in shown} >= {"spinning, θ = 0", "spinning, θ = π"}
     assert axes.get_zlim() == pytest.approx((float(grid.F.min()), float(grid.F.max())))
@@ -209,10 +212,9 @@ def test_surface_is_drawn_with_its_marked_lines() -> None:
 def test_a_well_is_drawn_with_its_level_and_turning_angles(factor: float | None) -> None:
     from tippetop.figures import well as figure
 
-    parameters = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 3.008e-6, "I3": 3.2e-6, "g": 9.82}
-    V = potential.potential(parameters, np.linspace(-0.99, 0.99, 201), 3e-4, 4e-6)
-    least = surface.minimal_surface(parameters, 3e-4, 4e-6).F.item()
-    at = turning.turning_angles(parameters, 3e-4, 4e-6, least * (factor or 1.0))
+    V = potential.potential(PARAMETERS, np.linspace(-0.99, 0.99, 201), 3e-4, 4e-6)
+    least = surface.minimal_surface(PARAMETERS, 3e-4, 4e-6).F.item()
+    at = turning.turning_angles(PARAMETERS, 3e-4, 4e-6, least * (factor or 1.0))
     at = at.assign(energy=least * factor) if factor else at
     axes = figure.potential([("V", V, at)])
     np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), V["V"].values.ravel())

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from examples import HEAVY
 
 from tippetop.figures import film
 from tippetop.runs.shape import rotation, shape
@@ -59,10 +60,7 @@ def test_rows_become_poses_at_their_times() -> None:
 
 
 def test_every_kind_of_body_has_a_picture() -> None:
-    heavy = {
-        "system": "heavy-top",
-        "parameters": {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82},
-    }
+    heavy = {"system": "heavy-top", "parameters": HEAVY}
     cylinder = {
         "system": "rolling-cylinder",
         "parameters": {"m": 0.02, "R": 0.02, "alpha": 0.3, "I": 4e-6, "g": 9.82},

@@ -145,3 +145,10 @@ def reference(name: str, system: str, form: str, precision: str = "double") -> C
     t, theta = np.array(turnings).T if turnings else (np.zeros(0), np.zeros(0))
     crossings = [(c["level"], float(c["t"])) for c in stored["crossings"]]
     return Case(made, times, values, t, theta, crossings)
+
+
+def turned(quaternions: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Turn attitudes about the vertical."""
+    c, s = np.cos(angles / 2), np.sin(angles / 2)
+    w, x, y, z = quaternions.T
+    return np.stack([c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w], axis=1)

@@ -31,12 +31,6 @@ TOY = {
 
 
 @pytest.fixture
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("TIPPETOP_CACHE_DIR", str(tmp_path / "cache"))
-    return tmp_path / "cache"
-
-
-@pytest.fixture
 def toy(cache: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     folder = cache.with_name("toy")
     folder.mkdir()

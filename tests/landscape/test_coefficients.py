@@ -4,13 +4,12 @@ import dataclasses
 
 import numpy as np
 import pytest
-from examples import CANONICAL
+from examples import CANONICAL, HEAVY
 
 from tippetop.landscape import formulas, landscape_body, landscape_labels
 from tippetop.mechanics.systems import SYSTEMS
 
 
-HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 KNOWN = [name for name, system in SYSTEMS.items() if system.landscape is not None]
 
 

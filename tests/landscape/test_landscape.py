@@ -19,6 +19,11 @@ from tippetop_kernels.minimise import Status
 # --- the potential ------------------------------------------------------------------------------
 
 
+def potential_of(D, lam, b):
+    """The oracle's potential as a function of z."""
+    return lambda z: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b)
+
+
 @pytest.mark.parametrize("z", [-0.7, 0.1, 1 - 1e-6, 1 - 1e-12, 1e-9 - 1, 1e-15 - 1])
 @pytest.mark.parametrize("line", [1, -1, 0])
 def test_potential_keeps_its_digits(z, line):
@@ -27,13 +32,9 @@ def test_potential_keeps_its_digits(z, line):
     for away in (0.0, 1e-13, 1e-7, 0.3):
         D = 2.2e-4 if line == 0 else float(spinning.slope(line, b)) * lam * (1 + away)
         found = potential.potential(oracle.FIGURE, z, D, lam)
-        exact = oracle.potential(mp.mpf(z), mp.mpf(D), mp.mpf(lam), b)
+        exact = potential_of(D, lam, b)(mp.mpf(z))
         assert oracle.ulps(found.V.item(), exact) <= 6
-        slope = mp.diff(
-            lambda z, D=D: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b),
-            mp.mpf(z),
-            h=mp.mpf(10) ** -25,
-        )
+        slope = mp.diff(potential_of(D, lam, b), mp.mpf(z), h=mp.mpf(10) ** -25)
         scale = abs(exact) / (1 - mp.mpf(z) ** 2)
         assert abs(found.V_z.item() - slope) <= 1e-14 * scale
 
@@ -42,9 +43,7 @@ def test_second_derivative_of_the_potential():
     b = oracle.body(oracle.FIGURE)
     for z, D, lam in ((0.3, 1e-4, 2e-6), (-0.8, -3e-4, 5e-6), (0.95, 4e-4, 1e-7)):
         found = potential.potential(oracle.FIGURE, z, D, lam)
-        exact = mp.diff(
-            lambda z, D=D, lam=lam: oracle.potential(z, mp.mpf(D), mp.mpf(lam), b), mp.mpf(z), 2
-        )
+        exact = mp.diff(potential_of(D, lam, b), mp.mpf(z), 2)
         assert found.V_zz.item() == pytest.approx(float(exact), rel=1e-12)
 
 

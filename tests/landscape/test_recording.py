@@ -21,10 +21,15 @@ D, LAM = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
 SURFACE = Surface(PARAMETERS, D, LAM, chunk=16)
 
 
-def test_store_is_the_surface(tmp_path):
+@pytest.fixture
+def place(tmp_path):
+    return tmp_path / "F.zarr"
+
+
+def test_store_is_the_surface(tmp_path, place):
     seen = []
     path = surface_recording.write(
-        tmp_path / "F.zarr",
+        place,
         SURFACE,
         progress=lambda *a: seen.append(a),
     )
@@ -59,8 +64,8 @@ def stopped(path, after):
     assert root.attributes(path)["status"] == "running"
 
 
-def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
-    stopped(tmp_path / "F.zarr", after=5)
+def test_interrupted_store_goes_on(whole, place, monkeypatch):
+    stopped(place, after=5)
     worked = []
     minima = surface.minima
     monkeypatch.setattr(
@@ -68,25 +73,25 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
         "minima",
         lambda *a: (a[1].size > 2 and worked.append(1)) or minima(*a),
     )
-    surface_recording.write(tmp_path / "F.zarr", SURFACE)
+    surface_recording.write(place, SURFACE)
     assert len(worked) == 7
-    assert_same(tmp_path / "F.zarr", whole)
+    assert_same(place, whole)
 
 
-def test_an_unfinished_surface_is_described_without_digests(tmp_path, capsys):
-    stopped(tmp_path / "F.zarr", after=1)
-    assert outcome(["info", str(tmp_path / "F.zarr")]) == 0
+def test_an_unfinished_surface_is_described_without_digests(place, capsys):
+    stopped(place, after=1)
+    assert outcome(["info", str(place)]) == 0
     assert f"D = {D.size}, lambda = {LAM.size}\n" in capsys.readouterr().out
 
 
-def test_another_surface_does_not_go_on(tmp_path):
-    stopped(tmp_path / "F.zarr", after=1)
+def test_another_surface_does_not_go_on(place):
+    stopped(place, after=1)
     with pytest.raises(errors.StoreError, match="must have the same axes to be continued"):
-        surface_recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM * 2, chunk=16))
+        surface_recording.write(place, Surface(PARAMETERS, D, LAM * 2, chunk=16))
 
 
-def test_surface_command(tmp_path, capsys):
-    out, picture = tmp_path / "F.zarr", tmp_path / "F.png"
+def test_surface_command(tmp_path, place, capsys):
+    out, picture = place, tmp_path / "F.png"
     words = f"--D=-6e-4:8e-4:21 --lambda 0:7e-6:31 --out {out} --figure {picture}".split()
     assert outcome(["surface", "inverting", *words]) == 0
     assert root.open_group(out, "surface").F.shape == (21, 31)
@@ -149,12 +154,12 @@ def edit(place, old, new):
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_a_damaged_unfinished_surface_ends_in_the_same_bits(damage, whole, tmp_path):
+def test_a_damaged_unfinished_surface_ends_in_the_same_bits(damage, whole, place):
     """Before, it was finished as it was, with exit code 0, or with a traceback."""
-    stopped(tmp_path / "F.zarr", after=5)
-    DAMAGES[damage](tmp_path / "F.zarr")
-    surface_recording.write(tmp_path / "F.zarr", SURFACE)
-    assert_same(tmp_path / "F.zarr", whole)
+    stopped(place, after=5)
+    DAMAGES[damage](place)
+    surface_recording.write(place, SURFACE)
+    assert_same(place, whole)
 
 
 def test_the_command_computes_on_as_many_threads_as_are_asked_for(tmp_path, monkeypatch):

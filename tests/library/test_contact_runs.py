@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from nightly import at_night
+from touching import DRILLING, LEINE_GLOCKER, TOSSED
 
 import tippetop as tt
 from tippetop.mechanics.operand import formula
@@ -15,11 +16,8 @@ from tippetop.mechanics.units import ONE
 
 
 BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994285714285714e-6, "I3": 3.2e-6, "g": 9.82}
-SLENDER = {"m": 0.006, "R": 0.015, "alpha": 0.2, "I1": 8e-7, "I3": 7e-7, "g": 9.81}
-THROWN = dict(theta=0.5, theta_dot=60.0, phi_dot=5.0, omega3=30.0, nu_x=0.1, nu_y=-0.2)
 ROCKING = {"theta": 1.5, "theta_dot": 20.0, "phi_dot": -20.0, "omega3": 60.0}
 COULOMB, VISCOUS = {"law": "coulomb", "mu": 0.3}, {"law": "viscous", "mu": 2.0}
-DRILLING = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
 
 
 def scenario(
@@ -31,9 +29,9 @@ def scenario(
 
 
 CASES = {
-    "bounces": scenario(COULOMB, THROWN, 0.3),
-    "stem": scenario(VISCOUS, ROCKING, 0.2, SLENDER, stem={"r": 0.005, "h": 0.013}),
-    "drilling": scenario(DRILLING, THROWN, 0.1, SLENDER),
+    "bounces": scenario(COULOMB, TOSSED, 0.3),
+    "stem": scenario(VISCOUS, ROCKING, 0.2, LEINE_GLOCKER, stem={"r": 0.005, "h": 0.013}),
+    "drilling": scenario(DRILLING, TOSSED, 0.1, LEINE_GLOCKER),
 }
 
 
@@ -125,8 +123,8 @@ def test_a_body_that_torques_stop_is_at_rest_alone_and_in_a_sweep() -> None:
 
 
 def test_a_run_whose_contact_may_open_ends_at_a_liftoff_if_it_is_told_to() -> None:
-    run = tt.run(scenario(COULOMB, THROWN, 0.3), on_liftoff="stop")
-    flying = tt.run(scenario(COULOMB, THROWN, 0.3))
+    run = tt.run(scenario(COULOMB, TOSSED, 0.3), on_liftoff="stop")
+    flying = tt.run(scenario(COULOMB, TOSSED, 0.3))
     assert run.summary.status == "liftoff"
     assert "the body lifted off" in run.attributes["reason"]
     assert run.summary.t_end == times(run, "liftoff")[0] == times(flying, "liftoff")[0]
@@ -142,7 +140,7 @@ def test_a_top_in_the_air_has_not_settled() -> None:
 @pytest.mark.parametrize(
     ("law", "start", "until"),
     [
-        (COULOMB, THROWN, 0.06),
+        (COULOMB, TOSSED, 0.06),
         (COULOMB, {"theta": 0.1, "omega3": 155.0}, 0.05),
         (VISCOUS, {"theta": 0.5, "omega3": 180.0, "gap": 1e-4}, 0.02),
         ({"law": "none"}, {"theta": 0.5, "omega3": 180.0, "gap": 1e-4}, 0.01),

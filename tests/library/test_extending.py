@@ -13,12 +13,13 @@ from types import ModuleType
 import laws
 import numpy as np
 import pytest
+from examples import CANONICAL
 
 import tippetop as tt
 
 
 PACKAGE = Path(__file__).parents[1] / "plugin_package"
-TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=131 / 350 * 8e-6, I3=3.2e-6, g=9.82)
+TOP = tt.TippeTop(**CANONICAL)
 START = {"theta": 0.1, "omega3": 155.0}
 SCALED = {"m": 0.02, "R": 0.02, "alpha": 0.3, "k1": 131 / 350, "k3": 0.4, "g": 9.82}
 

@@ -8,6 +8,7 @@ import re
 import sys
 from pathlib import Path
 
+import examples
 import numpy as np
 import pytest
 from stores import assert_same
@@ -17,10 +18,12 @@ from tippetop.runs.recording import record
 from tippetop.scenario import build
 
 
-TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=131 / 350 * 8e-6, I3=3.2e-6, g=9.82)
-HEAVY = tt.HeavyTop(m=0.1, l=0.04, I1=8e-5, I3=5e-5, g=9.82)
+TOP = tt.TippeTop(**examples.CANONICAL)
+HEAVY = tt.HeavyTop(**examples.HEAVY)
 CYLINDER = tt.Cylinder(m=0.1, R=0.04, alpha=0.1, I=5e-5, g=9.82)
 START = {"theta": 0.1, "omega3": 155.0}
+D, LAM = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
+NUTATING = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}
 FACES = [tt.derivatives, tt.errors, tt.extending, tt.friction, tt.landscapes, tt.theory]
 PUBLIC = {name: getattr(place, name) for place in (*FACES, tt) for name in place.__all__}
 FUNCTIONS = [name for name, public in PUBLIC.items() if inspect.isfunction(public)]
@@ -232,11 +235,10 @@ def test_a_run_that_is_recorded_as_it_goes(tmp_path: Path) -> None:
 def test_every_kind_of_store_opens(tmp_path: Path) -> None:
     from tippetop.landscape import surface_recording
 
-    D, lam = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
-    surface_recording.write(tmp_path / "F.zarr", surface_recording.Surface(TOP._asdict(), D, lam))
+    surface_recording.write(tmp_path / "F.zarr", surface_recording.Surface(TOP._asdict(), D, LAM))
     surface = tt.open(tmp_path / "F.zarr")
     np.testing.assert_array_equal(
-        surface["F"], tt.landscapes.minimal_surface(TOP, D=D, lam=lam)["F"]
+        surface["F"], tt.landscapes.minimal_surface(TOP, D=D, lam=LAM)["F"]
     )
     (tmp_path / "plan.toml").write_text(
         'scenario = "inverting"\nset.run.until = 0.1\n'
@@ -279,21 +281,20 @@ def test_an_ensemble_takes_bare_names_and_bodies() -> None:
 
 
 def test_the_landscape_takes_bodies_and_letters(run: tt.Run) -> None:
-    D, lam = np.linspace(1e-4, 6e-4, 4), np.linspace(1e-6, 6e-6, 3)
-    by_letter = tt.landscapes.minimal_surface(TOP, D=D, lam=lam)
-    assert by_letter["F"].equals(tt.landscapes.minimal_surface(run, D=D, lam=lam)["F"])
+    by_letter = tt.landscapes.minimal_surface(TOP, D=D, lam=LAM)
+    assert by_letter["F"].equals(tt.landscapes.minimal_surface(run, D=D, lam=LAM)["F"])
     heavy = {"system": "gliding-heavy-top", "parameters": HEAVY._asdict(), "initial": START}
     heavy |= {"friction": {"law": "viscous", "mu": 0.3}, "run": {"until": 1.0}}
     assert tt.landscapes.minimal_surface(HEAVY, L3=D, Lz=D).identical(
         tt.landscapes.minimal_surface(heavy, L3=D, Lz=D)
     )
-    V = tt.landscapes.potential(TOP, np.linspace(-0.9, 0.9, 181), D=D[1], lam=lam[1])
+    V = tt.landscapes.potential(TOP, np.linspace(-0.9, 0.9, 181), D=D[1], lam=LAM[1])
     assert float(V["V"].min()) >= float(by_letter["F"][1, 1])
     band = tt.landscapes.band(run)
     theta = run.trajectory["theta"].values
     inside = (theta > band["theta_min"].values - 1e-6) & (theta < band["theta_max"].values + 1e-6)
     assert inside.mean() > 0.95
-    assert tt.landscapes.marked_lines(TOP, lam).sizes["lambda"] == 3
+    assert tt.landscapes.marked_lines(TOP, LAM).sizes["lambda"] == 3
 
 
 def test_the_theory_takes_bodies() -> None:
@@ -306,8 +307,8 @@ def test_the_theory_takes_bodies() -> None:
 
 
 def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
-    start = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}
-    run = tt.run("inverting", start=start, output_step=4e-3, until=0.3)  # eight rows per nutation
+    # eight rows per nutation
+    run = tt.run("inverting", start=NUTATING, output_step=4e-3, until=0.3)
     with pytest.warns(UserWarning, match="its pieces disagree"):
         found = tt.theory.reconstruct(run)
     assert found.attrs["mismatch"] > 1e-6
@@ -317,8 +318,7 @@ def test_a_reconstruction_whose_pieces_disagree_is_no_silent_result() -> None:
 
 
 def test_theta_comes_back_from_the_main_equation(tmp_path: Path) -> None:
-    start = {"theta": 1.0, "phi_dot": 10.0, "omega3": 100.0}
-    run = tt.run("inverting", start=start, until=0.15, output_step=5e-5)
+    run = tt.run("inverting", start=NUTATING, until=0.15, output_step=5e-5)
     run.save(tmp_path / "run.zarr")
     for source in (run, tt.open(tmp_path / "run.zarr")):
         found = tt.theory.reconstruct(source)

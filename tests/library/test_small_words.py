@@ -7,11 +7,12 @@ import pickle
 from pathlib import Path
 
 import pytest
+from examples import CANONICAL
 
 import tippetop as tt
 
 
-TOP = tt.TippeTop(m=0.02, R=0.02, alpha=0.3, I1=131 / 350 * 8e-6, I3=3.2e-6, g=9.82)
+TOP = tt.TippeTop(**CANONICAL)
 
 
 @pytest.fixture(scope="module")

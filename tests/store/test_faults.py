@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from faults import ONCE, WAYS, Faults, Over
+from nightly import at_night
 from stores import files, state_of
 
 import tippetop as tt
@@ -186,18 +187,17 @@ def campaign(
 
 
 @pytest.mark.parametrize("name", TARGETS)
+@pytest.mark.parametrize(("count", "least"), [(2, 5), at_night(10**6, 300)])
 def test_what_was_acknowledged_survives_a_fault(
-    name: str, small: None, acknowledged: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str,
+    count: int,
+    least: int,
+    small: None,
+    acknowledged: list[int],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    assert campaign(TARGETS[name], WAYS, 2, acknowledged, tmp_path, monkeypatch) > 5
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", TARGETS)
-def test_what_was_acknowledged_survives_a_fault_anywhere(
-    name: str, small: None, acknowledged: list[int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert campaign(TARGETS[name], WAYS, 10**6, acknowledged, tmp_path, monkeypatch) > 300
+    assert campaign(TARGETS[name], WAYS, count, acknowledged, tmp_path, monkeypatch) > least
 
 
 @pytest.mark.slow

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from disk import ModelFolder, PowerLost
+from nightly import at_night
 from stores import exchange, files, flip
 
 from tippetop.columns import Column
@@ -176,13 +177,11 @@ def campaign(kinds: tuple[str, ...], stride: int, seeds: int) -> int:
     return len(cases)
 
 
-def test_nothing_acknowledged_is_lost_and_finished_stores_are_equal() -> None:
-    assert campaign(("fail", "power"), stride=14, seeds=1) > 50
-
-
-@pytest.mark.slow
-def test_nothing_acknowledged_is_lost_wherever_the_fault_is() -> None:
-    assert campaign(("fail", "power"), stride=1, seeds=3) > 2500
+@pytest.mark.parametrize(("stride", "seeds", "least"), [(14, 1, 50), at_night(1, 3, 2500)])
+def test_nothing_acknowledged_is_lost_and_finished_stores_are_equal(
+    stride: int, seeds: int, least: int
+) -> None:
+    assert campaign(("fail", "power"), stride, seeds) > least
 
 
 @pytest.mark.parametrize("left_out", ["data", "ledger", "names"])

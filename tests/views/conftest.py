@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+import tippetop as tt
+
 
 CHROMIUM = (
     shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -15,6 +17,12 @@ CHROMIUM = (
 FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 READY = "window.tippetop && window.tippetop.ready"
 SMALL = {"width": 320, "height": 400}  # software draws: pixels cost
+
+
+@pytest.fixture(scope="session")
+def inverting() -> tt.Run:
+    """A run in which the top turns over."""
+    return tt.run("inverting", until=6.5)
 
 
 @pytest.fixture(scope="session")

@@ -12,11 +12,6 @@ from tippetop.views import samples
 
 
 @pytest.fixture(scope="module")
-def inverting() -> tt.Run:
-    return tt.run("inverting", until=6.5)
-
-
-@pytest.fixture(scope="module")
 def tab(inverting: tt.Run, open_page: Any) -> Any:
     """The page of the inversion, open."""
     return open_page(inverting.view().text)

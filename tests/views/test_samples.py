@@ -25,11 +25,6 @@ def rows(run: tt.Run) -> dict[str, np.ndarray]:
     return {str(name): column.values for name, column in run.trajectory.variables.items()}
 
 
-@pytest.fixture(scope="module")
-def inverting() -> tt.Run:
-    return tt.run("inverting", until=6.5)
-
-
 def attitudes(times: np.ndarray, kept: np.ndarray, at: np.ndarray) -> np.ndarray:
     """The attitudes that a page shows at times `at`."""
     i = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)

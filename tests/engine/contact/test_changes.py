@@ -2,21 +2,19 @@
 
 import pytest
 import xarray as xr
-from touching import BOUNCE
+from touching import BOUNCE, DRILLING, TOSSED
 
 import tippetop as tt
 from tippetop.engine import changes
 
 
 VISCOUS, COULOMB = {"law": "viscous", "mu": 0.3}, {"law": "coulomb", "mu": 0.3}
-DRILLING = {"law": "contensou", "mu": 0.3, "patch": 5e-4, "mu_r": 1e-5}
-THROWN = dict(theta=0.5, theta_dot=60.0, phi_dot=5.0, omega3=30.0, nu_x=0.1, nu_y=-0.2)
 RUNS = {
     "hops": (("flying",), {"until": 6.0}),
     "bounces": (({**BOUNCE, "friction": VISCOUS, "contact": {"e_n": 0.7}},), {"until": 1.0}),
     "parts": (({**BOUNCE, "friction": {**VISCOUS, "mu_r": 1e-4, "mu_d": 1e-4}},), {"until": 1.0}),
-    "coulomb": (({**BOUNCE, "friction": COULOMB, "initial": THROWN},), {"until": 0.3}),
-    "drilling": (({**BOUNCE, "friction": DRILLING, "initial": THROWN},), {"until": 0.1}),
+    "coulomb": (({**BOUNCE, "friction": COULOMB, "initial": TOSSED},), {"until": 0.3}),
+    "drilling": (({**BOUNCE, "friction": DRILLING, "initial": TOSSED},), {"until": 0.1}),
 }
 SMOOTH = "hops", "bounces", "parts"
 

@@ -38,17 +38,19 @@ def slid(u: Vector, L: Vector, n: Vector, ball: Touch) -> tuple:
     return P, Q, F
 
 
+def rate(u: Vector, L: Vector, F: Vector, slip: Vector, ball: Touch) -> np.ndarray:
+    """Rates of 3hat, L and the place of the centre of mass under a force."""
+    V = contact.centre_velocity(u, L, slip, ball)
+    return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y])
+
+
 def slip_rates(ball: Touch) -> Callable:
     """rates(state, w, beta) of 3hat, L and the place of the centre of mass."""
 
     def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple:
         u, L, n = Vector(*state[:3]), Vector(*state[3:6]), Vector(np.cos(beta), np.sin(beta), 0)
         P, _, F = slid(u, L, n, ball)
-        V = contact.centre_velocity(u, L, Vector(w * n.x, w * n.y, 0), ball)
-        return (
-            np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y]),
-            P,
-        )
+        return rate(u, L, F, Vector(w * n.x, w * n.y, 0), ball), P
 
     return rates
 
@@ -65,8 +67,7 @@ def slipped(ball: Touch, *given: Any) -> FirstSlip:
 
 def rolling_rate(state: np.ndarray, ball: Touch) -> np.ndarray:
     u, L, F = Vector(*state[:3]), Vector(*state[3:6]), reaction(state, ball)
-    V = contact.centre_velocity(u, L, Vector(0, 0, 0), ball)
-    return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y])
+    return rate(u, L, F, Vector(0, 0, 0), ball)
 
 
 def reaction(state: np.ndarray, ball: Touch) -> Vector:

@@ -144,10 +144,10 @@ def states(rng: np.random.Generator) -> list[State]:
 
 
 @pytest.fixture
-def at_poles(rng: np.random.Generator) -> list[State]:
-    """theta = 0, and so near to pi that the formulas by angles would lose all digits."""
+def every_state(states: list[State], rng: np.random.Generator) -> list[State]:
+    """Also theta = 0, and so near to pi that the formulas by angles would lose all digits."""
     with mp.workdps(DIGITS):
-        return [
+        return states + [
             random_state(rng, theta)
             for theta in (0, "3.14159265358979323846264338327950288")
             for _ in range(4)
@@ -175,9 +175,9 @@ def test_the_bias_is_that_of_a_free_body_in_euler_angles(states: list[State]) ->
 
 
 def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
-    states: list[State], at_poles: list[State]
+    every_state: list[State],
 ) -> None:
-    for x in states + at_poles:
+    for x in every_state:
         u, L = vector(x.u), vector(momentum(x))
         b = response.bias_vector(u, L, x.ball)
         assert_close(b, acceleration(x, column(0, 0, 0)))
@@ -192,8 +192,8 @@ def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
             assert_close(there_and_back, force)
 
 
-def test_velocities_of_the_contact_point(states: list[State], at_poles: list[State]) -> None:
-    for x in states + at_poles:
+def test_velocities_of_the_contact_point(every_state: list[State]) -> None:
+    for x in every_state:
         V, u, L = column(0.1, 0.2, -0.3), vector(x.u), vector(momentum(x))
         expected = V + cross(x.omega, x.ball.c * x.u - x.ball.R * Z)
         v = contact.contact_velocity(u, L, vector(V), x.ball)
@@ -201,10 +201,8 @@ def test_velocities_of_the_contact_point(states: list[State], at_poles: list[Sta
         assert_close(contact.centre_velocity(u, L, v, x.ball), V)
 
 
-def test_the_forces_of_slip_are_those_of_newton_and_euler(
-    states: list[State], at_poles: list[State]
-) -> None:
-    for x in states + at_poles:
+def test_the_forces_of_slip_are_those_of_newton_and_euler(every_state: list[State]) -> None:
+    for x in every_state:
         F = slipping(x)
         u, L = vector(x.u), vector(momentum(x))
         found, torque = coulomb.sliding_along(u, L, vector(x.n), x.ball)
@@ -217,10 +215,8 @@ def test_the_forces_of_slip_are_those_of_newton_and_euler(
         )
 
 
-def test_the_normal_force_with_a_torque_keeps_the_contact_closed(
-    states: list[State], at_poles: list[State]
-) -> None:
-    for x in states + at_poles:
+def test_the_normal_force_with_a_torque_keeps_the_contact_closed(every_state: list[State]) -> None:
+    for x in every_state:
         push, tau, u = column(0.2, -0.1, 0), column(0.03, 0.02, -0.05), vector(x.u)
         made = coulomb.sliding(u, vector(momentum(x)), vector(push), vector(tau), x.ball)
         N = made[0].z
@@ -233,10 +229,8 @@ def test_the_normal_force_with_a_torque_keeps_the_contact_closed(
         )
 
 
-def test_the_forces_of_rolling_are_those_of_newton_and_euler(
-    states: list[State], at_poles: list[State]
-) -> None:
-    for x in states + at_poles:
+def test_the_forces_of_rolling_are_those_of_newton_and_euler(every_state: list[State]) -> None:
+    for x in every_state:
         u = vector(x.u)
         F = rolling(x)
         assert_close(coulomb.sticking(u, vector(momentum(x)), x.ball)[0], F)
