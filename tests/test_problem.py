@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from examples import PRESETS
 from pydantic import ValidationError
 
 from tippetop.engine.observables import Observables, values_of
@@ -18,14 +19,6 @@ from tippetop.runs import starting
 from tippetop.scenario.schema import scenario_model
 
 
-PRESETS = {
-    "tippe-top": "inverting",
-    "rolling-tippe-top": "rolling",
-    "gliding-heavy-top": "gliding-heavy-top",
-    "heavy-top": "heavy-top",
-    "gliding-cylinder": "gliding-cylinder",
-    "rolling-cylinder": "rolling-cylinder",
-}
 N = 12
 
 

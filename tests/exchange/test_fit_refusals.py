@@ -12,45 +12,46 @@ from tippetop.errors import InputError
 from tippetop.exchange import measurements
 
 
-@pytest.fixture
-def film(tmp_path: Path) -> Path:
-    path = tmp_path / "film.csv"
-    path.write_text("t [s],theta [deg]\n0,5.7\n0.1,5.6\n0.2,5.8\n0.3,5.6\n", encoding="utf-8")
+def film(folder: Path, *rows: str) -> Path:
+    """Write a table of times and angles."""
+    path = folder / "film.csv"
+    path.write_text("\n".join(["t [s],theta [deg]", *rows, ""]), encoding="utf-8")
     return path
 
 
 @pytest.mark.parametrize(
-    ("text", "free", "words"),
+    ("rows", "free", "words"),
     [
         (
-            "t [s],theta [deg]\n-1,5\n0,5\n1,5\n",
+            ["-1,5", "0,5", "1,5"],
             "friction.mu",
             r"begin at -1 s: shift them, or let `time\.offset`",
         ),
         (
-            "t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n",
+            ["0,5", "0.1,5", "0.2,5"],
             "initial.phi",
             "`initial.phi` must change the measurements, but has no effect on them",
         ),
         (
-            "t [s],theta [deg]\n0,5\n0.1,5\n0.2,5\n",
+            ["0,5", "0.1,5", "0.2,5"],
             "run.til",
             r"parameters\.m, .*initial\.psi, but is not|but is none",
         ),
         (
-            "t [s],theta [deg]\n0,5.7\n33,5.6\n9000,5.8\n",
+            ["0,5.7", "33,5.6", "9000,5.8"],
             "friction.mu",
             r"must be at most .* but is 9000 s \(2\.5 hours\): is `t` in ms\?",
         ),
+        (["0,5", "0.1,5"], "friction.nu", "friction.mu"),
+        (["0,5", "0.1,5"], "time.of", "time.offset"),
+        (["0,5", "0.1,5"], ",", "must be names such as"),
     ],
 )
 def test_what_cannot_be_fitted_is_a_sentence(
-    tmp_path: Path, text: str, free: str, words: str
+    tmp_path: Path, rows: list[str], free: str, words: str
 ) -> None:
-    path = tmp_path / "film.csv"
-    path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=words):
-        tt.fit(path, "inverting", free)
+        tt.fit(film(tmp_path, *rows), "inverting", free)
 
 
 @pytest.mark.parametrize(
@@ -62,14 +63,14 @@ def test_what_cannot_be_fitted_is_a_sentence(
     ],
 )
 def test_laws_and_contacts_without_fits_are_not_supported_yet(
-    film: Path, changes: list[str]
+    tmp_path: Path, changes: list[str]
 ) -> None:
     scenario = tt.load("inverting", [*changes, "friction.mu=0.3"])
     with pytest.raises(
         InputError,
         match="exact Coulomb friction, stems and hops are not supported yet: give a smooth",
     ):
-        tt.fit(film, scenario, "friction.mu")
+        tt.fit(film(tmp_path, "0,5.7", "0.1,5.6", "0.2,5.8", "0.3,5.6"), scenario, "friction.mu")
 
 
 @pytest.mark.parametrize(
@@ -88,8 +89,7 @@ def test_laws_and_contacts_without_fits_are_not_supported_yet(
 def test_noise_explains_angles_beyond_the_poles(
     tmp_path: Path, noise: str | None, words: str
 ) -> None:
-    path = tmp_path / "film.csv"
-    path.write_text("t [s],theta [deg]\n0,179\n0.1,-0.6\n0.2,182.14\n0.3,180.5\n", encoding="utf-8")
+    path = film(tmp_path, "0,179", "0.1,-0.6", "0.2,182.14", "0.3,180.5")
 
     def observed() -> measurements.Observation:
         scenario, convention = tt.load("inverting"), measurements.Convention()
@@ -106,10 +106,7 @@ def test_noise_explains_angles_beyond_the_poles(
 def test_a_clock_that_is_free_starts_where_the_table_begins_near_the_start_of_the_motion(
     tmp_path: Path, first: float, offset: float
 ) -> None:
-    path = tmp_path / "film.csv"
-    path.write_text(
-        f"t [s],theta [deg]\n{first},5\n{first + 1},5\n{first + 2},5\n", encoding="utf-8"
-    )
+    path = film(tmp_path, *(f"{first + k},5" for k in range(3)))
     free = ["time.offset"]
     assert measurements.observation_of(
         tt.load("inverting"), path, free, measurements.Convention(), None

@@ -35,6 +35,11 @@ def entries(figure: Figure) -> dict[str, Any]:
     )
 
 
+def curves(figure: Figure) -> dict[str, Any]:
+    """The lines of the axes by their labels."""
+    return {line.get_label(): line for line in figure.axes[0].get_lines()}
+
+
 def mesh_of(figure: Figure) -> Any:
     return next(
         c
@@ -94,13 +99,8 @@ def test_cells_that_touch_have_a_colour_of_their_own() -> None:
 def test_ends_over_one_axis_are_dots_in_the_colour_of_their_class() -> None:
     kinds = np.array([SHOWN.index(name) for name in ("upright", "inverted", "inverted")], float)
     theta = np.array([0.0, np.pi, np.nan])
-    figure = drawn(a_map("class", (X,), {"class": kinds, "theta_end": theta}))
-    dots = {
-        line.get_label(): line
-        for line in figure.axes[0].get_lines()
-        if not line.get_label().startswith("_")
-    }
-    assert set(dots) == {"upright", "inverted"}
+    dots = curves(drawn(a_map("class", (X,), {"class": kinds, "theta_end": theta})))
+    assert {name for name in dots if not name.startswith("_")} == {"upright", "inverted"}
     np.testing.assert_array_equal(dots["upright"].get_ydata(), [0.0, np.nan, np.nan])
     np.testing.assert_array_equal(dots["inverted"].get_ydata(), [np.nan, np.pi, np.nan])
     assert dots["inverted"].get_color() == sweep_map.colours()["inverted"]
@@ -108,10 +108,7 @@ def test_ends_over_one_axis_are_dots_in_the_colour_of_their_class() -> None:
 
 def test_times_and_forces_over_one_axis_are_curves() -> None:
     fields = {"inverted_at": np.array([5.0, 4.0, 3.0]), "first_equator": np.array([4.0, 3.0, 2.0])}
-    found = {
-        line.get_label(): line
-        for line in drawn(a_map("inversion", (X,), fields)).axes[0].get_lines()
-    }
+    found = curves(drawn(a_map("inversion", (X,), fields)))
     np.testing.assert_array_equal(
         found["first θ = π/2"].get_xydata().T, [X.centres, fields["first_equator"]]
     )
@@ -120,9 +117,6 @@ def test_times_and_forces_over_one_axis_are_curves() -> None:
         "normal_force_min": np.array([0.5, 0.3, 0.0]),
         "normal_force_max": np.array([1.5, 2.0, 3.0]),
     }
-    found = {
-        line.get_label(): line
-        for line in drawn(a_map("normal-force", (X,), fields)).axes[0].get_lines()
-    }
+    found = curves(drawn(a_map("normal-force", (X,), fields)))
     np.testing.assert_array_equal(found["least"].get_ydata(), fields["normal_force_min"])
     np.testing.assert_array_equal(found["greatest"].get_ydata(), fields["normal_force_max"])

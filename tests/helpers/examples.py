@@ -20,6 +20,15 @@ HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 """A heavy top; its moment about the tip is 2.4e-4 kg m^2."""
 SLENDER = {"m": 0.02, "l": 0.03, "I1": 2e-5, "I3": 1e-5, "g": 9.82}
 """A heavy top whose periods were computed by quadrature in 30 digits."""
+PRESETS = {
+    "tippe-top": "inverting",
+    "rolling-tippe-top": "rolling",
+    "gliding-heavy-top": "gliding-heavy-top",
+    "heavy-top": "heavy-top",
+    "gliding-cylinder": "gliding-cylinder",
+    "rolling-cylinder": "rolling-cylinder",
+}
+"""A preset of each system."""
 
 
 def problem(

@@ -99,8 +99,23 @@ def state_of(store: Path) -> ledger.Acknowledged:
     return ledger.Acknowledged.of(ledger.records_of((store / ledger.LEDGER).read_bytes()))
 
 
-def edited(store: Path, edit: Callable[[list[dict[str, Any]]], Any]) -> None:
-    """Edit the records of a ledger, with digests that fit, and the documents that they describe."""
+def exchange(one: Path, other: Path) -> None:
+    """Exchange two files; move one, if there is no other."""
+    aside = one.rename(one.with_name("x"))
+    if other.exists():
+        other.rename(one)
+    aside.rename(other)
+
+
+def flip(path: Path, byte: int) -> None:
+    """Change one bit of a byte of a file."""
+    data = bytearray(path.read_bytes())
+    data[byte] ^= 1
+    path.write_bytes(data)
+
+
+def forge(store: Path, edit: Callable[[list[dict[str, Any]]], Any]) -> list[dict[str, Any]]:
+    """Edit the records of a ledger, with digests that fit; return them."""
     place = store / ledger.LEDGER
     records = ledger.records_of(place.read_bytes())
     edit(records)
@@ -109,7 +124,12 @@ def edited(store: Path, edit: Callable[[list[dict[str, Any]]], Any]) -> None:
         before, line = ledger.lines([record], before)
         whole += line
     place.write_bytes(whole)
-    for path, document in ledger.Acknowledged.of(records).documents().items():
+    return records
+
+
+def edited(store: Path, edit: Callable[[list[dict[str, Any]]], Any]) -> None:
+    """Edit the records of a ledger, and the documents that they describe."""
+    for path, document in ledger.Acknowledged.of(forge(store, edit)).documents().items():
         (store / path / "zarr.json").write_bytes(zarr3.dump(document))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from examples import CANONICAL
-from stores import assert_same
+from stores import assert_same, exchange
 
 from tippetop import errors
 from tippetop.cli import outcome
@@ -18,13 +18,14 @@ from tippetop_kernels import grid
 
 PARAMETERS = {**CANONICAL, "I1": 3.008e-6}
 D, LAM = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
+SURFACE = Surface(PARAMETERS, D, LAM, chunk=16)
 
 
 def test_store_is_the_surface(tmp_path):
     seen = []
     path = surface_recording.write(
         tmp_path / "F.zarr",
-        Surface(PARAMETERS, D, LAM, chunk=16),
+        SURFACE,
         progress=lambda *a: seen.append(a),
     )
     stored, exact = root.open_group(path, "surface"), surface.minimal_surface(PARAMETERS, D, LAM)
@@ -43,12 +44,10 @@ class Stop(Exception):
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """The store of the surface, which nothing has disturbed."""
-    return surface_recording.write(
-        tmp_path_factory.mktemp("whole") / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16)
-    )
+    return surface_recording.write(tmp_path_factory.mktemp("whole") / "F.zarr", SURFACE)
 
 
-def stopped(path, after, chunk=16):
+def stopped(path, after):
     """Writing stops after some chunks."""
 
     def stop(done, of):
@@ -56,9 +55,8 @@ def stopped(path, after, chunk=16):
             raise Stop
 
     with pytest.raises(Stop):
-        surface_recording.write(path, Surface(PARAMETERS, D, LAM, chunk=chunk), progress=stop)
+        surface_recording.write(path, SURFACE, progress=stop)
     assert root.attributes(path)["status"] == "running"
-    return path / "surface"
 
 
 def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
@@ -70,7 +68,7 @@ def test_interrupted_store_goes_on(whole, tmp_path, monkeypatch):
         "minima",
         lambda *a: (a[1].size > 2 and worked.append(1)) or minima(*a),
     )
-    surface_recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16))
+    surface_recording.write(tmp_path / "F.zarr", SURFACE)
     assert len(worked) == 7
     assert_same(tmp_path / "F.zarr", whole)
 
@@ -144,12 +142,6 @@ DAMAGES = {
 }
 
 
-def exchange(one, other):
-    mine, yours = one.read_bytes(), other.read_bytes()
-    one.write_bytes(yours)
-    other.write_bytes(mine)
-
-
 def edit(place, old, new):
     text = place.read_text()
     assert old in text
@@ -161,7 +153,7 @@ def test_a_damaged_unfinished_surface_ends_in_the_same_bits(damage, whole, tmp_p
     """Before, it was finished as it was, with exit code 0, or with a traceback."""
     stopped(tmp_path / "F.zarr", after=5)
     DAMAGES[damage](tmp_path / "F.zarr")
-    surface_recording.write(tmp_path / "F.zarr", Surface(PARAMETERS, D, LAM, chunk=16))
+    surface_recording.write(tmp_path / "F.zarr", SURFACE)
     assert_same(tmp_path / "F.zarr", whole)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from nightly import at_night
-from stores import TURNING, edited, short_slices, state_of
+from stores import TURNING, edited, exchange, short_slices, state_of
 from typed import typed
 
 from tippetop import errors
@@ -158,10 +158,7 @@ def test_acknowledged_rows_that_were_exchanged_are_refused(
 
     Before, the run was finished with exit code 0.
     """
-    one, other = (store / "trajectory" / name / "c.0" for name in ("theta", "phi"))
-    mine, yours = one.read_bytes(), other.read_bytes()
-    one.write_bytes(yours)
-    other.write_bytes(mine)
+    exchange(store / "trajectory/theta/c.0", store / "trajectory/phi/c.0")
     monkeypatch.setattr(Integration, "run", never)
     with pytest.raises(StoreError, match="is damaged: a chunk of"):
         resuming.resume(store)

@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 import xarray as xr
 import zarr
+from stores import flip, forge
 
 import tippetop
 from tippetop.cli import outcome
 from tippetop.errors import StoreError
-from tippetop.store import ledger, root
-from tippetop.store.ledger import LEDGER
+from tippetop.store import root
 
 
 @pytest.fixture(scope="module")
@@ -48,10 +48,7 @@ def test_a_changed_byte_of_a_chunk_is_found_when_its_numbers_are_read(
     store: Path, tmp_path: Path
 ) -> None:
     """A lazy Dataset raises what zarr raises; a command names the column."""
-    chunk = store / "trajectory/theta/c.0"
-    data = bytearray(chunk.read_bytes())
-    data[30] ^= 1
-    chunk.write_bytes(data)
+    flip(store / "trajectory/theta/c.0", 30)
     table = tippetop.open(store).trajectory
     with pytest.raises(ValueError, match="checksum"):
         table["theta"].values  # noqa: B018
@@ -80,13 +77,7 @@ FORGED: dict[str, Callable[[list[dict[str, Any]]], Any]] = {
 @pytest.mark.parametrize("forged", FORGED)
 def test_a_ledger_that_cannot_be_ours_is_refused(forged: str, store: Path) -> None:
     """Its digests fit, as somebody made it."""
-    place, before, whole = store / LEDGER, "", b""
-    records = ledger.records_of(place.read_bytes())
-    FORGED[forged](records)
-    for record in records:
-        before, line = ledger.lines([record], before)
-        whole += line
-    place.write_bytes(whole)
+    forge(store, FORGED[forged])
     with pytest.raises(StoreError, match="must be a whole store, but is damaged"):
         root.attributes(store)
     assert outcome(["resume", str(store), "--until", "0.2"]) in (

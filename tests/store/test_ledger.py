@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from disk import ModelFolder, PowerLost
+from stores import exchange, files, flip
 
 from tippetop.columns import Column
 from tippetop.errors import StoreError
@@ -208,15 +209,19 @@ def test_a_sync_that_is_left_out_is_found(left_out: str, monkeypatch: pytest.Mon
         campaign(("power",), stride=3, seeds=2)
 
 
-def test_a_store_on_a_real_disk_is_that_of_the_model_and_xarray_reads_it(tmp_path: Path) -> None:
+@pytest.fixture
+def finished(tmp_path: Path) -> Path:
+    """A finished store on a real disk."""
     go(Folder(tmp_path), tmp_path, random.Random(5))
+    return tmp_path
+
+
+def test_a_store_on_a_real_disk_is_that_of_the_model_and_xarray_reads_it(finished: Path) -> None:
     wanted = undisturbed().tree()
-    assert {
-        str(p.relative_to(tmp_path)): p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()
-    } == wanted
-    table = xr.open_zarr(tmp_path, group="trajectory").load()
+    assert files(finished) == wanted
+    table = xr.open_zarr(finished, group="trajectory").load()
     np.testing.assert_array_equal(table["time"], np.arange(1, STEPS + 1) / 1000)
-    assert ledger.read(tmp_path).attributes["status"] == "finished"
+    assert ledger.read(finished).attributes["status"] == "finished"
 
 
 def test_rows_of_an_unfinished_store_are_read(tmp_path: Path) -> None:
@@ -273,48 +278,34 @@ def cut(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-3])
 
 
-def exchange(one: Path, other: Path) -> None:
-    one.rename(one.with_name("x"))
-    if other.exists():
-        other.rename(one)
-    one.with_name("x").rename(other)
-
-
 @pytest.mark.parametrize("damage", DAMAGES)
-def test_damage_is_found_when_a_store_is_opened(damage: str, tmp_path: Path) -> None:
-    go(Folder(tmp_path), tmp_path, random.Random(5))
-    DAMAGES[damage](tmp_path)
+def test_damage_is_found_when_a_store_is_opened(damage: str, finished: Path) -> None:
+    DAMAGES[damage](finished)
     with pytest.raises(StoreError, match="must be a whole store, but is damaged"):
-        ledger.read(tmp_path)
+        ledger.read(finished)
 
 
-def test_a_link_to_a_store_is_read(tmp_path: Path) -> None:
-    go(Folder(tmp_path), tmp_path, random.Random(5))
-    link = tmp_path.with_name("link")
-    link.symlink_to(tmp_path)
+def test_a_link_to_a_store_is_read(finished: Path) -> None:
+    link = finished.with_name("link")
+    link.symlink_to(finished)
     assert ledger.read(link).attributes["status"] == "finished"
 
 
 @pytest.mark.parametrize(
     "torn", [b"\xab\xcd", b"junk\n", b"\0" * 9, b'0123456789abcdef {"ro', b"\xe8", b"0123 {"]
 )
-def test_the_beginning_of_a_record_is_removed_before_the_next(torn: bytes, tmp_path: Path) -> None:
-    go(Folder(tmp_path), tmp_path, random.Random(5))
-    whole = (tmp_path / LEDGER).read_bytes()
-    (tmp_path / LEDGER).write_bytes(whole + torn)
-    with Ledger.opened(tmp_path) as store:
-        assert (tmp_path / LEDGER).read_bytes() == whole
+def test_the_beginning_of_a_record_is_removed_before_the_next(torn: bytes, finished: Path) -> None:
+    whole = (finished / LEDGER).read_bytes()
+    (finished / LEDGER).write_bytes(whole + torn)
+    with Ledger.opened(finished) as store:
+        assert (finished / LEDGER).read_bytes() == whole
         store.commit(changed={"more": 1})
-    assert ledger.read(tmp_path, chunks=False).attributes["more"] == 1
+    assert ledger.read(finished, chunks=False).attributes["more"] == 1
 
 
-def test_a_changed_byte_within_a_chunk_is_found_by_its_writer(tmp_path: Path) -> None:
-    go(Folder(tmp_path), tmp_path, random.Random(5))
-    chunk = tmp_path / "trajectory/theta/c.1"
-    data = bytearray(chunk.read_bytes())
-    data[20] ^= 1
-    chunk.write_bytes(data)
-    with Ledger.opened(tmp_path) as store:
+def test_a_changed_byte_within_a_chunk_is_found_by_its_writer(finished: Path) -> None:
+    flip(finished / "trajectory/theta/c.1", 20)
+    with Ledger.opened(finished) as store:
         assert store.unsound() == ["trajectory/1"]
 
 

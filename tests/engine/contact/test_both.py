@@ -13,7 +13,24 @@ from tippetop.engine.status import Status
 STEM = {"r": 0.005, "h": 0.013}
 Z = -10 / 13  # cos(theta) where both touch
 MU = 2.0  # s/m
+VISCOUS = {"law": "viscous", "mu": MU}
 PEG = {**CANONICAL, "alpha": -0.6}
+
+
+def finished(until, drift=1e-12, parameters=LEINE_GLOCKER, stem=STEM, **tables):
+    """Return the columns and phases of a run.
+
+    Check that it finishes, conserves its invariants and that neither ball sinks into the plane.
+    """
+    done = run(parameters, stem=stem, until=until, **tables)
+    assert done.status is Status.FINISHED, done.reason
+    assert max(done.report["drift"].values()) < drift
+    columns = done.columns()
+    z, theta = columns["z"].values, columns["theta"].values
+    sphere = z - parameters["R"] * (1 - parameters["alpha"] * np.cos(theta))
+    for gap in (sphere, columns["gap"].values, columns["gap_stem"].values):
+        assert gap.min() > -1e-12
+    return columns, table_of(done, "phases")
 
 
 def in_euler_angles(start, t):
@@ -61,10 +78,7 @@ def test_standing_on_both_is_that_of_the_euler_angles(phi_dot, omega3):
         "omega3": omega3,
         "centre_at_rest": True,
     }
-    done = run(
-        LEINE_GLOCKER, friction={"law": "viscous", "mu": MU}, initial=start, stem=STEM, until=0.4
-    )
-    columns, phases = done.columns(), table_of(done, "phases")
+    columns, phases = finished(0.4, 1e-13, friction=VISCOUS, initial=start)
     assert phases["phase"][0] == 3
     t = columns["time"].values
     ours = t <= phases["end"][0]
@@ -78,9 +92,6 @@ def test_standing_on_both_is_that_of_the_euler_angles(phi_dot, omega3):
         else len(phases["end"]) == 1
     )
     assert np.ptp(columns["theta"].values[ours]) < 1e-12
-    sphere = columns["z"].values - LEINE_GLOCKER["R"] * (1 - 0.2 * np.cos(columns["theta"].values))
-    assert min(sphere.min(), columns["gap_stem"].values.min()) > -1e-12
-    assert max(done.report["drift"].values()) < 1e-13
 
 
 def test_a_ball_that_leaves_is_followed_by_the_other():
@@ -95,21 +106,8 @@ def test_a_ball_that_leaves_is_followed_by_the_other():
             "phi_dot": rng.uniform(-40, -10),
             "omega3": rng.uniform(40, 80),
         }
-        done = run(
-            LEINE_GLOCKER,
-            friction={"law": "viscous", "mu": MU},
-            initial=start,
-            stem=STEM,
-            until=0.3,
-        )
-        assert done.status is Status.FINISHED, (seed, done.reason)
-        assert max(done.report["drift"].values()) < 1e-12, seed
-        columns = done.columns()
-        sphere = columns["z"].values - LEINE_GLOCKER["R"] * (
-            1 - 0.2 * np.cos(columns["theta"].values)
-        )
-        assert min(sphere.min(), columns["gap_stem"].values.min()) > -1e-12, seed
-        ended |= set(table_of(done, "phases")["reason"].tolist())
+        _, phases = finished(0.3, friction=VISCOUS, initial=start)
+        ended |= set(phases["reason"].tolist())
     assert 7 in ended  # a ball left
 
 
@@ -122,17 +120,13 @@ def test_coulombs_law_itself_ends_there():
 
 def test_a_frictionless_landing_on_both_goes_on_where_one_ball_presses():
     """Gyroscopic torque lifts the sphere and presses the stem: the body stays on the stem alone."""
-    done = run(
-        {**CANONICAL, "alpha": -0.543},
+    finished(
+        0.3,
+        parameters={**CANONICAL, "alpha": -0.543},
         friction={"law": "none"},
         initial={"theta": 2 * np.pi / 3, "gap": 0.01, "phi_dot": -20.0, "omega3": 100.0},
         stem={"r": 0.002, "h": 0.036},
-        until=0.3,
     )
-    assert done.status is Status.FINISHED, done.reason
-    assert max(done.report["drift"].values()) < 1e-12
-    columns = done.columns()
-    assert columns["gap_stem"].values.min() > -1e-12
 
 
 @pytest.mark.parametrize("mu_r", [0.0, 1e-6])
@@ -144,10 +138,7 @@ def test_discs_that_stop_together_roll_on_both_as_a_cone_does(mu_r):
     friction = {"law": "contensou", "mu": 0.3, "patch": 1.5e-5, "mu_r": mu_r}
     start = {"theta": float(np.arccos(-0.0185 / 0.027)), "omega3": 20.0, "phi_dot": 10.0}
     stem = {"r": 0.0015, "h": 0.027}
-    done = run(PEG, friction=friction, initial=start, stem=stem, until=0.6)
-    assert done.status is Status.FINISHED, done.reason
-    assert max(done.report["drift"].values()) < 1e-12
-    columns, phases = done.columns(), table_of(done, "phases")
+    columns, phases = finished(0.6, parameters=PEG, stem=stem, friction=friction, initial=start)
     assert phases["phase"][-1] == 3
     assert phases["reason"][-1] == 8  # rests
     last = columns["time"].values > phases["start"][-1]
@@ -168,16 +159,13 @@ def test_discs_that_stop_together_roll_on_both_as_a_cone_does(mu_r):
 @pytest.mark.parametrize("e_n", [0.0, 0.3])
 def test_balls_that_throw_each_other_down_come_to_stand_on_both(e_n):
     """Each impact throws the other ball down, with a speed that falls geometrically."""
-    done = run(
-        {**PEG, "I1": 2.994e-6},
+    _, phases = finished(
+        0.1,
+        1e-13,
+        parameters={**PEG, "I1": 2.994e-6},
         friction={"law": "contensou", "mu": 0.37544, "patch": 4.66535e-4},
         initial={"theta": 2.1573007041694843, "omega3": -45.757, "phi_dot": 10.135},
         stem={"r": 0.0045708347893419436, "h": 0.03917465632193509},
         contact={"e_n": e_n},
-        until=0.1,
     )
-    assert done.status is Status.FINISHED, done.reason
-    assert max(done.report["drift"].values()) < 1e-13
-    assert 3 in table_of(done, "phases")["phase"]
-    columns = done.columns()
-    assert min(columns["gap"].values.min(), columns["gap_stem"].values.min()) > -1e-12
+    assert 3 in phases["phase"]

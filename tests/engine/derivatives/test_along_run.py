@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from examples import PRESETS
 
 import tippetop as tt
 from tippetop.engine.derivatives.sensitivities import differentiate
@@ -17,14 +18,6 @@ from tippetop.scenario import build, reading
 
 STENCIL = {1: 4 / 5, 2: -1 / 5, 3: 4 / 105, 4: -1 / 280}
 """Central differences of eighth order: f' = sum c (f(+k h) - f(-k h))/h."""
-PRESETS = {
-    "tippe-top": "inverting",
-    "rolling-tippe-top": "rolling",
-    "gliding-heavy-top": "gliding-heavy-top",
-    "heavy-top": "heavy-top",
-    "gliding-cylinder": "gliding-cylinder",
-    "rolling-cylinder": "rolling-cylinder",
-}
 UNTIL = {"rolling-tippe-top": 0.1, "gliding-cylinder": 0.3, "rolling-cylinder": 0.4}
 LAWS = {
     "coulomb": {"mu": 0.3, "eps": 0.01},
