@@ -145,7 +145,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: tt.friction.Viscous(0.1, mu=0.2), r"Viscous\(mu\) was given too many arguments"),
     *(
         (lambda wrong=wrong: tt.friction.Viscous(mu=wrong), "`friction.mu` must be a number, but")
-        for wrong in (np.array([0.1, 0.2]), 1j, [0.1], True, None, b"1")
+        for wrong in ([0.1], True, None, b"1")
     ),
     (lambda: tt.TippeTop(**{**BODY, "m": 10**400}), "`parameters.m` must be a"),
     (lambda: tt.TippeTop(m=1, R=1, alfa=0.3, I1=1, I3=1, g=9), "`alfa`. Did you mean `alpha`"),

@@ -7,7 +7,8 @@ import operator
 from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from numbers import Real
+from decimal import Decimal
+from numbers import Rational, Real
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast, dataclass_transform
 
 import numpy as np
@@ -224,9 +225,10 @@ def _field(name: str, rule: Number) -> inspect.Parameter:
 
 
 class Record(tuple, metaclass=RecordType, abstract=True):
-    """Numbers for formulas, checked when a record is made: floats, or texts such as "20 g".
+    """Numbers for formulas, checked if all are plain: floats, or texts such as "20 g".
 
-    `_make` and `_replace` check nothing: they take any operand of a formula, such as an array.
+    Operands of formulas (arrays, expressions, wide numbers) pass unchecked. So do the arguments of
+    `_make`, `_replace`.
     """
 
     table: ClassVar[str]
@@ -265,7 +267,8 @@ class Record(tuple, metaclass=RecordType, abstract=True):
                 key: rule.default if given.get(key) is None else given[key]
                 for key, rule in kind.parameters.items()
             }
-            return kind._make(kind.checked(whole).values())
+            checked = whole if any(map(_is_operand, whole.values())) else kind.checked(whole)
+            return kind._make(checked.values())
 
     @classmethod
     def given(cls, names: Any) -> Any:
@@ -309,6 +312,13 @@ class Record(tuple, metaclass=RecordType, abstract=True):
     def __repr__(self) -> str:
         values = ", ".join(f"{key}={value!r}" for key, value in self._asdict().items())
         return f"{type(self).face.__name__}({values})"
+
+
+def _is_operand(value: Any) -> bool:
+    """Return whether only a formula can take a value."""
+    plain = isinstance(value, float | Rational | Decimal) or getattr(value, "size", 0) == 1
+    wide = isinstance(value, np.longdouble)
+    return (wide or not plain) and hasattr(value, "__sub__") and hasattr(value, "__mul__")
 
 
 class Alternative(NamedTuple):

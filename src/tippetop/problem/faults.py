@@ -123,17 +123,16 @@ def start_faults(problems: "Problems") -> list[Fault]:
         row[:] = value
     kept, domains = len(base.system.quantities), base.form.domains
     weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
-    given = np.concatenate([pars, start * weights])
+    finite = np.isfinite(np.concatenate([pars, start * weights])).all(axis=0)
     faults = [] if base.contact is not None else _law_faults(problems)
     for number, name in owners.items():
-        if (bad := np.isfinite(given).all(axis=0) & ~np.isfinite(table[number])).any():
+        if (bad := finite & ~np.isfinite(table[number])).any():
             found = f"is {table[number][bad][0]}"
             faults.append((f"the formula of {name} must be finite at the start, but {found}.", bad))
     together = (
         "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
     )
-    sizes = abs(np.concatenate([given, table[:kept]]))
-    faults.append((together, ~np.all(sizes < LARGEST, axis=0)))
+    faults.append((together, ~finite | ~(abs(table[:kept]) < LARGEST).all(axis=0)))
     large = abs(start[variables.moving :]) > 1
     for i in _rows(large):
         name = variables.names[variables.moving + i]

@@ -191,7 +191,7 @@ def test_a_flag_and_a_number_that_is_not_given() -> None:
         ("inverting", ["initial.psi_dot"], "must stand alone"),
         ("inverting", ["friction.mu", "friction.mu"], "must be given once"),
         ("leine-glocker-stem", ["friction.mu"], "set-valued"),
-        ("inverting", [], "at least one"),
+        ("inverting", [], "must be names such as"),
     ],
 )
 def test_what_has_no_derivatives_is_refused_in_a_sentence(
