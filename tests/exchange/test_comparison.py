@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from examples import turned
+from examples import CANONICAL, turned
 
 import tippetop as tt
 from tippetop import cli
@@ -19,7 +19,7 @@ from tippetop.store.export import export
 
 SCENARIO = {
     "system": "tippe-top",
-    "parameters": {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82},
+    "parameters": CANONICAL,
     "friction": {"law": "viscous", "mu": 0.3},
     "initial": {
         "theta": 0.1,

@@ -11,7 +11,7 @@ from tippetop.exchange.misfit import Misfit
 from tippetop.exchange.observation import OFFSET
 from tippetop.exchange.periods import walk
 from tippetop.exchange.scales import Scale, Space
-from tippetop.exchange.search import local_minimum
+from tippetop.exchange.search import Minimum, local_minimum
 
 
 RATE = 60.0  # of the oscillation
@@ -46,6 +46,14 @@ def misfit(drift: float) -> Misfit:
     return Misfit(observation, Space({OFFSET: 0.0, "b": 0.0}, [line, line]), "linear")  # type: ignore[arg-type]
 
 
+def valleys(drift: float, begin: float) -> tuple[Minimum, list[Minimum]]:
+    """Return the deepest valley, which must be at zero, and the others."""
+    left = misfit(drift)
+    best, *others = walk(left, local_minimum(left, np.array([begin, 0.0]), len(T)), 0)
+    assert best.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
+    return best, others
+
+
 @pytest.mark.parametrize("begin", [0.0, 2 * np.pi / RATE])
 def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_named(
     begin: float,
@@ -53,9 +61,7 @@ def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_n
     """The drift changes by 2 x 0.01 x 2 in 10 s of an offset: valleys beside are worse
     by little.
     """
-    left = misfit(0.01)
-    best, *others = walk(left, local_minimum(left, np.array([begin, 0.0]), len(T)), 0)
-    assert best.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
+    best, others = valleys(0.01, begin)
     beside = sorted(other.point[0] * RATE / (2 * np.pi) for other in others)
     assert len(beside) > 2
     np.testing.assert_allclose(beside, np.round(beside), atol=0.1)
@@ -65,7 +71,5 @@ def test_the_deepest_valley_is_found_from_another_and_those_nearly_as_deep_are_n
 
 def test_of_periods_that_are_all_alike_the_nearest_is_taken() -> None:
     """A motion that is periodic: costs differ by rounding."""
-    left = misfit(0.0)
-    best, *others = walk(left, local_minimum(left, np.zeros(2), len(T)), 0)
-    assert best.point[0] == pytest.approx(0, abs=0.02 * 2 * np.pi / RATE)
+    _, others = valleys(0.0, 0.0)
     assert len(others) > 20

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tippetop.engine.observables import Observables
-from tippetop.mechanics.friction import Frictionless
+from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.friction import Frictionless, Viscous
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem
 from tippetop.runs.run import Solution, solve
@@ -20,6 +21,8 @@ HEAVY = {"m": 0.1, "l": 0.04, "I1": 8e-5, "I3": 5e-5, "g": 9.82}
 """A heavy top; its moment about the tip is 2.4e-4 kg m^2."""
 SLENDER = {"m": 0.02, "l": 0.03, "I1": 2e-5, "I3": 1e-5, "g": 9.82}
 """A heavy top whose periods were computed by quadrature in 30 digits."""
+GLIDING = Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
+"""CANONICAL as a ball that glides."""
 PRESETS = {
     "tippe-top": "inverting",
     "rolling-tippe-top": "rolling",
@@ -56,6 +59,11 @@ def problem(
 def run(*arguments: Any, **options: Any) -> Solution:
     """The run of `problem(...)`."""
     return solve(problem(*arguments, **options))
+
+
+def with_gamma(gamma: float) -> Touch:
+    """GLIDING with another I1/I3."""
+    return GLIDING._replace(I1=gamma * GLIDING.I3)
 
 
 def turning_times(times: np.ndarray, theta: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from examples import CANONICAL as BODY
 from nightly import at_night
 from touching import DRILLING, LEINE_GLOCKER, TOSSED
 
@@ -15,7 +16,6 @@ from tippetop.mechanics.operand import formula
 from tippetop.mechanics.units import ONE
 
 
-BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994285714285714e-6, "I3": 3.2e-6, "g": 9.82}
 ROCKING = {"theta": 1.5, "theta_dot": 20.0, "phi_dot": -20.0, "omega3": 60.0}
 COULOMB, VISCOUS = {"law": "coulomb", "mu": 0.3}, {"law": "viscous", "mu": 2.0}
 

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from examples import CANONICAL as BODY
 
 import tippetop as tt
 from tippetop.extending import Event, Kept, Quantity, Unit, number, register
@@ -19,7 +20,6 @@ from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, ONE, SECOND_PER_ME
 from tippetop.theory import least_energy, linear_modes, reconstruct, regime, thresholds
 
 
-BODY = {"m": 0.02, "R": 0.02, "alpha": 0.3, "I1": 2.994e-6, "I3": 3.2e-6, "g": 9.82}
 TOP, CYLINDER = tt.TippeTop(**BODY), tt.Cylinder(m=1.0, R=1.0, alpha=0.1, I=0.4, g=9.8)
 VISCOUS, MODIFIED = tt.friction.Viscous(0.3), tt.friction.Modified(mu=0.1, v_k=0.1)
 SPINS = {"omega3": [100.0, 120.0]}

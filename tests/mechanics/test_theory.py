@@ -6,6 +6,7 @@ import math
 import examples
 import numpy as np
 import pytest
+from examples import GLIDING, with_gamma
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact.gliding import gliding_euler
@@ -17,17 +18,12 @@ from tippetop.runs import forecast
 from tippetop.runs.run import solve
 
 
-B = contact.Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
 TIP = contact.Touch(0.1, 0.0, -0.04, 8e-5, 5e-5, 9.82, Viscous(0.3))
-
-
-def with_gamma(gamma: float) -> contact.Touch:
-    return B._replace(I1=gamma * B.I3)
 
 
 def test_published_thresholds() -> None:
     """Canonical top: Friedl (1997), Leine and Glocker (2003), the source."""
-    found = {name: t.value for name, t in thresholds.thresholds(B).items()}
+    found = {name: t.value for name, t in thresholds.thresholds(GLIDING).items()}
     assert found["lambda_u"] == pytest.approx(1.23952e-6, rel=1e-5)
     assert found["lambda_de"] == pytest.approx(2.04048e-6, rel=1e-5)
     assert found["lambda_s"] == pytest.approx(3.43887972e-6, rel=1e-8)
@@ -44,7 +40,7 @@ def test_published_linear_modes() -> None:
         -0.161265295486 - 0.847112112075j,
         -7.848366130776 - 1.552584544047j,
     ]
-    np.testing.assert_allclose(modes.linear_modes(155.0, B), expected, rtol=1e-11)
+    np.testing.assert_allclose(modes.linear_modes(155.0, GLIDING), expected, rtol=1e-11)
 
 
 @pytest.mark.parametrize("inverted", [False, True])
@@ -204,8 +200,8 @@ def test_a_cylinder_rocks_at_the_frequency_that_is_named(name: str) -> None:
 def test_modes_beyond_the_doubles_are_nan_and_the_outlook_says_no_rate() -> None:
     """A Coulomb law with eps = 5e-324. Before, a traceback of the eigenvalues."""
     law = Coulomb(mu=0.3, eps=5e-324)
-    assert np.isnan(modes.linear_modes(155.0, B._replace(friction=law))).all()
-    assert not modes.is_unstable(155.0, B._replace(friction=law))
+    assert np.isnan(modes.linear_modes(155.0, GLIDING._replace(friction=law))).all()
+    assert not modes.is_unstable(155.0, GLIDING._replace(friction=law))
     with np.errstate(all="ignore"):
         made = start_of("gliding-heavy-top", law=("coulomb", {"mu": 0.3, "eps": 5e-324}))
         regime = forecast.assessment(made)["regime"]

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from examples import GLIDING, with_gamma
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.friction import Viscous
@@ -14,16 +15,11 @@ from tippetop.mechanics.theory import regimes, thresholds, tumbling
 from tippetop.mechanics.theory.least_energy import asymptotic_states
 
 
-B = contact.Touch(0.02, 0.02, 0.006, 131 / 350 * 8e-6, 3.2e-6, 9.82, Viscous(0.3))
 GAMMAS = (0.6, 0.72, 0.8, 0.936, 1.2, 1.5)
 """alpha is 0.3: below 0.7 tumbling states end before the upright pole, above 1.3 before the
 inverted one.
 """
 every_gamma = pytest.mark.parametrize("gamma", GAMMAS)
-
-
-def with_gamma(gamma: float) -> contact.Touch:
-    return B._replace(I1=gamma * B.I3)
 
 
 @every_gamma
@@ -37,7 +33,7 @@ def test_tumbling_states_exist_between_their_limits_and_nowhere_else(gamma: floa
 
 def test_the_least_lambda_of_a_tumbling_state_is_that_of_a_dense_scan_of_each_body() -> None:
     some = [with_gamma(gamma) for gamma in (0.75, 0.8, 0.936, 1.2)]
-    together = B._replace(I1=np.array([b.I1 for b in some]))
+    together = GLIDING._replace(I1=np.array([b.I1 for b in some]))
     found = tumbling.lambda_t(together)
     for b, least in zip(some, found.tolist(), strict=True):
         exact = tumbling.tumbling_jellett(np.linspace(-1, 1, 200_001), b).min()

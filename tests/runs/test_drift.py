@@ -16,7 +16,10 @@ from tippetop.runs.certificate import contract_violations
 from tippetop.runs.run import solve
 
 
-def momenta(column: dict[str, np.ndarray], p: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+Columns = dict[str, np.ndarray]
+
+
+def momenta(column: Columns, p: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
     """L_3, and L_z about a point of the axis where the moment across it is I1."""
     L3 = p["I3"] * column["omega3"]
     return L3, p["I1"] * column["phi_dot"] * np.sin(column["theta"]) ** 2 + L3 * np.cos(
@@ -24,7 +27,7 @@ def momenta(column: dict[str, np.ndarray], p: dict[str, float]) -> tuple[np.ndar
     )
 
 
-def jellett(column: dict[str, np.ndarray], p: dict[str, float]) -> np.ndarray:
+def jellett(column: Columns, p: dict[str, float]) -> np.ndarray:
     """R L_z - alpha R L_3, about the centre of mass."""
     L3, Lz = momenta(column, p)
     return p["R"] * (Lz - p["alpha"] * L3)
@@ -34,11 +37,11 @@ def about_the_tip(p: dict[str, float]) -> dict[str, float]:
     return {**p, "I1": p["I1"] + p["m"] * p["l"] ** 2}
 
 
-def vertical_momentum(column: dict[str, np.ndarray], p: dict[str, float]) -> np.ndarray:
+def vertical_momentum(column: Columns, p: dict[str, float]) -> np.ndarray:
     return momenta(column, about_the_tip(p))[1]
 
 
-def energy(column: dict[str, np.ndarray], p: dict[str, float]) -> np.ndarray:
+def energy(column: Columns, p: dict[str, float]) -> np.ndarray:
     """Of a heavy top about its fixed tip."""
     across = column["theta_dot"] ** 2 + (column["phi_dot"] * np.sin(column["theta"])) ** 2
     turning = about_the_tip(p)["I1"] * across + p["I3"] * column["omega3"] ** 2
