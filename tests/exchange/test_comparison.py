@@ -19,7 +19,7 @@ from tippetop.store.export import export
 
 SCENARIO = {
     "system": "tippe-top",
-    "parameters": CANONICAL,
+    "parameters": {**CANONICAL, "I1": 2.994e-6},
     "friction": {"law": "viscous", "mu": 0.3},
     "initial": {
         "theta": 0.1,
