@@ -78,15 +78,21 @@ def instance(name: str, value: Any, kind: Any, words: str) -> None:
 def choice(name: str, value: Any, known: Collection[str]) -> None:
     """Raise InputError if an argument is not one of these words."""
     if not isinstance(value, str) or value not in known:
-        near = suggestion(value, known) if isinstance(value, str) else ""
-        raise InputError(f"`{name}` must be one of {', '.join(known)}, but is {value!r:.60}.{near}")
+        raise InputError(not_among(name, value, known))
+
+
+def not_among(name: str, value: Any, known: Collection[str]) -> str:
+    """Return the sentence on a value that is none of these words."""
+    near = suggestion(value, known) if isinstance(value, str) else ""
+    given = "missing" if value is None else f"{value!r:.60}"
+    return f"`{name}` must be one of {', '.join(known)}, but is {given}.{near}"
 
 
 def names_of(argument: str, given: Any) -> tuple[str, ...]:
     """Return the names of numbers, from a list or a text with commas. Raises InputError."""
     names = [part.strip() for part in given.split(",")] if isinstance(given, str) else given
-    is_list = isinstance(names, list | tuple) and len(names) > 0
-    if not is_list or not all(isinstance(name, str) and name for name in names):
+    texts = isinstance(names, list | tuple) and all(isinstance(name, str) for name in names)
+    if not (texts and names and all(names)):
         raise InputError(
             f"`{argument}` must be names such as friction.mu, parameters.I1, but is {given!r:.60}."
         )

@@ -75,7 +75,11 @@ COMMANDS: list[tuple[str, int, str]] = [
     ),
     # figures
     ("plot RUN.zarr", 2, "--out must be given, with a value."),
-    ("plot RUN.zarr --out f.jpg", 2, "--out must end with .png, .svg or .pdf, but is `f.jpg`."),
+    (
+        "plot RUN.zarr --out f.jpg",
+        2,
+        "`f.jpg` must end with the format of a figure: .png",
+    ),
     ("plot RUN.zarr --out there.png", 5, "must not exist yet, but does: use --overwrite"),
     ("plot RUN.zarr spere --out f.png", 2, "Did you mean `sphere`?"),
     ("plot RUN.zarr --size big --out f.png", 2, "--size"),

@@ -55,7 +55,7 @@ def compare(
         raise InputError(
             "a file and a reference must be given: tippetop compare OTHER.csv SCENARIO."
         )
-    check_picture(figure, "--figure", overwrite)
+    check_picture(figure, overwrite)
     result = compared([*files[:-1]], load_any(files[-1], set_), quaternion=quaternion, up=up)
     return _print(result, figure, overwrite, as_json)
 
@@ -127,7 +127,7 @@ def fit(
     from ..store import files
     from .targets import check_picture
 
-    check_picture(figure, "--figure", overwrite)
+    check_picture(figure, overwrite)
     if out and out.suffix != ".toml":
         raise InputError(f"--out must end with .toml, but is `{out}`.")
     if out:  # now rather than after the fit

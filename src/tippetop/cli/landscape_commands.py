@@ -66,7 +66,7 @@ def surface(
     parameters, system = _tippe_top(scenario)
     if out is None and figure is None:
         raise InputError("nothing is to be done: give --out F.zarr, --figure F.png, or both.")
-    check_picture(figure, "--figure", overwrite)
+    check_picture(figure, overwrite)
     lambda_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
     default = np.linspace(0, 4.5 * lambda_pi, SHOWN)
     lambdas = _axis("--lambda", lambda_, JELLETT) if lambda_ else default
@@ -147,7 +147,7 @@ def potential(
     parameters, system = _tippe_top(scenario)
     if not 2 <= n <= MOST_POINTS:
         raise InputError(f"--n must be at least 2 and at most {MOST_POINTS}, but is {n}.")
-    check_picture(figure, "--figure", overwrite)
+    check_picture(figure, overwrite)
     z = np.cos(np.linspace(np.pi, 0, n + 2)[1:-1])
     V = awaited(lambda: potential.potential(parameters, z, D, lambda_, system), COMPILING)
     least = awaited(lambda: surface.minimal_surface(parameters, D, lambda_, system), COMPILING)
@@ -193,10 +193,8 @@ def describe(attrs: dict[str, Any], as_json: bool) -> int:
     from .text import plain, table
 
     print(visible(attrs["title"]))
-    names = ("status", "system", "parameters", "points", "D", "lambda", "minimum", "versions")
-    points = {name: size for name, (size, _) in attrs.get("axes", {}).items()}
-    known = attrs | ({"points": points} if points else {})
-    table((name, plain(known[name], {})) for name in names if name in known)
+    names = ("status", "system", "parameters", "D", "lambda", "minimum", "versions")
+    table((name, plain(attrs[name], {})) for name in names if name in attrs)
     return 0
 
 

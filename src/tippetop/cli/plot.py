@@ -55,7 +55,7 @@ def plot(
     from ..figures import drawing
     from .targets import check_picture
 
-    check_picture(out, "--out", overwrite)
+    check_picture(out, overwrite)
     look = Look(title, _size(size), dpi, dark)
     catalogue.check_look(look)
     names, kind = [str(store), *words], None

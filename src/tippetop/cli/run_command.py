@@ -63,7 +63,7 @@ def run(
     if figure is not None:
         from .targets import check_picture
 
-        check_picture(figure, "--figure", overwrite)
+        check_picture(figure, overwrite)
         if problem.output == "keyframes":
             raise InputError('`--figure` requires rows, but `run.output` is "keyframes".')
         require(("theta",), problem.kept_columns, "what --figure draws")

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..errors import InputError, StoreError, refuse_without
+from ..errors import StoreError, refuse_without
 from ..figures import catalogue
 from ..store import files, root
 
 
-def check_picture(path: Path | None, option: str, overwrite: bool = False) -> None:
-    """Refuse a picture before the run rather than after it; `option` gives its file."""
+def check_picture(path: Path | None, overwrite: bool = False) -> None:
+    """Refuse a picture before the run rather than after it."""
     if path is None:
         return
     refuse_without("matplotlib")
-    if path.suffix.lower() not in catalogue.ENDINGS:
-        raise InputError(f"{option} must end with .png, .svg or .pdf, but is `{path}`.")
+    catalogue.check_format(path)
     if not path.parent.is_dir():
         raise StoreError(f"`{path}` cannot be written: `{path.parent}` is not a folder.")
     files.refuse_inside(path)

@@ -28,9 +28,5 @@ def sentences(error: CycloptsError) -> list[str]:
     if command in ("tippetop run", "tippetop check") and isinstance(
         error, UnknownOptionError | UnusedCliTokensError
     ):
-        from ..problem.options import OPTIONS
-
-        name = found.partition("--")[2].partition(".")[0].replace("-", "_")
-        such = f"run.{name}=..." if name in OPTIONS else "initial.theta=0.2."
-        found += f" Numbers of a scenario are changed by --set, such as --set {such}"
+        found += " Numbers of a scenario are changed by --set, such as --set initial.theta=0.2."
     return [f"{found} See {command} --help."]

@@ -26,12 +26,7 @@ def _in(unit: Unit) -> Parameter:
     return _read(lambda name, text: measured(name, text, unit))
 
 
-def _whole(name: str, text: str) -> int:
-    number = measured(name, text, ONE)
-    return whole(name, int(number) if number.is_integer() else number)
-
-
-Whole = Annotated[int, _read(_whole)]
+Whole = Annotated[int, _read(lambda name, text: whole(name, measured(name, text, ONE)))]
 Seconds = Annotated[float, _in(SECOND)]
 Routh = Annotated[float, _in(ANGULAR_MOMENTUM)]
 Jellett = Annotated[float, _in(JELLETT)]

@@ -147,12 +147,13 @@ def check_kind(kind: str, known: Iterable[str] = FIGURES) -> None:
         )
 
 
-def check_format(path: Path) -> None:
-    """Raise InputError if the ending of a path is not a format of figures."""
+def check_format(path: Path) -> Path:
+    """Return a path. Raises InputError if its ending is not a format of figures."""
     if path.suffix.lower() not in ENDINGS:
         raise InputError(
             f"`{path}` must end with the format of a figure: .png, .svg or .pdf, but does not."
         )
+    return path
 
 
 def check_look(look: Look) -> None:

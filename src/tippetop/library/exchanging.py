@@ -231,8 +231,7 @@ def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:
     from ..figures import catalogue, drawing
 
     if path is not None:
-        place = path_of("path", path)
-        catalogue.check_format(place)
+        place = catalogue.check_format(path_of("path", path))
         with in_python():
             drawing.write(figure, place, overwrite=overwrite)
     return figure

@@ -89,9 +89,7 @@ class Plots:
 
         flag("overwrite", overwrite)
         catalogue.check_kind(kind)
-        file = None if path is None else path_of("path", path)
-        if file is not None:
-            catalogue.check_format(file)
+        file = None if path is None else catalogue.check_format(path_of("path", path))
         look = Look(title, size, dpi, dark)
         instance("title", title, str | None, "text")
         instance("size", size, list | tuple | None, "two numbers")

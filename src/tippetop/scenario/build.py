@@ -7,8 +7,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..arguments import measured, plain
-from ..errors import InputError, first_sentences, suggestion
+from ..arguments import choice, measured, plain
+from ..errors import InputError, first_sentences
 from ..mechanics.contact.gliding.gliding_chart import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
 from ..mechanics.friction import LAWS, FrictionLaw
@@ -168,14 +168,11 @@ def _units(system: System, law: type[FrictionLaw] | None) -> dict[str, dict[str,
 def system_of(tables: dict[str, Any]) -> System:
     """Return the registered system that a scenario names. Raises InputError."""
     name = tables.get("system")
-    system = find(name) if isinstance(name, str) else None
     if name is None and "axis" in tables:
         raise InputError("this must be a scenario, but is the plan of a sweep: a sweep runs it.")
-    if system is None:
-        given = "is missing" if name is None else f"is {name!r}"
-        near = suggestion(name, SYSTEMS) if isinstance(name, str) else ""
-        raise InputError(f"`system` must be one of {', '.join(SYSTEMS)}, but {given}.{near}")
-    return system
+    find(str(name))
+    choice("system", name, SYSTEMS)
+    return SYSTEMS[name]
 
 
 def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:

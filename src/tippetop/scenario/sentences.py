@@ -5,7 +5,8 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from ..errors import sentence, suggestion, unknown_key
+from ..arguments import not_among
+from ..errors import sentence, unknown_key
 from ..mechanics.friction import LAWS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of
@@ -19,10 +20,7 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str
     place = error["loc"]
     key, kind = ".".join(map(str, place)), error["type"]
     if key == "friction.law":
-        name, known = tables["friction"].get("law"), laws_of(system)
-        given = "missing" if name is None else repr(name)
-        near = suggestion(str(name), known) if name else ""
-        return f"`{key}` must be one of {', '.join(known)}, but is {given}.{near}"
+        return not_among(key, tables["friction"].get("law"), laws_of(system))
     if kind != "extra_forbidden":
         return error_sentence(error, key, [])
     if key == "friction":
