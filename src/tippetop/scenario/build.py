@@ -172,7 +172,7 @@ def system_of(tables: dict[str, Any]) -> System:
         raise InputError("this must be a scenario, but is the plan of a sweep: a sweep runs it.")
     find(str(name))
     choice("system", name, SYSTEMS)
-    return SYSTEMS[name]
+    return SYSTEMS[str(name)]
 
 
 def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:
