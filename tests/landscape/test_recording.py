@@ -82,7 +82,8 @@ def test_an_unfinished_surface_is_described_without_digests(place, capsys):
     stopped(place, after=1)
     assert outcome(["info", str(place)]) == 0
     shown = capsys.readouterr().out
-    assert "running" in shown and "axes" not in shown
+    assert "running" in shown
+    assert "axes" not in shown
 
 
 def test_another_surface_does_not_go_on(place):
