@@ -59,8 +59,8 @@ class Entry(NamedTuple):
 
 
 def test_entry_points_that_cannot_be_taken_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A name that is taken, and what is no record: a sentence each. The name of the record counts,
-    not that of the entry point.
+    """Each entry point whose name is taken or whose object is not a record has a sentence of its
+    own. The name is that of the record, not of the entry point.
     """
     body = {"mu": tt.extending.number(ONE, "mu"), "coefficient": lambda v2, z, law: law.mu}
     taken, mine = (

@@ -156,7 +156,7 @@ def campaign(
 
     prepare()
     faults = Faults(monkeypatch, root)
-    calm: dict[Any, tuple[int, dict[str, bytes]]] = {}  # by what is counted: operations and files
+    calm: dict[Any, tuple[int, dict[str, bytes]]] = {}  # number of operations, and the files
     for way in ways:
         counted = ONCE.get(way)
         if counted not in calm:

@@ -139,9 +139,7 @@ class Number:
 
     def read(self, key: str, value: Any) -> float:
         """Return a value that is given for it as a float. Raises InputError."""
-        if getattr(value, "ndim", None) == 0:
-            value = value.item()
-        number = None
+        value, number = _scalar(value), None
         if isinstance(value, Real | int) and value is not True and value is not False:
             with contextlib.suppress(OverflowError):
                 number = float(value)
@@ -316,9 +314,13 @@ class Record(tuple, metaclass=RecordType, abstract=True):
 
 def _is_operand(value: Any) -> bool:
     """Return whether only a formula can take a value."""
-    plain = isinstance(value, float | Rational | Decimal) or getattr(value, "size", 0) == 1
-    wide = isinstance(value, np.longdouble)
-    return (wide or not plain) and hasattr(value, "__sub__") and hasattr(value, "__mul__")
+    plain = isinstance(_scalar(value), float | Rational | Decimal)
+    return not plain and hasattr(value, "__sub__") and hasattr(value, "__mul__")
+
+
+def _scalar(value: Any) -> Any:
+    """Return a number of NumPy, or an array of dimension 0, as a number of Python if it can be."""
+    return value.item() if getattr(value, "ndim", None) == 0 else value
 
 
 class Alternative(NamedTuple):

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ..arguments import choice, measured, plain
+from ..arguments import measured, not_among, plain
 from ..errors import InputError, first_sentences
 from ..mechanics.contact.gliding.gliding_chart import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
@@ -168,11 +168,12 @@ def _units(system: System, law: type[FrictionLaw] | None) -> dict[str, dict[str,
 def system_of(tables: dict[str, Any]) -> System:
     """Return the registered system that a scenario names. Raises InputError."""
     name = tables.get("system")
+    system = find(name) if isinstance(name, str) else None
     if name is None and "axis" in tables:
         raise InputError("this must be a scenario, but is the plan of a sweep: a sweep runs it.")
-    find(str(name))
-    choice("system", name, SYSTEMS)
-    return SYSTEMS[str(name)]
+    if system is None:
+        raise InputError(not_among("system", name, SYSTEMS))
+    return system
 
 
 def ending(tables: dict[str, Any], until: Any) -> dict[str, Any]:
