@@ -84,7 +84,7 @@ class Changes:
         self.events, self.known = len(run.events), dict[int, Written]()
         self.loops = np.zeros(len(run.phases) + MOTIONS, np.uint64)
         self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
-        self.made = np.zeros((most, 6 + NUMBERS))
+        self.made = np.zeros((most, 3 + NUMBERS))
         self.numbers = np.array(leaves(run.body)), np.zeros(REGISTERS)
         arrays = self.loops, ctypes.addressof(self.table), *self.numbers, self.made
         times = 0.0, float(run.end), 0.0, chatter
@@ -194,15 +194,13 @@ class Changes:
         record.present, record.began = run.track.at, run.began
         record.length, record.most = 0, changes
         steps = library().loop_run(ctypes.byref(record), steps)
-        for time, number, rows, passages, samples, _, *numbers in self.made[
-            : record.length
-        ].tolist():
+        for time, number, _, *numbers in self.made[: record.length].tolist():
             program, rest = self.known[int(number)], iter(numbers)
-            run.spans.append([program.change.next, int(rows), int(passages), int(samples)])
             run.tables.begin(time, program.row)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
         if record.length:
             run.follow(run.tracks[program.phase], time)
             run.short, run.until = 0, record.clock
+            run.changes += record.length
         return steps

@@ -11,7 +11,7 @@ import weakref
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -290,7 +290,9 @@ class Track:
         code = code_for(problem, self.formulas, run.stop)
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
-        self.place = Place(code, run.stepper_of(code), rows, run.shared)
+        samples = run.shared.samples._replace(in_lane=np.full(1, self.at))
+        shared = run.shared._replace(samples=samples)
+        self.place = Place(code, run.stepper_of(code), rows, shared)
         run.take(self.place, leaves(self.b))
         sampled = [event for event in phase.events if event.sampled]
         self.sampler = Sampler(phase.form, self.b, code.integrator, sampled) if sampled else None
@@ -374,9 +376,7 @@ class HybridDriver(Driver):
         self.wanted, self.tables = Wanted(self.width - len(self.events)), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.short = 0
-        # the phases of a slice: their places, and the numbers of rows, passages and samples before
-        self.spans: list[list[int]] = []
-        self.states = np.empty((self.wanted.variables, 0), number)  # of the rows
+        self.changes = 0  # in a slice
         self.copies: Changes | None = None
         self.kind = self.impacts = self.struck = None
         if problem.contact is not None:
@@ -445,10 +445,9 @@ class HybridDriver(Driver):
             for number, sign in passed:
                 event = self.events[number]
                 if event.sense or (event.lasting and sign == event.direction):
-                    self._note(number, now, self.last, sign)  # of theta: it has a corner
-            self._begin_span()
+                    # of theta: it has a corner
+                    self._note(number, now, sign, cast(Track, before), self.last)
         else:
-            self._begin_span()
             self._fill(lambda times: self._series(n, times.astype(self.number) - now))
             for number, sign in passed:
                 self._note_along(n, number, sign, now)
@@ -482,10 +481,8 @@ class HybridDriver(Driver):
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.spans = weakref.proxy(request), []
+        self.request, self.changes = weakref.proxy(request), 0
         self.forget()
-        self.given = self.wanted.made[0]
-        self._begin_span()
         steps, status, when = 0, None, self.end
         while self.clock[0] < self.end:
             self._fill(lambda times: np.repeat(self.state[None, :], len(times), axis=0))
@@ -503,7 +500,7 @@ class HybridDriver(Driver):
                 self.drop()  # the jump logs it
             if ending is not None:
                 status = self._change(track.exits[ending], when)
-            is_full = len(self.spans) > PER_SLICE or not (ending or track.sampler)
+            is_full = self.changes >= PER_SLICE or not (ending or track.sampler)
             if status is not None or steps >= most or is_full:
                 break
         if status is None:
@@ -543,7 +540,7 @@ class HybridDriver(Driver):
         if self.copies:
             self.copies.learn(self, jump, given)
         for name in n.logged:
-            self._note(self.numbers[name], now + n.logged_after, last, 1)
+            self._note(self.numbers[name], now + n.logged_after, 1, track, last)
         if n.ends:
             self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
@@ -558,8 +555,9 @@ class HybridDriver(Driver):
             self.sentence = f"{jump.where} must lead to a finite state, but leads to {n.x!r:.60}"
             return Status.NON_FINITE
         if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
-            self._add(np.array([when]), last[None])
+            self.add(np.array([when]), last[None])
         self._enter(begun, now, track)
+        self.changes += 1
         sides = self.track.sides(n) if self.problem.contact is None else {}
         for number, (_, count) in sides.items():
             if count and not self.track.has_root(number, count, state, values):
@@ -572,48 +570,22 @@ class HybridDriver(Driver):
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def _begin_span(self) -> None:
-        """Note that rows, passages and samples belong to the present phase from now on."""
-        counts = self.wanted.made[0], self.logged[0], self.sampled_so_far[0]
-        self.spans.append([self.track.at, *counts])
-
-    def ask(self) -> None:
-        self._hand_over()
-        super().ask()
-        states, self.given = self.wanted.rows.states, 0
-        self.states = states if self.number is float else np.empty(states.shape, self.number)
-        for span in self.spans:
-            span[1] = 0
-
-    def _hand_over(self, *others: tuple[int, int, np.ndarray]) -> list[np.ndarray]:
+    def give(self, *others: tuple[Any, np.ndarray]) -> list[np.ndarray]:
         """Give the rows that exist, and return those of other states: see `_rows`."""
-        made = slice(self.given, self.wanted.made[0])
-        rows, *rest = self._rows((1, made.start, self.states[:, made]), *others)
+        made, wanted = self.wanted.give(), self.wanted.rows
+        rows, *rest = self._rows((wanted.phases[made], self.states_of(made)), *others)
         if len(rows):
-            self.request.take(self.wanted.rows.times[made], rows)
-        self.given = made.stop
+            self.request.take(wanted.times[made], rows)
         return rest
 
     def make(self, rows: Rows, most: int) -> int:
         if self.copies is None or self.request.steps or self.track.sampler:
             return super().make(rows, most)
-        return self.copies.drive(self, most, PER_SLICE + 1 - len(self.spans))
+        return self.copies.drive(self, most, PER_SLICE - self.changes)
 
-    def give(self, first: int) -> None:
-        if self.number is not float:
-            states = self.states_of(self.wanted.rows, first).T
-            self.states[: len(states), first : self.wanted.made[0]] = states[: len(self.states)]
-
-    def _add(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Add rows that no step makes: times, and states of the present phase (k, variables)."""
-        made, count = self.wanted.made, len(self.states)
-        part = slice(made[0], made[0] + len(times))
-        self.wanted.rows.times[part], made[0] = times, part.stop
-        self.states[: states.shape[1], part] = states[:, :count].T
-
-    def _note(self, number: int, time: Any, state: np.ndarray, sign: int) -> None:
-        """Log an event that no step has logged, in a state of the phase of the last span."""
-        self.note(time, number, sign, state)
+    def _note(self, number: int, time: Any, sign: int, track: Track, state: np.ndarray) -> None:
+        """Log an event that no step has logged, in a state of a phase."""
+        self.note(time, number, sign, track.at, state)
         if self.events[number].lasting:
             self.tally["lasts_since"] = float(time)
         self.loop.keep(self.all_events.events[number], float(time), sign)
@@ -636,7 +608,7 @@ class HybridDriver(Driver):
                 self.ask()
             times = self.wanted.rows.times[self.wanted.made[0] :]
             if count := int(np.searchsorted(times, self.began)):
-                self._add(times[:count], states_at(times[:count]))
+                self.add(times[:count], states_at(times[:count]))
             if count < len(times) or not count:
                 break
 
@@ -651,24 +623,20 @@ class HybridDriver(Driver):
             return -sign * float(track.formulas.functions(q, carried, track.b)[k])
 
         t = zero_of(function, 0 * n.delay, n.delay)
-        self._note(number, now + t, self._series(n, np.array([t]))[0], sign)
+        self._note(number, now + t, sign, track, self._series(n, np.array([t]))[0])
 
-    def _rows(self, *parts: tuple[int, int, np.ndarray]) -> list[np.ndarray]:
+    def _rows(self, *parts: tuple[Any, np.ndarray]) -> list[np.ndarray]:
         """Return the rows of states.
 
         Parameters
         ----------
         parts
-            What they are: rows (1), passages (2) or samples (3) of a slice, from this number on;
-            and the states (variables, k).
+            The numbers of their phases (k,), and states (k, variables).
         """
         system, variables = self.problem.system, self.problem.variables
-        begin, states = np.array(self.spans), np.concatenate([part[2] for part in parts], axis=1)
-        ends = np.cumsum([part[2].shape[1] for part in parts])
-        at = np.empty(ends[-1], int)
-        for (kind, first, some), mine in zip(parts, np.split(at, ends[:-1]), strict=True):
-            numbers = first + np.arange(some.shape[1])
-            mine[:] = begin[np.searchsorted(begin[:, kind], numbers, side="right") - 1, 0]
+        at = np.concatenate([phases for phases, _ in parts])
+        width = self.width - len(self.events)
+        states = np.concatenate([some[:, :width] for _, some in parts]).T
         rows = np.empty((self.variables, len(at)), self.number)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
@@ -683,16 +651,16 @@ class HybridDriver(Driver):
                 )
                 for row, value in zip(rows, (*read[: variables.moving], *moved), strict=True):
                     row[mine] = value
-        return np.split(rows.T, ends[:-1])
+        return np.split(rows.T, np.cumsum([len(phases) for phases, _ in parts[:-1]]))
 
     def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:
         """Give the rows that exist, and return what else the steps have found."""
         *columns, logged = self.passages()
-        n, samples = self.wanted.variables, self.sampled()
-        logged, samples, end = self._hand_over(
-            (2, 0, logged[:, :n].T),
-            (3, 0, samples[:, :n].T),
-            (1, self.wanted.made[0], np.resize(self.last, (n, 1))),
+        samples, tops = self.sampled(), self.samples.top
+        logged, samples, end = self.give(
+            (self.log.rows["phase"][: len(logged)], logged),
+            (tops[: len(samples)], samples),
+            ([self.track.at], np.resize(self.last, (1, self.width))),
         )
         passages = Passages._make([*(column.copy() for column in columns), logged])
         return Slice(steps, when, end, samples, passages, status, self.tables.take())
@@ -706,8 +674,7 @@ class HybridDriver(Driver):
 
     def present(self) -> np.ndarray:
         """Return the row of the present state, (1, variables)."""
-        self.spans = [[self.track.at, 0, 0, 0]]
-        return self._rows((1, 0, self.state[:, None]))[0]
+        return self._rows(([self.track.at], self.state[None]))[0]
 
     def extremes(self) -> Extremes:
         return extremes_of(self.all_events.events, self.tallies)
