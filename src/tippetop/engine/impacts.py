@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..mechanics.contact import impact_motion as motion
-from ..mechanics.contact.body import Touch, angular_velocity, contact_velocity
+from ..mechanics.contact.body import Moving, Touch, angular_velocity, contact_velocity
 from ..mechanics.contact.impact_motion import CLOCK_RATE
 from ..mechanics.contact.response import Struck, after_impact
-from ..mechanics.contact.state import Moving
 from ..mechanics.friction import PARTS, has_parts
 from ..mechanics.lines import unit_of
 from ..mechanics.operand import Vector, leaves, refill, times

@@ -11,7 +11,15 @@ from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
 from ..number import Record
 from ..operand import Operand, Vector, cos, cross, dot, formula, plus, sin, times
-from ..units import ANGULAR_MOMENTUM, INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE
+from ..units import (
+    ANGULAR_MOMENTUM,
+    INERTIA,
+    KILOGRAM,
+    METRE,
+    METRE_PER_SECOND,
+    METRE_PER_SECOND2,
+    ONE,
+)
 
 
 class Touch(NamedTuple):
@@ -91,6 +99,37 @@ def state(**units: Any) -> Any:
     """Return a state filled with units: 3hat, L about the centre of mass, and more."""
     turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
     return filled(**dict.fromkeys(("ux", "uy", "uz"), ONE), **turning, **units)
+
+
+VELOCITY = dict.fromkeys(("rx_dot", "ry_dot", "rz_dot"), METRE_PER_SECOND)
+
+
+BALLS = ("body", "stem")
+"""Parts that touch the plane; the position of a name is its number in a store."""
+
+
+class Moving(NamedTuple):
+    """The common state: how a body lies and moves."""
+
+    u: Vector  # 3hat
+    L: Vector  # about the centre of mass
+    velocity: Vector  # of the centre of mass
+    height: Operand  # of the centre of mass
+    carried: Any = ()  # the record of the integrals of the run
+
+
+class Reaction(NamedTuple):
+    """Force and torque of the plane on a body."""
+
+    force: Vector
+    drilled: Operand = 0  # power that torques of the contact take
+
+
+def gained(x: Moving, **integrals: Any) -> Moving:
+    """Return the state with more of some integrals, of those that the run has."""
+    known = {name: getattr(x.carried, name, None) for name in integrals}
+    more = {name: old + integrals[name] for name, old in known.items() if old is not None}
+    return x._replace(carried=x.carried._replace(**more))
 
 
 # --- geometry and velocities --------------------------------------------------------------------
