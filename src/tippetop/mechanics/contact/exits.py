@@ -304,7 +304,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
     v, impact = point(x, b), world.struck(x, b, e_n)
     after = impact.after
-    x, v_n = kicked(x, after.p, after.twist, b), after.v.z
+    x, v_n = kicked(x, b, after.p, after.twist), after.v.z
     if e_n == 0:  # it does not rise by rounding
         x, v_n = x._replace(velocity=x.velocity._replace(z=x.velocity.z - v_n)), 0.0
     slides, pushes = (size(v), size(after.v)), (after.p.z, size(after.p))
@@ -312,7 +312,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
     return x, hit, e_n != 0, impact.makes_energy
 
 
-def kicked(x: Moving, p: Vector, twist: Vector, b: Touch) -> Moving:
+def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
     """Return the body after impulses of a force and a torque at its contact."""
     after = after_impact(x.u, x.L, x.velocity, p, twist, b)
     lost = dot(twist, contact.arm(x.u, b))
@@ -536,7 +536,7 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
     to slide with a small speed, so that its next rest is detected.
     """
     b = world.body[ball]
-    x = kicked(n.x, *stopping(n.x.u, n.x.L, n.x.velocity, b), b)
+    x = kicked(n.x, b, *stopping(n.x.u, n.x.L, n.x.velocity, b))
     F, torque = resting(x.u, x.L, b)
     left = margin(F, torque.z, b.friction)
     others = {name: count for name, count in n.zeros.items() if name != RESTS.name}
@@ -558,7 +558,7 @@ def slide_from_rest(x: Moving, world: Any, ball: int, cause: str, zeros: Any = (
     F, torque = resting(x.u, x.L, b)
     v, edge = direction(F, torque.z, b.friction)
     speed = 2 * sqrt(rest_speed2(b))
-    x = kicked(x, *impulses(x.u, times(speed, v), speed * edge / b.friction.patch, b), b)
+    x = kicked(x, b, *impulses(x.u, times(speed, v), speed * edge / b.friction.patch, b))
     name = phase_name("slip", ball, *regions_of(x, b))
     return on_disc(Next(name, x, cause, zeros=dict(zeros)), world)
 
