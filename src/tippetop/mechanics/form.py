@@ -1,11 +1,12 @@
 """Records of a motion: forms, their integrals and quantities, phases of the contact and exits."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from ..errors import names_its_faults
+from ..errors import is_one_number, names_its_faults
 from .event import Event
+from .operand import leaves
 from .readonly import ReadOnly
 from .units import Unit
 
@@ -225,6 +226,29 @@ class Exit:
     event: str
     to: tuple[str, ...]
     jump: Callable
+
+    def fault(self, n: Any, x: Any, events: Collection[str]) -> str:
+        """Return what the result of the jump must be and is not, of a state `x` and with the names
+        of the events of the system; empty if it can follow.
+        """
+        if not isinstance(n, Next):
+            return f"return a Next, but returns {n!r:.60}"
+        if type(n.ends) is not str:
+            return f"have a word in `ends`, but has {n.ends!r:.60}"
+        if n.phase not in self.to and not n.ends:
+            return f"lead to {' or '.join(self.to)}, as its Exit declares, but leads to {n.phase!r}"
+        if type(n.x) is not type(x):
+            return f"return a state as it takes ({type(x).__name__}), but returns {n.x!r:.60}"
+        for name, value in n.x._asdict().items():
+            if not all(is_one_number(one) for one in leaves((value,))):
+                return f"return a number in `{name}` of the state, but returns {value!r:.60}"
+        for what, names in (("logged", n.logged), ("zeros", n.zeros), ("sides", n.sides)):
+            for name in names:
+                if name not in events:
+                    return f"have events of the system in `{what}`, but has {name!r}"
+        if n.zeros and min(n.zeros.values()) < 1:
+            return f"have multiplicities of roots in `zeros`, at least 1, but has {dict(n.zeros)}"
+        return ""
 
 
 @dataclass(frozen=True, eq=False)
