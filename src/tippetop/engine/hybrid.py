@@ -7,7 +7,6 @@ depend on balls or laws. All phases of a run have the same integrals.
 
 import math
 import threading
-import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -34,7 +33,6 @@ from .driver import (
     STEPS_PER_SLICE,
     Driver,
     Extremes,
-    Passages,
     Place,
     Request,
     Shared,
@@ -459,9 +457,11 @@ class HybridDriver(Driver):
 
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
+        return replace(super().advance(request, most), tables=self.tables.take())
+
+    def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.changes = weakref.proxy(request), 0
-        self.forget()
+        self.changes = 0
         steps, status, when = 0, None, self.end
         while self.clock[0] < self.end:
             ending = self._end_next()
@@ -489,7 +489,7 @@ class HybridDriver(Driver):
                 self.tally["upto"] = 0.0
         if status is not None:
             self.tables.end(float(when))
-        return self._slice(steps, when, status)
+        return steps, when, np.resize(self.last, self.width), status
 
     def _end_next(self) -> Any:
         """Put the end of the next steps at that of the phase, or where a sampled event happens in
@@ -539,14 +539,6 @@ class HybridDriver(Driver):
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def give(self, *others: tuple[Any, np.ndarray]) -> list[np.ndarray]:
-        """Give the rows that exist, and return those of other states: see `_rows`."""
-        made, wanted = self.wanted.give(), self.wanted.rows
-        rows, *rest = self._rows((wanted.phases[made], self.states_of(made)), *others)
-        if len(rows):
-            self.request.take(wanted.times[made], rows)
-        return rest
-
     def make(self, rows: Rows, most: int) -> int:
         if self.copies is None or self.request.steps or self.track.sampler:
             return super().make(rows, most)
@@ -588,14 +580,7 @@ class HybridDriver(Driver):
         t = zero_of(function, 0 * n.delay, n.delay)
         self._note(number, now + t, sign, track, self._series(n, t)[0])
 
-    def _rows(self, *parts: tuple[Any, np.ndarray]) -> list[np.ndarray]:
-        """Return the rows of states.
-
-        Parameters
-        ----------
-        parts
-            The numbers of their phases (k,), and states (k, variables).
-        """
+    def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
         system, variables = self.problem.system, self.problem.variables
         at = np.concatenate([phases for phases, _ in parts])
         width = self.width - len(self.events)
@@ -616,28 +601,12 @@ class HybridDriver(Driver):
                     row[mine] = value
         return np.split(rows.T, np.cumsum([len(phases) for phases, _ in parts[:-1]]))
 
-    def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:
-        """Give the rows that exist, and return what else the steps have found."""
-        *columns, logged = self.passages()
-        samples, tops = self.sampled(), self.samples.top
-        logged, samples, end = self.give(
-            (self.log.rows["phase"][: len(logged)], logged),
-            (tops[: len(samples)], samples),
-            ([self.track.at], np.resize(self.last, (1, self.width))),
-        )
-        passages = Passages._make([*(column.copy() for column in columns), logged])
-        return Slice(steps, when, end, samples, passages, status, self.tables.take())
-
     # --- where the run is ------------------------------------------------------------------------
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
         """End the phase that is under way; return its row."""
         self.tables.end(float(self.clock[0]))
         return self.tables.take()
-
-    def present(self) -> np.ndarray:
-        """Return the row of the present state, (1, variables)."""
-        return self._rows(([self.track.at], self.state[None]))[0]
 
     def extremes(self) -> Extremes:
         return extremes_of(self.all_events.events, self.tallies)
