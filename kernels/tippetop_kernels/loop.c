@@ -916,12 +916,12 @@ enum {
 
 /* What follows where a phase ends by an event. Registers begin with the state, the time left, the
    signs of event functions, the numbers of the body and the constants; the results of lines follow.
-   From line `out` on these are the state in which phase `next` begins, of event functions the signs,
-   of which 0 stays, and the roots, the time that the phase lasts (NaN: it has no clock), and the
-   numbers of tables. */
+   From line `out` on these are the state in which phase `next` begins, the time that it lasts (NaN:
+   it has no clock), and the numbers of tables. `sides` are the signs of event functions, of which 0
+   stays, then minus their numbers of roots. */
 typedef struct {
     const Line *lines;
-    const real *constants;
+    const real *constants, *sides;
     integer length, count, out, next, logged, first, last;
 } Change;
 
@@ -1022,9 +1022,8 @@ static bool change_phase(Phases *p) {
         return false;
     const Loop *next = p->loops[c->next];
     const Motion *m = &next->motion;
-    const real *out = results + c->out, *sides = out + next->sizes.variables;
-    const real *roots = sides + events, *others = roots + events;
-    for (const real *number = out; number < sides; number++)
+    const real *out = results + c->out, *others = out + next->sizes.variables;
+    for (const real *number = out; number < others; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
@@ -1042,8 +1041,8 @@ static bool change_phase(Phases *p) {
     m->low[0] = 0;
     m->end[0] = p->clock < p->end ? p->clock : p->end;
     for (integer e = 0; e < events; e++) {
-        signs[e] = sides[e] != 0 ? sides[e] : signs[e];
-        known(l, ON_ZERO, e)[0] = roots[e];
+        signs[e] = c->sides[e] != 0 ? c->sides[e] : signs[e];
+        known(l, ON_ZERO, e)[0] = c->sides[events + e];
     }
     tally->status = RUNNING;
     tally->upto = 1;

@@ -394,7 +394,7 @@ class HybridDriver(Driver):
             track = self.tracks[name] = Track(self, name)
             if self.copies:
                 for jump in track.exits.values():
-                    self.copies.take_up(self, track, jump)
+                    self.copies.take_up(track, jump)
         return self.tracks[name]
 
     def equations(self) -> list[tuple]:
@@ -514,7 +514,7 @@ class HybridDriver(Driver):
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
         begun = n, state, _ = jump(*given)
         if self.copies:
-            self.copies.learn(self, jump, *given)
+            self.copies.learn(jump, *given)
         for name in n.logged:
             self._note(self.numbers[name], now + n.logged_after, 1, track, last)
         if n.ends:
@@ -542,7 +542,7 @@ class HybridDriver(Driver):
     def make(self, rows: Rows, most: int) -> int:
         if self.copies is None or self.request.steps or self.track.sampler:
             return super().make(rows, most)
-        return self.copies.drive(self, most, PER_SLICE - self.changes)
+        return self.copies.drive(most, PER_SLICE - self.changes)
 
     def _note(self, number: int, time: Any, sign: int, track: Track, state: np.ndarray) -> None:
         """Log an event that no step has logged, in a state of a phase."""
