@@ -936,7 +936,7 @@ typedef struct {
 } Phases;
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
-   of its event functions, parameters and state; its results: status, steps, event, state. */
+   of its event functions, state and parameters; its results: status, steps, event, state. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Sizes *n = &l->sizes;
     Tally *tally = l->tallies.lane;
@@ -944,8 +944,8 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     real most = in[1];
     memcpy(known(l, SIGN, 0), in += 2, n->events * sizeof(real));
     memcpy(known(l, ON_ZERO, 0), in += n->events, n->events * sizeof(real));
-    memcpy(l->motion.pars, in += n->events, n->parameters * sizeof(real));
-    memcpy(l->motion.state, in += n->parameters, n->variables * sizeof(real));
+    memcpy(l->motion.state, in += n->events, n->variables * sizeof(real));
+    memcpy(l->motion.pars, in + n->variables, n->parameters * sizeof(real));
     l->motion.high[0] = l->motion.low[0] = 0;
     tally->status = RUNNING;
     tally->upto = 1;

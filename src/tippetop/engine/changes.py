@@ -129,9 +129,9 @@ class Changes:
         state += (0.0,) * (len(run.state) - len(state))
         program = Program(state, (world.left,), tuple(run.signs.tolist()), world.body)
 
-        def followed(region: str, given: list) -> list:
+        def followed(region: str, *given: Any) -> list:
             regions.append(region)
-            return program.call(self._place(region), partial(run.impacts.piece, region), given)
+            return program.call(self._place(region), partial(run.impacts.piece, region), *given)
 
         state, (left,), signs, body = program.inputs
         struck = partial(world.struck, piece=followed)
@@ -177,7 +177,8 @@ class Changes:
 
     def drive(self, steps: int, changes: int) -> int:
         """Make at most so many steps and changes of phase, and return the number of steps."""
-        run, record = self.run, self.record
+        run: Any = self.run
+        record = self.record
         for track in run.tracks.values():
             self._take_loop(track.at, track.place.loop, run.wanted.rows)
         record.present, record.began = run.track.at, run.began

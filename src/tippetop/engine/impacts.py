@@ -5,7 +5,6 @@ once for a law.
 import threading
 from collections.abc import Callable, Iterator
 from functools import lru_cache
-from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -130,20 +129,27 @@ class ImpactMotions:
             self.drivers[region] = kind(code, code.rows, pars, start, functions, 0.0)
         return self.drivers[region]
 
-    def piece(self, region: str, inputs: list) -> list:
-        """Follow a motion until its clock reaches an end or an event happens.
+    def piece(
+        self,
+        region: str,
+        end: Any,
+        most: int,
+        signs: tuple,
+        zeros: tuple,
+        state: tuple,
+        pars: tuple,
+    ) -> list:
+        """Follow a motion until its clock reaches `end` or an event happens.
 
-        Take the end, the most steps, signs and zeros of the event functions, parameters and state.
         Return the code of its status, the number of steps and of the event, -1 without one, and the
         state.
         """
-        driver, (end, most, *rest) = self.driver(region), inputs
-        known, none, numbers = driver.tallies.functions, driver.number(0), iter(rest)
-        for kind in (SIGN, ON_ZERO):
-            known[kind, :, 0] = [*islice(numbers, known.shape[1])]
-        driver.take(driver.place, [*islice(numbers, len(driver.motion.pars))])
+        driver = self.driver(region)
+        known, none = driver.tallies.functions, driver.number(0)
+        known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
+        driver.take(driver.place, pars)
         driver.begin()
-        driver.put([*numbers], (none, none))
+        driver.put(state, (none, none))
         driver.end_at(end)
         driver.forget()
         steps, code = driver.make(NO_ROWS, int(most)), driver.status[0]
@@ -217,17 +223,16 @@ class ImpactMotions:
             if not 0 < lift < np.inf:
                 raise ArithmeticError(UNSOLVED)
             grows = passed == "slowest" or growth >= 0
-            signs = [
+            signs = tuple(
                 event.direction if event.name == "slowest" and grows else -event.direction
                 for event in stage.events
-            ]
-            zeros = [-float(event.name == passed) for event in stage.events]
-            end = CLOCK_RATE * (span if rests else LONGEST)
-            pars = leaves(b)[: len(driver.motion.pars)]
+            )
+            zeros = tuple(-float(event.name == passed) for event in stage.events)
+            end, pad = CLOCK_RATE * (span if rests else LONGEST), driver.width - len(q)
             begins = motion.directed(q) if stage.is_directed else q
-            pad = [0.0] * (driver.width - len(q))
+            state, pars = (*begins, *(0.0,) * pad), tuple(leaves(b))
             status, steps, k, *after = self.follow(
-                self.region, [end, self.left, *signs, *zeros, *pars, *begins, *pad]
+                self.region, end, self.left, signs, zeros, state, pars
             )
             after = motion.Motion._make(after[: len(q)])
             after = motion.undirected(after) if stage.is_directed else after

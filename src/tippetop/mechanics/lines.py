@@ -89,12 +89,13 @@ class Program:
         first, *_ = [self.line("multiply", value, 1.0) for value in values]
         return first
 
-    def call(self, place: int, function: Callable, inputs: Sequence) -> list[Number]:
-        """Let the loop at a place do what a function does: it takes and returns a list of numbers.
-        Return its results.
+    def call(self, place: int, function: Callable, *inputs: Any) -> list[Number]:
+        """Let the loop at a place do what a function does, which takes numbers and records of them,
+        and returns a list of numbers. Return its results.
         """
-        first = self.joined(inputs)
-        made, *others = function([getattr(one, "value", one) for one in inputs])
+        first = self.joined(leaves(inputs))
+        values = (getattr(one, "value", one) for one in leaves(inputs))
+        made, *others = function(*refill(inputs, values))
         results = [self.line("motion", first, place, made)]
         return results + [self.line("result", 0.0, value=value) for value in others]
 
