@@ -106,7 +106,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
             whole, first = (
                 system.read(phase, q, carried, b) if system.read else (phase.leave(q, b), b)
             )
-            read = moment(system, system.phase.form, whole, carried, first)
+            read = moment(system.phase.form, whole, carried, first)
             values += [event.formula(read, first) for event in common]
         return values
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError, owner, suggestion
-from ..mechanics.friction import PARTS, SLIP
+from ..mechanics.friction import PARTS
 from ..mechanics.moment import moment
 from ..mechanics.system import System
 from ..mechanics.units import METRE_PER_SECOND, SECOND_PER_METRE
@@ -166,7 +166,7 @@ def _values_at(system: System, name: str) -> tuple[Callable, dict[int, str]]:
     owners = {number: owner(formula) for number, formula in enumerate(formulas) if owner(formula)}
 
     def values(q: Any, carried: Any, b: Any) -> list:
-        state = moment(system, form, q, carried, b)
+        state = moment(form, q, carried, b)
         return [formula(state, b) for formula in formulas]
 
     return values, owners
@@ -178,13 +178,13 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     Its coefficient must be finite, not negative, smooth at rest, and the same in all units.
     """
     kind, n = type(problems.base.friction), problems.n
-    if not (of := owner(SLIP.get(kind))):
+    if not (of := owner(kind.coefficient)):
         return []
     scales = problems.scales
     law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
 
     def coefficient(v2: Any, z: float, law: Any) -> np.ndarray:
-        return SLIP[kind](np.zeros(n) + v2, np.full(n, z), law) + np.zeros(n)
+        return kind.coefficient(np.zeros(n) + v2, np.full(n, z), law) + np.zeros(n)
 
     def fault(must: str, found: str, bad: np.ndarray) -> list[Fault]:
         return [(f"the coefficient k of {of} must {must}, but {found}.", bad)]
