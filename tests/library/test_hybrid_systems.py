@@ -10,7 +10,7 @@ import pytest
 from test_contact_runs import times
 
 import tippetop as tt
-from tippetop.mechanics.form import Exit, Form, Integral, Next
+from tippetop.mechanics.form import Exit, Form, Integral, Next, Phase
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.units import METRE, METRE_PER_SECOND
 from tippetop.runs.certificate import certificate_violations
@@ -163,12 +163,16 @@ def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
         (("fall", {"v": "fast"}), "return a number in `v` of the state, but returns 'fast'"),
         (("fall", {"v": 1j}), "return a number in `v` of the state, but returns 1j"),
         (("fall", {"h": np.zeros(2)}), "return a number in `h` of the state, but returns array"),
-        (("fall", {}, {"ends": 5}), "have a word in `ends`, but has 5"),
+        (("fall", {}, {"ends": 5}), "have a str in `ends`, but has 5"),
+        (("fall", {}, {"logged": "rests"}), "have a tuple in `logged`, but has 'rests'"),
+        (("fall", {}, {"zeros": ("ground",)}), "have a dict in `zeros`, but has ('ground',)"),
+        (lambda x: Next(x=x), "lead to fall, as its Exit declares, but leads to ''"),
         (lambda x: {}["fall"], "fails: KeyError: 'fall'"),
         (lambda x: 1 / 0, "fails: ZeroDivisionError: division by zero"),
         (("fall", {}, {"logged": ("bonce",)}), "`logged`, but has 'bonce'"),
         (("fall", {}, {"zeros": {"groud": 1}}), "`zeros`, but has 'groud'"),
-        (("fall", {}, {"zeros": {"ground": -1}}), "at least 1"),
+        (("fall", {}, {"zeros": {"ground": -1}}), "1 at least, but has {'ground': -1}"),
+        (("fall", {}, {"zeros": {"ground": 1.5}}), "1 at least, but has {'ground': 1.5}"),
         (("fall", {}, {"zeros": {"ground": 2}}), "no root of multiplicity 2"),
         (("fall", {"h": 0.1}, {"zeros": {"ground": 1}}), "no root of multiplicity 1"),
     ],
@@ -212,8 +216,17 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     fall, rest, state = point.phases["fall"], point.phases["rest"], page["state"]
     other, both = (dataclasses.replace(page["ground"], direction=way) for way in (1, 0))
     phases = {
-        "must lead to phases of the system, but leads to nowhere": {
+        "phases of the system by a tuple of names, but leads to \\('nowhere',\\)": {
             "fall": dataclasses.replace(fall, exits=(Exit("ground", ("nowhere",), None),))
+        },
+        "must have exits with a function `jump`, but has exits by ground": {
+            "fall": dataclasses.replace(fall, exits=(Exit("ground", ("rest",), None),))
+        },
+        "must have the variables and units of the first phase.*, but has h \\[m\\]\\.": {
+            "rest": Phase(Form("plain", Candle(METRE), lambda q, b: Candle(0)))
+        },
+        "must have the variables and units of the first phase.*, but has h \\[m\\], v \\[m\\]": {
+            "rest": Phase(Form("plain", State(METRE, METRE), lambda q, b: State(0, 0)))
         },
         "sky": {"fall": dataclasses.replace(fall, exits=(Exit("sky", ("rest",), None),))},
         "must keep the common state": {
@@ -232,7 +245,7 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
             "fall": dataclasses.replace(fall, events=(both,))
         },
         "no jump logs them, but has bounce, rests": {"fall": dataclasses.replace(fall, exits=())},
-        "lead to phases of the system by a tuple of names, but has exits by ground": {
+        "lead to phases of the system by a tuple of names, but leads to 'r'": {
             "fall": dataclasses.replace(fall, exits=(Exit("ground", "r", None),)),
             "r": rest,
         },

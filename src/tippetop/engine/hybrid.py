@@ -13,6 +13,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
+import heyoka as hy
 import numpy as np
 
 from ..errors import InputError, is_one_number
@@ -239,8 +240,9 @@ def fault_of(n: Any, exit: Exit, x: Any, events: Collection[str]) -> str:
     """Return what the result of a jump must be and is not; empty if it can follow the state `x`."""
     if not isinstance(n, Next):
         return f"return a Next, but returns {n!r:.60}"
-    if type(n.ends) is not str:
-        return f"have a word in `ends`, but has {n.ends!r:.60}"
+    for what, kind in {"ends": str, "logged": tuple, "zeros": dict, "sides": dict}.items():
+        if not isinstance(value := getattr(n, what), kind):
+            return f"have a {kind.__name__} in `{what}`, but has {value!r:.60}"
     if n.phase not in exit.to and not n.ends:
         return f"lead to {' or '.join(exit.to)}, as its Exit declares, but leads to {n.phase!r}"
     if type(n.x) is not type(x):
@@ -252,8 +254,8 @@ def fault_of(n: Any, exit: Exit, x: Any, events: Collection[str]) -> str:
         for name in names:
             if name not in events:
                 return f"have events of the system in `{what}`, but has {name!r}"
-    if n.zeros and min(n.zeros.values()) < 1:
-        return f"have multiplicities of roots in `zeros`, at least 1, but has {dict(n.zeros)}"
+    if not all(type(count) is int and count > 0 for count in n.zeros.values()):
+        return f"have multiplicities of roots in `zeros`, 1 at least, but has {dict(n.zeros)}"
     return ""
 
 
@@ -672,8 +674,9 @@ class HybridDriver(Driver):
         rows = np.empty((self.variables, len(at)), self.number)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
-            if len(mine):
-                n, state = track.variables.moving, states[: track.width].take(mine, 1)
+            # NumPy cannot multiply an array of quadruple numbers by a literal of a user's formula
+            for some in mine if self.number is hy.real128 else [mine][: len(mine)]:
+                n, state = track.variables.moving, states[: track.width, some]
                 q, moved = type(track.phase.form.units)(*state[:n]), state[n:]
                 carried = variables.carried(*(moved * self.number(1 / INTEGRAL_SCALE)))
                 read = (
@@ -682,7 +685,7 @@ class HybridDriver(Driver):
                     else track.phase.leave(q, track.b)
                 )
                 for row, value in zip(rows, (*read[: variables.moving], *moved), strict=True):
-                    row[mine] = value
+                    row[some] = value
         return np.split(rows.T, ends[:-1])
 
     def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:

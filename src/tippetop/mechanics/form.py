@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from ..errors import names_its_faults
+from ..errors import InputError, names_its_faults
 from .event import Event
 from .readonly import ReadOnly
 from .units import Unit
@@ -89,6 +89,14 @@ class Orientation:
     psi: Callable | None = None
 
 
+def all_are(records: Any, container: type, kind: type) -> bool:
+    """Return whether records are a container, Mapping or Sequence, of records of one kind."""
+    if not isinstance(records, container):
+        return False
+    values = records.values() if isinstance(records, Mapping) else records
+    return all(isinstance(record, kind) for record in values)
+
+
 class Domain(NamedTuple):
     """A scalar function, formula(scalars, b), that must stay positive; the meaning otherwise."""
 
@@ -155,7 +163,7 @@ class Next:
     Parameters
     ----------
     phase
-        Its name.
+        Its name; it may be empty where the run ends.
     x
         The common state in which it begins. If it has a field `carried`, that is the record of the
         integrals of the run; otherwise integrals continue.
@@ -185,8 +193,8 @@ class Next:
         The status with which the run ends, and why; empty: it continues.
     """
 
-    phase: str
-    x: Any
+    phase: str = ""
+    x: Any = None
     cause: str | None = None
     delay: Any = 0
     series: Any = None
@@ -270,9 +278,13 @@ class Phase:
 
     def __post_init__(self) -> None:
         forms = {"": self.forms} if isinstance(self.forms, Form) else self.forms
-        if isinstance(forms, Mapping):
-            by_name = {getattr(form, "name", key): form for key, form in forms.items()}
-            object.__setattr__(self, "forms", ReadOnly(by_name))
+        if not (forms and all_are(forms, Mapping, Form)):
+            raise InputError(f"`forms` of a Phase must be a Form or a dict, but is {forms!r:.60}.")
+        object.__setattr__(self, "forms", ReadOnly({form.name: form for form in forms.values()}))
+        for name, kind in {"quantities": Quantity, "events": Event, "exits": Exit}.items():
+            if not all_are(records := getattr(self, name), Sequence, kind):
+                must = f"`{name}` of a Phase must be a tuple of {kind.__name__}"
+                raise InputError(f"{must}, but is {records!r:.60}.")
 
     @property
     def form(self) -> Form:
