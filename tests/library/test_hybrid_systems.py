@@ -12,7 +12,7 @@ from test_contact_runs import times
 import tippetop as tt
 from tippetop.mechanics.form import Exit, Form, Integral, Next, Phase
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.mechanics.units import METRE, METRE_PER_SECOND
+from tippetop.mechanics.units import METRE, METRE_PER_SECOND, ONE
 from tippetop.runs.certificate import certificate_violations
 
 
@@ -131,13 +131,49 @@ def test_a_block_sticks_and_slips_with_its_period(page: dict) -> None:
     np.testing.assert_allclose(sticks - slips[: len(sticks)], slipping, rtol=1e-12)
 
 
-def test_an_ensemble_of_them_is_refused_or_the_runs_of_each(page: dict) -> None:
+def test_an_ensemble_without_an_axis_is_refused(page: dict) -> None:
     with pytest.raises(tt.InputError, match="`form` must integrate"):
         tt.ensemble(
             {"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}},
             {"parameters.e": [0.3, 0.6]},
             until=1.0,
         )
+
+
+class Stick(NamedTuple):
+    h: Any
+    v: Any
+    ux: Any
+    uy: Any
+    uz: Any
+
+
+def test_a_jump_that_fails_in_one_member_does_not_end_an_ensemble(page: dict) -> None:
+    def bounce(x: Any, world: Any) -> Next:
+        if world.body.e > 0.5:
+            raise ValueError("too elastic")
+        fallen = Stick(0, -world.body.e * x.v, *x[2:])
+        return Next("fall", fallen, zeros={"ground": 1}, logged=("bounce",))
+
+    units = Stick(METRE, METRE_PER_SECOND, ONE, ONE, ONE)
+    fall = dataclasses.replace(
+        SYSTEMS["bouncing-point"].phases["fall"],
+        forms=Form("vector", units, lambda q, b: Stick(q.v, -b.g, 0, 0, 0)),
+        exits=(Exit("ground", ("fall",), bounce),),
+    )
+    numbers = {name: page[name] for name in ("g", "e")}
+    words = {name: name for name in (*Stick._fields, "axis")}
+    axis = {"axis": ("ux", "uy", "uz")}
+    tt.extending.register(
+        tt.extending.System("stick", numbers, {"fall": fall}, vectors=axis, long_names=words)
+    )
+    stick = {"system": "stick", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1, "uz": 1}}
+    tops = tt.ensemble(stick, {"parameters.e": [0.3, 0.6, 0.4]}, until=0.6)
+    names = tops.status.attrs["flag_meanings"].split()
+    assert [names[code] for code in tops.status.values] == ["finished", "invalid", "finished"]
+    assert tops.attrs["faults"] == [
+        "top 1: the jump by `ground` from phase `fall` of `stick` fails: ValueError: too elastic"
+    ]
 
 
 def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
