@@ -104,7 +104,7 @@ typedef struct {
 
 typedef struct {
     real time;
-    integer event, sign;
+    integer event, sign, phase;
     bool at_pole;
 } Passage;
 
@@ -134,7 +134,7 @@ typedef struct {
 
 typedef struct {
     real *times, *states;
-    integer *filled;
+    integer *phases, *filled;
     integer steps, count, variables;
 } Rows;
 
@@ -582,7 +582,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     loop_keep(l, event->first, event->last, lane, when, sign);
     const Log *log = &l->log;
     if (log->filled[0] < l->sizes.log)
-        log->rows[log->filled[0]++] = (Passage){when, e, (integer)sign, at_pole};
+        log->rows[log->filled[0]++] = (Passage){when, e, (integer)sign, *l->samples.in_lane, at_pole};
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
@@ -705,6 +705,8 @@ FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
 static void write_rows(const Loop *l, integer at, integer count) {
     const Rows *rows = &l->output;
     real when[TIMES], out[rows->variables * TIMES];
+    for (integer k = at; k < at + count; k++)
+        rows->phases[k] = *l->samples.in_lane;
     if (count <= FEW || !l->fused) {
         for (integer k = at; k < at + count; k++) {
             state_at(l, 0, rows->times[k]);
@@ -732,7 +734,7 @@ static bool take_rows(const Loop *l, bool moved) {
     if (rows->steps && moved && tally->upto == 1 && tally->status != NON_FINITE) {
         rows->times[*filled] = l->motion.high[0];
         copy(rows->variables, l->motion.state, l->sizes.lanes, rows->states + *filled, rows->count);
-        ++*filled;
+        rows->phases[(*filled)++] = *l->samples.in_lane;
     }
     if (rows->steps || tally->status == NON_FINITE || tally->steps == 0)
         return *filled == rows->count;
@@ -928,8 +930,7 @@ typedef struct {
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
     const real *body;
     real *registers;
-    real *made; /* of each change: time, phase and event, counts of rows, passages and samples, then
-                   the last registers */
+    real *made; /* of each change: time, phase and event, then the last registers */
     real began, end, clock, chatter;
     integer present, count, most, numbers, width;
 } Phases;
@@ -1028,13 +1029,12 @@ static bool change_phase(Phases *p) {
     if (finite != 0)
         return false;
 
-    log->rows[at] = (Passage){when, c->logged, 1, false};
+    log->rows[at] = (Passage){when, c->logged, 1, p->present, false};
     loop_keep(l, c->first, c->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
-    real counts[] = {when, (real)(c - p->changes), (real)l->output.filled[0], (real)(at + 1),
-                     (real)l->samples.filled[0]};
-    memcpy(made, counts, sizeof counts);
-    copy(p->width - 5, others, 1, made + 5, 1);
+    made[0] = when;
+    made[1] = (real)(c - p->changes);
+    copy(p->width - 2, others, 1, made + 2, 1);
 
     copy(next->sizes.variables, out, 1, m->state, 1);
     p->clock = when + others[0];

@@ -162,7 +162,8 @@ def _values_at(system: System, name: str) -> tuple[Callable, dict[int, str]]:
     evaluated: they may read the reaction, which is not known before the first phase.
     """
     form = system.forms[name]
-    of_user = [one.formula for one in (*system.quantities, *system.events) if owner(one.formula)]
+    records: list[Any] = [*system.quantities, *system.events]
+    of_user = [one.formula for one in records if owner(one.formula)]
     formulas = [domain.formula for domain in form.domains]
     formulas += [one.formula for one in system.quantities if not owner(one.formula)]
     formulas += of_user if system.row is None else []
