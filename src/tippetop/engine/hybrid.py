@@ -13,6 +13,7 @@ from functools import lru_cache
 from operator import itemgetter
 from typing import Any, NamedTuple, cast
 
+import heyoka as hy
 import numpy as np
 
 from ..errors import InputError
@@ -105,7 +106,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
             whole, first = (
                 system.read(phase, q, carried, b) if system.read else (phase.leave(q, b), b)
             )
-            read = moment(system, system.phase.form, whole, carried, first)
+            read = moment(system.phase.form, whole, carried, first)
             values += [event.formula(read, first) for event in common]
         return values
 
@@ -588,8 +589,10 @@ class HybridDriver(Driver):
         rows = np.empty((self.variables, len(at)), self.number)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
-            if len(mine):
-                n, state = track.variables.moving, states[: track.width].take(mine, 1)
+            # NumPy cannot multiply an array of quadruple numbers by a literal of a user's formula
+            each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
+            for some in each:
+                n, state = track.variables.moving, states[: track.width, some]
                 q, moved = type(track.phase.form.units)(*state[:n]), state[n:]
                 carried = variables.carried(*(moved * self.number(1 / INTEGRAL_SCALE)))
                 read = (
@@ -598,7 +601,7 @@ class HybridDriver(Driver):
                     else track.phase.leave(q, track.b)
                 )
                 for row, value in zip(rows, (*read[: variables.moving], *moved), strict=True):
-                    row[mine] = value
+                    row[some] = value
         return np.split(rows.T, np.cumsum([len(phases) for phases, _ in parts[:-1]]))
 
     # --- where the run is ------------------------------------------------------------------------

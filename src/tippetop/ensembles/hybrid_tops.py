@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.status import Status
+from ..errors import InputError
 from ..problem import Problem, Problems
 from ..runs.integration import Integration
 from ..runs.reporting import report
@@ -61,7 +62,7 @@ def run_each(
     Parameters
     ----------
     outcomes
-        A row per top; those of tops whose contact cannot be followed are marked as invalid.
+        A row per top; those of tops that cannot be followed are marked as invalid.
     numbers
         Of the tops.
     progress
@@ -70,11 +71,13 @@ def run_each(
     tops = outcomes.tops
     for done, top in enumerate(numbers.tolist(), 1):
         problem = problem_of(tops, top)
-        if faults := faults_of(problem):
-            outcomes.status[top] = Status.INVALID.code
-            outcomes.faults.append((top, faults[0]))
-        else:
+        try:
+            if faults := faults_of(problem):
+                raise InputError(faults)
             _run(outcomes, top, problem)
+        except InputError as error:
+            outcomes.status[top] = Status.INVALID.code
+            outcomes.faults.append((top, error.sentences[0]))
         if progress is not None:
             progress(done, len(numbers))
 
