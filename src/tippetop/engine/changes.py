@@ -155,8 +155,8 @@ class Changes:
         if not is_plain:
             return None
         sides = np.zeros((2, self.events))  # and minus the number of roots
-        for k, (side, roots) in to.sides(n).items():
-            sides[:, k] = side, -roots
+        for k, side in to.sides(n).items():
+            sides[:, k] = side
         pad, none = (
             [0.0] * size
             for size in (len(to.place.motion.state) - len(state), NUMBERS - len(numbers))

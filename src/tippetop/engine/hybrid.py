@@ -306,11 +306,11 @@ class Track:
         return records
 
     def sides(self, n: Next) -> dict[int, tuple[int, int]]:
-        """Return the signs with which the events that end the phase begin, and how many roots they
-        have there, by number.
+        """Return the signs with which the events that end the phase begin, and minus the numbers of
+        their roots there, by number.
         """
         return {
-            k: (n.sides.get(event.name, -event.direction), n.zeros.get(event.name, 0))
+            k: (n.sides.get(event.name, -event.direction), -n.zeros.get(event.name, 0))
             for k, event in self.events.items()
             if k in self.exits
         }
@@ -441,17 +441,17 @@ class HybridDriver(Driver):
         Return the events that have passed in the jump, and their signs now.
         """
         track, signs, zeros, passed = self.track, self.signs, self.zeros, []
-        known = before.live if before else ()
+        known, sides = before.live if before else (), track.sides(n)
         for number, value in zip(track.events, values, strict=True):
-            sign, is_near, is_new = 1 if value > 0 else -1, abs(value) < BELOW, number not in known
-            if number in track.live and not is_new and sign != signs[number]:
-                if is_near:
-                    sign = int(signs[number])
-                else:
-                    passed.append((number, sign))
-            signs[number], zeros[number] = sign, is_new and is_near
-        for number, (side, roots) in track.sides(n).items():
-            signs[number], zeros[number] = side, -roots
+            sign, is_near = 1 if value > 0 else -1, abs(value) < BELOW
+            zeros[number] = 0
+            if number in sides:
+                signs[number], zeros[number] = sides[number]
+            elif number not in known:
+                signs[number], zeros[number] = sign, is_near
+            elif sign != signs[number] and not is_near:
+                signs[number] = sign
+                passed.append((number, sign))
         return passed
 
     # --- steps -----------------------------------------------------------------------------------
