@@ -9,6 +9,7 @@ from typing import Any
 
 from ..columns import symbol
 from ..errors import InputError, a_system
+from ..store.files import replacing, writing
 from .catalogue import FIGURES, PLAIN, Look, check_kind
 
 
@@ -174,8 +175,23 @@ def drawn(draw: Callable[[], Any], look: Look = PLAIN, ax: Any = None) -> Any:
 
 
 def write(picture: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = False) -> None:
-    """Write Axes, or a Figure, in the format of the ending of `path`. Raises StoreError."""
-    from .style import save, styled
+    """Write Axes, or a Figure, atomically in the format of the ending of `path`.
 
-    with styled(dark=look.dark):
-        save(picture.get_figure(root=True), path, dpi=look.dpi, overwrite=overwrite)
+    Raises StoreError, also if the file exists and must not be overwritten.
+    """
+    from .style import styled
+
+    figure, ending = picture.get_figure(root=True), path.suffix.removeprefix(".").lower()
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
+    with (
+        styled(dark=look.dark),
+        writing(path),
+        replacing(path, overwrite=overwrite) as scratch,
+    ):
+        figure.savefig(
+            scratch,
+            dpi=look.dpi,
+            format=ending,
+            facecolor=figure.get_facecolor(),
+            metadata=undated,
+        )

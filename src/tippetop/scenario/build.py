@@ -112,7 +112,7 @@ def problem(
         *_pole_faults(built),
         *run.option_faults(kinds),
         *column_faults(run.columns or (), known_columns, run.orientation),
-    ] or [sentence for _, sentence in built.alone.check()[1]]
+    ] or [sentence for _, sentence in built.alone.checked[1]]
     if faults:
         raise InputError(faults)
     vars(built)["checked"] = True

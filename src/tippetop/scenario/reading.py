@@ -3,7 +3,7 @@
 import re
 import tomllib
 from collections.abc import Collection, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -39,11 +39,6 @@ def _presets() -> dict[str, str]:
     return {name: (folder / f"{name}.toml").read_text(encoding="utf-8") for name in names}
 
 
-@cache
-def _preset(name: str) -> dict[str, Any]:
-    return tomllib.loads(_presets()[name])
-
-
 def read(source: str) -> dict[str, Any]:
     """Return the tables of a TOML file or of a preset. Raises InputError."""
     path = Path(source)
@@ -55,8 +50,10 @@ def read(source: str) -> dict[str, Any]:
                     f"`{source}` is neither a TOML file nor a preset.{suggestion(source, known)} "
                     f"The presets are {', '.join(known)}."
                 )
-            return plain(_preset(source))
-        return _parsed(path.read_text(encoding="utf-8-sig"))
+            text = known[source]
+        else:
+            text = path.read_text(encoding="utf-8-sig")
+        return plain(_parsed(text))
     except InputError:
         raise
     except OSError as error:
@@ -65,6 +62,7 @@ def read(source: str) -> dict[str, Any]:
         raise InputError(f"`{source}` is not valid TOML in UTF-8: {error}.") from None
 
 
+@lru_cache(maxsize=64)
 def _parsed(text: str) -> dict[str, Any]:
     """Return the tables of a TOML text. Raises ValueError."""
     try:

@@ -76,10 +76,6 @@ def make_map(path: Path, kind: str) -> Map:
 
     Raises InputError for an unknown kind, or one whose column was not kept; StoreError.
     """
-    if kind not in NEEDED:
-        raise InputError(
-            f"the kind of figure must be one of {', '.join(NEEDED)} of a sweep, but is `{kind}`."
-        )
     table = open_sweep(path)
     plan = Plan.from_tables(table.attrs["plan"])
     numbers = plan.design.numbers(np.arange(plan.n))
