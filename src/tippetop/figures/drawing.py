@@ -10,7 +10,7 @@ from typing import Any
 from ..columns import symbol
 from ..errors import InputError, a_system
 from ..store.files import replacing, writing
-from .catalogue import FIGURES, PLAIN, Look, check_kind
+from .catalogue import COMPARED, FIGURES, PLAIN, Look, check_kind
 
 
 def _drawings() -> dict[str, Callable]:
@@ -122,8 +122,9 @@ def several(
 
     check_kind(kind)
     if not FIGURES[kind].compares:
-        known = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
-        raise InputError(f"several runs are drawn together as {known}; `{kind}` is drawn of one.")
+        raise InputError(
+            f"several runs are drawn together as {COMPARED}; `{kind}` is drawn of one."
+        )
     for trajectory, attrs in runs:
         _refuse(kind, trajectory, attrs)
     known_runs = [(trajectory, with_records(attrs)) for trajectory, attrs in runs]

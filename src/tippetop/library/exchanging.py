@@ -1,7 +1,7 @@
 """The calls that hold another program's motion against ours."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ from ..exchange import fit_text, fitting, measurements
 from ..exchange.motion import convention_of
 from ..exchange.verdict import Verdict
 from ..problem import Problem
-from ..progress import reporting
+from ..progress import Report, reporting
 from ..runs.starting import load_any
 from .finished_run import Run
 from .sources import problem_behind
@@ -164,7 +164,7 @@ def fit(
     quaternion: str | None = None,
     up: str = "z",
     noise: float | str | None = None,
-    progress: Callable[[int, int], None] | bool = False,
+    progress: Report | bool = False,
 ) -> Fitted:
     """Fit numbers of a scenario to a measured motion, by least squares with exact derivatives.
 

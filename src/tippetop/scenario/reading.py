@@ -124,11 +124,11 @@ def merged(table: str, old: dict[str, Any], given: Mapping[str, Any]) -> dict[st
     return {key: value for key, value in old.items() if key not in replaced} | dict(given)
 
 
-def law_name(tables: Mapping[str, Any]) -> str | None:
-    """Return the name of the law in the tables of a scenario, or None without one."""
+def law_name(tables: Mapping[str, Any]) -> str:
+    """Return the name of the law in the tables of a scenario, "" without one."""
     friction = tables.get("friction")
     name = friction.get("law") if isinstance(friction, dict) else None
-    return name if isinstance(name, str) else None
+    return name if isinstance(name, str) else ""
 
 
 def _value(key: str, text: str) -> Any:

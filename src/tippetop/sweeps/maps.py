@@ -124,12 +124,11 @@ def make_map(path: Path, kind: str) -> Map:
         notes.append(f"{how} of the tops in a cell")
     if table.attrs["status"] != "finished":
         notes.append("unfinished")
-    title = table.attrs["title"].partition(": ")[2]
     borders = {}  # none where the tops of a cell have other numbers than its axes
     if not any(axis.sampled for axis in varying[2:]):
         rest = [axis for axis in plan.design.axes if axis not in varying[:2]]
         borders = borders_of(plan, axes, {axis.key: _middle(axis) for axis in rest})
-    return Map(kind, title, axes, fields, borders, notes)
+    return Map(kind, plan.base.system.title, axes, fields, borders, notes)
 
 
 def borders_of(
