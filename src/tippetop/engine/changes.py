@@ -85,13 +85,13 @@ class Changes:
         self.loops = np.zeros(len(run.phases) + MOTIONS, np.uint64)
         self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
         self.made = np.zeros((most, 3 + NUMBERS))
-        self.numbers = np.array(leaves(run.body)), np.zeros(REGISTERS)
+        self.numbers = np.array(leaves(run.world.body)), np.zeros(REGISTERS)
         arrays = self.loops, ctypes.addressof(self.table), *self.numbers, self.made
         times = 0.0, float(run.end), 0.0, chatter
         sizes = 0, 0, most, len(self.numbers[0]), self.made.shape[1]
         self.record: Any = filled(_Phases(*arrays, *times, *sizes))
 
-    def learn(self, run: Any, jump: Any, given: tuple) -> None:
+    def learn(self, run: Any, jump: Any, *given: Any) -> None:
         """Let the loop make a change of the present phase by itself, if its jump only begins a
         phase; Python has made it with these arguments.
         """
@@ -111,13 +111,11 @@ class Changes:
                 run.impacts.driver(region)
             self.table[number], self.known[number] = filled(program.change), program
 
-    def _traced(
-        self, run: Any, jump: Any, state: tuple, left: Any, struck: Any, body: Any
-    ) -> Written | None:
+    def _traced(self, run: Any, jump: Any, state: tuple, world: Any) -> Written | None:
         """Return the program of a jump; None where it does more than begin a phase."""
         track, regions = run.track, list[str]()
         state += (0.0,) * (len(run.state) - len(state))
-        program = Program(state, (left,), tuple(run.signs.tolist()), body)
+        program = Program(state, (world.left,), tuple(run.signs.tolist()), world.body)
 
         def followed(region: str, *given: Any) -> tuple:
             driver = run.impacts.driver(region)
@@ -133,8 +131,9 @@ class Changes:
             return *made[:3], q._make(made[3 : 3 + len(q)])
 
         state, (left,), signs, body = program.inputs
+        struck = partial(world.struck, piece=followed)
         try:
-            n, state, values = jump(state, left, partial(struck, piece=followed), body)
+            n, state, values = jump(state, world._replace(body=body, left=left, struck=struck))
             to = run.track_of(n.phase)
         except Exception:  # whatever a jump does that is no line
             return None

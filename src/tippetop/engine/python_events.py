@@ -1,7 +1,7 @@
 """Events of a phase that Python evaluates, whose functions have no Taylor series."""
 
 import copy
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..mechanics.event import Event
@@ -20,23 +20,23 @@ class Sampler:
     integrator
         Of the phase.
     events
-        Those that are sampled.
+        Those that are sampled, by number.
     """
 
-    def __init__(self, form: Form, b: Any, integrator: Any, events: Sequence[Event]):
+    def __init__(self, form: Form, b: Any, integrator: Any, events: Mapping[int, Event]):
         self.form, self.b, self.events = form, b, events
         self.integrator = ta = copy.deepcopy(integrator)
         ta.pars[:] = leaves(b)[: len(ta.pars)]
 
-    def next(self, run: Driver) -> list[tuple[Any, str]]:
+    def next(self, run: Driver) -> list[tuple[Any, int]]:
         """Return the internal times of events that would end the phase in the next step, and their
-        names.
+        numbers.
         """
         ta, (high, low) = self.integrator, run.clock
         ta.state[:], ta.time = run.state, run.number(0)
         _, h = ta.step(write_tc=True)
-        zeros = [(self._zero(event, h), event.name) for event in self.events]
-        return [(run.number(high) + (low + t), name) for t, name in zeros if t is not None]
+        zeros = [(self._zero(event, h), number) for number, event in self.events.items()]
+        return [(run.number(high) + (low + t), number) for t, number in zeros if t is not None]
 
     def _zero(self, event: Event, h: Any) -> Any:
         """Return the time in a step of length h at which an event function has become negative."""

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.status import Status
+from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
 from ..runs.integration import Integration
@@ -59,7 +60,7 @@ def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -
     Parameters
     ----------
     outcomes
-        A row per top; those of tops whose contact cannot be followed are marked as invalid.
+        A row per top; those of tops that cannot be followed are marked as invalid.
     numbers
         Of the tops.
     progress
@@ -68,11 +69,13 @@ def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -
     tops = outcomes.tops
     for done, top in enumerate(numbers.tolist(), 1):
         problem = problem_of(tops, top)
-        if faults := faults_of(problem):
-            outcomes.status[top] = Status.INVALID.code
-            outcomes.faults.append((top, faults[0]))
-        else:
+        try:
+            if faults := faults_of(problem):
+                raise InputError(faults)
             _run(outcomes, top, problem)
+        except InputError as error:
+            outcomes.status[top] = Status.INVALID.code
+            outcomes.faults.append((top, error.sentences[0]))
         if progress is not None:
             progress(done, len(numbers))
 

@@ -220,7 +220,7 @@ class Problems:
 
     def moment(self, states: np.ndarray, body: Any) -> Moment:
         """Return the arguments of formulas for states (variables, k), in internal units."""
-        return moment(self.base.system, self.base.form, *self.variables.split(states), body)
+        return moment(self.base.form, *self.variables.split(states), body)
 
     @property
     def valid(self) -> np.ndarray:
