@@ -1,6 +1,5 @@
 """Tops whose contact may change its phase, each followed by a separate driver instead of a lane."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -9,6 +8,7 @@ import numpy as np
 from ..engine.status import Status
 from ..errors import InputError
 from ..problem import Problem, Problems
+from ..progress import Report
 from ..runs.integration import Integration
 from ..runs.reporting import report
 from ..runs.sinks import Sink
@@ -35,7 +35,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
     parameters, initial = numbers("parameters"), numbers("initial")
     if touches(base) and "initial.gap" not in tops.columns:
         initial.pop("gap", None)
-        initial = on_stem(initial, parameters.get("R", 0.0), rules)
+        initial = on_stem(initial, parameters, rules)
     return replace(
         base,
         parameters=parameters,
@@ -54,9 +54,7 @@ def faults_of(problem: Problem) -> list[str]:
     return [*problem.clashes(), *contact_faults(problem)]
 
 
-def run_each(
-    outcomes: Outcomes, numbers: np.ndarray, progress: Callable[[int, int], None] | None
-) -> None:
+def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -> None:
     """Run tops one after the other, and write their rows.
 
     Parameters

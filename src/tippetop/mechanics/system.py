@@ -324,13 +324,18 @@ class System:
         faults += [unknown_key(f"parameters.{name}", self.parameters) for name in unknown]
         return faults or list(self.checks(parameters))
 
-    def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
+    @property
+    def record_names(self) -> set[str]:
+        """Names of the events and of the quantities."""
+        return {event.name for event in self.events} | {q.name for q in self.quantities}
+
+    def clashes(self, initial: Mapping[str, Any], verb: str = "is given") -> list[str]:
         """Return messages on initial data that determine the same number in two ways.
 
         Parameters
         ----------
         initial
-            Names of initial data.
+            Initial data by name; flags that are false count as not given.
         verb
             The verb of the message for the others.
 
@@ -339,10 +344,11 @@ class System:
         list of str
             Empty if each datum is given once.
         """
+        given = {name for name, value in initial.items() if value is not False}
         return [
             a.fault(verb)
             for a in self.alternatives
-            if a.name in initial and not set(a.others).isdisjoint(initial)
+            if a.name in given and not given.isdisjoint(a.others)
         ]
 
     def rivals(self, name: str) -> set[str]:

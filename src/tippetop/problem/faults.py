@@ -64,8 +64,7 @@ def key_faults(
             faults.append(f"`{key}` must be one of {', '.join(known)}, but is not.{hint}")
     varied = [key.partition(".")[2] for key in keys if key.startswith("initial.")]
     start = base.system.replaced(base.initial, dict.fromkeys(varied))
-    given = [name for name, value in start.items() if value is not False]
-    return faults + base.system.clashes(given, "varies")
+    return faults + base.system.clashes(start, "varies")
 
 
 def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
