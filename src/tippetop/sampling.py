@@ -60,6 +60,11 @@ class ListedTimes:
         return int(np.searchsorted(self.times, t, side="right" if inclusive else "left"))
 
 
+def spread(size: int, count: int) -> np.ndarray:
+    """Return at most `count` indices of `size`, evenly, the first and the last among them."""
+    return np.unique(np.linspace(0, size - 1, count).astype(int))
+
+
 def extremes(values: np.ndarray, size: int) -> np.ndarray:
     """Return the indices of the least and the greatest value per `size` values, and of the last.
 

@@ -79,7 +79,8 @@ def run(
                 out,
             )
     if certify:
-        attrs["certificate"] = finite(certificate(problem, following=bar_of_run))
+        with bar_of_run() as progress:
+            attrs["certificate"] = finite(certificate(problem, progress=progress))
         if out is not None:
             annotate(out, {"certificate": attrs["certificate"]})
     if figure is not None:

@@ -53,9 +53,7 @@ class Observation:
     seen
         The measured motion.
     marker
-        The place of the marker in body axes, from the centre of mass [m], (3,).
-    places
-        The measured places of the marker, space frame, (rows, 3).
+        The place of the marker in body axes, from the centre of mass [m].
     noise
         Standard deviation of measured angles and directions [rad]; None: unknown.
 
@@ -70,8 +68,7 @@ class Observation:
         problem: Problem,
         free: Sequence[str],
         seen: Motion,
-        marker: np.ndarray | None = None,
-        places: np.ndarray | None = None,
+        marker: tuple[float, float, float] | None = None,
         noise: float | None = None,
     ):
         self.free, self.t, self.noise = tuple(free), seen.t, noise
@@ -94,8 +91,8 @@ class Observation:
             raise InputError(faults)
         self.own = tuple(name for name in free if name not in TIMES)
         self.numbers = Numbers(problem, self.own)
-        self.marker, self.places = marker, places
-        self.groups = _groups(problem, seen, places)
+        self.marker = marker
+        self.groups = _groups(problem, seen)
         if not self.groups:
             raise InputError(
                 "the table must have theta, an axis, a quaternion, omega3, a place or a marker."
@@ -237,7 +234,7 @@ class Observation:
         return axes, residuals.turning(a, c, first[..., 1:], third[..., 1:])
 
 
-def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[str, np.ndarray]:
+def _groups(problem: Problem, seen: Motion) -> dict[str, np.ndarray]:
     """Return the measurements by kind, (rows, parts), each quantity once."""
     groups: dict[str, np.ndarray] = {}
     top = "axis" in problem.system.vectors
@@ -252,6 +249,6 @@ def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[s
     flat = {"x", "y"} <= set(problem.system.angles._fields)
     if flat and seen.place is not None and np.isfinite(seen.place[:, :2]).any():
         groups["place"] = seen.place[:, :2]
-    if places is not None:
-        groups["marker"] = places
+    if seen.marker is not None:
+        groups["marker"] = seen.marker
     return groups

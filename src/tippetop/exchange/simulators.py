@@ -16,7 +16,6 @@ from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON
 from ..problem import Problem
 
 
-FORMATS = ("mjcf", "urdf", "sdf")
 TIP = 1e-3  # radius of the ball for a tip, in lengths from the tip to the centre of mass
 # [s]. A soft contact is as stiff as the step allows; see docs/how-to/compare-a-simulator.md.
 STEP = 1e-4
@@ -100,8 +99,6 @@ def text_of(problem: Problem, to: str) -> str:
 
     Raises InputError for a planar body whose contact never opens, or another format.
     """
-    if to not in FORMATS:
-        raise InputError(f"--to must be one of {', '.join(FORMATS)} for a scenario, but is `{to}`.")
     planar = "axis" not in problem.system.vectors and problem.contact is None
     if planar or not isinstance(problem.body(), contact.Touch):
         raise InputError(

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
 
 from ..columns import greek, units_text
+from ..sampling import spread
 from .style import (
     compact,
     figure,
@@ -41,8 +42,7 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
     axes: Any = (
         figure(8.6, 6.4).add_subplot(projection="3d", computed_zorder=False) if ax is None else ax
     )
-    few = (np.unique(np.linspace(0, n - 1, FACETS).astype(int)) for n in grid["F"].shape)
-    F = grid["F"][*few]
+    F = grid["F"][*(spread(n, FACETS) for n in grid["F"].shape)]
     X, Y = np.meshgrid(*(F[name] for name in F.dims), indexing="ij")
     axes.plot_surface(X, Y, F, cmap="viridis", rstride=1, cstride=1, lw=0, antialiased=False)
     high = F.max()

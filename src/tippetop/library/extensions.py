@@ -94,8 +94,7 @@ def _faults(system: System, events: tuple[Event, ...], columns: tuple[Quantity, 
         faults += type_faults("event", event) or _event_faults(event)
     if faults:
         return faults
-    known = {*ALWAYS, *NUMBERED, *system.angles._fields, *system.vectors}
-    known |= {event.name for event in system.events} | {q.name for q in system.quantities}
+    known = {*ALWAYS, *NUMBERED, *system.angles._fields, *system.vectors, *system.record_names}
     names = [event.name for event in events]
     faults = _names("the name of an event", names, system, known)
     faults += _names("the name of a column", [c.name for c in columns], system, known, names)

@@ -134,8 +134,7 @@ class Problem(RunOptions):
 
     def clashes(self) -> list[str]:
         """Return sentences on initial data, and on a stem, that contradict each other."""
-        given = [name for name, value in self.initial.items() if value is not False]
-        faults = self.system.clashes(given)
+        faults = self.system.clashes(self.initial)
         if self.contact is not None and self.contact.stem:
             faults += stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
         return faults

@@ -22,6 +22,7 @@ from ..store.ledger import Ledger
 from . import recording, resuming
 from .events import EventTable
 from .integration import Integration
+from .phases import Rows
 from .run import refuse_more_than_memory
 from .sinks import Memory, Sink
 
@@ -38,7 +39,7 @@ class _Rows(recording.Recorder):
     def events(self, table: EventTable, marks: list[int]) -> None:
         """Drop rows of the event log."""
 
-    def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+    def tables(self, new: dict[str, Rows]) -> None:
         """Drop rows of further tables."""
 
 

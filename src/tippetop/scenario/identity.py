@@ -58,7 +58,7 @@ def changed_records(attrs: dict[str, Any], problem: Problem, known: System | Non
 
 def missing_records(attrs: dict[str, Any], system: System) -> list[str]:
     """Return the names of user-defined events and columns of a stored run that a system lacks."""
-    known = {event.name for event in system.events} | {q.name for q in system.quantities}
+    known = system.record_names
     return [name for of in attrs.get(DIGESTS, {}).values() for name in of if name not in known]
 
 

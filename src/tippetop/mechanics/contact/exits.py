@@ -308,7 +308,8 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
     if e_n == 0:  # it does not rise by rounding
         x, v_n = x._replace(velocity=x.velocity._replace(z=x.velocity.z - v_n)), 0.0
     slides, pushes = (size(v), size(after.v)), (after.p.z, size(after.p))
-    hit = Impact(ball, v.z, v_n, *slides, *pushes, after.gained, impact.mode)
+    mode = IMPACT.mode.index(impact.mode)
+    hit = Impact(ball, v.z, v_n, *slides, *pushes, after.gained, mode)
     return x, hit, e_n != 0, impact.makes_energy
 
 
