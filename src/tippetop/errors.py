@@ -6,6 +6,13 @@ from typing import Any
 
 
 __all__ = ["InputError", "Interrupted", "StoreError", "Unfinished"]
+
+
+def __dir__() -> list[str]:
+    """Return the public names, for completion."""
+    return __all__
+
+
 NEAR, VERY_NEAR = 0.6, 0.75  # of letters that two words share in order: eps and psi have 0.67
 
 

@@ -58,7 +58,7 @@ def run(
         A system that replaces that of the source.
     form : str, optional
         Form of the equations: vector, euler, reduced, ... By default "auto", the cheapest form
-        that is regular along this motion.
+        that is regular everywhere and keeps every column exact.
     contact : mapping, optional
         Let the body fly, land and bounce: `dict(restitution="energetic", e_n=0.5)`. restitution
         is energetic, poisson or newton. Defaults, also with an empty mapping: energetic and 0.

@@ -100,7 +100,7 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
             "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
         )
     elif b.friction.regions:
-        sentence += "; drilling takes of Jellett's integral, which decides that"
+        sentence += "; drilling friction reduces Jellett's integral, which decides that"
     return Outlook(sentence, "", limits)
 
 
