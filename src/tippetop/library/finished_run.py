@@ -170,7 +170,7 @@ class Run:
 
         return Plots(self)
 
-    def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
+    def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
         """Return the tables for a figure; of a store the first row and those in the window."""
         return self._datasets
 
