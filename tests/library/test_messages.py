@@ -275,7 +275,9 @@ CALLS: list[tuple[Call, str]] = [
         (of(name=name), sentence)
         for of in (event, column)
         for name, sentence in {
-            **dict.fromkeys(["psi", "xyz", "turning", "kind", "work", "ball", "phase"], "must be a new name"),
+            **dict.fromkeys(
+                ["psi", "xyz", "turning", "kind", "work", "ball", "phase"], "must be a new name"
+            ),
             **dict.fromkeys(["", "a/b", "1x", "\u00e9"], "must be letters, digits and _"),
             **dict.fromkeys(["work_lo", "state_ux", "drift_energy"], "must not be one of"),
         }.items()

@@ -78,10 +78,7 @@ class Run:
 
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
-        return {
-            name: attributes.dataset(columns, self.attributes)
-            for name, columns in attributes.groups(self.solution).items()
-        }
+        return attributes.datasets(self.solution, self.attributes)
 
     @property
     def trajectory(self) -> "xr.Dataset":
