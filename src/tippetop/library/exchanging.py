@@ -138,7 +138,7 @@ class Fitted:
         figure = draw_fit(
             self._fit.t,
             self._observation.dots(),
-            measurements.curves(self._observation, self._fit),
+            self._observation.curves({name: e.value for name, e in self.estimates.items()}),
             self.residuals,
             str(self).split("\n"),
         )
