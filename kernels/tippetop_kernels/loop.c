@@ -916,12 +916,12 @@ enum {
 
 /* What follows where a phase ends by an event. Registers begin with the state, the time left, the
    signs of event functions, the numbers of the body and the constants; the results of lines follow.
-   From line `out` on these are the state in which phase `next` begins, of event functions the signs,
-   of which 0 stays, and the roots, the time that the phase lasts (NaN: it has no clock), and the
-   numbers of tables. */
+   From line `out` on these are the state in which phase `next` begins, the time that it lasts (NaN:
+   it has no clock), and the numbers of tables. `sides` are the signs of event functions, of which 0
+   stays, then minus their numbers of roots. */
 typedef struct {
     const Line *lines;
-    const real *constants;
+    const real *constants, *sides;
     integer length, count, out, next, logged, first, last;
 } Change;
 
@@ -936,7 +936,7 @@ typedef struct {
 } Phases;
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
-   of its event functions, parameters and state; its results: status, steps, event, state. */
+   of its event functions, state and parameters; its results: status, steps, event, state. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Sizes *n = &l->sizes;
     Tally *tally = l->tallies.lane;
@@ -944,8 +944,8 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     real most = in[1];
     memcpy(known(l, SIGN, 0), in += 2, n->events * sizeof(real));
     memcpy(known(l, ON_ZERO, 0), in += n->events, n->events * sizeof(real));
-    memcpy(l->motion.pars, in += n->events, n->parameters * sizeof(real));
-    memcpy(l->motion.state, in += n->parameters, n->variables * sizeof(real));
+    memcpy(l->motion.state, in += n->events, n->variables * sizeof(real));
+    memcpy(l->motion.pars, in + n->variables, n->parameters * sizeof(real));
     l->motion.high[0] = l->motion.low[0] = 0;
     tally->status = RUNNING;
     tally->upto = 1;
@@ -1022,9 +1022,8 @@ static bool change_phase(Phases *p) {
         return false;
     const Loop *next = p->loops[c->next];
     const Motion *m = &next->motion;
-    const real *out = results + c->out, *sides = out + next->sizes.variables;
-    const real *roots = sides + events, *others = roots + events;
-    for (const real *number = out; number < sides; number++)
+    const real *out = results + c->out, *others = out + next->sizes.variables;
+    for (const real *number = out; number < others; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
@@ -1042,8 +1041,8 @@ static bool change_phase(Phases *p) {
     m->low[0] = 0;
     m->end[0] = p->clock < p->end ? p->clock : p->end;
     for (integer e = 0; e < events; e++) {
-        signs[e] = sides[e] != 0 ? sides[e] : signs[e];
-        known(l, ON_ZERO, e)[0] = roots[e];
+        signs[e] = c->sides[e] != 0 ? c->sides[e] : signs[e];
+        known(l, ON_ZERO, e)[0] = c->sides[events + e];
     }
     tally->status = RUNNING;
     tally->upto = 1;

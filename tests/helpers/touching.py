@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from tippetop.engine.impacts import ImpactMotions
-from tippetop.mechanics.contact.body import angular_velocity, centre_velocity
-from tippetop.mechanics.contact.state import Moving
+from tippetop.mechanics.contact.body import Moving, angular_velocity, centre_velocity
 from tippetop.mechanics.operand import Vector
 
 

@@ -252,16 +252,27 @@ class Driver:
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps; rows go to the request."""
         # no cycle: a place is free as soon as its driver is gone
-        self.request, n, before = weakref.proxy(request), self.variables, self.steps[0]
+        self.request = weakref.proxy(request)
         self.forget()
+        steps, when, last, ended = self.run(most)
+        *columns, logged = self.passages()
+        samples = self.sampled()
+        logged, samples, last = self.give(
+            (self.log.rows["phase"][: len(logged)], logged),
+            (self.samples.top[: len(samples)], samples),
+            (self.samples.in_lane, last[None]),
+        )
+        passages = Passages._make([*(column.copy() for column in columns), logged])
+        return Slice(steps, when, last, samples, passages, ended)
+
+    def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
+        """Make at most `most` steps. Return their number, the time and the state reached, and how
+        the run ends there; None if it continues.
+        """
+        before = self.steps[0]
         self.drive(most)
-        self.give()
-        (when, last), code, steps = self.reached(), self.status[0], self.steps[0] - before
-        ended = None if code == RUNNING else STATUSES[code]
-        *columns, states = (column.copy() for column in self.passages())
-        passages = Passages._make([*columns, states[:, :n]])
-        samples = self.sampled()[:, :n].copy()
-        return Slice(steps, when, last[None, :n].copy(), samples, passages, ended)
+        code, steps = self.status[0], self.steps[0] - before
+        return steps, *self.reached(), None if code == RUNNING else STATUSES[code]
 
     def begin(self) -> None:
         """Mark the run as one that has made no step."""
@@ -287,12 +298,25 @@ class Driver:
         self.give()
         self.wanted.ask(self.request)
 
-    def give(self) -> Any:
-        """Give the rows that were made since the last time."""
-        made = self.wanted.give()
-        if made.stop > made.start:
-            states = self.states_of(made)[:, : self.variables]
-            self.request.take(self.wanted.rows.times[made], states)
+    def give(self, *others: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
+        """Give the rows that were made since the last time, and return those of other states: see
+        `rows_of`.
+        """
+        made, wanted = self.wanted.give(), self.wanted.rows
+        rows, *rest = self.rows_of((wanted.phases[made], self.states_of(made)), *others)
+        if len(rows):
+            self.request.take(wanted.times[made], rows)
+        return rest
+
+    def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
+        """Return the rows of states.
+
+        Parameters
+        ----------
+        parts
+            The numbers of their phases (k,), and states (k, all variables).
+        """
+        return [states[:, : self.variables].copy() for _, states in parts]
 
     def make(self, rows: Rows, most: int) -> int:
         """Make at most `most` steps, write these rows, and return the number of steps."""
@@ -371,7 +395,7 @@ class Driver:
 
     def present(self) -> np.ndarray:
         """Return the present state, (1, variables), internal."""
-        return self.state[None, : self.variables].copy()
+        return self.rows_of((self.samples.in_lane, self.state[None]))[0]
 
     def equations(self) -> list[tuple]:
         """Return the equations of motion: pairs of a variable and its rate."""

@@ -7,7 +7,6 @@ depend on balls or laws. All phases of a run have the same integrals.
 
 import math
 import threading
-import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -35,7 +34,6 @@ from .driver import (
     STEPS_PER_SLICE,
     Driver,
     Extremes,
-    Passages,
     Place,
     Request,
     Shared,
@@ -308,11 +306,11 @@ class Track:
         return records
 
     def sides(self, n: Next) -> dict[int, tuple[int, int]]:
-        """Return the signs with which the events that end the phase begin, and how many roots they
-        have there, by number.
+        """Return the signs with which the events that end the phase begin, and minus the numbers of
+        their roots there, by number.
         """
         return {
-            k: (n.sides.get(event.name, -event.direction), n.zeros.get(event.name, 0))
+            k: (n.sides.get(event.name, -event.direction), -n.zeros.get(event.name, 0))
             for k, event in self.events.items()
             if k in self.exits
         }
@@ -397,7 +395,7 @@ class HybridDriver(Driver):
             track = self.tracks[name] = Track(self, name)
             if self.copies:
                 for jump in track.exits.values():
-                    self.copies.take_up(self, track, jump)
+                    self.copies.take_up(track, jump)
         return self.tracks[name]
 
     def equations(self) -> list[tuple]:
@@ -443,26 +441,28 @@ class HybridDriver(Driver):
         Return the events that have passed in the jump, and their signs now.
         """
         track, signs, zeros, passed = self.track, self.signs, self.zeros, []
-        known = before.live if before else ()
+        known, sides = before.live if before else (), track.sides(n)
         for number, value in zip(track.events, values, strict=True):
-            sign, is_near, is_new = 1 if value > 0 else -1, abs(value) < BELOW, number not in known
-            if number in track.live and not is_new and sign != signs[number]:
-                if is_near:
-                    sign = int(signs[number])
-                else:
-                    passed.append((number, sign))
-            signs[number], zeros[number] = sign, is_new and is_near
-        for number, (side, roots) in track.sides(n).items():
-            signs[number], zeros[number] = side, -roots
+            sign, is_near = 1 if value > 0 else -1, abs(value) < BELOW
+            zeros[number] = 0
+            if number in sides:
+                signs[number], zeros[number] = sides[number]
+            elif number not in known:
+                signs[number], zeros[number] = sign, is_near
+            elif sign != signs[number] and not is_near:
+                signs[number] = sign
+                passed.append((number, sign))
         return passed
 
     # --- steps -----------------------------------------------------------------------------------
 
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
+        return replace(super().advance(request, most), tables=self.tables.take())
+
+    def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.changes = weakref.proxy(request), 0
-        self.forget()
+        self.changes = 0
         steps, status, when = 0, None, self.end
         while self.clock[0] < self.end:
             ending = self._end_next()
@@ -490,7 +490,7 @@ class HybridDriver(Driver):
                 self.tally["upto"] = 0.0
         if status is not None:
             self.tables.end(float(when))
-        return self._slice(steps, when, status)
+        return steps, when, np.resize(self.last, self.width), status
 
     def _end_next(self) -> Any:
         """Put the end of the next steps at that of the phase, or where a sampled event happens in
@@ -515,7 +515,7 @@ class HybridDriver(Driver):
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
         begun = n, state, _ = jump(*given)
         if self.copies:
-            self.copies.learn(self, jump, *given)
+            self.copies.learn(jump, *given)
         for name in n.logged:
             self._note(self.numbers[name], now + n.logged_after, 1, track, last)
         if n.ends:
@@ -540,18 +540,10 @@ class HybridDriver(Driver):
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def give(self, *others: tuple[Any, np.ndarray]) -> list[np.ndarray]:
-        """Give the rows that exist, and return those of other states: see `_rows`."""
-        made, wanted = self.wanted.give(), self.wanted.rows
-        rows, *rest = self._rows((wanted.phases[made], self.states_of(made)), *others)
-        if len(rows):
-            self.request.take(wanted.times[made], rows)
-        return rest
-
     def make(self, rows: Rows, most: int) -> int:
         if self.copies is None or self.request.steps or self.track.sampler:
             return super().make(rows, most)
-        return self.copies.drive(self, most, PER_SLICE - self.changes)
+        return self.copies.drive(most, PER_SLICE - self.changes)
 
     def _note(self, number: int, time: Any, sign: int, track: Track, state: np.ndarray) -> None:
         """Log an event that no step has logged, in a state of a phase."""
@@ -589,14 +581,7 @@ class HybridDriver(Driver):
         t = zero_of(function, 0 * n.delay, n.delay)
         self._note(number, now + t, sign, track, self._series(n, t)[0])
 
-    def _rows(self, *parts: tuple[Any, np.ndarray]) -> list[np.ndarray]:
-        """Return the rows of states.
-
-        Parameters
-        ----------
-        parts
-            The numbers of their phases (k,), and states (k, variables).
-        """
+    def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
         system, variables = self.problem.system, self.problem.variables
         at = np.concatenate([phases for phases, _ in parts])
         width = self.width - len(self.events)
@@ -619,28 +604,12 @@ class HybridDriver(Driver):
                     row[some] = value
         return np.split(rows.T, np.cumsum([len(phases) for phases, _ in parts[:-1]]))
 
-    def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:
-        """Give the rows that exist, and return what else the steps have found."""
-        *columns, logged = self.passages()
-        samples, tops = self.sampled(), self.samples.top
-        logged, samples, end = self.give(
-            (self.log.rows["phase"][: len(logged)], logged),
-            (tops[: len(samples)], samples),
-            ([self.track.at], np.resize(self.last, (1, self.width))),
-        )
-        passages = Passages._make([*(column.copy() for column in columns), logged])
-        return Slice(steps, when, end, samples, passages, status, self.tables.take())
-
     # --- where the run is ------------------------------------------------------------------------
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
         """End the phase that is under way; return its row."""
         self.tables.end(float(self.clock[0]))
         return self.tables.take()
-
-    def present(self) -> np.ndarray:
-        """Return the row of the present state, (1, variables)."""
-        return self._rows(([self.track.at], self.state[None]))[0]
 
     def extremes(self) -> Extremes:
         return extremes_of(self.all_events.events, self.tallies)
