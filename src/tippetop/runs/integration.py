@@ -191,9 +191,7 @@ class Integration:
         """Write the rows at the end of the run that no step has: the last good state."""
         if self.problem.output != "times" or not self.sink.keeps_rows:
             return
-        times = self.problem.times[
-            self.filled : self.problem.times.count(self.t_end, inclusive=True)
-        ]
+        times = self.problem.times[self.filled : self.problem.times.count(self.t_end)]
         if len(times):
             self._write(times, np.repeat(self.last, len(times), axis=0))
 
