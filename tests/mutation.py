@@ -57,15 +57,10 @@ JUDGES: dict[str, tuple[str, ...]] = {
     "mechanics.contact.body": (f"{CONTACT}/test_body.py", f"{CONTACT}/test_response.py"),
     "mechanics.contact.response": (
         f"{CONTACT}/test_response.py",
+        f"{CONTACT}/test_disc_held.py",
         f"{RUNS}/test_impacts.py",
         f"{RUNS}/test_loaded_impacts.py",
-    ),
-    "mechanics.contact.coulomb": (f"{CONTACT}/test_response.py",),
-    "mechanics.contact.disc_at_rest": (
-        f"{CONTACT}/test_disc_held.py",
         f"{RUNS}/test_parts_of_laws.py",
-        "-k",
-        "disc or newton",
     ),
     "mechanics.rotation": ("mechanics/test_rotation.py",),
     "mechanics.theory.least_energy": ("library/test_asymptotics.py",),

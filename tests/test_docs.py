@@ -27,10 +27,10 @@ def test_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.M
     from tippetop.mechanics import friction
     from tippetop.mechanics.systems import SYSTEMS
 
-    for registry in (SYSTEMS, friction.LAWS, friction.SLIP):
+    for registry in (SYSTEMS, friction.LAWS):
         for key in registry:  # what a page registers is forgotten after it
             monkeypatch.setitem(registry, key, registry[key])
-    before = [dict(registry) for registry in (SYSTEMS, friction.LAWS, friction.SLIP)]
+    before = [dict(registry) for registry in (SYSTEMS, friction.LAWS)]
     monkeypatch.chdir(tmp_path)
     blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.S)
     assert blocks
@@ -39,7 +39,7 @@ def test_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.M
         for block in blocks:
             exec(compile(block, name(page), "exec"), names)
     finally:
-        for registry, old in zip((SYSTEMS, friction.LAWS, friction.SLIP), before, strict=True):
+        for registry, old in zip((SYSTEMS, friction.LAWS), before, strict=True):
             for key in set(registry) - set(old):
                 del registry[key]
 

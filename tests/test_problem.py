@@ -133,7 +133,7 @@ def test_a_check_changes_nothing_and_says_what_is_wrong() -> None:
         starting.load("inverting"),
         {"initial.omega3": spins, "friction.mu": mu, "parameters.I3": moments},
     )
-    valid, faults = tops.check()
+    valid, faults = tops.checked
     assert valid.tolist() == [True, False, False, False, False]
     assert [i for i, _ in faults] == [1, 2, 3, 4]
     for (_, sentence), words in zip(
@@ -147,7 +147,7 @@ def test_a_check_changes_nothing_and_says_what_is_wrong() -> None:
         strict=True,
     ):
         assert words in sentence
-    assert tops.check() == (valid, faults)
+    assert tops.checked == (valid, faults)
 
 
 @pytest.mark.parametrize("name", ["x", "y"])
@@ -157,7 +157,7 @@ def test_a_start_so_far_away_that_it_would_set_the_steps_is_refused(name: str) -
     """
     base = starting.load("inverting")
     far = Problems.vary(base, {f"initial.{name}": np.array([0.0, 1e6, -1e6, 1e300, -1e12])})
-    valid, faults = far.check()
+    valid, faults = far.checked
     assert valid.tolist() == [True, True, True, False, False]
     assert all(f"must keep {name} within 4.3e+09 of its unit" in sentence for _, sentence in faults)
 
@@ -168,7 +168,7 @@ def test_a_run_and_a_top_are_refused_in_the_same_words() -> None:
         base = starting.load("inverting", ["initial.theta=1.5", "friction.mu=3.0"])
         with pytest.raises(InputError) as caught:
             starting.load("inverting", ["initial.theta=1.5", "friction.mu=3.0", f"{key}={value}"])
-        (fault,) = Problems.vary(base, {key: [good, value]}).check()[1]
+        (fault,) = Problems.vary(base, {key: [good, value]}).checked[1]
         assert fault == (1, str(caught.value))
 
 
@@ -185,7 +185,7 @@ def test_every_way_in_refuses_the_same_numbers(system: str) -> None:
             v for e in (*ends, 0.5) for v in (np.nextafter(e, -1e9), e, np.nextafter(e, 1e9))
         ] + [np.nan, np.inf]
         tops = Problems(base, {key: np.array(values)})
-        by_array = {i for i, sentence in tops.check()[1] if sentence.startswith(f"`{key}`")}
+        by_array = {i for i, sentence in tops.checked[1] if sentence.startswith(f"`{key}`")}
         for i, value in enumerate(values):
             wrong = bool(rule.broken(value))
             assert (i in by_array) >= wrong

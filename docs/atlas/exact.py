@@ -15,7 +15,7 @@ import mpmath as mp
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact.gliding import gliding_chart, gliding_vector
 from tippetop.mechanics.contact.gliding.gliding_euler import Angles
-from tippetop.mechanics.contact.rolling import rolling_chart, rolling_euler, rolling_vector
+from tippetop.mechanics.contact.rolling import rolling_euler, rolling_vector
 from tippetop.mechanics.friction import Viscous
 from tippetop.mechanics.operand import Vector, cross, dot, plus, times
 from tippetop.mechanics.systems import cylinder, heavy_top, tippe_top
@@ -204,9 +204,9 @@ def rolling_tippe_top(seed: int) -> SimpleNamespace:
     e = rolling_euler.Angles(
         start.theta, start.theta_dot, start.phi_dot, start.omega3, start.phi, 0, 0, 0
     )
-    still = rolling_chart.vector_of_angles(e, start.theta.sin(), start.theta.cos(), x.b)
+    still = rolling_vector.vector_of_angles(e, start.theta.sin(), start.theta.cos(), x.b)
     x.q = moving(still, rolling_vector.vector_rates(still, x.b))
-    _angles(x, rolling_chart.angles_of_vector(x.q, AT_ORIGIN, x.b))
+    _angles(x, rolling_vector.angles_of_vector(x.q, AT_ORIGIN, x.b))
     _vectors(x, x.q)
     x.scalars = rolling_vector.vector_scalars(x.q, x.b)
     x.E, x.E_tilde = contact.energy(x.scalars, x.b), contact.modified_energy(x.scalars, x.b)

@@ -103,7 +103,7 @@ typedef struct {
 
 typedef struct {
     real time;
-    integer event, sign;
+    integer event, sign, phase;
     bool at_pole;
 } Passage;
 
@@ -129,7 +129,7 @@ typedef struct {
 
 typedef struct {
     real *times, *states;
-    integer *filled;
+    integer *phases, *filled;
     integer steps, count, variables;
 } Rows;
 
@@ -551,7 +551,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     loop_keep(l, event->first, event->last, lane, when, sign);
     const Log *log = &l->log;
     if (log->filled[0] < l->sizes.log)
-        log->rows[log->filled[0]++] = (Passage){when, e, (integer)sign, at_pole};
+        log->rows[log->filled[0]++] = (Passage){when, e, (integer)sign, *l->samples.in_lane, at_pole};
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
@@ -674,6 +674,8 @@ FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
 static void write_rows(const Loop *l, integer at, integer count) {
     const Rows *rows = &l->output;
     real when[TIMES], out[rows->variables * TIMES];
+    for (integer k = at; k < at + count; k++)
+        rows->phases[k] = *l->samples.in_lane;
     if (count <= FEW || !l->fused) {
         for (integer k = at; k < at + count; k++) {
             state_at(l, 0, rows->times[k]);
@@ -701,7 +703,7 @@ static bool take_rows(const Loop *l, bool moved) {
     if (rows->steps && moved && tally->upto == 1 && tally->status != NON_FINITE) {
         rows->times[*filled] = l->motion.high[0];
         copy(rows->variables, l->motion.state, l->sizes.lanes, rows->states + *filled, rows->count);
-        ++*filled;
+        rows->phases[(*filled)++] = *l->samples.in_lane;
     }
     if (rows->steps || tally->status == NON_FINITE || tally->steps == 0)
         return *filled == rows->count;
@@ -883,12 +885,12 @@ enum {
 
 /* What follows where a phase ends by an event. Registers begin with the state, the time left, the
    signs of event functions, the numbers of the body and the constants; the results of lines follow.
-   From line `out` on these are the state in which phase `next` begins, of event functions the signs,
-   of which 0 stays, and the roots, the time that the phase lasts (NaN: it has no clock), and the
-   numbers of tables. */
+   From line `out` on these are the state in which phase `next` begins, the time that it lasts (NaN:
+   it has no clock), and the numbers of tables. `sides` are the signs of event functions, of which 0
+   stays, then minus their numbers of roots. */
 typedef struct {
     const Line *lines;
-    const real *constants;
+    const real *constants, *sides;
     integer length, count, out, next, logged, first, last;
 } Change;
 
@@ -897,14 +899,13 @@ typedef struct {
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
     const real *body;
     real *registers;
-    real *made; /* of each change: time, phase and event, counts of rows, passages and samples, then
-                   the last registers */
+    real *made; /* of each change: time, phase and event, then the last registers */
     real began, end, clock, chatter;
     integer present, count, most, numbers, width;
 } Phases;
 
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
-   of its event functions, parameters and state; its results: status, steps, event, state. */
+   of its event functions, state and parameters; its results: status, steps, event, state. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Sizes *n = &l->sizes;
     Tally *tally = l->tallies.lane;
@@ -912,8 +913,8 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     real most = in[1];
     memcpy(known(l, SIGN, 0), in += 2, n->events * sizeof(real));
     memcpy(known(l, ON_ZERO, 0), in += n->events, n->events * sizeof(real));
-    memcpy(l->motion.pars, in += n->events, n->parameters * sizeof(real));
-    memcpy(l->motion.state, in += n->parameters, n->variables * sizeof(real));
+    memcpy(l->motion.state, in += n->events, n->variables * sizeof(real));
+    memcpy(l->motion.pars, in + n->variables, n->parameters * sizeof(real));
     l->motion.high[0] = l->motion.low[0] = 0;
     tally->status = RUNNING;
     tally->upto = 1;
@@ -990,20 +991,18 @@ static bool change_phase(Phases *p) {
         return false;
     const Loop *next = p->loops[c->next];
     const Motion *m = &next->motion;
-    const real *out = results + c->out, *sides = out + next->sizes.variables;
-    const real *roots = sides + events, *others = roots + events;
-    for (const real *number = out; number < sides; number++)
+    const real *out = results + c->out, *others = out + next->sizes.variables;
+    for (const real *number = out; number < others; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
 
-    log->rows[at] = (Passage){when, c->logged, 1, false};
+    log->rows[at] = (Passage){when, c->logged, 1, p->present, false};
     loop_keep(l, c->first, c->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
-    real counts[] = {when, (real)(c - p->changes), (real)l->output.filled[0], (real)(at + 1),
-                     (real)l->samples.filled[0]};
-    memcpy(made, counts, sizeof counts);
-    copy(p->width - 5, others, 1, made + 5, 1);
+    made[0] = when;
+    made[1] = (real)(c - p->changes);
+    copy(p->width - 2, others, 1, made + 2, 1);
 
     copy(next->sizes.variables, out, 1, m->state, 1);
     p->clock = when + others[0];
@@ -1011,8 +1010,8 @@ static bool change_phase(Phases *p) {
     m->low[0] = 0;
     m->end[0] = p->clock < p->end ? p->clock : p->end;
     for (integer e = 0; e < events; e++) {
-        signs[e] = sides[e] != 0 ? sides[e] : signs[e];
-        known(l, ON_ZERO, e)[0] = roots[e];
+        signs[e] = c->sides[e] != 0 ? c->sides[e] : signs[e];
+        known(l, ON_ZERO, e)[0] = c->sides[events + e];
     }
     tally->status = RUNNING;
     tally->upto = 1;

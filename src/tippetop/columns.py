@@ -41,6 +41,11 @@ def greek(text: str) -> str:
     return re.sub(names, lambda word: GREEK[word[0]], text)
 
 
+def capitalised(text: str) -> str:
+    """Return a text with a capital first letter."""
+    return text[:1].upper() + text[1:]
+
+
 def units_text(units: str) -> str:
     """Write units with superscripts: `kg m2 s-1` is kg m² s⁻¹."""
     return re.sub(r"(?<=[A-Za-z])-?\d+", lambda power: power[0].translate(SUPERSCRIPTS), units)
@@ -74,6 +79,11 @@ def column(
     )
 
 
+def without_rows(columns: dict[str, Column]) -> dict[str, Column]:
+    """Return columns of the same kind without a row."""
+    return {name: each._replace(values=each.values[:0]) for name, each in columns.items()}
+
+
 def on_sphere(trajectory: Any) -> np.ndarray:
     """Return at which rows of a run the sphere itself touches the plane."""
     away = np.zeros(len(trajectory["time"].values), bool)
@@ -86,6 +96,11 @@ def flagged(flags: Any, name: str) -> np.ndarray:
     """Return where a column of flags, with its `flag_meanings`, has a value, (n,) of bool."""
     meanings = flags.attrs["flag_meanings"].split()
     return np.asarray(flags.values == (meanings.index(name) if name in meanings else -1))
+
+
+def significant_turnings(events: Any) -> np.ndarray:
+    """Select the significant turnings of a table of events, (rows,) of bool."""
+    return flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
 
 
 def flag_names(flags: Any) -> list[str]:

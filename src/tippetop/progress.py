@@ -12,6 +12,9 @@ from typing import Any
 from .arguments import instance
 
 
+Report = Callable[[int, int], None]
+"""A progress callback: the number of things that are done, and of all."""
+
 # Times [s]: before the first drawing, and between two.
 FIRST_AFTER, AGAIN_AFTER = 0.4, 0.1
 
@@ -66,9 +69,7 @@ class Bar:
 
 
 @contextlib.contextmanager
-def reporting(
-    progress: Callable[[int, int], None] | bool, things: str
-) -> Iterator[Callable[[int, int], None]]:
+def reporting(progress: Report | bool, things: str) -> Iterator[Report]:
     """Provide a progress callback: the given one, that of a bar (True), or none (False)."""
     instance("progress", progress, bool | Callable, "a function or a bool")
     if progress is True:

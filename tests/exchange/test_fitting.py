@@ -186,8 +186,10 @@ def test_jacobians_are_those_of_differences(kind: str) -> None:
         None,
         None,
     )
-    marker = (np.array([0.01, 0.0, 0.005]), np.zeros((n, 3))) if kind == "marker" else (None, None)
-    observation = Observation(tt.load("inverting"), free, motion, *marker)
+    marker = None
+    if kind == "marker":
+        marker, motion = (0.01, 0.0, 0.005), motion._replace(marker=np.zeros((n, 3)))
+    observation = Observation(tt.load("inverting"), free, motion, marker)
     start = observation.start()
     _, slopes = predicted(observation, start)[kind]
     for k, name in enumerate(free):
@@ -208,18 +210,19 @@ def test_jacobians_are_those_of_differences(kind: str) -> None:
 
 def test_a_marker_is_where_a_run_with_these_numbers_has_it() -> None:
     """Its height too, which depends on numbers of the body that are free."""
-    t, arm = np.array([0.02, 0.05, 0.11]), np.array([0.01, 0.0, 0.005])
+    t, arm = np.array([0.02, 0.05, 0.11]), (0.01, 0.0, 0.005)
     free = {"parameters.alpha": 0.34, "parameters.R": 0.021}
     none = (None,) * 7
-    observation = Observation(
-        tt.load("inverting"), list(free), Motion(t, *none), arm, np.zeros((3, 3))
-    )
+    motion = Motion(t, *none, marker=np.zeros((3, 3)))
+    observation = Observation(tt.load("inverting"), list(free), motion, arm)
     off, _ = predicted(observation, free)["marker"]
     body = {name.removeprefix("parameters."): value for name, value in free.items()}
     run = tt.run("inverting", parameters=body, until=0.12, output_times=t).trajectory.sel(time=t)
     height = 0.021 - 0.34 * 0.021 * np.cos(run.theta.values)
     place = np.stack([run.x.values, run.y.values, height], axis=1)
-    np.testing.assert_allclose(-off, place + turned(run.orientation.values, arm), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(
+        -off, place + turned(run.orientation.values, np.array(arm)), rtol=0, atol=1e-9
+    )
 
 
 def test_numbers_that_say_the_same_are_named(film: Path) -> None:

@@ -12,7 +12,7 @@ import xarray as xr
 from tippetop.cli import outcome
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels, overlay
-from tippetop.figures.style import COLOURS, figure, save
+from tippetop.figures.style import COLOURS, figure
 from tippetop.figures.window import in_window
 
 
@@ -99,6 +99,6 @@ def test_a_picture_that_is_there_stays(tmp_path: Path, capsys: pytest.CaptureFix
         assert f"`{path}` must not exist yet, but does: use --overwrite" in capsys.readouterr().err
     assert path.read_text() == "mine"
     with pytest.raises(Exception, match="must not exist"):
-        save(figure(), path)
-    save(figure(1, 1), path, overwrite=True)
+        drawing.write(figure(1, 1).subplots(), path)
+    drawing.write(figure(1, 1).subplots(), path, overwrite=True)
     assert path.read_bytes().startswith(b"\x89PNG")

@@ -448,9 +448,8 @@ def main_equation(case: Case) -> Pairs:
     if system.potential is None:
         return
     if system.frictional and system.momenta:
-        rates = importlib.import_module("tippetop.mechanics.contact.gliding.rates")
-        yield "(dv_A/dt).3hat", rates.push_u(s, b), v_u
-        yield "(dv_A/dt).(zhat x 3hat)", rates.push_n(s, b), v_n
+        yield "(dv_A/dt).3hat", gliding.push_u(s, b), v_u
+        yield "(dv_A/dt).(zhat x 3hat)", gliding.push_n(s, b), v_n
     z, s2 = m.u[2], 1 - m.u[2] ** 2
     V = system.potential(z, *(case.quantity(name) for name in system.momenta), b)
     if hasattr(s, "Lz"):

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 
 from tippetop.engine.impacts import ImpactMotions
-from tippetop.mechanics.contact.body import angular_velocity, centre_velocity
-from tippetop.mechanics.contact.state import Moving
-from tippetop.mechanics.friction import named
+from tippetop.mechanics.contact.body import Moving, angular_velocity, centre_velocity
 from tippetop.mechanics.operand import Vector
 
 
@@ -127,7 +125,7 @@ def struck(
     whose axis lies in the x-z plane."""
     key = type(b.friction), restitution, precision
     if key not in _motions:
-        _motions[key] = ImpactMotions(named(key[0]), False, restitution, precision)
+        _motions[key] = ImpactMotions(key[0], False, restitution, precision)
     if precision == "double":
         s, z, *v = map(float, (s, z, *v))
     none = 0 * s

@@ -11,7 +11,7 @@ from tippetop.mechanics import friction, systems
 def forgotten(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Forget after a test what it registers."""
     monkeypatch.setattr(friction, "LAWS", friction.LAWS)  # which a registration replaces
-    registries = systems.SYSTEMS, friction.LAWS, friction.SLIP
+    registries = systems.SYSTEMS, friction.LAWS
     before = [dict(registry) for registry in registries]
     yield
     for registry, known in zip(registries, before, strict=True):

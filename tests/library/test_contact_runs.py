@@ -13,7 +13,7 @@ from touching import DRILLING, LEINE_GLOCKER, TOSSED
 
 import tippetop as tt
 from tippetop.mechanics.operand import formula
-from tippetop.mechanics.units import ONE
+from tippetop.mechanics.units import ONE, SECOND_PER_METRE
 
 
 ROCKING = {"theta": 1.5, "theta_dot": 20.0, "phi_dot": -20.0, "omega3": 60.0}
@@ -156,6 +156,35 @@ def test_runs_of_phases_in_quad_agree_with_80_bits(law: dict, start: dict, until
     assert kinds[0] == kinds[1]
     np.testing.assert_allclose(ends[0].events.time, ends[1].events.time, rtol=0, atol=1e-16)
     assert max(ends[1].summary.drift.values()) < 1e-16
+
+
+def test_a_law_of_a_user_may_have_literals_in_any_precision() -> None:
+    class Halved(tt.extending.FrictionLaw):
+        """Viscous friction of half the coefficient."""
+
+        mu = tt.extending.number(SECOND_PER_METRE, "twice the coefficient", least=0)
+        coefficient = formula(lambda v2, z, law: 0.5 * law.mu)
+
+    tt.extending.register(Halved)
+    for precision in ("longdouble", "quad"):
+        run, halved = (
+            tt.run("flying", law, until=0.02, precision=precision, on_liftoff="fly")
+            for law in (tt.friction.Viscous(0.2), Halved(0.4))
+        )
+        np.testing.assert_array_equal(run.trajectory.theta, halved.trajectory.theta)
+
+
+def test_events_and_columns_read_the_reaction_from_the_start_on() -> None:
+    def ratio(s: Any, b: Any) -> Any:
+        return (s.Fx * s.Fx + s.Fy * s.Fy) / s.force**2 - 1e-3
+
+    half = tt.extending.Event("half", "friction", ratio)
+    used = tt.extending.Quantity("used", "", ONE, "friction", ratio)
+    run = tt.run("leine-glocker-stem", until=0.1, events=[half], columns=[used])
+    at = times(run, "half")
+    rows = tt.run("leine-glocker-stem", output_times=at, columns=[used], until=0.1).trajectory
+    assert len(at) > 3
+    np.testing.assert_allclose(rows.used, 0.0, atol=1e-12)
 
 
 def test_a_slide_that_begins_outside_the_friction_cone_has_its_row_at_once() -> None:

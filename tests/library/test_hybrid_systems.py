@@ -10,9 +10,9 @@ import pytest
 from test_contact_runs import times
 
 import tippetop as tt
-from tippetop.mechanics.form import Exit, Form, Integral, Next
+from tippetop.mechanics.form import Exit, Form, Integral, Next, Phase
 from tippetop.mechanics.systems import SYSTEMS
-from tippetop.mechanics.units import METRE, METRE_PER_SECOND
+from tippetop.mechanics.units import METRE, METRE_PER_SECOND, ONE
 from tippetop.runs.certificate import certificate_violations
 
 
@@ -131,13 +131,49 @@ def test_a_block_sticks_and_slips_with_its_period(page: dict) -> None:
     np.testing.assert_allclose(sticks - slips[: len(sticks)], slipping, rtol=1e-12)
 
 
-def test_an_ensemble_of_them_is_refused_or_the_runs_of_each(page: dict) -> None:
+def test_an_ensemble_without_an_axis_is_refused(page: dict) -> None:
     with pytest.raises(tt.InputError, match="`form` must integrate"):
         tt.ensemble(
             {"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}},
             {"parameters.e": [0.3, 0.6]},
             until=1.0,
         )
+
+
+class Stick(NamedTuple):
+    h: Any
+    v: Any
+    ux: Any
+    uy: Any
+    uz: Any
+
+
+def test_a_jump_that_fails_in_one_member_does_not_end_an_ensemble(page: dict) -> None:
+    def bounce(x: Any, world: Any) -> Next:
+        if world.body.e > 0.5:
+            raise ValueError("too elastic")
+        fallen = Stick(0, -world.body.e * x.v, *x[2:])
+        return Next("fall", fallen, zeros={"ground": 1}, logged=("bounce",))
+
+    units = Stick(METRE, METRE_PER_SECOND, ONE, ONE, ONE)
+    fall = dataclasses.replace(
+        SYSTEMS["bouncing-point"].phases["fall"],
+        forms=Form("vector", units, lambda q, b: Stick(q.v, -b.g, 0, 0, 0)),
+        exits=(Exit("ground", ("fall",), bounce),),
+    )
+    numbers = {name: page[name] for name in ("g", "e")}
+    words = {name: name for name in (*Stick._fields, "axis")}
+    axis = {"axis": ("ux", "uy", "uz")}
+    tt.extending.register(
+        tt.extending.System("stick", numbers, {"fall": fall}, vectors=axis, long_names=words)
+    )
+    stick = {"system": "stick", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1, "uz": 1}}
+    tops = tt.ensemble(stick, {"parameters.e": [0.3, 0.6, 0.4]}, until=0.6)
+    names = tops.status.attrs["flag_meanings"].split()
+    assert [names[code] for code in tops.status.values] == ["finished", "invalid", "finished"]
+    assert tops.attrs["faults"] == [
+        "top 1: the jump by `ground` from phase `fall` of `stick` fails: ValueError: too elastic"
+    ]
 
 
 def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
@@ -163,12 +199,16 @@ def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
         (("fall", {"v": "fast"}), "return a number in `v` of the state, but returns 'fast'"),
         (("fall", {"v": 1j}), "return a number in `v` of the state, but returns 1j"),
         (("fall", {"h": np.zeros(2)}), "return a number in `h` of the state, but returns array"),
-        (("fall", {}, {"ends": 5}), "have a word in `ends`, but has 5"),
+        (("fall", {}, {"ends": 5}), "have a str in `ends`, but has 5"),
+        (("fall", {}, {"logged": "rests"}), "have a tuple in `logged`, but has 'rests'"),
+        (("fall", {}, {"zeros": ("ground",)}), "have a dict in `zeros`, but has ('ground',)"),
+        (lambda x: Next(x=x), "lead to fall, as its Exit declares, but leads to ''"),
         (lambda x: {}["fall"], "fails: KeyError: 'fall'"),
         (lambda x: 1 / 0, "fails: ZeroDivisionError: division by zero"),
         (("fall", {}, {"logged": ("bonce",)}), "`logged`, but has 'bonce'"),
         (("fall", {}, {"zeros": {"groud": 1}}), "`zeros`, but has 'groud'"),
-        (("fall", {}, {"zeros": {"ground": -1}}), "at least 1"),
+        (("fall", {}, {"zeros": {"ground": -1}}), "1 at least, but has {'ground': -1}"),
+        (("fall", {}, {"zeros": {"ground": 1.5}}), "1 at least, but has {'ground': 1.5}"),
         (("fall", {}, {"zeros": {"ground": 2}}), "no root of multiplicity 2"),
         (("fall", {"h": 0.1}, {"zeros": {"ground": 1}}), "no root of multiplicity 1"),
     ],
@@ -212,8 +252,17 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     fall, rest, state = point.phases["fall"], point.phases["rest"], page["state"]
     other, both = (dataclasses.replace(page["ground"], direction=way) for way in (1, 0))
     phases = {
-        "must lead to phases of the system, but leads to nowhere": {
+        "phases of the system by a tuple of names, but leads to \\('nowhere',\\)": {
             "fall": dataclasses.replace(fall, exits=(Exit("ground", ("nowhere",), None),))
+        },
+        "must have exits with a function `jump`, but has exits by ground": {
+            "fall": dataclasses.replace(fall, exits=(Exit("ground", ("rest",), None),))
+        },
+        "must have the variables and units of the first phase.*, but has h \\[m\\]\\.": {
+            "rest": Phase(Form("plain", Candle(METRE), lambda q, b: Candle(0)))
+        },
+        "must have the variables and units of the first phase.*, but has h \\[m\\], v \\[m\\]": {
+            "rest": Phase(Form("plain", State(METRE, METRE), lambda q, b: State(0, 0)))
         },
         "sky": {"fall": dataclasses.replace(fall, exits=(Exit("sky", ("rest",), None),))},
         "must keep the common state": {
@@ -232,7 +281,7 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
             "fall": dataclasses.replace(fall, events=(both,))
         },
         "no jump logs them, but has bounce, rests": {"fall": dataclasses.replace(fall, exits=())},
-        "lead to phases of the system by a tuple of names, but has exits by ground": {
+        "lead to phases of the system by a tuple of names, but leads to 'r'": {
             "fall": dataclasses.replace(fall, exits=(Exit("ground", "r", None),)),
             "r": rest,
         },

@@ -13,7 +13,7 @@ import pytest
 from examples import CANONICAL as BODY
 
 import tippetop as tt
-from tippetop.extending import Event, Kept, Quantity, Unit, number, register
+from tippetop.extending import Event, Exit, Kept, Quantity, Unit, number, register
 from tippetop.landscapes import minimal_surface, potential
 from tippetop.mechanics.operand import Vector, atan2, formula, sqrt
 from tippetop.mechanics.units import JOULE, METRE_PER_SECOND, ONE, SECOND_PER_METRE
@@ -170,7 +170,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(out=3), "must be a path"),
     (lambda: made().plot("theta", 3), "must be a path"),
     (lambda: tt.compare(3, "inverting"), "`others` must be a path or a list of paths, but is 3"),
-    (lambda: tt.sweep("abc", "sweep.zarr"), "`abc` must be the TOML file of a plan"),
+    (lambda: tt.sweep("abc", "sweep.zarr"), "`abc` is neither a TOML file nor a preset"),
     *(
         (lambda given=given: tt.compare("film.csv", "inverting", **given), message)
         for given, message in (
@@ -275,13 +275,13 @@ CALLS: list[tuple[Call, str]] = [
         (of(name=name), sentence)
         for of in (event, column)
         for name, sentence in {
-            **dict.fromkeys(["psi", "xyz", "turning", "kind", "work"], "must be a new name"),
+            **dict.fromkeys(
+                ["psi", "xyz", "turning", "kind", "work", "ball", "phase"], "must be a new name"
+            ),
             **dict.fromkeys(["", "a/b", "1x", "\u00e9"], "must be letters, digits and _"),
             **dict.fromkeys(["work_lo", "state_ux", "drift_energy"], "must not be one of"),
         }.items()
     ),
-    (column(name="phase"), "where the contact is, but is `phase`"),
-    (column(name="ball"), "where the contact is, but is `ball`"),
     (
         column(symbol=3, long_name=None),
         "`symbol` of the column `q` must be a valid string, but is 3.\n`long_name` of the column",
@@ -368,11 +368,16 @@ CALLS: list[tuple[Call, str]] = [
     (system(checks=lambda p: None), "`checks` .* must give a list of sentences, but gives None"),
     (system(checks=lambda p: 1 / 0), "`checks` .* must give .*, but fails: ZeroDivisionError"),
     (system(start=lambda *a: None), "`start` .* must give a record as `angles` is, but gives None"),
-    (system(events=(3,)), "but: 'int' object has no attribute"),
+    (system(events=(3,)), r"`events` of a Phase must be a tuple of Event, but is \(3,\)"),
     (system(events=(dataclasses.replace(LIFTOFF, kept=()),)), "`lifted_at` .* none in liftoff"),
-    (system(quantities=(3,)), "but: 'int' object has no attribute"),
+    (system(quantities=(3,)), "`quantities` of a Phase must be a tuple of Quantity"),
+    (system(exits=(Exit,)), "`exits` of a Phase must be a tuple of Exit, but is"),
+    (system(forms=[VECTORIAL]), r"`forms` of a Phase must be a Form or a dict, but is \[Form"),
     (system(quantities=(), integrals=()), "`quantities` of `mine` must have `energy`"),
-    (system(phases={}), "`phases` of `mine` must have a Phase, but has none"),
+    (system(phases={}), "`phases` of `mine` must be a dict of Phase, but is {}"),
+    (system(phases=[PHASE]), r"`phases` of `mine` must be a dict of Phase, but is \[Phase"),
+    (system(phases={"x": VECTORIAL}), "`phases` of `mine` must be a dict of Phase, but is {'x': F"),
+    (system(angles=without("theta")), "must have the fields `theta` .* unless a phase has exits"),
     (system(long_names={}), "`long_names` of `mine` must describe each .* but lacks axis, L"),
     (system(vectors=None), "the records of `mine` must be of the kinds"),
     (system(vectors={"axis": ("kx", "ky")}), "`vectors` .* it lacks kx, ky"),

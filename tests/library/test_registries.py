@@ -32,7 +32,7 @@ def test_of_many_tops_those_whose_law_feeds_energy_are_invalid() -> None:
     base = tt.load("inverting", ["friction.law=mine", "friction.mu=0.3"])
     from tippetop.problem import Problems
 
-    valid, faults = Problems.vary(base, {"friction.mu": np.array([0.3, -0.3])}).check()
+    valid, faults = Problems.vary(base, {"friction.mu": np.array([0.3, -0.3])}).checked
     assert mine is type(base.friction)
     assert valid.tolist() == [True, False]
     assert "must be at least 0" in faults[0][1]

@@ -56,7 +56,7 @@ def test_a_law_that_is_registered_late_lets_the_contact_open_too() -> None:
         tt.extending.register(Late)
         assert tt.run("flying", Late(0.3), until=1e-3).problem.law is Late
     finally:
-        del friction.LAWS["late"], friction.SLIP[Late]
+        del friction.LAWS["late"]
 
 
 def test_a_law_of_a_user_is_smooth() -> None:

@@ -128,7 +128,7 @@ DECOMPOSITION = {
     ("tippe-top", "vector"): 101,
     ("tippe-top", "euler"): 135,
     ("rolling-tippe-top", "contact"): 96,
-    ("rolling-tippe-top", "vector"): 151,
+    ("rolling-tippe-top", "vector"): 129,
     ("rolling-tippe-top", "reduced"): 89,
     ("rolling-tippe-top", "euler"): 89,
     ("gliding-heavy-top", "vector"): 86,

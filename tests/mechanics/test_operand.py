@@ -177,7 +177,7 @@ def _blue(x, record):
     return x * record.k
 
 
-chosen = select({Red: _red, Blue: _blue})
+chosen = select({Red: _red, Blue: _blue}.get)
 
 
 @numba.njit

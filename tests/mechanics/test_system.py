@@ -8,7 +8,7 @@ import pytest
 from tippetop.errors import InputError
 from tippetop.mechanics.contact.opening import opened
 from tippetop.mechanics.form import Next
-from tippetop.mechanics.friction import Contensou, SetValued, Viscous, named
+from tippetop.mechanics.friction import Contensou, SetValued, Viscous
 from tippetop.mechanics.system import Event, Exit, Form, Phase, System
 from tippetop.mechanics.systems import SYSTEMS, tippe_top
 from tippetop.mechanics.systems.consistency import (
@@ -69,7 +69,7 @@ BALL = dataclasses.replace(
 
 
 OPENED = [
-    opened(SYSTEMS[name], named(law), balls).replace(contact=None)
+    opened(SYSTEMS[name], law, balls).replace(contact=None)
     for name, balls in (("tippe-top", 2), ("gliding-heavy-top", 1), ("gliding-cylinder", 1))
     for law in (Viscous, SetValued, Contensou)
     if law is not Contensou or balls == 2

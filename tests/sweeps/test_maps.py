@@ -171,10 +171,6 @@ def test_drawn_axes_are_gathered_in_cells(tmp_path: Path, monkeypatch: pytest.Mo
 def test_what_cannot_be_drawn_is_said(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with pytest.raises(
-        InputError, match="must be one of class, inversion, normal-force, lyapunov of a sweep"
-    ):
-        maps.make_map(whole, "sphere")
     of = Plan.from_tables({"scenario": "inverting", "axis": [{**AXIS, "n": 4}]})
     with pytest.raises(InputError, match="must have theta_end, but the plan did not keep it"):
         synthetic(tmp_path, monkeypatch, of, **{"class": np.zeros(4, np.int8)})

@@ -11,8 +11,8 @@ from nightly import at_night
 
 import tippetop as tt
 from tippetop.cli import outcome
+from tippetop.mechanics.contact.body import BALLS
 from tippetop.mechanics.contact.exits import PHASES
-from tippetop.mechanics.contact.state import BALLS
 from tippetop.views.phase_formulas import given
 from tippetop.views.playground import BY_NAME, playground
 

@@ -14,6 +14,7 @@ from ..arguments import measured
 from ..errors import InputError
 from ..figures.catalogue import PLAIN, Look
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, Unit
+from ..sampling import spread
 from .streams import complain, print_json, report, visible
 from .values import Jellett, Place, Routh, Whole
 
@@ -96,7 +97,7 @@ def surface(
         if was_finished:
             report(f"`{out}` was finished: its chunks are checked (--overwrite replaces it).")
     if figure is not None:
-        few = [axis[_spread(axis.size)] for axis in (Ds, lambdas)]
+        few = [axis[spread(axis.size, SHOWN)] for axis in (Ds, lambdas)]
         grid = awaited(lambda: minimal(*few), COMPILING)
         drawing.write(_surface(grid, parameters), figure, overwrite=overwrite)
     print(
@@ -182,7 +183,7 @@ def picture(store: Path, attrs: dict[str, Any], look: Look) -> Any:
     if attrs["content"] == "potential":
         given = [attrs[name] for name in ("parameters", "D", "lambda", "system")]
         return _potential(root.loaded(group, store), surface.minimal_surface(*given), look)
-    some = {dim: _spread(group.sizes[dim]) for dim in group["F"].dims}
+    some = {dim: spread(group.sizes[dim], SHOWN) for dim in group["F"].dims}
     return _surface(root.loaded(group.isel(some), store), attrs["parameters"], look)
 
 
@@ -222,26 +223,12 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     """Return parameters and system of a scenario. Raises InputError if it has no (D, lambda)."""
-    from ..errors import a_system
-    from ..landscape.run_landscape import SPINNING
-    from ..mechanics.systems import find
+    from ..landscape.run_landscape import spinning_system
     from ..runs.starting import load
 
     problem = load(scenario)
-    record = find(problem.system.name)  # the sphere on the plane, whatever its contact does
-    landscape = None if record is None else record.landscape
-    if landscape is None or landscape.symbols != SPINNING:
-        raise InputError(
-            f"D and lambda belong to tippe tops only; this is {a_system(problem.system.name)}."
-        )
-    return {k: float(v) for k, v in problem.parameters.items()}, problem.system.name
-
-
-def _spread(size: int) -> Any:
-    """Return the indices of at most SHOWN points of an axis, the first and the last among them."""
-    import numpy as np
-
-    return np.unique(np.linspace(0, size - 1, SHOWN).astype(int))
+    spinning_system(problem.system.name)  # the sphere on the plane, whatever its contact does
+    return dict(problem.parameters), problem.system.name
 
 
 def _axis(name: str, text: str, unit: Unit) -> Any:

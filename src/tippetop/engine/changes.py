@@ -2,6 +2,7 @@
 
 import ctypes
 import math
+import weakref
 from functools import partial
 from itertools import islice
 from typing import Any, NamedTuple
@@ -9,10 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..mechanics.lines import Program
-from ..mechanics.operand import leaves, refill
+from ..mechanics.operand import leaves
 from .driver import NO_ROWS
-from .loop import filled, library, structure
-from .phase_tables import number_of
+from .loop import Loop, Rows, filled, library, structure
 
 
 PATIENCE = 16
@@ -26,6 +26,7 @@ program.
 class _Change(NamedTuple):
     lines: np.ndarray
     constants: np.ndarray
+    sides: np.ndarray
     length: int
     n_constants: int
     out: int
@@ -81,128 +82,115 @@ class Changes:
     """
 
     def __init__(self, run: Any, chatter: float, most: int):
+        self.run = weakref.proxy(run)
         self.events, self.known = len(run.events), dict[int, Written]()
         self.loops = np.zeros(len(run.phases) + MOTIONS, np.uint64)
         self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
-        self.made = np.zeros((most, 6 + NUMBERS))
-        self.numbers = np.array(leaves(run.body)), np.zeros(REGISTERS)
+        self.made = np.zeros((most, 3 + NUMBERS))
+        self.numbers = np.array(leaves(run.world.body)), np.zeros(REGISTERS)
         arrays = self.loops, ctypes.addressof(self.table), *self.numbers, self.made
         times = 0.0, float(run.end), 0.0, chatter
         sizes = 0, 0, most, len(self.numbers[0]), self.made.shape[1]
         self.record: Any = filled(_Phases(*arrays, *times, *sizes))
 
-    def learn(self, run: Any, jump: Any, given: tuple) -> None:
+    def learn(self, jump: Any, *given: Any) -> None:
         """Let the loop make a change of the present phase by itself, if its jump only begins a
         phase; Python has made it with these arguments.
         """
-        if jump.exit.event not in run.numbers:
-            return
         jump.calls += 1
         if jump.program is None and jump.calls >= PATIENCE and not jump.calls & (jump.calls - 1):
-            jump.program = self._traced(run, jump, *given)
-        self.take_up(run, run.track, jump)
+            jump.program = self._traced(jump, *given)
+        self.take_up(self.run.track, jump)
 
-    def take_up(self, run: Any, track: Any, jump: Any) -> None:
+    def take_up(self, track: Any, jump: Any) -> None:
         """Let the loop make the change of a phase by a jump, if it has a program."""
-        program: Written | None = jump.program
-        if program and not track.sampler and not run.track_of(program.phase).sampler:
-            number = track.at * self.events + run.numbers[jump.exit.event]
-            for region in program.motions:
-                run.impacts.driver(region)
-            self.table[number], self.known[number] = filled(program.change), program
+        run, event, program = self.run, self.run.numbers.get(jump.exit.event), jump.program
+        sampled = track.sampler or (program and run.track_of(program.phase).sampler)
+        if event is None or not program or sampled:
+            return
+        number = track.at * self.events + event
+        for region in program.motions:
+            self._take_loop(self._place(region), run.impacts.driver(region).loop, NO_ROWS)
+        self.table[number], self.known[number] = filled(program.change), program
 
-    def _traced(
-        self, run: Any, jump: Any, state: tuple, left: Any, struck: Any, body: Any
-    ) -> Written | None:
+    def _place(self, region: str) -> int:
+        """Return the number of the loop of a motion."""
+        return len(self.run.phases) + [*self.run.impacts.stages].index(region)
+
+    def _take_loop(self, place: int, loop: Loop, rows: Rows) -> None:
+        """Take a loop, which writes these rows."""
+        loop.fill(rows)
+        self.loops[place] = ctypes.addressof(loop.structure)
+
+    def _traced(self, jump: Any, state: tuple, world: Any) -> Written | None:
         """Return the program of a jump; None where it does more than begin a phase."""
-        track, regions = run.track, list[str]()
+        run, regions = self.run, list[str]()
+        track = run.track
         state += (0.0,) * (len(run.state) - len(state))
-        program = Program(state, (left,), tuple(run.signs.tolist()), body)
+        program = Program(state, (world.left,), tuple(run.signs.tolist()), world.body)
 
-        def followed(region: str, *given: Any) -> tuple:
-            driver = run.impacts.driver(region)
-            end, most, signs, zeros, pars, q = given
-            none = [0.0] * (driver.width - len(q))
-            inputs = end, most, *signs, *zeros, *pars[: len(driver.motion.pars)], *q, *none
-            first = program.joined(inputs)
-            values = (getattr(one, "value", one) for one in leaves(given))
-            found = leaves(run.impacts.piece(region, *refill(given, values)))
-            made = [program.line("motion", first, self._place(run, region), found[0])]
-            made += [program.line("result", 0.0, value=value) for value in (*found[1:], *none)]
+        def followed(region: str, *given: Any) -> list:
             regions.append(region)
-            return *made[:3], q._make(made[3 : 3 + len(q)])
+            return program.call(self._place(region), partial(run.impacts.piece, region), *given)
 
         state, (left,), signs, body = program.inputs
+        struck = partial(world.struck, piece=followed)
         try:
-            n, state, values = jump(state, left, partial(struck, piece=followed), body)
+            n, state, values = jump(state, world._replace(body=body, left=left, struck=struck))
             to = run.track_of(n.phase)
         except Exception:  # whatever a jump does that is no line
             return None
-        kinds = run.tables.tables
-        tables = [(name, row) for name, rows in n.rows.items() for row in rows]
-        flat = [
-            number_of(one, kind)
-            for name, row in tables
-            for one, kind in zip(row, kinds[name].values(), strict=True)
-        ]
+        numbers = leaves(tuple(n.rows.values()))
         goes_on = [(k, v) for k, v in zip(to.events, values, strict=True) if k in to.live]
         is_plain = (
             not n.ends
             and n.delay == 0
             and n.cause
             and len(n.logged) == 1
-            and len(flat) <= NUMBERS
+            and len(numbers) <= NUMBERS
             and program.count + 2 * len(program.lines) < REGISTERS
             and to.live <= track.live
             and all((value > 0) == (signs[k] > 0) for k, value in goes_on)
         )
         if not is_plain:
             return None
-        pad, none = [0.0] * (len(to.place.motion.state) - len(state)), [0.0] * (NUMBERS - len(flat))
-        known = to.sides(n)
-        sides, roots = zip(*(known.get(k, (0, 0)) for k in range(self.events)), strict=True)
+        sides = np.zeros((2, self.events))  # and minus the number of roots
+        for k, side in to.sides(n).items():
+            sides[:, k] = side
+        pad, none = (
+            [0.0] * size
+            for size in (len(to.place.motion.state) - len(state), NUMBERS - len(numbers))
+        )
         lasts = math.nan if n.lasts is None else n.lasts
-        zeros = [-count for count in roots]
-        first = program.joined([*state, *pad, *sides, *zeros, lasts, *flat, *none])
+        first = program.joined([*state, *pad, lasts, *numbers, *none])
         lines, constants = program.code(), np.array([*program.constants.values()])
         logged = run.numbers[n.logged[0]]
         kept = run.all_events.events[logged][["first", "last"]].item()
         sizes = len(lines), len(constants), first.place - program.count
         return Written(
-            _Change(lines, constants, *sizes, to.at, logged, *kept),
+            _Change(lines, constants, sides, *sizes, to.at, logged, *kept),
             tuple(regions),
             n.phase,
             run.tables.row_of(n.phase, to.phase, n.cause),
-            [(name, len(row)) for name, row in tables],
+            [(name, len(row)) for name, rows in n.rows.items() for row in rows],
         )
 
-    def _place(self, run: Any, region: str) -> int:
-        """Return the number of the loop of a motion."""
-        return len(run.phases) + [*run.impacts.stages].index(region)
-
-    def drive(self, run: Any, steps: int, changes: int) -> int:
+    def drive(self, steps: int, changes: int) -> int:
         """Make at most so many steps and changes of phase, and return the number of steps."""
+        run: Any = self.run
         record = self.record
-        loops = {track.at: track.place.loop for track in run.tracks.values()}
-        for loop in loops.values():
-            loop.fill(run.wanted.rows)
-        for region, driver in run.impacts.drivers.items():
-            driver.loop.fill(NO_ROWS)
-            loops[self._place(run, region)] = driver.loop
-        for place, loop in loops.items():
-            self.loops[place] = ctypes.addressof(loop.structure)
+        for track in run.tracks.values():
+            self._take_loop(track.at, track.place.loop, run.wanted.rows)
         record.present, record.began = run.track.at, run.began
         record.length, record.most = 0, changes
         steps = library().loop_run(ctypes.byref(record), steps)
-        for time, number, rows, passages, samples, _, *numbers in self.made[
-            : record.length
-        ].tolist():
+        for time, number, _, *numbers in self.made[: record.length].tolist():
             program, rest = self.known[int(number)], iter(numbers)
-            run.spans.append([program.change.next, int(rows), int(passages), int(samples)])
             run.tables.begin(time, program.row)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
         if record.length:
             run.follow(run.tracks[program.phase], time)
             run.short, run.until = 0, record.clock
+            run.changes += record.length
         return steps

@@ -101,11 +101,12 @@ class Shared(NamedTuple):
 
 RULES = StopRules(np.inf, ENDLESS, EVERY, FIRST)
 """Of a single run: only an event ends it before its time."""
-NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(1, np.int64), False)
+NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(1, np.int64), False)
 
 
 class Wanted:
-    """The rows that are wanted of a run, of which the first `made[0]` exist.
+    """The rows that are wanted of a run, of which the first `made[0]` exist, and the first `given`
+    were given to the request.
 
     Parameters
     ----------
@@ -115,6 +116,7 @@ class Wanted:
 
     def __init__(self, variables: int) -> None:
         self.variables, self.rows, self.made = variables, NO_ROWS, view(NO_ROWS.filled)
+        self.given = 0
 
     @property
     def is_made(self) -> bool:
@@ -125,7 +127,14 @@ class Wanted:
         """Ask for more times; for room, where rows are at the ends of steps."""
         times = request.wanted()
         states, filled = np.empty((self.variables, len(times))), np.zeros(1, np.int64)
-        self.rows, self.made = Rows(times, states, filled, request.steps), view(filled)
+        phases, self.given, self.made = np.empty(len(times), np.int64), 0, view(filled)
+        self.rows = Rows(times, states, phases, filled, request.steps)
+
+    def give(self) -> slice:
+        """Return the numbers of rows that exist and were not given; they are given from now on."""
+        made = slice(self.given, self.made[0])
+        self.given = made.stop
+        return made
 
 
 class Place:
@@ -243,15 +252,27 @@ class Driver:
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps; rows go to the request."""
         # no cycle: a place is free as soon as its driver is gone
-        self.request, n, before = weakref.proxy(request), self.variables, self.steps[0]
+        self.request = weakref.proxy(request)
         self.forget()
+        steps, when, last, ended = self.run(most)
+        *columns, logged = self.passages()
+        samples = self.sampled()
+        logged, samples, last = self.give(
+            (self.log.rows["phase"][: len(logged)], logged),
+            (self.samples.top[: len(samples)], samples),
+            (self.samples.in_lane, last[None]),
+        )
+        passages = Passages._make([*(column.copy() for column in columns), logged])
+        return Slice(steps, when, last, samples, passages, ended)
+
+    def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
+        """Make at most `most` steps. Return their number, the time and the state reached, and how
+        the run ends there; None if it continues.
+        """
+        before = self.steps[0]
         self.drive(most)
-        (when, last), code, steps = self.reached(), self.status[0], self.steps[0] - before
-        ended = None if code == RUNNING else STATUSES[code]
-        *columns, states = (column.copy() for column in self.passages())
-        passages = Passages._make([*columns, states[:, :n]])
-        samples = self.sampled()[:, :n].copy()
-        return Slice(steps, when, last[None, :n].copy(), samples, passages, ended)
+        code, steps = self.status[0], self.steps[0] - before
+        return steps, *self.reached(), None if code == RUNNING else STATUSES[code]
 
     def begin(self) -> None:
         """Mark the run as one that has made no step."""
@@ -269,30 +290,49 @@ class Driver:
                 self.ask()
             first = wanted.made[0]
             steps += self.make(wanted.rows, most - steps if self.status[0] == RUNNING else 0)
-            if wanted.made[0] > first:
-                self.give(first)
             if wanted.made[0] == first or not wanted.is_made:
                 return steps
 
     def ask(self) -> None:
-        """Go on with the rows that are wanted next."""
+        """Give the rows that exist, and go on with those that are wanted next."""
+        self.give()
         self.wanted.ask(self.request)
 
-    def give(self, first: int) -> None:
-        """Give the rows that the last steps have made, from number `first` on."""
-        rows = self.wanted.rows
-        self.request.take(rows.times[first : self.wanted.made[0]], self.states_of(rows, first))
+    def give(self, *others: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
+        """Give the rows that were made since the last time, and return those of other states: see
+        `rows_of`.
+        """
+        made, wanted = self.wanted.give(), self.wanted.rows
+        rows, *rest = self.rows_of((wanted.phases[made], self.states_of(made)), *others)
+        if len(rows):
+            self.request.take(wanted.times[made], rows)
+        return rest
+
+    def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
+        """Return the rows of states.
+
+        Parameters
+        ----------
+        parts
+            The numbers of their phases (k,), and states (k, all variables).
+        """
+        return [states[:, : self.variables].copy() for _, states in parts]
 
     def make(self, rows: Rows, most: int) -> int:
         """Make at most `most` steps, write these rows, and return the number of steps."""
         self.loop.fill(rows)
         return self.loop.drive(most)
 
-    def states_of(self, rows: Rows, first: int) -> np.ndarray:
-        """Return the states of the rows that the last steps have made, (k, variables), from number
-        `first` on.
-        """
-        return rows.states[: self.variables, first : int(rows.filled[0])].T
+    def states_of(self, rows: slice) -> np.ndarray:
+        """Return the states of rows, (k, variables): as wide as the widest phase."""
+        return self.wanted.rows.states[:, rows].T
+
+    def add(self, times: np.ndarray, states: np.ndarray) -> None:
+        """Add rows that no step makes: times, and states of the present phase (k, variables)."""
+        rows, made = self.wanted.rows, self.wanted.made
+        part = slice(made[0], made[0] + len(times))
+        rows.times[part], rows.phases[part], made[0] = times, self.samples.in_lane, part.stop
+        rows.states[: states.shape[1], part] = states[:, : len(rows.states)].T
 
     def sampled(self) -> np.ndarray:
         """Return the states that were sampled, where they are: as wide as the widest phase."""
@@ -309,10 +349,10 @@ class Driver:
         """Remove the last passage."""
         self.logged[0] -= 1
 
-    def note(self, time: Any, number: int, sign: int, state: np.ndarray) -> None:
-        """Add a passage that no step has."""
+    def note(self, time: Any, number: int, sign: int, phase: int, state: np.ndarray) -> None:
+        """Add a passage that no step has, with a state of a phase."""
         log, at = self.log, self.logged[0]
-        log.rows[at] = time, number, sign, False
+        log.rows[at] = time, number, sign, phase, False
         log.states[at, : len(state)] = state
         self.logged[0] += 1
 
@@ -355,7 +395,7 @@ class Driver:
 
     def present(self) -> np.ndarray:
         """Return the present state, (1, variables), internal."""
-        return self.state[None, : self.variables].copy()
+        return self.rows_of((self.samples.in_lane, self.state[None]))[0]
 
     def equations(self) -> list[tuple]:
         """Return the equations of motion: pairs of a variable and its rate."""

@@ -66,7 +66,7 @@ def formulas_of(system: System, form_name: str, friction: Any) -> Formulas:
     form = system.forms[form_name]
 
     def functions(q: Any, carried: Any, b: Any) -> list:
-        state = moment(system, form, q, carried, b)
+        state = moment(form, q, carried, b)
         return [event.formula(state, b) for event in system.events]
 
     template = system.body_of(
@@ -121,7 +121,7 @@ def observed(system: System, form: Form, q: Any, carried: Any, body: Any) -> dic
     """Return angles, vectors and quantities of a row by name, internal units; arrays or
     expressions.
     """
-    whole, angles = moment(system, form, q, carried, body), form.to_angles(q, carried, body)
+    whole, angles = moment(form, q, carried, body), form.to_angles(q, carried, body)
     values = {
         "theta": math.nan,
         "theta_dot": 0.0,

@@ -7,15 +7,16 @@ depend on balls or laws. All phases of a run have the same integrals.
 
 import math
 import threading
-import weakref
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from operator import itemgetter
+from typing import Any, NamedTuple, cast
 
+import heyoka as hy
 import numpy as np
 
-from ..errors import InputError, is_one_number
+from ..errors import InputError
 from ..mechanics.event import ON_ZERO as BELOW
 from ..mechanics.event import Event
 from ..mechanics.form import CLOCK, Exit, Next, Phase
@@ -33,7 +34,6 @@ from .driver import (
     STEPS_PER_SLICE,
     Driver,
     Extremes,
-    Passages,
     Place,
     Request,
     Shared,
@@ -56,7 +56,7 @@ from .tallies import (
     new_samples,
     new_tallies,
 )
-from .taylor import code_for
+from .taylor import code_for, internal_end
 from .wide import WideDriver
 
 
@@ -106,7 +106,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
             whole, first = (
                 system.read(phase, q, carried, b) if system.read else (phase.leave(q, b), b)
             )
-            read = moment(system, system.phase.form, whole, carried, first)
+            read = moment(system.phase.form, whole, carried, first)
             values += [event.formula(read, first) for event in common]
         return values
 
@@ -123,9 +123,9 @@ class World(NamedTuple):
     system: System
     rules: Any
     phases: Mapping[str, Phase]
-    phase: Phase
-    left: Any
     struck: Any  # of a body whose contact may open: see `exits`
+    phase: Any = None
+    left: Any = None
 
     def rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
         """Return the rates of the integrals of the run in a state of a phase. `b` is the body in
@@ -146,8 +146,6 @@ class Jump:
         The phase that ends; "" at the start.
     exit
         How it ends.
-    rules
-        Of the contact.
 
     Attributes
     ----------
@@ -157,54 +155,51 @@ class Jump:
 
     calls, program = 0, None
 
-    def __init__(
-        self, system: System, phases: tuple, name: str, phase: Phase, exit: Exit, rules: Any
-    ):
-        self.world = World(None, system, rules, dict(phases), phase, None, None)
-        self.exit, self.variables = exit, Variables(phase.form)
-        self.events = events_of(system, self.world.phases)
+    def __init__(self, system: System, phases: tuple, name: str, phase: Phase, exit: Exit):
+        self.phase, self.exit, self.variables = phase, exit, Variables(phase.form)
+        self.events = events_of(system, dict(phases))
         of_phase = f" from phase `{name}`" if name else ""
         self.where = f"the jump by `{exit.event}`{of_phase} of `{system.name}`"
 
-    def __call__(self, state: Sequence, left: Any, struck: Any, body: Any) -> tuple:
+    def __call__(self, state: Sequence, world: World) -> tuple:
         """Return what follows, as a Next; the variables with which the next phase begins, and the
         event functions there.
+
+        The run ends, as `stalled`, if the jump raises ArithmeticError, or one of this package
+        cannot compute: nothing can follow.
 
         Parameters
         ----------
         state
             The variables where the phase ended.
-        left
-            The time to the end of the run.
-        struck
-            See `World`.
-        body
-            The body.
+        world
+            Of the run, with the time that is left.
 
         Raises
         ------
-        ArithmeticError
-            If the jump raises it, or one of this package cannot compute: nothing can follow.
         InputError
             If the jump fails otherwise, or what it returns cannot follow.
         """
-        world = self.world._replace(body=body, left=left, struck=struck)
-        try:
-            return self._next(state, world)
-        except Exception as error:
-            if type(error) in (ArithmeticError, InputError):
-                raise
-            is_ours = world.rules and isinstance(error, ArithmeticError)
-            message = f"{self.where} fails: {type(error).__name__}: {error}"
-            raise (ArithmeticError if is_ours else InputError)(message) from error
-
-    def _next(self, state: Sequence, world: World) -> tuple:
         q, carried = self.variables.split(state[: len(self.variables.names)])
-        x = world.phase.leave(q, world.phase.parameters(world.body))
+        x = self.phase.leave(q, self.phase.parameters(world.body))
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
+        try:
+            return self._next(x, carried, world._replace(phase=self.phase))
+        except Exception as error:
+            is_known, is_arithmetic = (
+                type(error) in (ArithmeticError, InputError),
+                isinstance(error, ArithmeticError),
+            )
+            message = f"{self.where} fails: {type(error).__name__}: {error}"
+            message = str(error) if is_known else message
+            if not (is_arithmetic and (is_known or world.rules)):
+                raise InputError(message) from error
+            return Next("", x, ends=Status.STALLED.value, message=message), (), ()
+
+    def _next(self, x: Any, carried: Any, world: World) -> tuple:
         n = self.exit.jump(x, world)
-        if fault := fault_of(n, self.exit, x, self.events):
+        if fault := self.exit.fault(n, x, self.events):
             raise InputError(f"{self.where} must {fault}.")
         if n.cause is None:
             n.cause = self.exit.event
@@ -214,14 +209,20 @@ class Jump:
         b = to.parameters(world.body)
         q = type(to.form.units)(*to.enter(n.x, b))
         types: Any = type(b), type(b.friction)
-        functions = formulas_of_phase(world.system, to, *types).functions
-        return n, Variables(to.form).join(q, carried), functions(q, carried, b)
+        formulas = formulas_of_phase(world.system, to, *types)
+        values = formulas.functions(q, carried, b)
+        if not world.rules and (name := wrong_root(n.zeros, formulas, q, carried, b)):
+            raise InputError(
+                f"{self.where} must give multiplicities of roots in `zeros`, but {name!r} has no "
+                f"root of multiplicity {n.zeros[name]} where phase `{n.phase}` begins."
+            )
+        return n, Variables(to.form).join(q, carried), values
 
 
 @lru_cache(maxsize=256)
-def jump_of(impacts: tuple | None, *given: Any) -> Jump:
-    """Return the jump with these arguments. Its program is that for impacts of this kind."""
-    return Jump(*given)
+def jump_of(system: System, phases: tuple, contact: Any, impacts: Any, *given: Any) -> Jump:
+    """Return the jump with these arguments; its program is that for impacts of this kind."""
+    return Jump(system, phases, *given)
 
 
 def begin_in_first(x: Any, world: World) -> Next:
@@ -235,26 +236,19 @@ def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
     return {event.name: event for event in (*system.events, *in_phases, *system.events)}
 
 
-def fault_of(n: Any, exit: Exit, x: Any, events: Collection[str]) -> str:
-    """Return what the result of a jump must be and is not; empty if it can follow the state `x`."""
-    if not isinstance(n, Next):
-        return f"return a Next, but returns {n!r:.60}"
-    if type(n.ends) is not str:
-        return f"have a word in `ends`, but has {n.ends!r:.60}"
-    if n.phase not in exit.to and not n.ends:
-        return f"lead to {' or '.join(exit.to)}, as its Exit declares, but leads to {n.phase!r}"
-    if type(n.x) is not type(x):
-        return f"return a state as it takes ({type(x).__name__}), but returns {n.x!r:.60}"
-    for name, value in n.x._asdict().items():
-        if not all(is_one_number(one) for one in leaves((value,))):
-            return f"return a number in `{name}` of the state, but returns {value!r:.60}"
-    for what, names in (("logged", n.logged), ("zeros", n.zeros), ("sides", n.sides)):
-        for name in names:
-            if name not in events:
-                return f"have events of the system in `{what}`, but has {name!r}"
-    if n.zeros and min(n.zeros.values()) < 1:
-        return f"have multiplicities of roots in `zeros`, at least 1, but has {dict(n.zeros)}"
-    return ""
+def wrong_root(
+    zeros: Mapping[str, int], formulas: Formulas, q: Any, carried: Any, b: Any
+) -> str | None:
+    """Return the name of an event whose function has no root of the multiplicity that `zeros`
+    gives: its value, or its slope if there is more than one root, is not zero.
+    """
+    moved = (v + NEAR * rate for v, rate in zip(q, formulas.form.rates(q, b), strict=True))
+    here, near = (formulas.functions(q, carried, b) for q in (q, type(q)(*moved)))
+    for event, value, ahead in zip(formulas.events, here, near, strict=True):
+        count = zeros.get(event.name, 0)
+        if (count > 0 and abs(value) >= ROOT) or (count > 1 and abs(ahead - value) >= SLOPE * NEAR):
+            return event.name
+    return None
 
 
 # --- runs ---------------------------------------------------------------------------------------
@@ -274,34 +268,36 @@ class Track:
     def __init__(self, run: "HybridDriver", name: str):
         problem, phase = run.problem, run.phases[name]
         self.name, self.phase, self.at = name, phase, [*run.phases].index(name)
-        self.b, self.variables = phase.parameters(run.body), Variables(phase.form)
+        self.b, self.variables = phase.parameters(run.world.body), Variables(phase.form)
         self.width = len(self.variables.names)
         stops = problem.on_liftoff == "stop"
-        self.exits = {
-            exit.event: run.jump(name, phase, exit)
+        self.exits = {  # by the number of the event
+            run.numbers.get(exit.event, CLOCK): run.jump(name, phase, exit)
             for exit in phase.exits
             if not (stops and exit.event == Status.LIFTOFF.value)
         }
         types: Any = type(self.b), type(self.b.friction)
         self.formulas = formulas_of_phase(problem.system, phase, *types)
         self.events = {run.numbers[event.name]: event for event in self.formulas.events}
-        self.ways = {k: one.name for k, one in self.events.items() if one.name in self.exits}
-        self.live = self.events.keys() - self.ways.keys()
+        self.live = self.events.keys() - self.exits.keys()
         code = code_for(problem, self.formulas, run.stop)
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
-        self.place = Place(code, run.stepper_of(code), rows, run.shared)
+        samples = run.shared.samples._replace(in_lane=np.full(1, self.at))
+        shared = run.shared._replace(samples=samples)
+        self.place = Place(code, run.stepper_of(code), rows, shared)
         run.take(self.place, leaves(self.b))
-        sampled = [event for event in phase.events if event.sampled]
+        sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
         self.sampler = Sampler(phase.form, self.b, code.integrator, sampled) if sampled else None
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase, `mine`, are looked for."""
-        known, numbers, ways = run.all_events.events, [*self.events], [*self.ways]
+        known, numbers = run.all_events.events, [*self.events]
         known["scale"][numbers] = mine["scale"]
         records = np.zeros_like(known)
         records[numbers] = mine
         records["first"], records["last"] = known["first"], known["last"]
+        ways = [k for k in numbers if k in self.exits]
         records["first"][ways] = records["last"][ways] = 0  # its jump logs
         records["ends"][ways] = Status.ENDED.code
         records["watched"][numbers] = [
@@ -310,25 +306,14 @@ class Track:
         return records
 
     def sides(self, n: Next) -> dict[int, tuple[int, int]]:
-        """Return the signs with which the events that end the phase begin, and how many roots they
-        have there, by number.
+        """Return the signs with which the events that end the phase begin, and minus the numbers of
+        their roots there, by number.
         """
         return {
-            k: (n.sides.get(name, -self.events[k].direction), n.zeros.get(name, 0))
-            for k, name in self.ways.items()
+            k: (n.sides.get(event.name, -event.direction), -n.zeros.get(event.name, 0))
+            for k, event in self.events.items()
+            if k in self.exits
         }
-
-    def has_root(self, number: int, count: int, state: Sequence, values: Sequence) -> bool:
-        """Return whether an event function has a root of this multiplicity in a state with these
-        values: its value, and its slope if there is more than one root, are zero.
-        """
-        k, split = [*self.events].index(number), self.variables.split
-        if count == 1 or not abs(values[k]) < ROOT:
-            return abs(values[k]) < ROOT
-        rates = self.variables.rates(*split(state), self.b)
-        near = [one + NEAR * rate for one, rate in zip(state, rates, strict=True)]
-        ahead = self.formulas.functions(*split(near), self.b)[k]
-        return abs(ahead - values[k]) < SLOPE * NEAR
 
 
 class HybridDriver(Driver):
@@ -350,9 +335,8 @@ class HybridDriver(Driver):
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
         system, number = problem.system, float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
-        self.second = float(problem.scales.of(SECOND))
-        self.end = number(problem.until) / number(self.second)
-        self.body, phases = _assembled(problem)
+        self.end = number(internal_end(problem))
+        body, phases = _assembled(problem)
         self.phases = {name: completed(one, problem.variables) for name, one in phases.items()}
         self.variables = len(problem.variables.names)
         self.at_start = np.ones(len(system.events))  # the phase of the start is chosen
@@ -374,42 +358,36 @@ class HybridDriver(Driver):
         self.wanted, self.tables = Wanted(self.width - len(self.events)), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.short = 0
-        # the phases of a slice: their places, and the numbers of rows, passages and samples before
-        self.spans: list[list[int]] = []
-        self.states = np.empty((self.wanted.variables, 0), number)  # of the rows
-        self.copies: Changes | None = None
-        self.kind = self.impacts = self.struck = None
-        if problem.contact is not None:
-            self.kind = kind_of(problem, self.body[0].friction)
-            self.impacts = ImpactMotions(*self.kind, stop)
-            self.struck = self.impacts.struck
-            self.copies = Changes(self, CHATTER, PER_SLICE) if number is float else None
+        self.changes = 0  # in a slice
+        contact, kind, struck = problem.contact, None, None
+        if contact is not None:
+            kind = kind_of(problem, body[0].friction)
+            self.impacts = ImpactMotions(*kind, stop)
+            struck = self.impacts.struck
+        self.key = system, tuple(self.phases.items()), contact, kind
+        self.world = World(body, system, contact, self.phases, struck)
+        is_plain = contact is None or number is not float
+        self.copies = None if is_plain else Changes(self, CHATTER, PER_SLICE)
         self._start(tuple(problem.start().tolist()))
         self.first = self.present()
 
     def _start(self, state: tuple) -> None:
         """Enter the first phase."""
-        system = self.problem.system
+        system, world = self.problem.system, self.world._replace(left=self.end)
         phase = completed(system.phase, self.problem.variables)
         begins = Exit("start", tuple(self.phases), system.begin or begin_in_first)
-        given = state, self.end, self.struck, self.body
-        try:
-            begun = self.jump("", phase, begins)(*given)
-            ends, self.sentence = begun[0].ends, begun[0].message
-        except ArithmeticError as error:
-            begun = self.jump("", phase, replace(begins, jump=begin_in_first))(*given)
-            ends, self.sentence = "stalled", str(error)
-        if ends:
-            self.ended = Status(ends)
+        begun = n, *_ = self.jump("", phase, begins)(state, world)
+        if n.ends:
+            self.ended, self.sentence = Status.of_event(n.ends), n.message
+        if not n.phase:
+            begun = self.jump("", phase, replace(begins, jump=begin_in_first))(state, world)
         self._enter(begun, self.number(0), None)
 
     # --- phases ----------------------------------------------------------------------------------
 
     def jump(self, name: str, phase: Phase, exit: Exit) -> Jump:
         """Return the jump of a phase by an exit."""
-        problem = self.problem
-        phases = tuple(self.phases.items())
-        return jump_of(self.kind, problem.system, phases, name, phase, exit, problem.contact)
+        return jump_of(*self.key, name, phase, exit)
 
     def track_of(self, name: str) -> Track:
         """Return the phase of this name, compiled when it is first entered."""
@@ -417,7 +395,7 @@ class HybridDriver(Driver):
             track = self.tracks[name] = Track(self, name)
             if self.copies:
                 for jump in track.exits.values():
-                    self.copies.take_up(self, track, jump)
+                    self.copies.take_up(track, jump)
         return self.tracks[name]
 
     def equations(self) -> list[tuple]:
@@ -445,11 +423,10 @@ class HybridDriver(Driver):
             for number, sign in passed:
                 event = self.events[number]
                 if event.sense or (event.lasting and sign == event.direction):
-                    self._note(number, now, self.last, sign)  # of theta: it has a corner
-            self._begin_span()
+                    # of theta: it has a corner
+                    self._note(number, now, sign, cast(Track, before), self.last)
         else:
-            self._begin_span()
-            self._fill(lambda times: self._series(n, times.astype(self.number) - now))
+            self._fill(n, now)
             for number, sign in passed:
                 self._note_along(n, number, sign, now)
         self.begin()
@@ -464,46 +441,46 @@ class HybridDriver(Driver):
         Return the events that have passed in the jump, and their signs now.
         """
         track, signs, zeros, passed = self.track, self.signs, self.zeros, []
-        known = before.live if before else ()
+        known, sides = before.live if before else (), track.sides(n)
         for number, value in zip(track.events, values, strict=True):
-            sign, is_near, is_new = 1 if value > 0 else -1, abs(value) < BELOW, number not in known
-            if number in track.live and not is_new and sign != signs[number]:
-                if is_near:
-                    sign = int(signs[number])
-                else:
-                    passed.append((number, sign))
-            signs[number], zeros[number] = sign, is_new and is_near
-        for number, (side, roots) in track.sides(n).items():
-            signs[number], zeros[number] = side, -roots
+            sign, is_near = 1 if value > 0 else -1, abs(value) < BELOW
+            zeros[number] = 0
+            if number in sides:
+                signs[number], zeros[number] = sides[number]
+            elif number not in known:
+                signs[number], zeros[number] = sign, is_near
+            elif sign != signs[number] and not is_near:
+                signs[number] = sign
+                passed.append((number, sign))
         return passed
 
     # --- steps -----------------------------------------------------------------------------------
 
     @QUIET
     def advance(self, request: Request, most: int) -> Slice:
+        return replace(super().advance(request, most), tables=self.tables.take())
+
+    def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
         """Make at most `most` steps, through as many phases as they take."""
-        self.request, self.spans = weakref.proxy(request), []
-        self.forget()
-        self.given = self.wanted.made[0]
-        self._begin_span()
+        self.changes = 0
         steps, status, when = 0, None, self.end
         while self.clock[0] < self.end:
-            self._fill(lambda times: np.repeat(self.state[None, :], len(times), axis=0))
-            sampled = self._sample()
+            ending = self._end_next()
             steps += self.drive(1 if self.track.sampler else most - steps)
-            track, code, ending = self.track, self.status[0], None
-            when, self.last = self.reached()
-            self.last = self.last[: track.width].copy()
+            track, code = self.track, self.status[0]
+            when, last = self.reached()
+            self.last = last[: track.width].copy()
             status = None if code == RUNNING else STATUSES[code]
-            if status is Status.FINISHED:
-                ending = sampled or (CLOCK if self.until < self.end else None)
-            elif self.upto[0] < 1.0 and (
-                ending := track.ways.get(self.log.rows["event"][self.logged[0] - 1])
-            ):
-                self.drop()  # the jump logs it
-            if ending is not None:
-                status = self._change(track.exits[ending], when)
-            is_full = len(self.spans) > PER_SLICE or not (ending or track.sampler)
+            if self.upto[0] < 1.0:
+                ending = self.log.rows["event"][self.logged[0] - 1]
+            elif status is not Status.FINISHED:
+                ending = None
+            jump = track.exits.get(ending)
+            if jump:
+                if self.upto[0] < 1.0:
+                    self.drop()  # the jump logs it
+                status = self._change(jump, when)
+            is_full = self.changes >= PER_SLICE or not (jump or track.sampler)
             if status is not None or steps >= most or is_full:
                 break
         if status is None:
@@ -513,19 +490,20 @@ class HybridDriver(Driver):
                 self.tally["upto"] = 0.0
         if status is not None:
             self.tables.end(float(when))
-        return self._slice(steps, when, status)
+        return steps, when, np.resize(self.last, self.width), status
 
-    def _sample(self) -> str:
+    def _end_next(self) -> Any:
         """Put the end of the next steps at that of the phase, or where a sampled event happens in
         the next one.
 
-        Return that event, or nothing.
+        Return that event, or CLOCK; None at the end of the run.
         """
-        end = self.until if self.until < self.end else self.end
+        has_clock = CLOCK in self.track.exits and self.until < self.end
+        end = (self.until, CLOCK) if has_clock else (self.end, None)
         sampler = self.track.sampler
-        when, name = min([(end, ""), *(sampler.next(self) if sampler else ())])
+        when, ending = min([end, *(sampler.next(self) if sampler else ())], key=itemgetter(0))
         self.end_at(when)
-        return name
+        return ending
 
     def _change(self, jump: Jump, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state.
@@ -534,23 +512,20 @@ class HybridDriver(Driver):
         """
         self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
         now, track, last = self.number(when), self.track, self.last
-        given = tuple(last.tolist()), self.end - now, self.struck, self.body
-        try:
-            begun = n, state, values = jump(*given)
-        except ArithmeticError as error:
-            self.sentence = str(error)
-            return Status.STALLED
+        given = tuple(last.tolist()), self.world._replace(left=self.end - now)
+        begun = n, state, _ = jump(*given)
         if self.copies:
-            self.copies.learn(self, jump, given)
+            self.copies.learn(jump, *given)
         for name in n.logged:
-            self._note(self.numbers[name], now + n.logged_after, last, 1)
+            self._note(self.numbers[name], now + n.logged_after, 1, track, last)
         if n.ends:
             self.sentence = n.message or f"{jump.where} ends the run"
             self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
         if self.short > 2:
+            shortest = CHATTER * float(self.problem.scales.of(SECOND))
             self.sentence = (
-                f"phases change more often than every {CHATTER * self.second:.1g} s, at last "
+                f"phases change more often than every {shortest:.1g} s, at last "
                 f"from `{track.name}` to `{n.phase}` by `{jump.exit.event}`"
             )
             return Status.STALLED
@@ -558,86 +533,40 @@ class HybridDriver(Driver):
             self.sentence = f"{jump.where} must lead to a finite state, but leads to {n.x!r:.60}"
             return Status.NON_FINITE
         if self.request.steps and self.upto[0] < 1.0:  # the loop keeps the ends of steps
-            self._add(np.array([when]), last[None])
+            self.add(np.array([when]), last[None])
         self._enter(begun, now, track)
-        sides = self.track.sides(n) if self.problem.contact is None else {}
-        for number, (_, count) in sides.items():
-            if count and not self.track.has_root(number, count, state, values):
-                raise InputError(
-                    f"{jump.where} must give multiplicities of roots in `zeros`, but "
-                    f"{self.events[number].name!r} has no root of multiplicity {count} where phase "
-                    f"`{n.phase}` begins."
-                )
+        self.changes += 1
         return None
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def _begin_span(self) -> None:
-        """Note that rows, passages and samples belong to the present phase from now on."""
-        counts = self.wanted.made[0], self.logged[0], self.sampled_so_far[0]
-        self.spans.append([self.track.at, *counts])
-
-    def ask(self) -> None:
-        self._hand_over()
-        super().ask()
-        states, self.given = self.wanted.rows.states, 0
-        self.states = states if self.number is float else np.empty(states.shape, self.number)
-        for span in self.spans:
-            span[1] = 0
-
-    def _hand_over(self, *others: tuple[int, int, np.ndarray]) -> list[np.ndarray]:
-        """Give the rows that exist, and return those of other states: see `_rows`."""
-        made = slice(self.given, self.wanted.made[0])
-        rows, *rest = self._rows((1, made.start, self.states[:, made]), *others)
-        if len(rows):
-            self.request.take(self.wanted.rows.times[made], rows)
-        self.given = made.stop
-        return rest
-
     def make(self, rows: Rows, most: int) -> int:
         if self.copies is None or self.request.steps or self.track.sampler:
             return super().make(rows, most)
-        return self.copies.drive(self, most, PER_SLICE + 1 - len(self.spans))
+        return self.copies.drive(most, PER_SLICE - self.changes)
 
-    def give(self, first: int) -> None:
-        if self.number is not float:
-            states = self.states_of(self.wanted.rows, first).T
-            self.states[: len(states), first : self.wanted.made[0]] = states[: len(self.states)]
-
-    def _add(self, times: np.ndarray, states: np.ndarray) -> None:
-        """Add rows that no step makes: times, and states of the present phase (k, variables)."""
-        made, count = self.wanted.made, len(self.states)
-        part = slice(made[0], made[0] + len(times))
-        self.wanted.rows.times[part], made[0] = times, part.stop
-        self.states[: states.shape[1], part] = states[:, :count].T
-
-    def _note(self, number: int, time: Any, state: np.ndarray, sign: int) -> None:
-        """Log an event that no step has logged, in a state of the phase of the last span."""
-        self.note(time, number, sign, state)
+    def _note(self, number: int, time: Any, sign: int, track: Track, state: np.ndarray) -> None:
+        """Log an event that no step has logged, in a state of a phase."""
+        self.note(time, number, sign, track.at, state)
         if self.events[number].lasting:
             self.tally["lasts_since"] = float(time)
         self.loop.keep(self.all_events.events[number], float(time), sign)
 
-    def _series(self, n: Next, since: np.ndarray) -> np.ndarray:
+    def _series(self, n: Next, *times: Any) -> np.ndarray:
         """Return states at times since the beginning of a jump that takes time."""
-        t = np.array([min(max(one, 0 * n.delay), n.delay) for one in since])
-        states = [
-            [self.number(one) for one in np.broadcast_to(value, t.shape)]
-            for value in self.track.variables.join(*n.series(t))
-        ]
-        return np.array(states).T
+        values = self.track.variables.join(*n.series(np.array(times)))
+        return np.array([[self.number(one) for one in value] for value in values]).T
 
-    def _fill(self, states_at: Callable[[np.ndarray], np.ndarray]) -> None:
-        """Give the rows that are wanted before the time at which the present phase makes its first
-        step.
-        """
+    def _fill(self, n: Next, now: Any) -> None:
+        """Give the rows that are wanted in a jump that takes time."""
         while not self.request.steps:
             if self.wanted.is_made:
                 self.ask()
             times = self.wanted.rows.times[self.wanted.made[0] :]
-            if count := int(np.searchsorted(times, self.began)):
-                self._add(times[:count], states_at(times[:count]))
-            if count < len(times) or not count:
+            inside = times[: np.searchsorted(times, self.began)]
+            if len(inside):
+                self.add(inside, self._series(n, *(inside.astype(self.number) - now)))
+            if len(inside) < len(times) or not len(times):
                 break
 
     def _note_along(self, n: Next, number: int, sign: int, now: Any) -> None:
@@ -646,56 +575,34 @@ class HybridDriver(Driver):
         k = [*track.events].index(number)
 
         def function(t: Any) -> float:
-            q, carried = n.series(np.array([t]))
-            q = q._make(value[0] if np.ndim(value) else value for value in q)
-            return -sign * float(track.formulas.functions(q, carried, track.b)[k])
+            state = track.variables.split(self._series(n, t)[0])
+            return -sign * float(track.formulas.functions(*state, track.b)[k])
 
         t = zero_of(function, 0 * n.delay, n.delay)
-        self._note(number, now + t, self._series(n, np.array([t]))[0], sign)
+        self._note(number, now + t, sign, track, self._series(n, t)[0])
 
-    def _rows(self, *parts: tuple[int, int, np.ndarray]) -> list[np.ndarray]:
-        """Return the rows of states.
-
-        Parameters
-        ----------
-        parts
-            What they are: rows (1), passages (2) or samples (3) of a slice, from this number on;
-            and the states (variables, k).
-        """
+    def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
         system, variables = self.problem.system, self.problem.variables
-        begin, states = np.array(self.spans), np.concatenate([part[2] for part in parts], axis=1)
-        ends = np.cumsum([part[2].shape[1] for part in parts])
-        at = np.empty(ends[-1], int)
-        for (kind, first, some), mine in zip(parts, np.split(at, ends[:-1]), strict=True):
-            numbers = first + np.arange(some.shape[1])
-            mine[:] = begin[np.searchsorted(begin[:, kind], numbers, side="right") - 1, 0]
+        at = np.concatenate([phases for phases, _ in parts])
+        width = self.width - len(self.events)
+        states = np.concatenate([some[:, :width] for _, some in parts]).T
         rows = np.empty((self.variables, len(at)), self.number)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
-            if len(mine):
-                n, state = track.variables.moving, states[: track.width].take(mine, 1)
+            # NumPy cannot multiply an array of quadruple numbers by a literal of a user's formula
+            each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
+            for some in each:
+                n, state = track.variables.moving, states[: track.width, some]
                 q, moved = type(track.phase.form.units)(*state[:n]), state[n:]
                 carried = variables.carried(*(moved * self.number(1 / INTEGRAL_SCALE)))
                 read = (
-                    system.row(track.phase, q, carried, self.body)
+                    system.row(track.phase, q, carried, self.world.body)
                     if system.row
                     else track.phase.leave(q, track.b)
                 )
                 for row, value in zip(rows, (*read[: variables.moving], *moved), strict=True):
-                    row[mine] = value
-        return np.split(rows.T, ends[:-1])
-
-    def _slice(self, steps: int, when: Any, status: Status | None) -> Slice:
-        """Give the rows that exist, and return what else the steps have found."""
-        *columns, logged = self.passages()
-        n, samples = self.wanted.variables, self.sampled()
-        logged, samples, end = self._hand_over(
-            (2, 0, logged[:, :n].T),
-            (3, 0, samples[:, :n].T),
-            (1, self.wanted.made[0], np.resize(self.last, (n, 1))),
-        )
-        passages = Passages._make([*(column.copy() for column in columns), logged])
-        return Slice(steps, when, end, samples, passages, status, self.tables.take())
+                    row[some] = value
+        return np.split(rows.T, np.cumsum([len(phases) for phases, _ in parts[:-1]]))
 
     # --- where the run is ------------------------------------------------------------------------
 
@@ -703,11 +610,6 @@ class HybridDriver(Driver):
         """End the phase that is under way; return its row."""
         self.tables.end(float(self.clock[0]))
         return self.tables.take()
-
-    def present(self) -> np.ndarray:
-        """Return the row of the present state, (1, variables)."""
-        self.spans = [[self.track.at, 0, 0, 0]]
-        return self._rows((1, 0, self.state[:, None]))[0]
 
     def extremes(self) -> Extremes:
         return extremes_of(self.all_events.events, self.tallies)

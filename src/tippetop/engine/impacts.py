@@ -10,14 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..mechanics.contact import impact_motion as motion
-from ..mechanics.contact.body import Touch, angular_velocity, contact_velocity
+from ..mechanics.contact.body import Moving, Touch, angular_velocity, contact_velocity
 from ..mechanics.contact.impact_motion import CLOCK_RATE
 from ..mechanics.contact.response import Struck, after_impact
-from ..mechanics.contact.state import Moving
 from ..mechanics.friction import PARTS, has_parts
 from ..mechanics.lines import unit_of
 from ..mechanics.operand import Vector, leaves, refill, times
-from ..problem import PRECISIONS, Problem
+from ..problem import PRECISIONS, ROUNDING, Problem
 from .driver import NO_ROWS, Driver
 from .expressions import Formulas
 from .status import Status
@@ -33,7 +32,6 @@ UNSOLVED = "friction jams the contact within an impact, or is not finite: it has
 STIFF = "friction within an impact is too stiff to be followed"
 ENDLESS = "the impact of a patch did not end: one that hardly turns takes too many steps"
 ENDED, NON_FINITE, STALLED = Status.ENDED.code, Status.NON_FINITE.code, Status.STALLED.code
-ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
 
 
 LONGEST, REST_SPAN, SHORTEST = 64.0, 0.25, 2.0**-40
@@ -130,9 +128,16 @@ class ImpactMotions:
         return self.drivers[region]
 
     def piece(
-        self, region: str, end: Any, most: int, signs: tuple, zeros: tuple, pars: tuple, q: Any
-    ) -> tuple:
-        """Follow a motion from q until its clock reaches `end` or an event happens.
+        self,
+        region: str,
+        end: Any,
+        most: int,
+        signs: tuple,
+        zeros: tuple,
+        state: tuple,
+        pars: tuple,
+    ) -> list:
+        """Follow a motion until its clock reaches `end` or an event happens.
 
         Return the code of its status, the number of steps and of the event, -1 without one, and the
         state.
@@ -142,12 +147,12 @@ class ImpactMotions:
         known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
         driver.take(driver.place, pars)
         driver.begin()
-        driver.put(q, (none, none))
+        driver.put(state, (none, none))
         driver.end_at(end)
         driver.forget()
         steps, code = driver.make(NO_ROWS, int(most)), driver.status[0]
         event = int(driver.log.rows["event"][driver.logged[0] - 1]) if code == ENDED else -1
-        return code, steps, event, motion.Motion(*driver.reached()[1][: len(q)].tolist())
+        return [code, steps, event, *driver.reached()[1].tolist()]
 
     def struck(self, x: Moving, b: Touch, e_n: Any, piece: Callable | None = None) -> Impact:
         """Return the impact of a ball whose lowest point moves down.
@@ -200,38 +205,40 @@ class ImpactMotions:
     def _followed(self, q: Any) -> Any:
         """Return the motion at the end of its stage."""
         law, b, passed, span = self.law, self.b, "", REST_SPAN
-        can_rest = motion.can_rest(law, b)
+        can_rest, rest = motion.can_rest(law, b), self.stages[motion.REST]
         while self.left > 0:
-            rests = self.region == motion.REST
-            if can_rest and not rests and (passed == "stops" or sum(motion.speeds(q)) <= b.rest**2):
+            stops = passed == "stops" or sum(motion.speeds(q)) <= b.rest**2
+            if can_rest and self.region != motion.REST and stops:
                 q, passed, span = motion.stopped(law, q, b), "", REST_SPAN
-                self.region, self.mode, rests = motion.REST, "stick", True
-                by = self.stages[motion.REST].acts(q, b)
-                if not motion.left(law, by, b) > 0:
-                    q, rests = self._slid(q, by), False
-            stage = self.stages[self.region]
+                self.region, self.mode = motion.REST, "stick"
+            rests = self.region == motion.REST
+            if rests and not motion.left(law, by := rest.acts(q, b), b) > 0:
+                q, rests = motion.slide(law, q, by, b), False
+                self.region = motion.region_at(law, q, b)
+                self.mode = "reverse" if law.set_valued else "slip"
+            stage, driver = self.stages[self.region], self.driver(self.region)
             lift, growth = stage.slope(q, b)
             if not 0 < lift < np.inf:
                 raise ArithmeticError(UNSOLVED)
+            grows = passed == "slowest" or growth >= 0
             signs = tuple(
-                event.direction
-                if event.name == passed in ("stops", "slowest")
-                or (event.name == "slowest" and growth >= 0)
-                else -event.direction
+                event.direction if event.name == "slowest" and grows else -event.direction
                 for event in stage.events
             )
             zeros = tuple(-float(event.name == passed) for event in stage.events)
-            end = CLOCK_RATE * (span if rests else LONGEST)
+            end, pad = CLOCK_RATE * (span if rests else LONGEST), driver.width - len(q)
             begins = motion.directed(q) if stage.is_directed else q
-            status, steps, k, after = self.follow(
-                self.region, end, self.left, signs, zeros, tuple(leaves(b)), begins
+            state, pars = (*begins, *(0.0,) * pad), tuple(leaves(b))
+            status, steps, k, *after = self.follow(
+                self.region, end, self.left, signs, zeros, state, pars
             )
+            after = motion.Motion._make(after[: len(q)])
             after = motion.undirected(after) if stage.is_directed else after
             passed = ""
             self.left -= steps + 1
-            if rests and motion.left(law, stage.acts(after, b), b) < 0:  # it gives way on the way
+            gives_way = rests and motion.left(law, rest.acts(after, b), b) < 0
+            if gives_way and span > SHORTEST:
                 span /= 2
-                q = q if span > SHORTEST else self._slid(after, stage.acts(after, b))
                 continue
             if status == ENDED:
                 passed = next(event.name for e, event in enumerate(stage.events) if e == k)
@@ -248,10 +255,3 @@ class ImpactMotions:
                 break
             q = after
         raise ArithmeticError(ENDLESS if law.regions else STIFF)
-
-    def _slid(self, q: Any, by: Any) -> Any:
-        """Return the motion where friction can no longer hold the contact."""
-        q = motion.slide(self.law, q, by, self.b)
-        self.region = motion.region_at(self.law, q, self.b)
-        self.mode = "reverse" if self.law.set_valued else "slip"
-        return q

@@ -50,6 +50,7 @@ class Rows(NamedTuple):
 
     times: np.ndarray  # (length,) internal, ascending; those of steps are written here
     states: np.ndarray  # (variables, length)
+    phases: np.ndarray  # (length,) number of the phase of a run
     filled: np.ndarray  # (1,) number of rows that are written
     steps: bool  # at the ends of steps
     length: int = 0

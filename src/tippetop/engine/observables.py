@@ -49,7 +49,7 @@ class Observables:
 
     def moment(self, rows: np.ndarray) -> Moment:
         """Return the arguments of formulas for the rows, or for one row, in internal units."""
-        return moment(self.system, self.form, *self.state(rows), self.body)
+        return moment(self.form, *self.state(rows), self.body)
 
     def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """Return all values of the rows by name, internal units; NaN where an angle is undefined,

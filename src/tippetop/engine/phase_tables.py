@@ -1,6 +1,5 @@
 """Tables of the phases of a run and of occurrences between them: groups of its store."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -15,8 +14,7 @@ Table = dict[str, np.ndarray]
 
 
 class PhaseTables:
-    """New rows of the tables, in internal units; and the phase that is under way: NaN, where none
-    is.
+    """New rows of the tables, in internal units; and the phase that is under way, if any.
 
     Parameters
     ----------
@@ -26,7 +24,7 @@ class PhaseTables:
 
     def __init__(self, problem: Problem):
         self.tables, self.scales = problem.system.tables, problem.scales
-        self.under_way = [math.nan] * (1 + len(self.tables["phases"]))
+        self.under_way: list[float] = []
         self.rows: dict[str, list[Sequence[Any]]] = {name: [] for name in self.tables}
 
     def row_of(self, name: str, phase: Phase, cause: str) -> list[int]:
@@ -41,10 +39,10 @@ class PhaseTables:
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""
-        start, *rest = self.under_way
-        if not math.isnan(start):
+        if self.under_way:
+            start, *rest = self.under_way
             self.rows["phases"].append([start, time, *rest])
-            self.under_way[0] = math.nan
+            self.under_way = []
 
     def add(self, time: float, rows: Mapping[str, Sequence]) -> None:
         """Add rows of other tables at an internal time."""

@@ -1,7 +1,8 @@
 """Events of a phase that Python evaluates, whose functions have no Taylor series."""
 
 import copy
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from ..mechanics.event import Event
@@ -20,42 +21,43 @@ class Sampler:
     integrator
         Of the phase.
     events
-        Those that are sampled.
+        Those that are sampled, by number.
     """
 
-    def __init__(self, form: Form, b: Any, integrator: Any, events: Sequence[Event]):
+    def __init__(self, form: Form, b: Any, integrator: Any, events: Mapping[int, Event]):
         self.form, self.b, self.events = form, b, events
         self.integrator = ta = copy.deepcopy(integrator)
         ta.pars[:] = leaves(b)[: len(ta.pars)]
 
-    def next(self, run: Driver) -> list[tuple[Any, str]]:
+    def next(self, run: Driver) -> list[tuple[Any, int]]:
         """Return the internal times of events that would end the phase in the next step, and their
-        names.
+        numbers.
         """
         ta, (high, low) = self.integrator, run.clock
         ta.state[:], ta.time = run.state, run.number(0)
         _, h = ta.step(write_tc=True)
-        zeros = [(self._zero(event, h), event.name) for event in self.events]
-        return [(run.number(high) + (low + t), name) for t, name in zeros if t is not None]
+        zeros = (
+            (zero_of(partial(self._value, event), 0 * h, h / 2, h), number)
+            for number, event in self.events.items()
+        )
+        return [(run.number(high) + (low + t), number) for t, number in zeros if t is not None]
 
-    def _zero(self, event: Event, h: Any) -> Any:
-        """Return the time in a step of length h at which an event function has become negative."""
-
-        def value(t: Any) -> float:
-            state = self.integrator.update_d_output(t)[: len(self.form.units)].tolist()
-            q = type(self.form.units)._make(state)
-            return float(event.formula(self.form.scalars(q, self.b), self.b))
-
-        low = 0 * h
-        for high in (h / 2, h):
-            if not value(high) > 0:
-                return zero_of(value, low, high)
-            low = high
-        return None
+    def _value(self, event: Event, t: Any) -> float:
+        """Return the value of an event function at a time in the step."""
+        q = self.form.units._make(
+            self.integrator.update_d_output(t)[: len(self.form.units)].tolist()
+        )
+        return float(event.formula(self.form.scalars(q, self.b), self.b))
 
 
-def zero_of(function: Callable, low: Any, high: Any) -> Any:
-    """Return where a function that is positive at first has its zero, between two times."""
-    while low < (middle := (low + high) / 2) < high:
-        low, high = (middle, high) if function(middle) > 0 else (low, middle)
-    return high
+def zero_of(function: Callable, low: Any, *times: Any) -> Any:
+    """Return where a function that is positive at first has become negative, before the first of
+    these times at which it is; None if it stays positive.
+    """
+    for high in times:
+        if not function(high) > 0:
+            while low < (middle := (low + high) / 2) < high:
+                low, high = (middle, high) if function(middle) > 0 else (low, middle)
+            return high
+        low = high
+    return None

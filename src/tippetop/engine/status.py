@@ -22,7 +22,7 @@ class Status(Enum):
     NON_FINITE, STALLED
         The state, or the step, could not be continued: `summary.reason` says why.
     INVALID
-        A top of an ensemble whose numbers allow no motion.
+        A top of an ensemble whose numbers allow no motion, or whose formulas fail.
     ENDED
         An event ended it whose `ends` is not the name of another status.
     RUNNING

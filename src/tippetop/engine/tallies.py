@@ -162,7 +162,7 @@ class PassageLog(NamedTuple):
 
 
 # internal; number of the event; of the crossing, +1 rising; whether the axis passes a pole there
-_PASSAGE = [("time", float), ("event", int), ("sign", int), ("at_pole", bool)]
+_PASSAGE = [("time", float), ("event", int), ("sign", int), ("phase", int), ("at_pole", bool)]
 PASSAGE_RECORD = np.dtype(_PASSAGE, align=True)
 
 
@@ -176,7 +176,7 @@ class Samples(NamedTuple):
     """States on the way, at which the invariants are compared."""
 
     filled: np.ndarray  # (1,)
-    in_lane: np.ndarray  # (lanes,) which top is in a lane
+    in_lane: np.ndarray  # (lanes,) which top is in a lane; of a run, the number of its phase
     top: np.ndarray  # (n,) whose state it is
     states: np.ndarray  # (n, variables)
 

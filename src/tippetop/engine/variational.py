@@ -144,7 +144,7 @@ def expressions_of(kind: Kind, q: Any, carried: Any, body: Any) -> dict[str, Any
         turn = outer(first, third)
         values |= dict(zip(TURN, (entry for row in turn for entry in row), strict=True))
     own = _own_units(kind, q, carried, body)
-    state = moment(kind.system, form, *own)
+    state = moment(form, *own)
     return values | {f"event {e.name}": e.formula(state, own[2]) for e in kind.system.events}
 
 

@@ -36,18 +36,14 @@ class WideSteps(Called):
     """
 
     end: Any = None  # internal time of the end of the run
-    # of the driver: samples; times of the log, and states there
+    # of the driver: samples; times of the log, and states there; rows
     samples: list
     times: list
     states: list
+    rows: list
 
     def __init__(self, integrator: Any):
         self.integrator = copy.deepcopy(integrator)
-
-    def begin(self) -> None:
-        """Forget the rows that were kept."""
-        self.rows: list[np.ndarray] = []
-        self.first = int(self.records["output"].filled[0])
 
     def step(self, motion: Motion) -> None:
         """Make a step, at most to the end of the run."""
@@ -73,12 +69,8 @@ class WideSteps(Called):
 
     def follow(self) -> None:
         """Keep the end of the last step where the loop has: as a sample, as a row."""
-        rows = self.records["output"]
-        for filled, kept in (
-            (self.records["samples"].filled[0], self.samples),
-            (rows.filled[0] - self.first, self.rows),
-        ):
-            if filled > len(kept):
+        for name, kept in (("samples", self.samples), ("output", self.rows)):
+            if self.records[name].filled[0] > len(kept):
                 kept.append(self.integrator.state.copy())
 
     def undo(self) -> None:
@@ -99,7 +91,7 @@ class WideSteps(Called):
             self.times.append(time)
             kept = self.states
         else:
-            time = number(self.records["output"].times[self.first + len(self.rows)])
+            time = number(self.records["output"].times[len(self.rows)])
             kept = self.rows
         kept.append(ta.update_d_output(time).copy())
         return kept[-1].astype(float)[:, None]
@@ -113,13 +105,14 @@ class WideDriver(Driver):
         return WideSteps(code.integrator)
 
     @cached_property
-    def kept(self) -> tuple[list, list, list]:
-        """Return the samples; times of the log, and states there."""
-        return [], [], []
+    def kept(self) -> tuple[list, list, list, list]:
+        """Return the samples; times of the log, and states there; rows."""
+        return [], [], [], []
 
     def work_in(self, place: Place) -> None:
         super().work_in(place)
-        self.stepper.samples, self.stepper.times, self.stepper.states = self.kept
+        steps = self.stepper
+        steps.samples, steps.times, steps.states, steps.rows = self.kept
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
         pars = cast(WideSteps, place.stepper).integrator.pars
@@ -131,8 +124,6 @@ class WideDriver(Driver):
         return cast(WideSteps, self.place.stepper)
 
     def make(self, rows: Rows, most: int) -> int:
-        self.loop.fill(rows)
-        self.stepper.begin()
         steps = super().make(rows, most)
         if self.tally["status"] == Status.NON_FINITE.code:
             self.stepper.undo()
@@ -140,12 +131,20 @@ class WideDriver(Driver):
             self.stepper.follow()
         return steps
 
-    def states_of(self, rows: Rows, first: int) -> np.ndarray:
-        return np.array(self.stepper.rows)[:, : self.variables]
+    def ask(self) -> None:
+        super().ask()
+        self.stepper.rows.clear()
+
+    def states_of(self, rows: slice) -> np.ndarray:
+        return self._wide(self.stepper.rows[rows])
+
+    def add(self, times: np.ndarray, states: np.ndarray) -> None:
+        super().add(times, states.astype(float))
+        self.stepper.rows.extend(states)
 
     def forget(self) -> None:
         super().forget()
-        for kept in self.kept:
+        for kept in self.kept[:3]:
             kept.clear()
 
     def _wide(self, states: list[np.ndarray]) -> np.ndarray:
@@ -165,8 +164,8 @@ class WideDriver(Driver):
         self.stepper.times.pop()
         self.stepper.states.pop()
 
-    def note(self, time: Any, number: int, sign: int, state: np.ndarray) -> None:
-        super().note(float(time), number, sign, state.astype(float))
+    def note(self, time: Any, number: int, sign: int, phase: int, state: np.ndarray) -> None:
+        super().note(float(time), number, sign, phase, state.astype(float))
         self.stepper.times.append(time)
         self.stepper.states.append(state)
 

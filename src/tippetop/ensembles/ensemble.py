@@ -19,7 +19,7 @@ from ..engine.status import Status
 from ..engine.tallies import LEAST, MOST, SIGN, EventRows, Tallies, new_tallies, reset
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults
-from ..progress import reporting
+from ..progress import Report, reporting
 from .hybrid_tops import problem_of, run_each
 from .lanes import LANES, SWINGS, Lanes
 from .outcomes import Outcomes, _conclude, dataset
@@ -38,7 +38,7 @@ def measure(
     tops: Problems,
     *,
     threads: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Report | None = None,
     lanes: int = LANES,
     wanted: Collection[str] | None = None,
     lyapunov: bool = False,
@@ -132,7 +132,7 @@ def _run(
     look: Callable[[np.ndarray, np.ndarray], None],
     functions: np.ndarray,
     threads: int | None,
-    progress: Callable[[int, int], None] | None,
+    progress: Report | None,
     lanes: int,
     wanted: Collection[str] | None,
 ) -> None:
@@ -268,7 +268,7 @@ def of_problem(
     variations: Mapping[str, Any],
     *,
     threads: int | None = None,
-    progress: Callable[[int, int], None] | bool = False,
+    progress: Report | bool = False,
     orientation: bool = False,
     lyapunov: bool = False,
 ) -> "xr.Dataset":
@@ -311,4 +311,4 @@ def of_problem(
     tops = vary(base, variations, orientation=orientation)
     with reporting(progress, "tops") as tell:
         measured = measure(tops, threads=threads, progress=tell, lyapunov=lyapunov)
-        return dataset(measured, [*tops.check()[1], *measured.faults])
+        return dataset(measured, [*tops.checked[1], *measured.faults])

@@ -1,13 +1,14 @@
 """Tops whose contact may change its phase, each followed by a separate driver instead of a lane."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..engine.status import Status
+from ..errors import InputError
 from ..problem import Problem, Problems
+from ..progress import Report
 from ..runs.integration import Integration
 from ..runs.reporting import report
 from ..runs.sinks import Sink
@@ -34,7 +35,7 @@ def problem_of(tops: Problems, top: int) -> Problem:
     parameters, initial = numbers("parameters"), numbers("initial")
     if touches(base) and "initial.gap" not in tops.columns:
         initial.pop("gap", None)
-        initial = on_stem(initial, parameters.get("R", 0.0), rules)
+        initial = on_stem(initial, parameters, rules)
     return replace(
         base,
         parameters=parameters,
@@ -53,15 +54,13 @@ def faults_of(problem: Problem) -> list[str]:
     return [*problem.clashes(), *contact_faults(problem)]
 
 
-def run_each(
-    outcomes: Outcomes, numbers: np.ndarray, progress: Callable[[int, int], None] | None
-) -> None:
+def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -> None:
     """Run tops one after the other, and write their rows.
 
     Parameters
     ----------
     outcomes
-        A row per top; those of tops whose contact cannot be followed are marked as invalid.
+        A row per top; those of tops that cannot be followed are marked as invalid.
     numbers
         Of the tops.
     progress
@@ -70,11 +69,13 @@ def run_each(
     tops = outcomes.tops
     for done, top in enumerate(numbers.tolist(), 1):
         problem = problem_of(tops, top)
-        if faults := faults_of(problem):
-            outcomes.status[top] = Status.INVALID.code
-            outcomes.faults.append((top, faults[0]))
-        else:
+        try:
+            if faults := faults_of(problem):
+                raise InputError(faults)
             _run(outcomes, top, problem)
+        except InputError as error:
+            outcomes.status[top] = Status.INVALID.code
+            outcomes.faults.append((top, error.sentences[0]))
         if progress is not None:
             progress(done, len(numbers))
 

@@ -1,11 +1,12 @@
 """A fit of the numbers of a scenario to a measured motion, and how far the data decide them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ..errors import InputError, refuse_without
+from ..progress import Report
 from .misfit import Misfit
 from .observation import CLOCK, OFFSET, REACH, Observation
 from .periods import RIVAL, walk
@@ -80,7 +81,7 @@ def fit(
     observation: Observation,
     loss: str = "linear",
     starts: int = STARTS,
-    progress: Callable[[int, int], None] = lambda *_: None,
+    progress: Report = lambda *_: None,
 ) -> Fit:
     """Fit the free numbers of an observation.
 

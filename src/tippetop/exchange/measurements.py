@@ -1,6 +1,6 @@
-"""Fits from a table of measurements and a scenario."""
+"""Measurements from a table, with the prediction of a scenario for them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,16 +9,12 @@ from ..arguments import dotted_keys, measured
 from ..errors import InputError
 from ..mechanics.units import RADIAN
 from ..problem import Problem
-from ..progress import reporting
-from .fitting import Fit, fit
 from .motion import Convention, motion
-from .motion_table import Table, read
+from .motion_table import read
 from .observation import Observation
 
 
-Progress = Callable[[int, int], None] | bool
 MOST_ROWS = 100_000
-DRAWN = 4001  # times of a curve: fifteen in a period of the canonical top filmed for ten seconds
 
 
 def observation_of(
@@ -46,36 +42,11 @@ def observation_of(
         raise InputError(
             f"`{data}` must have at most {MOST_ROWS:,} rows to be fitted, but has {len(table.t):,}."
         )
-    names = dotted_keys(free, problem.rules)
-    return Observation(
-        problem, names, motion(table, convention), *_marker(table, convention, marker), noise
-    )
-
-
-def _marker(
-    table: Table, convention: Convention, marker: tuple[float, float, float] | None
-) -> tuple[np.ndarray | None, np.ndarray | None]:
-    """Return the place of a marker on the body, and its measured places."""
-    names = [f"marker_{c}" for c in "xyz"]
-    present = [table.has(name) for name in names]
-    if marker is None and not any(present):
-        return None, None
-    if marker is None or not all(present):
+    columns = [f"marker_{c}" for c in "xyz"]
+    if len({marker is not None, *map(table.has, columns)}) > 1:
         raise InputError(
-            f"a marker must have the columns {', '.join(names)} in `{table.path}` and a place on "
+            f"a marker must have the columns {', '.join(columns)} in `{data}` and a place on "
             "the body (--marker x,y,z, metres in body axes), but one of them is missing."
         )
-    rows = table.stacked(*names)
-    return np.array(marker), rows if convention.up == "z" else rows[:, [2, 0, 1]]
-
-
-def fitted(observation: Observation, loss: str, starts: int, progress: Progress = False) -> Fit:
-    """Return the fit of an observation. Raises InputError."""
-    with reporting(progress, "windows") as report:
-        return fit(observation, loss, starts, progress=report)
-
-
-def curves(observation: Observation, result: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return the predictions of a fit, also between measurements: times [s], curves by kind."""
-    times = np.linspace(observation.t[0], observation.t[-1], DRAWN)
-    return times, observation.curves({name: e.value for name, e in result.estimates.items()}, times)
+    names = dotted_keys(free, problem.rules)
+    return Observation(problem, names, motion(table, convention), marker, noise)

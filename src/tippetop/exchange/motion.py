@@ -57,6 +57,8 @@ class Motion(NamedTuple):
         Angular velocity, space frame, (rows, 3).
     omega3
         About the axis, (rows,).
+    marker
+        Places of a marker on the body, space frame, (rows, 3).
     """
 
     t: np.ndarray
@@ -67,6 +69,7 @@ class Motion(NamedTuple):
     velocity: np.ndarray | None
     omega: np.ndarray | None
     omega3: np.ndarray | None
+    marker: np.ndarray | None = None
 
 
 def motion(table: Table, convention: Convention = Convention()) -> Motion:  # noqa: B008 - a tuple
@@ -102,6 +105,7 @@ def motion(table: Table, convention: Convention = Convention()) -> Motion:  # no
         _vector(table, "v{}", turn),
         omega,
         omega3,
+        _vector(table, "marker_{}", turn),
     )
 
 

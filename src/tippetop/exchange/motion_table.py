@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import InputError
-from ..problem import UNTIL
 from .headers import heading
 
 
@@ -16,7 +15,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-MOST_ROWS = 2_000_000  # what a comparison or a fit holds in memory with all that it computes
 # Standard deviations of the noise by which an angle may lie beyond its bounds
 BEYOND = 5.0
 
@@ -91,12 +89,7 @@ def read(
                     encoding="utf-8-sig",
                     index_col=False,
                     low_memory=False,
-                    nrows=MOST_ROWS + 1,
                 )
-    except ImportError:
-        raise InputError(
-            f"`{path}` must be CSV where pyarrow is not installed (install tippetop[export])."
-        ) from None
     except OSError as error:
         raise InputError(f"`{path}` cannot be read: {error.strerror or error}.") from None
     except Exception as error:  # pyarrow raises exceptions of many kinds
@@ -144,17 +137,11 @@ def _check_complete(columns: dict[str, np.ndarray]) -> None:
 def _check(columns: dict[str, np.ndarray], wrapped: bool, noise: float | None) -> None:
     """Raise InputError for columns that are not those of a motion."""
     t = columns["t"]
-    if not 2 <= len(t) <= MOST_ROWS:
-        raise InputError(f"there must be 2 to {MOST_ROWS:,} rows, but there are {len(t):,}.")
     if not (rises := np.diff(t) > 0).all():
         row = rises.argmin() + 1
         raise InputError(
             f"times must ascend, but that of row {row + 1}, {t[row]:.9g} s, follows "
             f"{t[row - 1]:.9g} s."
-        )
-    if max(-t[0], t[-1]) > UNTIL.most:
-        raise InputError(
-            f"times must be within {UNTIL.most:g} s, but are from {t[0]:g} to {t[-1]:g} s."
         )
     for name, values in columns.items():
         if not np.isfinite(values).any() or np.isinf(values).any():

@@ -21,6 +21,8 @@ TIMES = {
     CLOCK: Number(ONE, "seconds of the motion per second of the table's clock", above=0),
 }
 """Numbers of the clock of a table: the motion's time is scale t + offset."""
+# Times of a curve: fifteen in a period of the canonical top filmed for ten seconds
+DRAWN = 4001
 # Fraction of the duration within which the time of a clock is searched
 REACH = 1 / 8
 TOLERANCE = 1e-9  # of the integrator: data are never better
@@ -53,9 +55,7 @@ class Observation:
     seen
         The measured motion.
     marker
-        The place of the marker in body axes, from the centre of mass [m], (3,).
-    places
-        The measured places of the marker, space frame, (rows, 3).
+        The place of the marker in body axes, from the centre of mass [m].
     noise
         Standard deviation of measured angles and directions [rad]; None: unknown.
 
@@ -70,8 +70,7 @@ class Observation:
         problem: Problem,
         free: Sequence[str],
         seen: Motion,
-        marker: np.ndarray | None = None,
-        places: np.ndarray | None = None,
+        marker: tuple[float, float, float] | None = None,
         noise: float | None = None,
     ):
         self.free, self.t, self.noise = tuple(free), seen.t, noise
@@ -94,8 +93,8 @@ class Observation:
             raise InputError(faults)
         self.own = tuple(name for name in free if name not in TIMES)
         self.numbers = Numbers(problem, self.own)
-        self.marker, self.places = marker, places
-        self.groups = _groups(problem, seen, places)
+        self.marker = marker
+        self.groups = _groups(problem, seen)
         if not self.groups:
             raise InputError(
                 "the table must have theta, an axis, a quaternion, omega3, a place or a marker."
@@ -149,8 +148,9 @@ class Observation:
             rows["orientation"] = theta_of(rows["orientation"])[:, None]
         return rows
 
-    def curves(self, values: dict[str, float], t: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the predictions of `dots` at times [s] of the table's clock, by group."""
+    def curves(self, values: dict[str, float]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """Return the predictions of `dots`, also between them: times [s], and curves by group."""
+        t = np.linspace(self.t[0], self.t[-1], DRAWN)
         jets = self._read([values], t, slopes=False)
         curves = {
             group: self._model(group, jets)[..., 0]
@@ -160,7 +160,7 @@ class Observation:
         if "orientation" in self.groups:
             x, y, z = (jets[name] for name in AXES[3:])
             curves["orientation"] = np.arctan2(np.hypot(x, y), z)
-        return curves
+        return t, curves
 
     def _read(
         self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool
@@ -237,7 +237,7 @@ class Observation:
         return axes, residuals.turning(a, c, first[..., 1:], third[..., 1:])
 
 
-def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[str, np.ndarray]:
+def _groups(problem: Problem, seen: Motion) -> dict[str, np.ndarray]:
     """Return the measurements by kind, (rows, parts), each quantity once."""
     groups: dict[str, np.ndarray] = {}
     top = "axis" in problem.system.vectors
@@ -252,6 +252,6 @@ def _groups(problem: Problem, seen: Motion, places: np.ndarray | None) -> dict[s
     flat = {"x", "y"} <= set(problem.system.angles._fields)
     if flat and seen.place is not None and np.isfinite(seen.place[:, :2]).any():
         groups["place"] = seen.place[:, :2]
-    if places is not None:
-        groups["marker"] = places
+    if seen.marker is not None:
+        groups["marker"] = seen.marker
     return groups

@@ -114,6 +114,9 @@ FIGURES: dict[str, RunFigure] = {
 }
 """The figures of a run, by name."""
 
+COMPARED = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
+"""The figures that several runs share, in words."""
+
 SWEEP_KINDS = {
     "class": "fate of each top over two axes (default)",
     "inversion": "time of inversion",
@@ -128,10 +131,9 @@ MOST_PIXELS = 20_000  # along a side
 def described() -> str:
     """Return the kinds of figures for the help of `plot`."""
     runs = "".join(f"\n- {name}: {figure.shows}" for name, figure in FIGURES.items())
-    several = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
     sweeps = "".join(f"\n- {name}: {shows}" for name, shows in SWEEP_KINDS.items())
     return (
-        f"Further runs, to be drawn in the same panel ({several}); and, last, the kind of "
+        f"Further runs, to be drawn in the same panel ({COMPARED}); and, last, the kind of "
         f"figure.\n\nOf a run:\n{runs}"
         f"\n\nOf a sweep:\n{sweeps}\n\nA surface and a potential have one figure each."
     )

@@ -9,7 +9,8 @@ from typing import Any
 
 from ..columns import symbol
 from ..errors import InputError, a_system
-from .catalogue import FIGURES, PLAIN, Look, check_kind
+from ..store.files import replacing, writing
+from .catalogue import COMPARED, FIGURES, PLAIN, Look, check_kind
 
 
 def _drawings() -> dict[str, Callable]:
@@ -121,8 +122,9 @@ def several(
 
     check_kind(kind)
     if not FIGURES[kind].compares:
-        known = ", ".join(name for name, figure in FIGURES.items() if figure.compares)
-        raise InputError(f"several runs are drawn together as {known}; `{kind}` is drawn of one.")
+        raise InputError(
+            f"several runs are drawn together as {COMPARED}; `{kind}` is drawn of one."
+        )
     for trajectory, attrs in runs:
         _refuse(kind, trajectory, attrs)
     known_runs = [(trajectory, with_records(attrs)) for trajectory, attrs in runs]
@@ -156,11 +158,6 @@ def drawn(draw: Callable[[], Any], look: Look = PLAIN, ax: Any = None) -> Any:
     """
     from .style import as_given, styled
 
-    if look.title is not None:
-        try:
-            look.title.encode()
-        except UnicodeEncodeError:  # bytes of a command line
-            raise InputError(f"the title must be text in UTF-8, but is {look.title!r}.") from None
     with styled(dark=look.dark, size=look.size, ax=ax):
         axes = draw()
         figure = axes.get_figure(root=True)
@@ -174,8 +171,23 @@ def drawn(draw: Callable[[], Any], look: Look = PLAIN, ax: Any = None) -> Any:
 
 
 def write(picture: Any, path: Path, look: Look = PLAIN, *, overwrite: bool = False) -> None:
-    """Write Axes, or a Figure, in the format of the ending of `path`. Raises StoreError."""
-    from .style import save, styled
+    """Write Axes, or a Figure, atomically in the format of the ending of `path`.
 
-    with styled(dark=look.dark):
-        save(picture.get_figure(root=True), path, dpi=look.dpi, overwrite=overwrite)
+    Raises StoreError, also if the file exists and must not be overwritten.
+    """
+    from .style import styled
+
+    figure, ending = picture.get_figure(root=True), path.suffix.removeprefix(".").lower()
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
+    with (
+        styled(dark=look.dark),
+        writing(path),
+        replacing(path, overwrite=overwrite) as scratch,
+    ):
+        figure.savefig(
+            scratch,
+            dpi=look.dpi,
+            format=ending,
+            facecolor=figure.get_facecolor(),
+            metadata=undated,
+        )

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..columns import SUPERSCRIPTS, units_text
+from ..columns import SUPERSCRIPTS, capitalised, units_text
 from .style import broken, compact, letters
 
 
@@ -55,7 +55,7 @@ def title(attrs: dict[str, Any]) -> str:
     details = entries(attrs.get("initial", {}), attrs, at_start=True)
     if law := friction(attrs.get("friction", {}), attrs):
         details.append(law)
-    head = attrs["title"][:1].upper() + attrs["title"][1:]
+    head = capitalised(attrs["title"])
     most = letters()
     if compact():
         return broken(head, most)

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter
 
 from ..columns import greek, units_text
+from ..sampling import spread
 from .style import (
     compact,
     figure,
@@ -24,7 +25,7 @@ FACETS = 140  # of the surface in 3-D, along each axis
 EXACT = 1e-17  # [rad] smaller distances from the edge of the band are not drawn
 
 
-def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: Any = None) -> Any:
+def surface(grid: Any, lines: Any, run: Any = None, title: str = "", ax: Any = None) -> Any:
     """Draw F(D, lambda) in 3-D [figure 4.1 of the source], with the spinning states and a run.
 
     Parameters
@@ -41,13 +42,11 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
     axes: Any = (
         figure(8.6, 6.4).add_subplot(projection="3d", computed_zorder=False) if ax is None else ax
     )
-    few = (np.unique(np.linspace(0, n - 1, FACETS).astype(int)) for n in grid["F"].shape)
-    F = grid["F"][*few]
+    F = grid["F"][*(spread(n, FACETS) for n in grid["F"].shape)]
     X, Y = np.meshgrid(*(F[name] for name in F.dims), indexing="ij")
     axes.plot_surface(X, Y, F, cmap="viridis", rstride=1, cstride=1, lw=0, antialiased=False)
     high = F.max()
-    if lines is not None:
-        _spinning(axes, lines, X.min(), X.max())
+    _spinning(axes, lines, X.min(), X.max())
     if run is not None:
         run = run.isel(time=every(run.sizes["time"]))
         path = [run[name].values for name in ("routh", "jellett", "modified_energy")]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..columns import capitalised
 from .style import COLOURS, LIGHT, figure, legend, literal, styled
 
 
@@ -49,7 +50,7 @@ def comparison(motions: Sequence[Any], title: str) -> Figure:
             sizes = np.abs(m.curves.get(curve, np.nan * m.t))
             shown = np.where((sizes > FLOOR) & ((curve, style) != (name, ":")), sizes, np.nan)
             axes.semilogy(m.t, shown, color=color, ls=style, lw=0.9)
-    panels[0].set(ylabel="inclination θ (rad)", title=literal(title[:1].upper() + title[1:]))
+    panels[0].set(ylabel="inclination θ (rad)", title=literal(capitalised(title)))
     dotted = "" if name == "theta" else ", dotted θ alone"
     words, unit = SHOWN.get(name, (name, "rad"))
     panels[1].set(ylabel=f"difference ({unit})", title=f"Error: solid {words}{dotted}")

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from io import BytesIO
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
@@ -18,7 +17,6 @@ from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 from matplotlib.ticker import EngFormatter
 
-from ..store.files import replacing, writing
 from .thinning import thinned
 
 
@@ -133,16 +131,14 @@ class ShownFigure(Figure):
         return memory.getvalue()
 
 
-def figure(width: float = 9.0, height: float = 5.0, **options: Any) -> Figure:
+def figure(width: float, height: float) -> Figure:
     """Return an empty figure of the requested size, else this one [inches]."""
-    fig = ShownFigure(
-        figsize=_setting.get().size or (width, height), layout="constrained", **options
-    )
+    fig = ShownFigure(figsize=_setting.get().size or (width, height), layout="constrained")
     FigureCanvasAgg(fig)
     return fig
 
 
-def panel(ax: Axes | None, width: float = 9.0, height: float = 5.0) -> Axes:
+def panel(ax: Axes | None, width: float, height: float) -> Axes:
     """Return the panel to draw in: the given one, or the only one of a new figure."""
     return figure(width, height).subplots() if ax is None else ax
 
@@ -288,16 +284,3 @@ def styled(
             yield
     finally:
         _setting.reset(token)
-
-
-def save(fig: Figure, path: Path, *, dpi: float = 150, overwrite: bool = False) -> None:
-    """Write a figure atomically in the format of the ending of `path`.
-
-    Raises StoreError, also if the file exists and must not be overwritten.
-    """
-    with writing(path), replacing(path, overwrite=overwrite) as scratch:
-        ending = path.suffix.removeprefix(".").lower()
-        undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(ending)
-        fig.savefig(
-            scratch, dpi=dpi, format=ending, facecolor=fig.get_facecolor(), metadata=undated
-        )

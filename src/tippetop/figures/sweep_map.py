@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
+from ..columns import capitalised
 from .style import DASHES, draw_curves, heading, ink, legend, panel, ticks_of_inclination
 
 
@@ -69,8 +70,10 @@ def draw_map(sweep_map: Any) -> Axes:
     x, *further = sweep_map.axes
     entries = (_over_two if further else _over_one)(axes, sweep_map)
     axes.set(xlabel=x.label, xscale="log" if x.log else "linear", xlim=x.edges[[0, -1]])
-    name = sweep_map.title[:1].upper() + sweep_map.title[1:]
-    lines = [f"{name}: {TITLES[sweep_map.kind]}", "; ".join(sweep_map.notes)]
+    lines = [
+        f"{capitalised(sweep_map.title)}: {TITLES[sweep_map.kind]}",
+        "; ".join(sweep_map.notes),
+    ]
     axes.set_title("\n".join(heading(line) for line in lines if line))
     if entries or not further:
         legend(axes, "lower center", handles=entries, ncols=3)

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullFormatter
 
-from ..columns import flagged
+from ..columns import flagged, significant_turnings
 from .labels import title
 from .style import ink, legend, panels_over_time, ticks_of_inclination
 from .thinning import MOST_POINTS, span, thinned
@@ -93,7 +93,7 @@ def _turnings(events: Any, sign: int, of_band: bool = False) -> Curve:
 
     For the band, turnings of a trembling after an impact are left out.
     """
-    keep = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
+    keep = significant_turnings(events)
     if of_band:
         keep[keep] = ~_trembling(events["amplitude"].values[keep])
     keep &= events["theta_dot_sign"].values == sign

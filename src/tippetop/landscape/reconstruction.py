@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import xarray as xr
 
-from ..columns import flagged, require
+from ..columns import require, significant_turnings
 from ..errors import InputError
 from ..mechanics.theory import main_equation
 from ..problem import Problem
@@ -42,8 +42,7 @@ def reconstruction(
     names = "modified_energy", *system.momenta
     require(("theta", *names), rows, "what theta is reconstructed from")
     times = rows["time"].values
-    turning = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
-    turned = events["time"].values[turning]
+    turned = events["time"].values[significant_turnings(events)]
     turned = turned[turned <= times.max(initial=0.0)]
     if period is None:
         if not turned.size:

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ..columns import flagged, on_sphere
+from ..columns import capitalised, on_sphere, significant_turnings
 from ..errors import InputError, a_system
 from ..mechanics.friction import PARTS, Frictionless
+from ..mechanics.system import System
 from ..mechanics.theory import thresholds, tumbling
 from .landscape_body import landscape_of
 from .marked_lines import marked_lines
@@ -36,7 +37,7 @@ def band(
 
     parameters, (system, landscape) = attrs["parameters"], landscape_of(attrs["system"])
     angles = band_along(parameters, trajectory, system)
-    turning = flagged(events["kind"], "turning") & events["significant"].values.astype(bool)
+    turning = significant_turnings(events)
     times = trajectory["time"].values
     turning &= times.size >= 4
     when, theta = events["time"].values[turning], events["theta"].values[turning]
@@ -48,7 +49,11 @@ def band(
     low, high = edges["theta_min"].values, edges["theta_max"].values
     edge = np.where(np.abs(theta - low) < np.abs(theta - high), low, high)
     logged = xr.Dataset({"theta": ("time", theta), "edge": ("time", edge)}, {"time": when})
-    return angles, logged, f"{heading(attrs)}: the band that the main equation predicts"
+    return (
+        angles,
+        logged,
+        f"{capitalised(attrs['title'])}: the band that the main equation predicts",
+    )
 
 
 def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
@@ -61,7 +66,7 @@ def surface(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -
     lines, seen = marked_lines(parameters, lambdas), _on_sphere(trajectory)
     ends = np.append(lines["D"].values, seen["routh"].values)
     grid = minimal_surface(parameters, np.linspace(np.nanmin(ends), np.nanmax(ends), 201), lambdas)
-    return grid, lines, seen, heading(attrs)
+    return grid, lines, seen, capitalised(attrs["title"])
 
 
 def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any]) -> tuple[Any, ...]:
@@ -92,7 +97,7 @@ def potential(trajectory: xr.Dataset, events: xr.Dataset, attrs: dict[str, Any])
         at = turning_angles(parameters, x, y, E, system, theta=float(theta[i])).assign(energy=E)
         words = "at all times" if constant else f"t = {float(trajectory['time'][i]):.4g} s"
         curves.append((words, potential_over(parameters, z, x, y, system), at))
-    return curves, f"{heading(attrs)}: effective potential V(z)"
+    return curves, f"{capitalised(attrs['title'])}: effective potential V(z)"
 
 
 def states(
@@ -106,7 +111,15 @@ def states(
     seen = _on_sphere(trajectory)
     lam = seen["jellett"].values
     branches, marks = diagram(attrs["system"], attrs["parameters"], float(np.nanmax(np.abs(lam))))
-    return branches, marks, heading(attrs), (np.cos(seen["theta"].values), lam)
+    return branches, marks, capitalised(attrs["title"]), (np.cos(seen["theta"].values), lam)
+
+
+def spinning_system(name: str) -> System:
+    """Return a system of tippe tops. Raises InputError for another."""
+    system, landscape = landscape_of(name)
+    if landscape.symbols != SPINNING:
+        raise InputError(f"D and lambda belong to tippe tops only; this is {a_system(name)}.")
+    return system
 
 
 def diagram(
@@ -116,18 +129,10 @@ def diagram(
 
     The branches reach beyond `lam` [kg m^3/s] and the thresholds.
     """
-    record, landscape = landscape_of(system)
-    if landscape.symbols != SPINNING:
-        raise InputError(f"`states` is drawn for tippe tops only; this is {a_system(system)}.")
-    body = record.body_of(parameters, Frictionless())
+    body = spinning_system(system).body_of(parameters, Frictionless())
     limits = {r"$\lambda_u$": thresholds.lambda_u(body), r"$\lambda_s$": thresholds.lambda_s(body)}
     marks = {name: float(value) for name, value in limits.items() if np.isfinite(value)}
     return tumbling.branches(body, 1.25 * max(abs(lam), *marks.values())), marks
-
-
-def heading(attrs: dict[str, Any]) -> str:
-    """Return the title of a run as figures begin with it."""
-    return str(attrs["title"][:1].upper() + attrs["title"][1:])
 
 
 def _on_sphere(trajectory: xr.Dataset) -> xr.Dataset:

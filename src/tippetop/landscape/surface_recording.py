@@ -1,13 +1,14 @@
 """Landscapes on disk. Surfaces beyond memory are written chunk by chunk, and can be continued."""
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..columns import Column
+from ..progress import Report
 from ..store import files, ledger, zarr3
 from ..store.ledger import Ledger
 from ..store.provenance import provenance
@@ -85,7 +86,7 @@ def write(
     wanted: Surface,
     *,
     threads: int | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Report | None = None,
     overwrite: bool = False,
 ) -> Path:
     """Write F [J], z and status of a surface into a store at `path`, or continue it.

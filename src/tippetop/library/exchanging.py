@@ -1,18 +1,19 @@
 """The calls that hold another program's motion against ours."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import in_python, instance, names_of, path_of, whole
 from ..errors import InputError
-from ..exchange import fit_text, measurements
-from ..exchange.fitting import STARTS
+from ..exchange import fit_text, fitting, measurements
 from ..exchange.motion import convention_of
 from ..exchange.verdict import Verdict
 from ..problem import Problem
+from ..progress import Report, reporting
 from ..runs.starting import load_any
+from ..scenario import build
 from .finished_run import Run
 from .sources import problem_behind
 
@@ -120,7 +121,7 @@ class Fitted:
     @property
     def problem(self) -> Problem:
         """Return the scenario with the fitted numbers. Raises InputError if they conflict."""
-        return fit_text.fitted_problem(self._before, self._fit)
+        return build.problem(fit_text.tables(self._before, self._fit))
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, as `tippetop fit --json` prints it."""
@@ -137,7 +138,7 @@ class Fitted:
         figure = draw_fit(
             self._fit.t,
             self._observation.dots(),
-            measurements.curves(self._observation, self._fit),
+            self._observation.curves({name: e.value for name, e in self.estimates.items()}),
             self.residuals,
             str(self).split("\n"),
         )
@@ -159,12 +160,12 @@ def fit(
     free: str | Sequence[str],
     *,
     loss: str = "linear",
-    starts: int = STARTS,
+    starts: int = fitting.STARTS,
     marker: Sequence[float] | str | None = None,
     quaternion: str | None = None,
     up: str = "z",
     noise: float | str | None = None,
-    progress: Callable[[int, int], None] | bool = False,
+    progress: Report | bool = False,
 ) -> Fitted:
     """Fit numbers of a scenario to a measured motion, by least squares with exact derivatives.
 
@@ -219,11 +220,9 @@ def fit(
         fit_text.marker_of(marker),
         noise,
     )
-    return Fitted(
-        problem,
-        observation,
-        measurements.fitted(observation, loss, whole("starts", starts), progress),
-    )
+    starts = whole("starts", starts)
+    with reporting(progress, "windows") as report:
+        return Fitted(problem, observation, fitting.fit(observation, loss, starts, report))
 
 
 def _saved(figure: Any, path: str | Path | None, overwrite: bool) -> Any:

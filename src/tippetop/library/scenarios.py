@@ -10,7 +10,7 @@ from ..arguments import in_python, instance, measured_values, plain, takes
 from ..errors import InputError
 from ..mechanics.contact.body import Top
 from ..mechanics.event import Event
-from ..mechanics.friction import LAWS, FrictionLaw, named
+from ..mechanics.friction import LAWS, FrictionLaw, is_known
 from ..mechanics.system import Quantity, System
 from ..mechanics.systems import check, laws_of, load_entry_points, systems_of_laws
 from ..mechanics.units import SECOND
@@ -169,10 +169,10 @@ def table_of(law: Any) -> dict[str, Any]:
     """Return the table [friction] of the record of a law that is known. Raises InputError."""
     if isinstance(law, FrictionLaw):
         kind = type(law)
-        if named(kind) is None:
+        if not is_known(kind):
             load_entry_points()
             every = {name: known for name, (known, _) in systems_of_laws().items()}
-            if named(kind, every) is None:
+            if not is_known(kind, every):
                 raise InputError(
                     f"the friction law {kind.__name__} must be registered: "
                     f"tippetop.extending.register({kind.__name__})."

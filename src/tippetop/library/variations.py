@@ -1,6 +1,6 @@
 """Ensembles and sweeps from Python: many tops of one scenario."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ from ..mechanics.contact.body import Top
 from ..mechanics.system import System
 from ..mechanics.units import ONE, SECOND
 from ..problem import Problem
+from ..progress import Report
 from .scenarios import problem_of
 
 
@@ -29,7 +30,7 @@ def ensemble(
     friction: Any = None,
     *,
     threads: int | None = None,
-    progress: Callable[[int, int], None] | bool = False,
+    progress: Report | bool = False,
     orientation: bool = False,
     lyapunov: bool = False,
     **scenario: Any,

@@ -1,11 +1,12 @@
 """Records of a motion: forms, their integrals and quantities, phases of the contact and exits."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from ..errors import names_its_faults
+from ..errors import InputError, is_one_number, names_its_faults
 from .event import Event
+from .operand import leaves
 from .readonly import ReadOnly
 from .units import Unit
 
@@ -89,6 +90,14 @@ class Orientation:
     psi: Callable | None = None
 
 
+def all_are(records: Any, container: Any, kind: type) -> bool:
+    """Return whether records are a container, Mapping or Sequence, of records of one kind."""
+    if not isinstance(records, container):
+        return False
+    values = records.values() if isinstance(records, Mapping) else records
+    return all(isinstance(record, kind) for record in values)
+
+
 class Domain(NamedTuple):
     """A scalar function, formula(scalars, b), that must stay positive; the meaning otherwise."""
 
@@ -155,7 +164,7 @@ class Next:
     Parameters
     ----------
     phase
-        Its name.
+        Its name; it may be empty where the run ends.
     x
         The common state in which it begins. If it has a field `carried`, that is the record of the
         integrals of the run; otherwise integrals continue.
@@ -185,8 +194,8 @@ class Next:
         The status with which the run ends, and why; empty: it continues.
     """
 
-    phase: str
-    x: Any
+    phase: str = ""
+    x: Any = None
     cause: str | None = None
     delay: Any = 0
     series: Any = None
@@ -225,6 +234,30 @@ class Exit:
     event: str
     to: tuple[str, ...]
     jump: Callable
+
+    def fault(self, n: Any, x: Any, events: Collection[str]) -> str:
+        """Return what the result of the jump must be and is not, of a state `x` and with the names
+        of the events of the system; empty if it can follow.
+        """
+        if not isinstance(n, Next):
+            return f"return a Next, but returns {n!r:.60}"
+        for what, kind in {"ends": str, "logged": tuple, "zeros": dict, "sides": dict}.items():
+            if not isinstance(value := getattr(n, what), kind):
+                return f"have a {kind.__name__} in `{what}`, but has {value!r:.60}"
+        if n.phase not in self.to and not n.ends:
+            return f"lead to {' or '.join(self.to)}, as its Exit declares, but leads to {n.phase!r}"
+        if type(n.x) is not type(x):
+            return f"return a state as it takes ({type(x).__name__}), but returns {n.x!r:.60}"
+        for name, value in n.x._asdict().items():
+            if not all(is_one_number(one) for one in leaves((value,))):
+                return f"return a number in `{name}` of the state, but returns {value!r:.60}"
+        for what, names in (("logged", n.logged), ("zeros", n.zeros), ("sides", n.sides)):
+            for name in names:
+                if name not in events:
+                    return f"have events of the system in `{what}`, but has {name!r}"
+        if not all(type(count) is int and count > 0 for count in n.zeros.values()):
+            return f"have multiplicities of roots in `zeros`, 1 at least, but has {dict(n.zeros)}"
+        return ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,9 +303,13 @@ class Phase:
 
     def __post_init__(self) -> None:
         forms = {"": self.forms} if isinstance(self.forms, Form) else self.forms
-        if isinstance(forms, Mapping):
-            by_name = {getattr(form, "name", key): form for key, form in forms.items()}
-            object.__setattr__(self, "forms", ReadOnly(by_name))
+        if not (forms and all_are(forms, Mapping, Form)):
+            raise InputError(f"`forms` of a Phase must be a Form or a dict, but is {forms!r:.60}.")
+        object.__setattr__(self, "forms", ReadOnly({form.name: form for form in forms.values()}))
+        for name, kind in {"quantities": Quantity, "events": Event, "exits": Exit}.items():
+            if not all_are(records := getattr(self, name), Sequence, kind):
+                must = f"`{name}` of a Phase must be a tuple of {kind.__name__}"
+                raise InputError(f"{must}, but is {records!r:.60}.")
 
     @property
     def form(self) -> Form:

@@ -122,12 +122,12 @@ class FrictionLaw(Record, abstract=True):
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         body = vars(cls)
-        if not isinstance(k := body.get("coefficient"), staticmethod | None):
-            cls.coefficient = staticmethod(k)
         doc = (cls.__doc__ or "").partition("\n\nParameters\n")[0]
         cls.long_name = doc.partition("\n")[0].removesuffix(".")
         if "key" not in body and cls.face is cls:
             cls.key = cls.__name__.lower()
+        if callable(k := body.get("coefficient")):
+            cls.coefficient = staticmethod(names_its_faults(k, f"the friction law `{cls.key}`"))
         if "words" not in body and cls.face is cls:
             cls.words = f"{cls.key} friction"
         if "with_parts" not in body:
@@ -341,20 +341,16 @@ def all_laws(laws: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
                     yield name, one.with_parts
 
 
-def named(record: type, laws: Mapping[str, Any] = LAWS) -> Any:
-    """Return the class of a record if it is that of a law of `laws`, or else of LAWS.
+def is_known(law: type[FrictionLaw], laws: Mapping[str, type[FrictionLaw]] = LAWS) -> bool:
+    """Return whether a law, or the one whose numbers it has in part or with others, is registered.
 
-    Return None if it is not.
+    `laws` contains laws by name.
     """
-    key = getattr(record, "key", "")
-    known = [law for law in (laws.get(key), LAWS.get(key)) if law is not None]
-    return record if any(law.face is record.face for law in known) else None  # type: ignore[attr-defined]
+    return law.key in laws and laws[law.key].face is law.face
 
 
-SLIP: dict[type, Any] = {}
-SLIP |= {law: law.coefficient for _, law in all_laws(LAWS) if law.coefficient is not None}
-slip_coefficient = select(SLIP)
-"""k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that is registered."""
+slip_coefficient = select(lambda law: law.coefficient)
+"""k(v2, z, law) [s/m], with F_h = -k g_n v_A and v2 = |v_A|^2, for any law that has one."""
 
 
 REST2, FAST2 = np.float64(0), np.float64(1e6)
@@ -373,15 +369,14 @@ def takes_nothing(law: Any) -> Any:
     k = 0 at rest and in motion, wherever the contact lies: the law `none`, and every law with
     mu = 0.
     """
-    rules = named(type(law))
-    if rules is None:  # a law of one system, which is no multiple of the sliding velocity
-        return False
-    if rules.set_valued or rules.regions:
+    if law.set_valued or law.regions:
         none = law.mu == 0
+    elif law.coefficient is None:
+        return False
     else:
         none = reduce(and_, (k == 0 for k in _coefficients(law, 0.0, 1e-6, 1.0)))
-    if rules.torque is not None:
-        turns = rules.torque(inside(0.0, 1.0), Vector(1.0, 0.0, 1.0), law)
+    if law.torque is not None:
+        turns = law.torque(inside(0.0, 1.0), Vector(1.0, 0.0, 1.0), law)
         none = none & (turns.x == 0) & (turns.z == 0)
     return none
 
@@ -401,9 +396,6 @@ def add(law: type[FrictionLaw]) -> None:
     if faults := _faults(law):
         raise InputError(faults)
     LAWS[law.key] = law
-    SLIP[law] = SLIP[law.with_parts] = names_its_faults(
-        law.coefficient, f"the friction law `{law.key}`"
-    )
 
 
 NAME = r"[A-Za-z_][A-Za-z0-9_-]*"

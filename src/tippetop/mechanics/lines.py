@@ -4,7 +4,7 @@ A program repeats the run for other numbers, as long as every comparison turns o
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import reduce
 from typing import Any
 
@@ -88,6 +88,16 @@ class Program:
         """Give lines one after another to values, and return the first one."""
         first, *_ = [self.line("multiply", value, 1.0) for value in values]
         return first
+
+    def call(self, place: int, function: Callable, *inputs: Any) -> list[Number]:
+        """Let the loop at a place do what a function does, which takes numbers and records of them,
+        and returns a list of numbers. Return its results.
+        """
+        first = self.joined(leaves(inputs))
+        values = (getattr(one, "value", one) for one in leaves(inputs))
+        made, *others = function(*refill(inputs, values))
+        results = [self.line("motion", first, place, made)]
+        return results + [self.line("result", 0.0, value=value) for value in others]
 
     def code(self) -> np.ndarray:
         """Return the lines (k, 3) with numbers of registers: of inputs, constants and lines."""

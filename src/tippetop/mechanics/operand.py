@@ -156,36 +156,26 @@ def refill(record: Any, values: Any) -> Any:
     return make(refill(f, values) if isinstance(f, tuple) else next(values) for f in record)
 
 
-def select(choices: dict[type, Callable], otherwise: Callable | None = None) -> Callable:
+def select(choose: Callable[[Any], Callable]) -> Callable:
     """Return a formula that is chosen by the type of its last argument, a NamedTuple.
 
     It works in Python and inside numba.
 
     Parameters
     ----------
-    choices
-        The formula for each type.
-    otherwise
-        The formula for other types; None: a KeyError.
+    choose
+        choose(type) -> the formula.
 
     Returns
     -------
     function
         Called with the arguments of the formulas.
-
-    Notes
-    -----
-    `choices` is read when the formula is called (in numba, compiled): it may grow. `otherwise` is
-    for other types.
     """
 
     def selected(*arguments: Operand) -> Operand:
-        return chosen(type(arguments[-1]))(*arguments)
+        return choose(type(arguments[-1]))(*arguments)
 
-    def chosen(record: type) -> Callable:
-        return choices.get(record, otherwise) or choices[record]
-
-    selected.for_numba = lambda record: inspect.unwrap(chosen(record))  # type: ignore[attr-defined]
+    selected.for_numba = lambda record: inspect.unwrap(choose(record))  # type: ignore[attr-defined]
     _teach(selected)
     return selected
 

@@ -8,9 +8,9 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
-from ..errors import refuse_unknown, unknown_key
+from ..errors import InputError, refuse_unknown, unknown_key
 from .event import NUMBERED, Event
-from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity
+from .form import Domain, Exit, Form, Integral, Orientation, Phase, Quantity, all_are
 from .number import Alternative, Number
 from .readonly import freeze
 from .units import Unit
@@ -98,12 +98,6 @@ class Opening(NamedTuple):
     outlook: Callable | None = None
     # quantities of the gliding body that are not columns of its phases
     without: tuple[str, ...] = ()
-
-
-def _all_are(records: Any, kind: type) -> bool:
-    return isinstance(records, Mapping) and all(
-        isinstance(record, kind) for record in records.values()
-    )
 
 
 def _same(value: Any) -> Any:
@@ -229,6 +223,10 @@ class System:
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if not (self.phases and all_are(self.phases, Mapping, Phase)):
+            raise InputError(
+                f"`phases` of `{self.name}` must be a dict of Phase, but is {self.phases!r:.60}."
+            )
         self._derive()
         freeze(self, "parameters", "initial", "normalised_to", "phases", "long_names", "vectors")
         if isinstance(self.laws, dict | ChainMap):  # a view: friction.LAWS may grow
@@ -240,14 +238,14 @@ class System:
         They are derived from the parameters and the state of the first phase.
         """
         given: dict[str, Any] = {} if self.title != "" else {"title": self.name}
-        if self.body is None and _all_are(self.parameters, Number):
+        if self.body is None and all_are(self.parameters, Mapping, Number):
             record = cast(Any, namedtuple)("Body", [*self.parameters, "friction"], rename=True)
             units = [rule.unit for rule in self.parameters.values()]
             given["body"] = lambda parameters, friction: record(*parameters.values(), friction)
             given["body_units"] = lambda friction: record(*units, friction)
         angles = self.angles
-        if angles is None and _all_are(self.phases, Phase) and self.phases:
-            angles = given["angles"] = getattr(self.phase.form, "units", None)
+        if angles is None:
+            angles = given["angles"] = self.phase.form.units
         fields = getattr(angles, "_fields", ())
         if self.initial is None and fields:
             given["initial"] = {
@@ -257,17 +255,12 @@ class System:
             make = type(angles)._make
             given["start"] = lambda data, s, z, b: make(data.get(name, 0 * z) for name in fields)
         rules = given.get("initial", self.initial)
-        if not self.long_names and _all_are(rules, Number):
+        if not self.long_names and all_are(rules, Mapping, Number):
             given["long_names"] = {
                 name: rules[name].long_name if name in rules else name for name in fields
             }
-        if not self.tables and _all_are(self.phases, Phase) and self.is_hybrid:
-            ways = [
-                way.event
-                for phase in self.phases.values()
-                for way in phase.exits
-                if isinstance(way, Exit)
-            ]
+        if not self.tables and self.is_hybrid:
+            ways = [way.event for phase in self.phases.values() for way in phase.exits]
             given["tables"] = {
                 "phases": {"phase": tuple(self.phases), "reason": ("start", *dict.fromkeys(ways))}
             }
@@ -331,13 +324,18 @@ class System:
         faults += [unknown_key(f"parameters.{name}", self.parameters) for name in unknown]
         return faults or list(self.checks(parameters))
 
-    def clashes(self, initial: Collection[str], verb: str = "is given") -> list[str]:
+    @property
+    def record_names(self) -> set[str]:
+        """Names of the events and of the quantities."""
+        return {event.name for event in self.events} | {q.name for q in self.quantities}
+
+    def clashes(self, initial: Mapping[str, Any], verb: str = "is given") -> list[str]:
         """Return messages on initial data that determine the same number in two ways.
 
         Parameters
         ----------
         initial
-            Names of initial data.
+            Initial data by name; flags that are false count as not given.
         verb
             The verb of the message for the others.
 
@@ -346,10 +344,11 @@ class System:
         list of str
             Empty if each datum is given once.
         """
+        given = {name for name, value in initial.items() if value is not False}
         return [
             a.fault(verb)
             for a in self.alternatives
-            if a.name in initial and not set(a.others).isdisjoint(initial)
+            if a.name in given and not given.isdisjoint(a.others)
         ]
 
     def rivals(self, name: str) -> set[str]:

@@ -220,32 +220,20 @@ class Problems:
 
     def moment(self, states: np.ndarray, body: Any) -> Moment:
         """Return the arguments of formulas for states (variables, k), in internal units."""
-        return moment(self.base.system, self.base.form, *self.variables.split(states), body)
-
-    def check(self) -> tuple[np.ndarray, list[tuple[int, str]]]:
-        """Return which runs are valid, (n,), and a sentence with its number for each fault.
-
-        Returns
-        -------
-        valid
-            (n,) bool.
-        faults
-            Pairs of the number of a run and a sentence, ascending.
-
-        Notes
-        -----
-        Checks every number that varies, contradictions between parameters, and the start: all that
-        is computed of it must be finite, and there must be a motion.
-        """
-        return self._checked
+        return moment(self.base.form, *self.variables.split(states), body)
 
     @property
     def valid(self) -> np.ndarray:
         """Which runs are valid, (n,)."""
-        return self._checked[0]
+        return self.checked[0]
 
     @cached_property
-    def _checked(self) -> tuple[np.ndarray, list[tuple[int, str]]]:
+    def checked(self) -> tuple[np.ndarray, list[tuple[int, str]]]:
+        """Which runs are valid, (n,), and pairs of the number of a run and a fault, ascending.
+
+        Checks every number that varies, contradictions between parameters, and the start: all that
+        is computed of it must be finite, and there must be a motion.
+        """
         valid, faults = np.ones(self.n, bool), []
         for key, column in self.columns.items():
             rule = self.base.rules[key]

@@ -42,9 +42,8 @@ def derivative_faults(problem: "Problem") -> list[str]:
 def name_faults(problem: "Problem", wrt: Sequence[str]) -> list[str]:
     """Return sentences on the names of the numbers by which there are derivatives."""
     faults = key_faults(problem, wrt, without=EXCLUDED)
-    initial = [name.partition(".")[2] for name in wrt if name.startswith("initial.")]
-    given = [name for name, value in problem.initial.items() if value is not False]
-    return faults or problem.system.clashes([*given, *initial])
+    added = {name.partition(".")[2]: 0.0 for name in wrt if name.startswith("initial.")}
+    return faults or problem.system.clashes({**problem.initial, **added})
 
 
 def refuse(problem: "Problem", wrt: Sequence[str]) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError, owner, suggestion
-from ..mechanics.friction import PARTS, SLIP
+from ..mechanics.friction import PARTS
 from ..mechanics.moment import moment
 from ..mechanics.system import System
 from ..mechanics.units import METRE_PER_SECOND, SECOND_PER_METRE
@@ -64,8 +64,7 @@ def key_faults(
             faults.append(f"`{key}` must be one of {', '.join(known)}, but is not.{hint}")
     varied = [key.partition(".")[2] for key in keys if key.startswith("initial.")]
     start = base.system.replaced(base.initial, dict.fromkeys(varied))
-    given = [name for name, value in start.items() if value is not False]
-    return faults + base.system.clashes(given, "varies")
+    return faults + base.system.clashes(start, "varies")
 
 
 def variation_faults(base: "Problem", columns: Mapping[str, Any]) -> list[str]:
@@ -121,7 +120,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
     table = np.empty((len(values), problems.n))
     for row, value in zip(table, values, strict=True):
         row[:] = value
-    kept, domains = len(base.system.quantities), base.form.domains
+    domains = base.form.domains
     weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
     finite = np.isfinite(np.concatenate([pars, start * weights])).all(axis=0)
     faults = [] if base.contact is not None else _law_faults(problems)
@@ -132,7 +131,8 @@ def start_faults(problems: "Problems") -> list[Fault]:
     together = (
         "`parameters`, `friction` and `initial` must stay finite together, but they overflow."
     )
-    faults.append((together, ~finite | ~(abs(table[:kept]) < LARGEST).all(axis=0)))
+    ours = [i for i in range(len(domains), len(table)) if i not in owners]
+    faults.append((together, ~finite | ~(abs(table[ours]) < LARGEST).all(axis=0)))
     large = abs(start[variables.moving :]) > 1
     for i in _rows(large):
         name = variables.names[variables.moving + i]
@@ -141,7 +141,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
             "it is so large that it would decide how long the steps are."
         )
         faults.append((sentence, large[i]))
-    outside = ~(table[kept : kept + len(domains)] > 0)
+    outside = ~(table[: len(domains)] > 0)
     for i in _rows(outside):
         sentence = f"`initial` must allow a motion, but {domains[i].meaning}."
         faults.append((sentence, outside[i]))
@@ -157,16 +157,19 @@ def _rows(bad: np.ndarray) -> Iterable[int]:
 def _values_at(system: System, name: str) -> tuple[Callable, dict[int, str]]:
     """Return the function of the values of quantities, domains and user events, and the owners.
 
-    `name` is that of the form; owners of formulas of the user are by number.
+    `name` is that of the form; owners of formulas of the user are by number. Those of rows are not
+    evaluated: they may read the reaction, which is not known before the first phase.
     """
     form = system.forms[name]
-    records: list[Any] = [*system.quantities, *form.domains]
-    formulas = [record.formula for record in records]
-    formulas += [event.formula for event in system.events if owner(event.formula)]
+    records: list[Any] = [*system.quantities, *system.events]
+    of_user = [one.formula for one in records if owner(one.formula)]
+    formulas = [domain.formula for domain in form.domains]
+    formulas += [one.formula for one in system.quantities if not owner(one.formula)]
+    formulas += of_user if system.row is None else []
     owners = {number: owner(formula) for number, formula in enumerate(formulas) if owner(formula)}
 
     def values(q: Any, carried: Any, b: Any) -> list:
-        state = moment(system, form, q, carried, b)
+        state = moment(form, q, carried, b)
         return [formula(state, b) for formula in formulas]
 
     return values, owners
@@ -178,13 +181,13 @@ def _law_faults(problems: "Problems") -> list[Fault]:
     Its coefficient must be finite, not negative, smooth at rest, and the same in all units.
     """
     kind, n = type(problems.base.friction), problems.n
-    if not (of := owner(SLIP.get(kind))):
+    if not (of := owner(kind.coefficient)):
         return []
     scales = problems.scales
     law = kind._make(np.zeros(n) + number for number in problems.given("friction").values())
 
     def coefficient(v2: Any, z: float, law: Any) -> np.ndarray:
-        return SLIP[kind](np.zeros(n) + v2, np.full(n, z), law) + np.zeros(n)
+        return kind.coefficient(np.zeros(n) + v2, np.full(n, z), law) + np.zeros(n)
 
     def fault(must: str, found: str, bad: np.ndarray) -> list[Fault]:
         return [(f"the coefficient k of {of} must {must}, but {found}.", bad)]

@@ -134,8 +134,7 @@ class Problem(RunOptions):
 
     def clashes(self) -> list[str]:
         """Return sentences on initial data, and on a stem, that contradict each other."""
-        given = [name for name, value in self.initial.items() if value is not False]
-        faults = self.system.clashes(given)
+        faults = self.system.clashes(self.initial)
         if self.contact is not None and self.contact.stem:
             faults += stem_faults(self.parameters["R"], self.contact.r, self.contact.h)
         return faults
@@ -171,6 +170,15 @@ class Problem(RunOptions):
     def body(self, number: Any = float) -> Any:
         """Return the record that formulas take, in SI units."""
         return self.system.body_of(self.parameters, self.friction, number)
+
+    @property
+    def balls(self) -> dict[str, tuple[float, float]]:
+        """Offset along the axis and radius [m] of each ball that may touch the plane, by name."""
+        body, rules = self.body(), self.contact
+        balls = {"body": (body.c, body.R)}
+        if rules is not None and rules.stem:
+            balls["stem"] = body.c + rules.h, rules.r
+        return balls
 
     @cached_property
     def scales(self) -> Scales:

@@ -3,7 +3,6 @@
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from ..errors import InputError
 from ..problem import Problem
 from . import phases
 from .attributes import groups
+from .reporting import RunProgress
 from .run import Solution, solve, with_rows_at
 
 
@@ -28,7 +28,6 @@ MAX_TOLERANCE = 2.3e-16
 MAX_THETA_ERROR = 1e-10
 NEXT_PRECISION: dict[str, Any] = {"double": "longdouble", "longdouble": "quad"}
 CERTIFICATE_ROWS = 2001
-Progress = Callable[[Any], None] | None
 
 
 def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
@@ -52,7 +51,7 @@ def contract_violations(report: dict[str, Any], tolerance: float) -> list[str]:
 def certificate(
     problem: Problem,
     window: float | None = None,
-    following: Callable[[], AbstractContextManager[Progress]] = nullcontext,
+    progress: Callable[[RunProgress], None] | None = None,
 ) -> dict[str, Any]:
     """Repeat a run in the next wider precision and compare.
 
@@ -62,8 +61,8 @@ def certificate(
         The run; it is repeated from its start, in its own precision too.
     window : float, optional
         Compare only the first `window` seconds. By default the whole run.
-    following : callable, optional
-        Return a context with the progress callback of one run; called for each of the two.
+    progress : callable, optional
+        Called with the progress of each of the two runs.
 
     Returns
     -------
@@ -81,10 +80,7 @@ def certificate(
     times = np.linspace(0.0, until, CERTIFICATE_ROWS)
     narrow = with_rows_at(problem, times, orientation=False)
     wide = dataclasses.replace(narrow, precision=NEXT_PRECISION[problem.precision], tolerance=0.0)
-    with following() as progress:
-        run = solve(narrow, progress)
-    with following() as progress:
-        reference = solve(wide, progress)
+    run, reference = solve(narrow, progress), solve(wide, progress)
     tables, expected = groups(run), groups(reference)
     columns = _differences(tables["trajectory"], expected["trajectory"])
     largest = {name: _largest(values) for name, values in columns.items() if name != "time"}

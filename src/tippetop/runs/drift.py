@@ -24,8 +24,10 @@ class Monitor:
     def __init__(self, problem: Problem, view: Observables, row: np.ndarray):
         self.problem, self.view = problem, view
         values = view.evaluate(row)
-        self.start = {name: float(value[0]) for name, value in invariants(problem, values).items()}
-        self.size = {name: float(value[0]) for name, value in sizes(problem, values).items()}
+        self.start, self.size = (
+            {name: float(value[0]) for name, value in of(problem, values).items()}
+            for of in (invariants, sizes)
+        )
         self.drift = dict.fromkeys(self.start, 0.0)
         self.force, self.steps = Extremes(), 0
 

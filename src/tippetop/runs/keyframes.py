@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import Column
+from ..columns import Column, without_rows
 from ..engine.driver import Driver
 from ..engine.observables import Observables
 from ..engine.taylor import driver_of, fingerprint
@@ -66,8 +66,7 @@ def _snapshot(driver: Driver) -> dict[str, Any]:
 
 def empty(problem: Problem, driver: Driver) -> dict[str, Column]:
     """Return the columns of the group without rows."""
-    row = columns(problem, driver, 0.0, 0)
-    return {name: column._replace(values=column.values[:0]) for name, column in row.items()}
+    return without_rows(columns(problem, driver, 0.0, 0))
 
 
 def rows(path: Path, problem: Problem) -> dict[str, Column]:

@@ -12,6 +12,9 @@ from ..mechanics.units import JOULE, METRE_PER_SECOND, NEWTON_SECOND, SECOND
 
 
 # Rows per chunk.
+Rows = dict[str, np.ndarray]
+"""Rows of a table, by column."""
+
 PER_CHUNK = 4096
 DIMENSIONS = {"phases": "interval", "impacts": "impact"}
 """The tables of a run whose contact may change its phase, and their dimensions."""
@@ -54,7 +57,7 @@ class Story:
     first: list[dict[str, Any]] = field(default_factory=list)
     last: dict[str, Any] | None = None
 
-    def follow(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+    def follow(self, new: dict[str, Rows]) -> None:
         """Take in rows of the tables."""
         if not new:
             return
@@ -87,7 +90,7 @@ class Story:
         }
 
 
-def columns(system: System, name: str, table: dict[str, np.ndarray]) -> dict[str, Column]:
+def columns(system: System, name: str, table: Rows) -> dict[str, Column]:
     """Return rows of a table as columns of the store's group of this name."""
     dims = (DIMENSIONS[name],)
     return {
@@ -98,9 +101,7 @@ def columns(system: System, name: str, table: dict[str, np.ndarray]) -> dict[str
     }
 
 
-def joined(
-    system: System, parts: dict[str, list[dict[str, np.ndarray]]]
-) -> dict[str, dict[str, Column]]:
+def joined(system: System, parts: dict[str, list[Rows]]) -> dict[str, dict[str, Column]]:
     """Return the tables whose rows are in these parts; without any, the tables without rows."""
     whole = {}
     for name, kinds in system.tables.items():

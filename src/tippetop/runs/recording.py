@@ -22,6 +22,7 @@ from ..store.writer import Writer, begin
 from . import attributes, keyframes, phases, reporting
 from .events import EventTable, event_columns
 from .integration import Integration
+from .phases import Rows
 from .reporting import RunProgress
 from .run import Solution
 from .sinks import Sink
@@ -71,7 +72,7 @@ class Recorder(Writer, Sink):
         """Take a keyframe."""
         self.later(lambda: self._append("keyframes", row))
 
-    def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+    def tables(self, new: dict[str, Rows]) -> None:
         """Take rows of further tables."""
         for name, table in new.items():
             if len(next(iter(table.values()))):

@@ -16,6 +16,7 @@ from ..sampling import ListedTimes
 from . import reporting
 from .events import EventTable
 from .integration import Integration
+from .phases import Rows
 from .reporting import RunProgress
 from .sinks import Memory, Sink
 
@@ -33,7 +34,7 @@ class Solution:
     events: EventTable
     seconds: dict[str, float]  # of compiling and of integrating
     last_slice: dict[str, Any] | None = None  # its start, where a longer run continues
-    others: dict[str, list[dict[str, np.ndarray]]] = field(default_factory=dict)
+    others: dict[str, list[Rows]] = field(default_factory=dict)
     """Rows of additional tables."""
 
     @property

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..columns import Column
 from .events import EventTable
+from .phases import Rows
 from .reporting import RunProgress
 
 
@@ -28,7 +29,7 @@ class Sink:
     def keyframe(self, row: dict[str, Column]) -> None:
         """Take a keyframe, as a row of its table."""
 
-    def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+    def tables(self, new: dict[str, Rows]) -> None:
         """Take new rows of the tables of a contact that changes its phase, SI."""
 
     def slice_done(self, progress: RunProgress, snapshot: Callable[[], dict[str, Any]]) -> None:
@@ -45,7 +46,7 @@ class Memory(Sink):
         self.states: list[np.ndarray] = []
         self.logs: list[EventTable] = []
         self.marks: list[int] = []
-        self.others: dict[str, list[dict[str, np.ndarray]]] = {}
+        self.others: dict[str, list[Rows]] = {}
 
     def rows(self, times: np.ndarray, states: Callable[[], np.ndarray]) -> None:
         """Take rows."""
@@ -57,7 +58,7 @@ class Memory(Sink):
         self.logs.append(table)
         self.marks += marks
 
-    def tables(self, new: dict[str, dict[str, np.ndarray]]) -> None:
+    def tables(self, new: dict[str, Rows]) -> None:
         """Take new rows of further tables."""
         for name, columns in new.items():
             self.others.setdefault(name, []).append(columns)

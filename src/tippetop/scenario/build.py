@@ -62,11 +62,11 @@ def problem(
     """
     system = system_with_contact(known or system_of(tables), tables)
     name = law_name(tables)
-    if name is not None and name not in system.laws:
+    if name and name not in system.laws:
         load_entry_points()
     tables = worked_out(tables, units_of(system, tables))
     try:
-        model = scenario_model(system, system.laws.get(name or ""))
+        model = scenario_model(system, system.laws.get(name))
         scenario: Any = model.model_validate(tables)
     except ValidationError as error:
         errors = error.errors(include_url=False)
@@ -99,7 +99,7 @@ def problem(
         form=form,
         parameters=parameters,
         friction=law._make(getattr(scenario.friction, key) for key in law.parameters),
-        initial=on_stem(initial, parameters.get("R", 0.0), rules),
+        initial=on_stem(initial, parameters, rules),
         times=run.rows(),
         contact=rules,
         origin=origin,
@@ -112,7 +112,7 @@ def problem(
         *_pole_faults(built),
         *run.option_faults(kinds),
         *column_faults(run.columns or (), known_columns, run.orientation),
-    ] or [sentence for _, sentence in built.alone.check()[1]]
+    ] or [sentence for _, sentence in built.alone.checked[1]]
     if faults:
         raise InputError(faults)
     vars(built)["checked"] = True
@@ -154,7 +154,7 @@ def checked(given: Problem) -> Problem:
 
 def units_of(system: System, tables: dict[str, Any]) -> dict[str, dict[str, Unit]]:
     """Return the units of the numbers of a scenario, by table and key."""
-    law = system.laws.get(law_name(tables) or "")
+    law = system.laws.get(law_name(tables))
     return _units(system, law.given(tables["friction"]) if law else None)
 
 

@@ -1,6 +1,7 @@
 """Scenarios whose contact may change its phase: their systems, and their faults."""
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
         table if isinstance(table := tables.get(name), dict) else {}
         for name in ("friction", "run", "initial")
     )
-    name = law_name(tables) or ""
+    name = law_name(tables)
     law = system.laws.get(name, LAWS.get(name, LAWS["none"])).given(friction)
     opening = system.opening
     features = (  # the requirement, whether it is given, and whether only a sphere has it
@@ -66,8 +67,8 @@ def system_with_contact(system: System, tables: dict[str, Any]) -> System:
         )
     own = user_records(system)
     contact = opened(bodies[system.name], law, 2 if "stem" in tables else 1)
-    taken = {event.name for event in contact.events} | {q.name for q in contact.quantities}
-    if clash := [record.name for records in own for record in records if record.name in taken]:
+    clash = [r.name for records in own for r in records if r.name in contact.record_names]
+    if clash:
         raise InputError(
             f"`{clash[0]}` must be a new name, but `{system.name}` with {asked[0][0]} has it."
         )
@@ -135,9 +136,7 @@ def contact_faults(problem: Problem) -> list[str]:
     ]
     if rules.stem and stem_faults(problem.parameters["R"], rules.r, rules.h):
         return faults  # which are found already
-    balls = {"body": (body.c, body.R)}
-    if rules.stem:
-        balls["stem"] = body.c + rules.h, rules.r
+    balls = problem.balls
     coefficients = {getattr(friction, name): name for name in law.bounded_by}
     mu, mu_r = max(coefficients, default=0.0), getattr(friction, "mu_r", 0.0)
     # Coulomb friction has one contact force only below Painleve's bound. [contact 2.6]
@@ -176,14 +175,16 @@ def _most_rolling(body: Any, mu: float, balls: list[tuple[float, float]]) -> flo
     return min(bounds)
 
 
-def on_stem(initial: dict[str, Any], R: float, rules: ContactLaw | None) -> dict[str, Any]:
+def on_stem(
+    initial: dict[str, Any], parameters: Mapping[str, float], rules: ContactLaw | None
+) -> dict[str, Any]:
     """Return the start with the gap at which the stem touches, where none is given.
 
     Only where the stem would be under the plane if the sphere touched it.
     """
     if rules is None or not rules.stem or "gap" in initial:
         return initial
-    least = _least_gap(initial, R, rules)
+    least = _least_gap(initial, parameters["R"], rules)
     return {**initial, "gap": least} if least > 0 else initial
 
 

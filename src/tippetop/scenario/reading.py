@@ -3,7 +3,7 @@
 import re
 import tomllib
 from collections.abc import Collection, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -39,11 +39,6 @@ def _presets() -> dict[str, str]:
     return {name: (folder / f"{name}.toml").read_text(encoding="utf-8") for name in names}
 
 
-@cache
-def _preset(name: str) -> dict[str, Any]:
-    return tomllib.loads(_presets()[name])
-
-
 def read(source: str) -> dict[str, Any]:
     """Return the tables of a TOML file or of a preset. Raises InputError."""
     path = Path(source)
@@ -55,8 +50,10 @@ def read(source: str) -> dict[str, Any]:
                     f"`{source}` is neither a TOML file nor a preset.{suggestion(source, known)} "
                     f"The presets are {', '.join(known)}."
                 )
-            return plain(_preset(source))
-        return _parsed(path.read_text(encoding="utf-8-sig"))
+            text = known[source]
+        else:
+            text = path.read_text(encoding="utf-8-sig")
+        return plain(_parsed(text))
     except InputError:
         raise
     except OSError as error:
@@ -65,6 +62,7 @@ def read(source: str) -> dict[str, Any]:
         raise InputError(f"`{source}` is not valid TOML in UTF-8: {error}.") from None
 
 
+@lru_cache(maxsize=64)
 def _parsed(text: str) -> dict[str, Any]:
     """Return the tables of a TOML text. Raises ValueError."""
     try:
@@ -126,11 +124,11 @@ def merged(table: str, old: dict[str, Any], given: Mapping[str, Any]) -> dict[st
     return {key: value for key, value in old.items() if key not in replaced} | dict(given)
 
 
-def law_name(tables: Mapping[str, Any]) -> str | None:
-    """Return the name of the law in the tables of a scenario, or None without one."""
+def law_name(tables: Mapping[str, Any]) -> str:
+    """Return the name of the law in the tables of a scenario, "" without one."""
     friction = tables.get("friction")
     name = friction.get("law") if isinstance(friction, dict) else None
-    return name if isinstance(name, str) else None
+    return name if isinstance(name, str) else ""
 
 
 def _value(key: str, text: str) -> Any:

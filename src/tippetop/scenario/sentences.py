@@ -16,7 +16,7 @@ from .schema import scenario_model, tables_of
 
 def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str:
     """Return the sentence on one pydantic error of a scenario."""
-    law = system.laws.get(law_name(tables) or "")
+    law = system.laws.get(law_name(tables))
     place = error["loc"]
     key, kind = ".".join(map(str, place)), error["type"]
     if key == "friction.law":

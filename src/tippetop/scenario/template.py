@@ -54,7 +54,7 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
     examples = {key: option.metadata["example"] for key, option in OPTIONS.items()}
     examples |= {a.name: True for a in system.alternatives if a.flag}
     examples["events"] = [event.name for event in system.events]
-    law = system.laws.get(law_name(tables) or "")
+    law = system.laws.get(law_name(tables))
     forms = f"{AUTO}: the cheapest that is regular there; or {', '.join(system.forms)}"
     laws = f"one of {', '.join(laws_of(system))}"
     lines = [

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..columns import Column
+from ..columns import Column, without_rows
 from ..ensembles import ensemble, outcomes
 from ..mechanics.variables import Variables
 from ..problem import Problem, derivative_faults
@@ -82,8 +82,7 @@ def _final_states(measured: outcomes.Outcomes) -> dict[str, Column]:
 def column_schema(base: Problem, keep: list[str] | None) -> dict[str, Column]:
     """Return labelled columns without a row."""
     invalid = {"run.until": np.array([np.nan])}  # which is not run
-    table = columns(measure(base, invalid, keep), keep)
-    return {name: column._replace(values=column.values[:0]) for name, column in table.items()}
+    return without_rows(columns(measure(base, invalid, keep), keep))
 
 
 def column_names(base: Problem) -> list[str]:

@@ -76,10 +76,6 @@ def make_map(path: Path, kind: str) -> Map:
 
     Raises InputError for an unknown kind, or one whose column was not kept; StoreError.
     """
-    if kind not in NEEDED:
-        raise InputError(
-            f"the kind of figure must be one of {', '.join(NEEDED)} of a sweep, but is `{kind}`."
-        )
     table = open_sweep(path)
     plan = Plan.from_tables(table.attrs["plan"])
     numbers = plan.design.numbers(np.arange(plan.n))
@@ -128,12 +124,11 @@ def make_map(path: Path, kind: str) -> Map:
         notes.append(f"{how} of the tops in a cell")
     if table.attrs["status"] != "finished":
         notes.append("unfinished")
-    title = table.attrs["title"].partition(": ")[2]
     borders = {}  # none where the tops of a cell have other numbers than its axes
     if not any(axis.sampled for axis in varying[2:]):
         rest = [axis for axis in plan.design.axes if axis not in varying[:2]]
         borders = borders_of(plan, axes, {axis.key: _middle(axis) for axis in rest})
-    return Map(kind, title, axes, fields, borders, notes)
+    return Map(kind, plan.base.system.title, axes, fields, borders, notes)
 
 
 def borders_of(

@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..engine.status import Status
+from ..sampling import spread
 from . import chunk
 from .plan import Plan
 
@@ -32,7 +33,7 @@ def measured(plan: Plan, clock: Callable[[], float] = time.process_time) -> dict
         now, in addition: compiled code is kept on disk; `tops_measured`, from how many tops
         this is inferred: none if all were invalid.
     """
-    chosen = np.unique(np.linspace(0, plan.n - 1, SOME).round().astype(int))
+    chosen = spread(plan.n, SOME)
     numbers = plan.columns(chosen)
     until = np.broadcast_to(numbers.get("run.until", plan.base.until), chosen.shape)
 

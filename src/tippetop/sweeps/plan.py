@@ -17,6 +17,7 @@ from ..mechanics.caching import cached_property
 from ..mechanics.quantity import number_of
 from ..mechanics.units import ONE, Unit
 from ..problem import Problem, derivative_faults, key_faults
+from ..sampling import spread
 from ..scenario import build, reading
 from ..scenario.contact import touches
 from ..scenario.schema import Table
@@ -100,8 +101,6 @@ class Plan:
     def from_toml(cls, path: str | Path) -> "Plan":
         """Return the plan of a TOML file. Raises InputError with every fault."""
         place = path_of("plan", path)
-        if not place.is_file() and str(place) not in reading.presets():
-            raise InputError(f"`{place}` must be the TOML file of a plan, but is no file.")
         return cls.from_tables(reading.read(str(place)), place.parent)
 
     @classmethod
@@ -199,7 +198,7 @@ class Plan:
         from ..runs import cost
 
         steps = []
-        for top in np.unique(np.linspace(0, self.n - 1, 48).astype(int)).tolist():
+        for top in spread(self.n, 48).tolist():
             try:
                 steps.append(cost.estimate(self.problem(top))["steps"])
             except InputError:

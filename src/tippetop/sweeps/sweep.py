@@ -3,7 +3,6 @@
 import contextlib
 import os
 import threading
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +10,7 @@ from ..arguments import instance, path_of, whole
 from ..errors import InputError, Interrupted, StoreError, Unfinished
 from ..mechanics.systems import known_to_others
 from ..problem import Problem
-from ..progress import reporting
+from ..progress import Report, reporting
 from ..runs import recording, resuming
 from ..scenario import build
 from ..store import files, provenance, root
@@ -39,7 +38,7 @@ def sweep(
     *,
     workers: int | None = None,
     scheduler: str | None = None,
-    progress: Callable[[int, int], None] | bool = False,
+    progress: Report | bool = False,
     stop: threading.Event | None = None,
     overwrite: bool = False,
 ) -> "xr.Dataset":
@@ -124,7 +123,7 @@ def _fill(
     plan: Plan,
     workers: int | None,
     cluster: Workers | None,
-    progress: Callable[[int, int], None],
+    progress: Report,
     stop: threading.Event | None,
 ) -> list[str]:
     """Compute and write the chunks that are todo; return a sentence for each that failed."""

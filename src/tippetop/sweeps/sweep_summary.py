@@ -128,7 +128,7 @@ def faults_of(document: dict[str, Any], invalid: np.ndarray) -> list[str]:
         return []
     plan, some = Plan.from_tables(document), invalid[:FAULTS]
     tops = ensemble.vary(plan.base, plan.columns(some))
-    _, faults = tops.check()
+    faults = list(tops.checked[1])
     if plan.base.system.is_hybrid:  # each top is asked for its contact
         faults += [
             (i, fault)

@@ -16,10 +16,9 @@ from ..mechanics.contact.body import (
     contact_velocity,
     kinematics,
 )
-from ..mechanics.contact.coulomb import sliding, sticking
 from ..mechanics.contact.gliding.gliding_catalogue import COS_INVERTED
 from ..mechanics.contact.gliding.gliding_vector import axis, momentum
-from ..mechanics.contact.response import mobility_inverse_times
+from ..mechanics.contact.response import mobility_inverse_times, sliding, sticking
 from ..mechanics.contact.rows import moving, row_of_angles
 from ..mechanics.contact.single_contact import (
     FLIGHT,
@@ -75,7 +74,7 @@ def given(problem: Problem) -> dict[str, Any]:
         "atRest": bool(data.get("centre_at_rest")),
         "until": problem.until,
         "e_n": contact.e_n if contact else 0.0,
-        "stem": {"r": contact.r, "h": contact.h} if contact and contact.stem else None,
+        "stem": problem.tables.get("stem"),
     }
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import flag_names, flagged, greek, require, units_text
+from ..columns import capitalised, flag_names, flagged, greek, require, units_text
 from ..errors import InputError, StoreError
 from ..mechanics.systems import find
 from ..runs.attributes import headline_of
@@ -29,7 +29,7 @@ Rows = Iterator[Mapping[str, np.ndarray]]
 
 
 def page_of_store(
-    path: Path, attrs: dict[str, Any], start: float | None = None, until: float | None = None
+    path: Path, attrs: dict[str, Any], start: float | None, until: float | None
 ) -> str:
     """Return the page of a stored run, or of a part of it. Raises InputError, StoreError."""
     refuse(attrs, str(path))
@@ -59,8 +59,8 @@ def page(
     pieces: Rows,
     groups: Mapping[str, Any],
     attrs: dict[str, Any],
-    start: float | None = None,
-    until: float | None = None,
+    start: float | None,
+    until: float | None,
 ) -> str:
     """Return the text of the HTML file of a run.
 
@@ -86,7 +86,7 @@ def page(
     body = shape(attrs)
     data = {
         "name": attrs["system"],
-        "title": attrs["title"][0].upper() + attrs["title"][1:],
+        "title": capitalised(attrs["title"]),
         "about": units_text(greek(headline_of(attrs).partition(" · ")[2])),
         "notes": notes,
         "body": body,

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.contact.body import Touch, angular_velocity_of, tip_inertia
-from ..mechanics.friction import SLIP, slip_coefficient
+from ..mechanics.friction import slip_coefficient
 from ..mechanics.operand import Vector, cross, times
 from ..mechanics.rotation import Quaternion, axes
 from ..mechanics.systems import find
@@ -120,7 +120,7 @@ def _force(
     """
     n = velocity.shape[1]
     normal = columns.get("normal_force", np.full(n, np.nan))
-    if "nu_x" in columns and "phase" not in columns and type(b.friction) in SLIP:
+    if "nu_x" in columns and "phase" not in columns and b.friction.coefficient is not None:
         k = slip_coefficient(np.maximum((slip**2).sum(axis=0), 1e-300), z, b.friction)
         return np.stack([*(-k * normal * slip), normal], axis=1)
     push = b.m * np.gradient(velocity, columns["time"], axis=1) if n > 1 else np.zeros((2, n))

@@ -67,7 +67,6 @@ def page_of_sweep(path: Path) -> str:
         )
     if table.attrs["status"] != "finished":
         notes.append("This sweep is not finished.")
-    title = table.attrs["title"].partition(": ")[2]
     data = {
         "given": given(plan.base) | {"stops": plan.base.contact is None} if movable else None,
         "body": shape(build.resolved(plan.base)),
@@ -79,7 +78,7 @@ def page_of_sweep(path: Path) -> str:
     }
     law = {plan.base.law.key: type(plan.base.friction)}
     scripts = NO_POTENTIAL | (contacts(law) if movable else NO_PHASES)
-    heading = f"A sweep: {title}"
+    heading = f"A sweep: {plan.base.system.title}"
     return pages.page(
         heading, "page_sweep.js", data, scripts, aside=pages.source("sweep.html"), about=about
     )

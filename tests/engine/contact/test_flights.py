@@ -13,10 +13,9 @@ from tippetop.engine.hybrid import formulas_of_phase
 from tippetop.engine.integrator import compiled_from
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import ON_ZERO, SIGN
-from tippetop.mechanics.contact.body import Touch, axis_rate, height
+from tippetop.mechanics.contact.body import Moving, Touch, axis_rate, height
 from tippetop.mechanics.contact.exits import gap_rate, longest_flight
 from tippetop.mechanics.contact.opening import opened
-from tippetop.mechanics.contact.state import Moving
 from tippetop.mechanics.friction import LAWS, Frictionless
 from tippetop.mechanics.operand import Vector, leaves
 from tippetop.mechanics.systems import SYSTEMS

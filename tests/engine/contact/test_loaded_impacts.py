@@ -9,9 +9,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from tippetop.engine.impacts import ImpactMotions
-from tippetop.mechanics.contact.body import Touch, angular_velocity, arm, centre_velocity
+from tippetop.mechanics.contact.body import Moving, Touch, angular_velocity, arm, centre_velocity
 from tippetop.mechanics.contact.restitution import RESTITUTIONS
-from tippetop.mechanics.contact.state import Moving
 from tippetop.mechanics.disc_friction import drag
 from tippetop.mechanics.friction import LAWS, has_parts
 from tippetop.mechanics.operand import Vector

@@ -10,10 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.contact import coulomb
+from tippetop.mechanics.contact import response
 from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.first_slip import FirstSlip, first_directions, first_slip
-from tippetop.mechanics.contact.response import bias_vector
 from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector, cross
 
@@ -32,9 +31,9 @@ class Edge(NamedTuple):
 
 def slid(u: Vector, L: Vector, n: Vector, ball: Touch) -> tuple:
     """P, Q and the force of sliding along n."""
-    F, torque = coulomb.sliding_along(u, L, n, ball)
-    G = coulomb.contact_acceleration(u, L, F, torque, ball)
-    Q, P = coulomb.across_and_along(G, n)
+    F, torque = response.sliding_along(u, L, n, ball)
+    G = response.contact_acceleration(u, L, F, torque, ball)
+    Q, P = response.across_and_along(G, n)
     return P, Q, F
 
 
@@ -72,7 +71,7 @@ def rolling_rate(state: np.ndarray, ball: Touch) -> np.ndarray:
 
 def reaction(state: np.ndarray, ball: Touch) -> Vector:
     u, L = Vector(*state[:3]), Vector(*state[3:6])
-    return coulomb.sticking(u, L, ball)[0]
+    return response.sticking(u, L, ball)[0]
 
 
 def edges(rng: np.random.Generator, count: int) -> list[Edge]:
@@ -89,7 +88,7 @@ def edges(rng: np.random.Generator, count: int) -> list[Edge]:
             F = reaction(state, BODY)
             mu = np.hypot(F.x, F.y) / F.z
             ball = BODY._replace(friction=SetValued._make((mu,)))
-            later = coulomb.cone(reaction(state + 1e-7 * rolling_rate(state, ball), ball), ball)
+            later = response.cone(reaction(state + 1e-7 * rolling_rate(state, ball), ball), ball)
             if F.z > 0.05 and 0.05 < mu < 0.8 and later < 0:
                 omega = contact.angular_velocity(Vector(*state[:3]), Vector(*state[3:6]), ball)
                 found.append(
@@ -155,14 +154,14 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
         L = Vector(*(3e-6 * rng.normal(0, 60, 3)))
         ball = BODY._replace(friction=SetValued(rng.uniform(0.05, 1.4)))
         F = reaction(np.array([*u, *L]), ball)
-        if bias_vector(u, L, ball).z > 0:
+        if response.bias_vector(u, L, ball).z > 0:
             continue  # the contact opens
 
         def law(beta: np.ndarray, u: Vector = u, L: Vector = L, ball: Touch = ball) -> tuple:
             P, Q, F = slid(u, L, Vector(np.cos(beta), np.sin(beta), 0), ball)
             return P, Q, F.z
 
-        rolls = bool(F.z > 0 and coulomb.cone(F, ball) >= 0)
+        rolls = bool(F.z > 0 and response.cone(F, ball) >= 0)
         found = first_directions(law)
         assert len(found) == (0 if rolls else 1)
         counts[rolls] += 1

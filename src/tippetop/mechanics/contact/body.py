@@ -11,7 +11,15 @@ from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
 from ..number import Record
 from ..operand import Operand, Vector, cos, cross, dot, formula, plus, sin, times
-from ..units import ANGULAR_MOMENTUM, INERTIA, KILOGRAM, METRE, METRE_PER_SECOND2, ONE
+from ..units import (
+    ANGULAR_MOMENTUM,
+    INERTIA,
+    KILOGRAM,
+    METRE,
+    METRE_PER_SECOND,
+    METRE_PER_SECOND2,
+    ONE,
+)
 
 
 class Touch(NamedTuple):
@@ -91,6 +99,37 @@ def state(**units: Any) -> Any:
     """Return a state filled with units: 3hat, L about the centre of mass, and more."""
     turning = dict.fromkeys(("Lx", "Ly", "Lz"), ANGULAR_MOMENTUM)
     return filled(**dict.fromkeys(("ux", "uy", "uz"), ONE), **turning, **units)
+
+
+VELOCITY = dict.fromkeys(("rx_dot", "ry_dot", "rz_dot"), METRE_PER_SECOND)
+
+
+BALLS = ("body", "stem")
+"""Parts that touch the plane; the position of a name is its number in a store."""
+
+
+class Moving(NamedTuple):
+    """The common state: how a body lies and moves."""
+
+    u: Vector  # 3hat
+    L: Vector  # about the centre of mass
+    velocity: Vector  # of the centre of mass
+    height: Operand  # of the centre of mass
+    carried: Any = ()  # the record of the integrals of the run
+
+
+class Reaction(NamedTuple):
+    """Force and torque of the plane on a body."""
+
+    force: Vector
+    drilled: Operand = 0  # power that torques of the contact take
+
+
+def gained(x: Moving, **integrals: Any) -> Moving:
+    """Return the state with more of some integrals, of those that the run has."""
+    known = {name: getattr(x.carried, name, None) for name in integrals}
+    more = {name: old + integrals[name] for name, old in known.items() if old is not None}
+    return x._replace(carried=x.carried._replace(**more))
 
 
 # --- geometry and velocities --------------------------------------------------------------------
@@ -270,6 +309,53 @@ def contact_mobility(s, b):
 def g_n(s, b):
     """Return the normal force g_n [N], from zhat.(dv_A/dt) = 0. [T 3.16, 3.34, 5.6]"""
     return b.m * (b.g - b.c * s.z_ddot_free) / contact_mobility(s, b)
+
+
+@formula
+def twist(s, b):
+    """Return (3hat x F).zhat of the friction [N].
+
+    L_3' = R twist, L_z' = c twist about the centre of mass.
+
+    [T 3.11, 3.26]
+    """
+    return -(slip_coefficient(s.v2, s.z, b.friction) * g_n(s, b) * s.v_n)
+
+
+@formula
+def push_along(turn, s, F, N, axis_speed2, z, b):
+    """Return e.(dv_A/dt) [m/s^2]: turn = omega_3 phi' sin(theta), s = sin(theta), F along e.
+
+    With all three times sin(theta), it is 3hat.(dv_A/dt). [T 3.32, corrected]
+    """
+    h = height(z, b)
+    swing = turn * (b.I3 * h - b.I1 * b.R) + b.c * s * (h * N - b.I1 * axis_speed2)
+    return swing / b.I1 + F * (1 / b.m + h**2 / b.I1)
+
+
+@formula
+def push_across(turn, F, s2, z, b):
+    """Return 2hat.(dv_A/dt) [m/s^2] of the turn omega_3 theta', and F along 2hat.
+
+    With both times sin(theta), it is (zhat x 3hat).(dv_A/dt). [T 3.33]
+    """
+    q = b.c - b.R * z
+    mobility = 1 / b.m + q**2 / b.I1 + b.R**2 * s2 / b.I3
+    return F * mobility + turn * (b.I3 * q + b.I1 * b.R * z) / b.I1
+
+
+@formula
+def push_u(s, b):
+    """Return 3hat.(dv_A/dt) [m/s^2]."""
+    N = g_n(s, b)
+    drag = -(slip_coefficient(s.v2, s.z, b.friction) * N * s.v_u)
+    return push_along(s.L3 / b.I3 * s.phi_dot_s2, s.s2, drag, N, s.axis_speed2, s.z, b)
+
+
+@formula
+def push_n(s, b):
+    """Return (zhat x 3hat).(dv_A/dt) [m/s^2]."""
+    return push_across(-(s.L3 / b.I3 * s.z_dot), twist(s, b), s.s2, s.z, b)
 
 
 @formula

@@ -1,32 +1,36 @@
-"""The phases of a body on both of its balls: the axis keeps its angle, and each ball slides and
-carries its share.
+"""The phases of a body on both of its balls: the axis keeps its angle, and each ball slides, or
+both roll, and carries its share.
 
 The state is that of the first ball, the sphere; two conditions, that theta and the height stay,
 give the two normal forces, whatever each contact does per normal force. [contact 4.3]
 """
 
 from collections import namedtuple
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import lru_cache
 from itertools import product
 from typing import Any, NamedTuple
 
-from ..disc_friction import STOPS_ROLLING, Region, rolling
+from ..disc_friction import STOPS_ROLLING, rolling
+from ..event import Event
 from ..form import Phase
 from ..operand import Operand, Vector, cross, dot, plus, times
 from ..units import METRE_PER_SECOND
 from .body import (
+    Moving,
+    Reaction,
     Touch,
     angular_velocity,
     arm,
-    arm_velocity,
+    axis_rate,
     centre_velocity,
+    contact_velocity,
+    gained,
     height,
     seen_from_other,
     state,
 )
-from .gliding.gliding_vector import axis, axis_rate, momentum
+from .gliding.gliding_vector import axis, momentum
 from .single_contact import (
     beyond_rest,
     borders,
@@ -36,7 +40,6 @@ from .single_contact import (
     phase_of,
     smooth_friction,
 )
-from .state import Moving, Reaction, gained
 
 
 STATE = state(rx_dot=METRE_PER_SECOND, ry_dot=METRE_PER_SECOND)
@@ -49,38 +52,40 @@ Scalars: Any = namedtuple("Scalars", "z force stem_force by stem")
 class Side(NamedTuple):
     """Action of the plane on one of the balls, per normal force; and its sliding velocity."""
 
-    arm: Vector
     force: Vector
     torque: Vector
     velocity: Vector
     omega: Vector
     turn: Vector  # torque of both about the centre of mass
-    lean: Operand  # (L' x 3hat)_z that it gives
     N: Operand = 0  # normal force
 
 
-def loaded(sides, total, swing):
+def sides(x: Moving, frictions: Sequence[Callable], b: Touch) -> list[Side]:
+    """Return sphere and stem, without N, under friction(omega, v, z, b) of each."""
+    omega, none, both = angular_velocity(x.u, x.L, b), 0 * x.u.z, []
+    for friction, ball in zip(frictions, (b, seen_from_other(b)), strict=True):
+        v = contact_velocity(x.u, x.L, x.velocity, ball)._replace(z=none)
+        push, twist = friction(omega, v, x.u.z, ball)
+        force = Vector(-push.x, -push.y, 1 + none)
+        turn = plus(cross(arm(x.u, ball), force), twist)
+        both.append(Side(force, twist, v, omega, turn))
+    return both
+
+
+def loaded(sides, total, swing, u):
     """Return sphere and stem with N, the sum of which is `total`.
 
     Their (L' x 3hat)_z is `swing`; or the same of impulses.
     """
     one, two = sides
-    N = (swing - total * one.lean) / (two.lean - one.lean)
+    lean, other = (cross(side.turn, u).z for side in sides)
+    N = (swing - total * lean) / (other - lean)
     return one._replace(N=total - N), two._replace(N=N)
 
 
 def sum_of(sides, name):
     """Return the sum of forces, or of turns, on both balls, (3,)."""
     return plus(*(times(side.N, getattr(side, name)) for side in sides))
-
-
-def jellett_lost(sides):
-    """Return the part of the sphere's Jellett's integral that the contacts take.
-
-    Both sides have their forces N, or their impulses.
-    """
-    one, two = sides
-    return one.N * dot(one.torque, one.arm) + two.N * dot(two.turn, one.arm)
 
 
 def enter(x, b):
@@ -94,10 +99,45 @@ def leave(q, b):
     return Moving(axis(q), momentum(q), velocity, height(q.uz, b))
 
 
-LEAVES = (
-    ending("sphere-leaves", "the sphere leaves the plane, the stem stays", force_of),
-    ending("stem-leaves", "the stem leaves the plane, the sphere stays", lambda s, b: s.stem_force),
-)
+def two_contacts(acts: Callable, *ends: Any) -> Phase:
+    """Return a phase on both balls: acts(x, b) -> its sides with N, L' and the force."""
+
+    def scalars(q, b):
+        (one, two), _, _ = acts(leave(q, b), b)
+        return Scalars(q.uz, one.N, two.N, one, two)
+
+    def rates(q, b):
+        x = leave(q, b)
+        _, L_dot, F = acts(x, b)
+        return type(STATE)(*axis_rate(x.u, x.L, b), *L_dot, F.x / b.m, F.y / b.m)
+
+    def power(q, b):
+        both, _, _ = acts(leave(q, b), b)
+        one, two = (-(s.N * (dot(s.force, s.velocity) + dot(s.torque, s.omega))) for s in both)
+        return one + two
+
+    def reaction(q, b):
+        both, _, F = acts(leave(q, b), b)
+        return Reaction(F, power(q, b) + dot(F, both[0].velocity))
+
+    leaves = (
+        ending("sphere-leaves", "the sphere leaves the plane, the stem stays", force_of),
+        ending(
+            "stem-leaves", "the stem leaves the plane, the sphere stays", lambda s, b: s.stem_force
+        ),
+    )
+    phase = phase_of(
+        STATE,
+        (*leaves, *ends),
+        (rates, scalars, enter, leave, reaction),
+        work=power,
+        impulse=lambda q, b: b.m * b.g + 0 * q.uz,
+        jellett_lost=lambda q, b: dot(Vector(*rates(q, b)[3:6]), arm(axis(q), b)),
+    )
+    return replace(phase, axis_stays=True)
+
+
+# --- sliding ------------------------------------------------------------------------------------
 
 
 STANDS = ending(
@@ -107,137 +147,57 @@ STANDS = ending(
 )
 
 
-class Double(NamedTuple):
-    """A phase on both balls, and its contacts."""
+def frictions_of(law: Any, names: Sequence[str]) -> list[Callable]:
+    """Return friction(omega, v, z, b) of sphere and stem, in these regions of a law if it has any.
 
-    phase: Phase
-    sides: Callable  # sides(x, b) -> sphere and stem, without N
-
-
-@lru_cache
-def double_contact(regions: tuple[Region, ...] = (), torque: Any = None) -> Double:
-    """Return the phase on both balls.
-
-    Sphere and stem slide in two regions of a law with this torque; without regions, under a law
-    that is smooth in the velocity.
+    Without regions the law is smooth in the velocity.
     """
+    by_region = [disc_friction(law.regions[name].drag, law.torque) for name in names]
+    return by_region or [smooth_friction] * 2
 
-    frictions = [disc_friction(region.drag, torque) for region in regions] or [smooth_friction] * 2
 
-    def sides(x, b):
-        omega, none, sides = angular_velocity(x.u, x.L, b), 0 * x.u.z, []
-        for friction, ball in zip(frictions, (b, seen_from_other(b)), strict=True):
-            turned, a = arm_velocity(x.u, x.L, ball), arm(x.u, ball)
-            v = Vector(x.velocity.x + turned.x, x.velocity.y + turned.y, none)
-            push, twist = friction(omega, v, x.u.z, ball)
-            force = Vector(-push.x, -push.y, 1 + none)
-            turn = plus(cross(a, force), twist)
-            sides.append(Side(a, force, twist, v, omega, turn, turn.x * x.u.y - turn.y * x.u.x))
-        return sides
+def slide_on_both(law: Any, *names: str) -> Phase:
+    """Return the phase in which sphere and stem slide, in these regions of a law."""
+    frictions = frictions_of(law, names)
 
-    def pair(q, b):
-        L, u_dot = momentum(q), axis_rate(q, b)
-        return loaded(sides(leave(q, b), b), b.m * b.g, L.y * u_dot.x - L.x * u_dot.y)
+    def acts(x, b):
+        swing = -cross(x.L, axis_rate(x.u, x.L, b)).z  # z'' is zero
+        both = loaded(sides(x, frictions, b), b.m * b.g, swing, x.u)
+        return both, sum_of(both, "turn"), sum_of(both, "force")
 
-    def scalars(q, b):
-        one, two = pair(q, b)
-        return Scalars(q.uz, one.N, two.N, one, two)
-
-    def rates(q, b):
-        both = pair(q, b)
-        F = sum_of(both, "force")
-        return type(STATE)(*axis_rate(q, b), *sum_of(both, "turn"), F.x / b.m, F.y / b.m)
-
-    def power(q, b):
-        one, two = (
-            -(s.N * (dot(s.force, s.velocity) + dot(s.torque, s.omega))) for s in pair(q, b)
-        )
-        return one + two
-
-    def reaction(q, b):
-        both = pair(q, b)
-        F = sum_of(both, "force")
-        return Reaction(F, power(q, b) + dot(F, both[0].velocity))
-
-    ends: tuple = ()
-    if regions:
-        ends = (STANDS, *borders(regions[0]), *borders(regions[1], "stem", "stem-"))
-    phase = phase_of(
-        STATE,
-        (*LEAVES, *ends),
-        (rates, scalars, enter, leave, reaction),
-        work=power,
-        impulse=lambda q, b: b.m * b.g + 0 * q.uz,
-        jellett_lost=lambda q, b: jellett_lost(pair(q, b)),
-    )
-    return Double(replace(phase, axis_stays=True), sides)
+    ends: list[Event] = [STANDS] if names else []
+    for name, of_ball in zip(names, (("by", ""), ("stem", "stem-")), strict=False):
+        ends += borders(law.regions[name], *of_ball)
+    return two_contacts(acts, *ends)
 
 
 # --- rolling on both, as a cone does ------------------------------------------------------------
 
 
-def rolled(q, b):
-    """Return L', the acceleration of the centre of mass, and the power of rolling resistance.
+def rolled(x, b):
+    """Return sphere and stem with N, L' and the force on a body that rolls on both.
 
-    The body turns about the line through both contacts, and that line about the vertical.
+    The body turns about the line through both contacts, and that line about the vertical. It does
+    not matter here how the two share the horizontal force.
     """
-    x, u_dot = leave(q, b), axis_rate(q, b)
+    u_dot, omega = axis_rate(x.u, x.L, b), angular_velocity(x.u, x.L, b)
     turn = (x.u.x * u_dot.y - x.u.y * u_dot.x) / (x.u.x**2 + x.u.y**2)
-    omega = angular_velocity(x.u, x.L, b)
     moves = dot(omega, x.L) + b.m * dot(x.velocity, x.velocity)  # twice the energy
-    resists = b.m * b.g * dot(rolling(omega, b.friction), omega)
-    slows = resists / (moves + b.I1 * STOPS_ROLLING**2)
+    share = 1 / (moves + b.I1 * STOPS_ROLLING**2)
+    rolls = rolling(omega, b.friction)
+    slows = b.m * b.g * dot(rolls, omega) * share
 
     def rate(v):
         return Vector(slows * v.x - turn * v.y, slows * v.y + turn * v.x, slows * v.z)
 
-    return rate(x.L), rate(x.velocity), slows * moves
+    L_dot, V_dot = rate(x.L), rate(x.velocity)
+    acts = times(-1 / b.g, V_dot), times(moves * share, rolls)
+    both = sides(x, [lambda *of: acts] * 2, b)
+    both = loaded(both, b.m * b.g, cross(L_dot, x.u).z, x.u)
+    return both, L_dot, times(b.m, V_dot)._replace(z=b.m * b.g + 0 * slows)
 
 
-def rolling_sides(q, b):
-    """Return sphere and stem with N, of a body that rolls on both."""
-    x, (L_dot, V_dot, _) = leave(q, b), rolled(q, b)
-    omega, none = angular_velocity(x.u, x.L, b), 0 * q.uz
-    up, still = Vector(none, none, 1 + none), Vector(none, none, none)
-    rolls = rolling(omega, b.friction)
-
-    def side(ball):
-        a = arm(x.u, ball)
-        turn = cross(a, up)
-        return Side(a, up, rolls, still, omega, turn, cross(turn, x.u).z)
-
-    swing = cross(L_dot, x.u).z - b.m * (height(q.uz, b) * dot(V_dot, x.u))
-    swing = swing - b.m * b.g * cross(rolls, x.u).z
-    return loaded([side(b), side(seen_from_other(b))], b.m * b.g, swing)
-
-
-def rolling_scalars(q, b):
-    """Return the scalars of a body that rolls on both."""
-    one, two = rolling_sides(q, b)
-    return Scalars(q.uz, one.N, two.N, one, two)
-
-
-def rolling_rates(q, b):
-    """Return the rates of a body that rolls on both."""
-    L_dot, V_dot, _ = rolled(q, b)
-    return type(STATE)(*axis_rate(q, b), *L_dot, *V_dot[:2])
-
-
-def rolling_reaction(q, b):
-    """Return the sum of both forces, and the power that the torques take."""
-    _, V_dot, gains = rolled(q, b)
-    return Reaction(Vector(b.m * V_dot.x, b.m * V_dot.y, b.m * b.g + 0 * q.uz), -gains)
-
-
-ROLLS_ON_BOTH = phase_of(
-    STATE,
-    LEAVES,
-    (rolling_rates, rolling_scalars, enter, leave, rolling_reaction),
-    work=lambda q, b: -rolled(q, b)[2],
-    impulse=lambda q, b: b.m * b.g + 0 * q.uz,
-    jellett_lost=lambda q, b: dot(rolled(q, b)[0], arm(axis(q), b)),
-)
-ROLLS_ON_BOTH = replace(ROLLS_ON_BOTH, axis_stays=True)
+ROLLS_ON_BOTH = two_contacts(rolled)
 
 
 def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
@@ -245,43 +205,42 @@ def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
     if law.set_valued:
         return {}
     if not law.regions:
-        return {(): double_contact((), law.torque).phase}
-    phases: dict[tuple[str, ...], Phase] = {("roll",): ROLLS_ON_BOTH}
-    for names in product(law.regions, repeat=2):
-        regions = tuple(law.regions[name] for name in names)
-        phases[names] = double_contact(regions, law.torque).phase
-    return phases
+        return {(): slide_on_both(law)}
+    slides = {names: slide_on_both(law, *names) for names in product(law.regions, repeat=2)}
+    return {("roll",): ROLLS_ON_BOTH, **slides}
+
+
+# --- what brings a body onto both ---------------------------------------------------------------
 
 
 def without_slip_on_both(x: Moving, b: Touch) -> Moving:
     """Return the body without the rest of its sliding and turning on both balls."""
-    omega = angular_velocity(x.u, x.L, b)
+    omega, none = angular_velocity(x.u, x.L, b), 0 * x.u.z
     spin = (omega.x * x.u.x + omega.y * x.u.y) / (x.u.x**2 + x.u.y**2)
-    omega = Vector(spin * x.u.x, spin * x.u.y, 0 * spin)
+    omega = Vector(spin * x.u.x, spin * x.u.y, none)
     L = plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, x.u), x.u))
-    none = 0 * spin
-    after = x._replace(L=L, velocity=centre_velocity(x.u, L, Vector(none, none, none), b))
-    lost = plus(L, times(-1, x.L))
-    work = kinetic_energy(x, b) - kinetic_energy(after, b)
-    return gained(after, work=work, jellett_lost=dot(lost, arm(x.u, b)))
+    return slowed(x, L, centre_velocity(x.u, L, Vector(none, none, none), b), b)
 
 
-def kinetic_energy(x, b):
-    """Return the kinetic energy of a common state."""
-    turns = dot(angular_velocity(x.u, x.L, b), x.L)
-    return (b.m * dot(x.velocity, x.velocity) + turns) / 2
-
-
-def brought_to_rest(x: Moving, sides: Callable, b: Touch, drills: bool) -> Moving:
+def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Moving:
     """Return the body without theta' and vertical velocity, which impulses at both balls take.
 
     The endless hops from one to the other would do so.
     """
-    both = loaded(sides(x, b), -(b.m * x.velocity.z), x.L.y * x.u.x - x.L.x * x.u.y)
-    p, turn = sum_of(both, "force"), sum_of(both, "turn")
-    L, velocity = plus(x.L, turn), plus(x.velocity, times(1 / b.m, p))
-    mean = times(0.5, plus(angular_velocity(x.u, x.L, b), angular_velocity(x.u, L, b)))
-    work = b.m * b.g * (x.height - height(x.u.z, b))  # of the rest of its fall
-    work = work - (dot(p, times(0.5, plus(x.velocity, velocity))) + dot(turn, mean))
-    x = gained(x._replace(L=L, velocity=velocity._replace(z=0 * p.z)), work=work, impulse=p.z)
-    return gained(x, jellett_lost=jellett_lost(both)) if drills else x
+    both = loaded(sides(x, frictions, b), -(b.m * x.velocity.z), -cross(x.L, x.u).z, x.u)
+    p, L = sum_of(both, "force"), plus(x.L, sum_of(both, "turn"))
+    velocity = plus(x.velocity, times(1 / b.m, p))._replace(z=0 * p.z)
+    return gained(slowed(x, L, velocity, b), impulse=p.z)
+
+
+def slowed(x: Moving, L: Vector, velocity: Vector, b: Touch) -> Moving:
+    """Return the body on the plane with less momentum: its contacts take the energy it loses."""
+    after = x._replace(L=L, velocity=velocity, height=height(x.u.z, b))
+    lost = dot(plus(L, times(-1, x.L)), arm(x.u, b))
+    return gained(after, work=energy(x, b) - energy(after, b), jellett_lost=lost)
+
+
+def energy(x, b):
+    """Return the energy of a common state."""
+    turns = dot(angular_velocity(x.u, x.L, b), x.L)
+    return (b.m * dot(x.velocity, x.velocity) + turns) / 2 + b.m * b.g * x.height

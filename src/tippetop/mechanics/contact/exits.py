@@ -15,18 +15,27 @@ from ..form import CLOCK, Next
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
-from .body import Touch
-from .coulomb import cone, sticking
-from .disc_at_rest import Held, direction, impulses, margin, stopping, turning
+from .body import BALLS, Moving, Touch, gained
 from .double_contact import (
     STANDS,
     brought_to_rest,
-    double_contact,
+    frictions_of,
     on_both,
     without_slip_on_both,
 )
 from .first_slip import FirstSlip, first_directions, first_slip
-from .response import Struck, after_impact, bias_vector, mobility_inverse_times
+from .response import (
+    after_impact,
+    bias_vector,
+    cone,
+    direction,
+    impulses,
+    margin,
+    resting,
+    sticking,
+    stopping,
+    turning,
+)
 from .single_contact import (
     DIRECTED,
     DIRECTED_SLIP,
@@ -35,12 +44,10 @@ from .single_contact import (
     RESTS,
     ROLL,
     STOPS_AT,
-    disc_held,
     regions_of,
     rest_speed2,
     slides,
 )
-from .state import BALLS, Moving, gained
 
 
 BEGINS_AT = 1e-8
@@ -104,11 +111,6 @@ def phase_name(label: str, ball: int = 0, *regions: str) -> str:
     return "-".join((*("stem",) * ball, label, *regions))
 
 
-def law_of(world: Any) -> Any:
-    """Return the law of the contact."""
-    return type(world.body[0].friction)
-
-
 def point(x: Moving, b: Touch) -> Vector:
     """Return the velocity of the lowest point of a ball."""
     return contact.contact_velocity(x.u, x.L, x.velocity, b)
@@ -116,7 +118,7 @@ def point(x: Moving, b: Touch) -> Vector:
 
 def rise(x: Moving, b: Touch) -> Any:
     """Return its vertical component."""
-    return x.velocity.z + b.c * contact.axis_rate(x.u, x.L, b).z
+    return point(x, b).z
 
 
 def size(v: Vector) -> Any:
@@ -155,16 +157,9 @@ def begin(x: Moving, world: Any) -> Next:
     """Return the phase in which a run begins."""
     there = {k: rise(x, world.body[k]) for k in touching(x, world)}
     ball = min(there, key=there.__getitem__, default=0)
-    rests = [k for k, v_n in there.items() if v_n <= CLOSES_AT]
-    if there and there[ball] < -CLOSES_AT:
-        n = strike(x, world, ball, "start")
-    elif not rests:
-        n = fly(x, world, ball, min(len(there), 1), cause="start")
-    elif len(rests) > 1:
-        n = rest_on_both(x, world, "start")
-    else:
-        n = on_plane(x, world, ball, "start")
-    return first_touch(n, world)
+    if not there or there[ball] > CLOSES_AT:
+        return first_touch(fly(x, world, ball, 1, "start"), world)
+    return strike(x, world, ball, "start", CLOSES_AT)
 
 
 def ended(x: Moving, ball: int, cause: str, status: str, message: str) -> Next:
@@ -207,30 +202,31 @@ def gap_rate(x: Moving, b: Touch, order: int) -> Any:
     return -(b.c * dot(x.L, x.L) / b.I1**2 * contact.axis_rate(x.u, x.L, b).z)
 
 
-def on_plane(x: Moving, world: Any, ball: int, cause: str) -> Next:
+def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Next:
     """Return the phase after a ball touches the plane without rising.
 
-    The body slides, rolls or leaves.
+    The body slides, rolls or leaves. If the other ball touches too, it leaves, and its gap has a
+    root of multiplicity `zeros`.
     """
-    b, law = world.body[ball], law_of(world)
-    others = [k for k in touching(x, world) if k != ball] if len(world.body) > 1 else []
-    zeros = {"touch": 1} if others else {}  # the other ball leaves
+    b = world.body[ball]
+    law = b.friction
+    roots = {"touch": zeros} if len(touching(x, world)) > 1 else {}
     if not law.set_valued or size(point(x, b)) > STOPS_AT:
-        name = phase_name("slip", ball, *regions_of(x, law.regions, b))
+        name = phase_name("slip", ball, *regions_of(x, b))
         phase = world.phases[name]
         if phase.reaction(phase.enter(x, b), b).force.z > 0:
-            return on_disc(Next(name, x, cause, zeros=zeros), world)
+            return on_disc(Next(name, x, cause, zeros=roots), world)
         return fly(x, world, ball, 2, "opens-at-once")
     none = 0 * b.m
     x = x._replace(velocity=contact.centre_velocity(x.u, x.L, Vector(none, none, none), b))
     F = sticking(x.u, x.L, b)[0]
     if F.z > 0 and cone(F, b) >= 0:
-        return Next(phase_name("roll", ball), x, cause, zeros=zeros)
+        return Next(phase_name("roll", ball), x, cause, zeros=roots)
     beta = first_directions(lambda beta: pushed(x.u, x.L, beta, b))
     if not len(beta):
         return fly(x, world, ball, 2, "opens-at-once")
     x, delay = run_in(x, world, ball, beta[0])
-    return Next(phase_name("slip", ball), x, cause, delay, zeros=zeros)
+    return Next(phase_name("slip", ball), x, cause, delay, zeros=roots)
 
 
 def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
@@ -238,18 +234,18 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
 
     The body stays on both, if both press, or on the one that does.
     """
-    law, b = law_of(world), world.body[0]
+    b = world.body[0]
+    law = b.friction
     if not law.set_valued:
-        names = regions_of(x, law.regions, *world.body)
+        names = regions_of(x, *world.body)
         name = phase_name("both", 0, *names)
         phase = world.phases[name]
-        regions = tuple(law.regions[one] for one in names)
-        x = brought_to_rest(x, double_contact(regions, law.torque).sides, b, law.torque is not None)
+        x = brought_to_rest(x, frictions_of(law, names), b)
         s = phase.form.scalars(phase.enter(x, b), b)
         if min(s.force, s.stem_force) > PRESSES * b.m * b.g:
             return Next(name, x, cause)
     for ball in (0, 1):
-        n = left_alone(on_plane(x, world, ball, cause), world, 2)
+        n = on_plane(x, world, ball, cause, 2)
         if not n.ends and (world.phases[n.phase].label == "flight" or opens(n, world)):
             return n
     return ended(x, 0, cause, "ended", BOTH if law.set_valued else NO_WAY)
@@ -267,27 +263,17 @@ def opens(n: Next, world: Any) -> bool:
     return bool((world.body[1 - phase.ball].c - b.c) * turned.z > 0)
 
 
-def left_alone(n: Next, world: Any, zeros: int) -> Next:
-    """Return a phase on one ball where the other has just left.
-
-    The gap of that one is a root of multiplicity `zeros`.
-    """
-    if world.phases[n.phase].label != "flight":
-        n.zeros = {**n.zeros, "touch": zeros}
-    return n
-
-
 # --- impacts ------------------------------------------------------------------------------------
 
 
-def strike(x: Moving, world: Any, ball: int, cause: str) -> Next:
-    """Return the phase after an impact of a ball.
+def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> Next:
+    """Return the phase after an impact of a ball, if it falls by more than `least`.
 
     The other one strikes too, should it be pressed into the plane.
     """
     hits: list[Any] = []
     bounces = makes_energy = False
-    pressed = [ball] if rise(x, world.body[ball]) < 0 and not both_rest(x, world) else []
+    pressed = [ball] if rise(x, world.body[ball]) < -least and not both_rest(x, world) else []
     while pressed and not makes_energy and len(hits) < MOST_STRIKES:
         ball = pressed[0]
         x, hit, bounces, makes_energy = struck(x, world, ball)
@@ -318,19 +304,20 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
     v, impact = point(x, b), world.struck(x, b, e_n)
     after = impact.after
-    x, v_n = pushed_by(x, after, b), after.v.z
+    x, v_n = kicked(x, b, after.p, after.twist), after.v.z
     if e_n == 0:  # it does not rise by rounding
         x, v_n = x._replace(velocity=x.velocity._replace(z=x.velocity.z - v_n)), 0.0
     slides, pushes = (size(v), size(after.v)), (after.p.z, size(after.p))
-    hit = Impact(ball, v.z, v_n, *slides, *pushes, after.gained, impact.mode)
+    mode = IMPACT.mode.index(impact.mode)
+    hit = Impact(ball, v.z, v_n, *slides, *pushes, after.gained, mode)
     return x, hit, e_n != 0, impact.makes_energy
 
 
-def pushed_by(x: Moving, after: Struck, b: Touch) -> Moving:
-    """Return the body after impulses at its contact."""
-    has_lost = hasattr(x.carried, "jellett_lost")
-    lost = {"jellett_lost": dot(after.twist, contact.arm(x.u, b))} if has_lost else {}
-    x = gained(x, work=-after.gained, impulse=after.p.z, **lost)
+def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
+    """Return the body after impulses of a force and a torque at its contact."""
+    after = after_impact(x.u, x.L, x.velocity, p, twist, b)
+    lost = dot(twist, contact.arm(x.u, b))
+    x = gained(x, work=-after.gained, impulse=p.z, jellett_lost=lost)
     return x._replace(L=after.L, velocity=after.velocity)
 
 
@@ -357,6 +344,12 @@ def moved(record: Any, rates: Any, time: Any) -> Any:
     return record._make(value + time * rate for value, rate in zip(record, rates, strict=True))
 
 
+def slid(x: Moving, world: Any, phase: Any, q: Any, delay: Any) -> Moving:
+    """Return the body in the state q of sliding, to which it came in so short a time."""
+    carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
+    return phase.leave(q, world.body[phase.ball])._replace(carried=carried)
+
+
 def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
     """Return the first of a slide from rest, so short that its rates stay, and its time."""
     phase, b = world.phases[phase_name("slip", ball)], world.body[ball]
@@ -365,8 +358,7 @@ def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
     speed = min(type(rates.w)(BEGINS_AT), rates.w * world.left)
     delay = speed / rates.w
     q = moved(q, rates, delay)._replace(beta=beta, w=speed)
-    carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
-    return phase.leave(q, b)._replace(carried=carried), delay
+    return slid(x, world, phase, q, delay), delay
 
 
 def run_out(x: Moving, world: Any) -> tuple[Moving, Any]:
@@ -375,10 +367,7 @@ def run_out(x: Moving, world: Any) -> tuple[Moving, Any]:
     q = phase.enter(x, b)
     rates = phase.form.rates(q, b)
     delay = -q.w / rates.w
-    carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
-    x = phase.leave(moved(q, rates, delay), b)._replace(carried=carried)
-    p = mobility_inverse_times(x.u, times(-1, point(x, b)), b)  # of rounding
-    return kicked(x, Held(p, 0 * delay), b), delay
+    return slid(x, world, phase, moved(q, rates, delay), delay), delay
 
 
 def eighty_bits(value: Any) -> Any:
@@ -461,15 +450,12 @@ def change_ball(x: Moving, world: Any) -> Next:
 
 def stay_on(x: Moving, world: Any, ball: int) -> Next:
     """Return the phase after one of two balls leaves the plane and this one stays."""
-    return first_touch(left_alone(on_plane(x, world, ball, "other-leaves"), world, 3), world)
+    return first_touch(on_plane(x, world, ball, "other-leaves", 3), world)
 
 
 def stick(x: Moving, world: Any) -> Next:
     """Return the phase after sliding stops."""
-    v = point(x, world.body[world.phase.ball])
-    delay = 0 * v.x
-    if size(v) > 0:
-        x, delay = run_out(x, world)
+    x, delay = run_out(x, world)
     n = on_plane(x, world, world.phase.ball, "stick")
     n.logged = ("stick" if world.phases[n.phase].label == "roll" else "reversal",)
     n.logged_after, n.delay = delay, delay + n.delay
@@ -515,7 +501,7 @@ def roll_on_both(x: Moving, world: Any) -> Next:
     F = phase.reaction(phase.enter(rolls, b), b).force
     if size(F) < b.friction.mu * F.z:
         return Next(name, rolls, "rests", logged=("stick",))
-    name = phase_name("both", 0, *regions_of(x, law_of(world).regions, *world.body))
+    name = phase_name("both", 0, *regions_of(x, *world.body))
     return Next(name, x, "", zeros={STANDS.name: 1}, sides={STANDS.name: -1})
 
 
@@ -533,9 +519,9 @@ def on_disc(n: Next, world: Any) -> Next:
     slide.
     """
     phase = world.phases[n.phase]
-    if phase.label not in ("slip", "both") or not law_of(world).regions:
-        return n
     b = world.body[phase.ball]
+    if phase.label not in ("slip", "both") or not b.friction.regions:
+        return n
     s = phase.form.scalars(phase.enter(n.x, b), b)
     for event in phase.events:
         is_passed = event.name in ("slow", "stem-slow", RESTS.name)
@@ -551,36 +537,31 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
     to slide with a small speed, so that its next rest is detected.
     """
     b = world.body[ball]
-    x = kicked(n.x, stopping(n.x.u, n.x.L, n.x.velocity, b), b)
-    F, torque = disc_held(x.u, x.L, b)
+    x = kicked(n.x, b, *stopping(n.x.u, n.x.L, n.x.velocity, b))
+    F, torque = resting(x.u, x.L, b)
     left = margin(F, torque.z, b.friction)
+    others = {name: count for name, count in n.zeros.items() if name != RESTS.name}
     if left > 0:
-        return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=n.zeros)
+        return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
-    gains = 1 / b.m if size(F) > limit else turning(x.u, b).own * b.friction.patch**2
+    gains = 1 / b.m if size(F) > limit else turning(x.u, b)[1] * b.friction.patch**2
     if limit == 0 or sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
-    return slide_from_rest(x, world, ball, n.cause or "gives")
+    return slide_from_rest(x, world, ball, n.cause or "gives", others)
 
 
-def slide_from_rest(x: Moving, world: Any, ball: int, cause: str) -> Next:
+def slide_from_rest(x: Moving, world: Any, ball: int, cause: str, zeros: Any = ()) -> Next:
     """Return the slide of a disc at rest that friction cannot hold.
 
     It begins at twice the speed below which it rests.
     """
     b = world.body[ball]
-    F, torque = disc_held(x.u, x.L, b)
+    F, torque = resting(x.u, x.L, b)
     v, edge = direction(F, torque.z, b.friction)
     speed = 2 * sqrt(rest_speed2(b))
-    x = kicked(x, impulses(x.u, times(speed, v), speed * edge / b.friction.patch, b), b)
-    names = regions_of(x, law_of(world).regions, b)
-    return on_disc(Next(phase_name("slip", ball, *names), x, cause), world)
-
-
-def kicked(x: Moving, by: Held, b: Touch) -> Moving:
-    """Return the body after impulses on its disc."""
-    twist = Vector(0 * by.torque, 0 * by.torque, by.torque)
-    return pushed_by(x, after_impact(x.u, x.L, x.velocity, by.force, twist, b), b)
+    x = kicked(x, b, *impulses(x.u, times(speed, v), speed * edge / b.friction.patch, b))
+    name = phase_name("slip", ball, *regions_of(x, b))
+    return on_disc(Next(name, x, cause, zeros=dict(zeros)), world)
 
 
 class Kind(NamedTuple):

@@ -14,16 +14,23 @@ from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
-from ..disc_friction import Drag, rolling
+from ..disc_friction import Drag
 from ..event import Event
 from ..form import Form
 from ..friction import load
 from ..operand import Vector, cross, dot, exp, log, plus, sqrt, times
 from ..units import ONE
 from .body import angular_velocity, arm
-from .coulomb import across_and_along, held_point
-from .disc_at_rest import Held, direction, held_disc, impulses, margin
-from .response import mobility_inverse_times, mobility_times, torque_acceleration
+from .response import (
+    across_and_along,
+    direction,
+    held_disc,
+    held_point,
+    impulses,
+    margin,
+    mobility_inverse_times,
+    mobility_times,
+)
 from .single_contact import Acts, Speeds, disc_friction, region_of, smooth_friction
 
 
@@ -105,9 +112,7 @@ def undirected(q: Any) -> Any:
 
 def gains(by: Acts, b: Any) -> Vector:
     """Return dv_A/dp."""
-    return plus(
-        mobility_times(b.u, by.force, b.touch), torque_acceleration(b.u, by.torque, b.touch)
-    )
+    return mobility_times(b.u, by.force, by.torque, b.touch)
 
 
 def spun(by: Acts, b: Any) -> Any:
@@ -119,9 +124,7 @@ def spun(by: Acts, b: Any) -> Any:
 def held(law: Any, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
     """Return force and torque at rest, per rise of v_n."""
     if law.regions:
-        rolls = rolling(omega, b.friction)
-        force, torque = held_disc(u, FLAT_BIAS, 0.0, rolls, b)
-        return force, Vector(force.z * rolls.x, force.z * rolls.y, torque)
+        return held_disc(u, FLAT_BIAS, 0.0, omega, b)
     return held_point(u, FLAT_BIAS, load(omega, b.friction), b)
 
 
@@ -212,7 +215,7 @@ def border(way: Any) -> Callable:
 
 def region_at(law: Any, q: Any, b: Any) -> str:
     """Return the region of a motion."""
-    return region_of(speeds(q), law.regions, b.touch) if can_rest(law, b) else ""
+    return region_of(speeds(q), b.touch) if can_rest(law, b) else ""
 
 
 # --- stops, and what follows them ---------------------------------------------------------------
@@ -254,10 +257,9 @@ def slide(law: Any, q: Any, by: Acts, b: Any) -> Any:
 
 def kicked(law: Any, q: Any, v: Vector, turn: Any, b: Any) -> Any:
     """Return the motion after impulses that add v to the slip and `turn` to that of the edge."""
+    p, twist = mobility_inverse_times(b.u, v, b.touch), 0.0
     if law.regions:
-        p, twist = impulses(b.u, v, turn / b.touch.friction.patch, b.touch)
-    else:
-        p, twist = Held(mobility_inverse_times(b.u, v, b.touch), 0.0)
+        p, (_, _, twist) = impulses(b.u, v, turn / b.touch.friction.patch, b.touch)
     omega = (2 * q.turn + turn) / getattr(b.touch.friction, "patch", 1.0)
     work = p.x * (q.v_x + v.x / 2) + p.y * (q.v_y + v.y / 2) + twist * omega / 2
     p, twist = times(1 / b.ratio, p), twist / b.ratio

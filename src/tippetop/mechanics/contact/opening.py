@@ -15,7 +15,7 @@ from ..number import Number
 from ..operand import formula, leaves, refill
 from ..system import System
 from ..units import METRE, METRE_PER_SECOND
-from .body import Touch, seen_from_balls
+from .body import BALLS, Touch, seen_from_balls
 from .exits import IMPACT, KINDS, PHASES, REASONS, begin, come_to_rest, go_on, phase_name
 from .gliding import gliding_catalogue as gliding
 from .integrals import NAMED, integral
@@ -33,7 +33,6 @@ from .rows import (
     row_within,
 )
 from .single_contact import CONE, RESTS, STICK
-from .state import BALLS
 
 
 ABOVE = {

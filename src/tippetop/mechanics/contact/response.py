@@ -1,9 +1,23 @@
-"""The response of a body to forces, torques and impulses at its contact."""
+"""The response of a body to forces, torques and impulses at its contact; and the forces of a
+contact that slides, that sticks, and of a disc that neither slides nor turns. [contact 1, 2, 5]
 
-from typing import NamedTuple
+K is the acceleration of the contact point per force there, or velocity per impulse [1/kg].
+Everything is singular only where the contact jams (Painleve: K_zz - mu n_e K_ez = 0, which
+`uniqueness.painleve_bound` excludes).
 
+Of a disc at rest neither v_A nor Omega_z changes: a force F and a torque tau zhat see to that. With
+k = I^-1 zhat, t = k x a and k_zz = k.zhat, tau is eliminated, and F is that of sticking with K - t
+t/k_zz instead of K. Friction gives every (|F_h|/(mu N), |tau|/(mu N patch)) within the curve (f(x),
+m(x)), and no other.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from ..disc_friction import drag, rolling
+from ..friction import load
 from ..operand import Operand, Vector, cross, dot, formula, plus, times
-from .body import angular_velocity, arm, arm2, axis_rate, contact_velocity
+from .body import angular_velocity, arm, arm2, axis_rate, contact_velocity, height
 
 
 @formula
@@ -16,21 +30,25 @@ def torque_acceleration(u, tau, b):
 
 
 @formula
-def mobility_times(u, x, b):
-    """Return K x, (3,): x/m + (I^-1 (a x x)) x a.
+def mobility_times(u, F, torque, b):
+    """Return the acceleration of the contact point by a force there and a torque, (3,) [m/s^2].
 
-    K is the acceleration of the contact point per force there, or velocity per impulse [1/kg].
+    It is K F + (I^-1 torque) x a, with K F = F/m + (I^-1 (a x F)) x a.
     """
-    return plus(times(1 / b.m, x), torque_acceleration(u, cross(arm(u, b), x), b))
+    turn = plus(cross(arm(u, b), F), torque)
+    return plus(times(1 / b.m, F), torque_acceleration(u, turn, b))
 
 
 @formula
 def mobility_inverse_times(u, x, b):
-    """Return K^-1 x, (3,): the force or impulse for x at the contact.
+    """Return K^-1 x, (3,): the force or impulse for x at the contact."""
+    return other_mobility_inverse_times(u, x, excess(b), b)
 
-    K = kappa - a a/I1 + excess k k, k = zhat x 3hat.
-    """
-    return other_mobility_inverse_times(u, x, b.R**2 * (1 / b.I3 - 1 / b.I1), b)
+
+@formula
+def excess(b):
+    """Return the factor of k k in K^-1 = kappa - a a/I1 + excess k k, k = zhat x 3hat."""
+    return b.R**2 * (1 / b.I3 - 1 / b.I1)
 
 
 @formula
@@ -50,19 +68,19 @@ def other_mobility_inverse_times(u, x, excess, b):
 
 @formula
 def bias_vector(u, L, b):
-    """Return b, (3,) [m/s^2]: (1/I3 - 1/I1) L_3 3hat' x a + offset 3hat'' - g zhat.
+    """Return b, (3,) [m/s^2]: the acceleration of the contact point without a force there.
 
-    3hat'' is that of free rotation.
+    It is c 3hat'' - R (1/I3 - 1/I1) L_3 3hat' x zhat - g zhat, 3hat'' = L x 3hat'/I1.
     """
-    u_dot, L3 = axis_rate(u, L, b), dot(L, u)
-    turn = cross(u_dot, arm(u, b))
-    precession, swing = cross(u, u_dot), dot(u_dot, u_dot)
-    spin, w3 = (1 / b.I3 - 1 / b.I1) * L3, L3 / b.I3
-    return Vector(
-        spin * turn.x + b.c * (w3 * precession.x - swing * u.x),
-        spin * turn.y + b.c * (w3 * precession.y - swing * u.y),
-        spin * turn.z + b.c * (w3 * precession.z - swing * u.z) - b.g,
-    )
+    u_dot = axis_rate(u, L, b)
+    free, spin = times(b.c / b.I1, cross(L, u_dot)), b.R * (1 / b.I3 - 1 / b.I1) * dot(L, u)
+    return Vector(free.x - spin * u_dot.y, free.y + spin * u_dot.x, free.z - b.g)
+
+
+@formula
+def contact_acceleration(u, L, F, torque, b):
+    """Return the acceleration of the contact point, (3,) [m/s^2]."""
+    return plus(bias_vector(u, L, b), mobility_times(u, F, torque, b))
 
 
 class Struck(NamedTuple):
@@ -88,3 +106,194 @@ def after_impact(u, L, velocity, p, twist, b):
     drilled = dot(twist, plus(angular_velocity(u, L, b), angular_velocity(u, newer, b)))
     worked = dot(p, contact_velocity(u, L, velocity, b)) + dot(p, v)
     return Struck(p, twist, newer, after, v, (worked + drilled) / 2)
+
+
+# --- sliding: F = N (zhat - push) ---------------------------------------------------------------
+
+
+@formula
+def response(u, push, b):
+    """Return zhat.K(zhat - push) [1/kg].
+
+    It is the upward acceleration of the contact point for N = 1 and the horizontal force -push.
+    """
+    lever = b.c * (u.x * u.x + u.y * u.y) - height(u.z, b) * (u.x * push.x + u.y * push.y)
+    return 1 / b.m + b.c * lever / b.I1
+
+
+@formula
+def sliding(u, L, push, per_force, body):
+    """Return the force and torque (3,) on a body that slides.
+
+    Its contact acts by the horizontal friction -N push and the torque N per_force.
+    """
+    b = bias_vector(u, L, body)
+    N = -b.z / (response(u, push, body) + torque_acceleration(u, per_force, body).z)
+    return Vector(-(N * push.x), -(N * push.y), N), times(N, per_force)
+
+
+@formula
+def sliding_along(u, L, n, body):
+    """Return the force and torque of Coulomb's law, sliding along the horizontal unit Vector n."""
+    push = Vector(body.friction.mu * n.x, body.friction.mu * n.y, 0 * u.z)
+    return sliding(u, L, push, load(angular_velocity(u, L, body), body.friction), body)
+
+
+@formula
+def across_and_along(G, n):
+    """Return Q = (zhat x n).G, w times the turn of n in space, and P = n.G.
+
+    P is the rate of the slip speed w; G is a Vector [m/s^2].
+    """
+    return n.x * G.y - n.y * G.x, n.x * G.x + n.y * G.y
+
+
+# --- a point that sticks ------------------------------------------------------------------------
+
+
+@formula
+def sticking(u, L, body):
+    """Return the force and torque (3,) on a body whose contact point stays at rest."""
+    per_force = load(angular_velocity(u, L, body), body.friction)
+    return held_point(u, bias_vector(u, L, body), per_force, body)
+
+
+@formula
+def held_point(u, bias, per_force, b):
+    """Return the force and torque (3,) that cancel the acceleration `bias` of the contact point.
+
+    The torque per normal force is given.
+    """
+    F = held(u, bias, torque_acceleration(u, per_force, b), excess(b), b)
+    return F, times(F.z, per_force)
+
+
+@formula
+def held(u, bias, loaded, excess, b):
+    """Return the force (3,) that cancels the acceleration bias + N loaded, N the normal force."""
+    of_bias = other_mobility_inverse_times(u, bias, excess, b)
+    of_load = other_mobility_inverse_times(u, loaded, excess, b)
+    N = -of_bias.z / (1 + of_load.z)
+    return times(-1, plus(of_bias, times(N, of_load)))
+
+
+@formula
+def cone(F, body):
+    """Return mu^2 N^2 - |F_h|^2 [N^2]: falls through zero where rolling ends."""
+    return (body.friction.mu * F.z) ** 2 - F.x * F.x - F.y * F.y
+
+
+# --- a disc at rest -----------------------------------------------------------------------------
+
+
+@formula
+def turning(u, b):
+    """Return the effect of a torque about the vertical: t, k_zz, and the excess of K - t t/k_zz.
+
+    t is the acceleration of the contact point per torque, along zhat x 3hat, and Omega_z' per
+    force; k_zz is Omega_z' per torque, regular at the poles.
+    """
+    more = 1 / b.I3 - 1 / b.I1
+    own = (u.x * u.x + u.y * u.y) / b.I1 + u.z * u.z / b.I3
+    lever = b.c / b.I1 + b.R * u.z * more
+    return Vector(-(lever * u.y), lever * u.x, 0 * u.z), own, excess(b) - lever**2 / own
+
+
+@formula
+def impulses(u, v, Omega_z, b):
+    """Return the impulses (3,) of force and torque that add v to the slip, and Omega_z to the
+    turning of the disc.
+    """
+    along, own, excess = turning(u, b)
+    p = other_mobility_inverse_times(u, plus(times(-(Omega_z / own), along), v), excess, b)
+    return p, Vector(0 * p.z, 0 * p.z, (Omega_z - dot(p, along)) / own)
+
+
+@formula
+def stopping(u, L, V, b):
+    """Return the impulses that bring the contact point and the turning of the disc to rest."""
+    return impulses(u, times(-1, contact_velocity(u, L, V, b)), -angular_velocity(u, L, b).z, b)
+
+
+@formula
+def resting(u, L, b):
+    """Return the force and torque (3,) that keep a disc at rest, whose v_A and Omega_z are 0."""
+    free = (1 / b.I3 - 1 / b.I1) * dot(L, u) * axis_rate(u, L, b).z  # Omega_z' without them
+    return held_disc(u, bias_vector(u, L, b), free, angular_velocity(u, L, b), b)
+
+
+@formula
+def held_disc(u, bias, free, omega, b):
+    """Return the force and torque (3,) that keep a disc at rest while it rolls with omega.
+
+    Without them, the acceleration of its contact point would be `bias`, and Omega_z' = `free`.
+    """
+    along, own, excess = turning(u, b)
+    rolls = rolling(omega, b.friction)
+    loaded = angular_velocity(u, rolls, b).z
+    by_load = plus(torque_acceleration(u, rolls, b), times(-loaded / own, along))
+    F = held(u, plus(bias, times(-free / own, along)), by_load, excess, b)
+    turns = -(free + dot(F, along) + F.z * loaded) / own
+    return F, Vector(F.z * rolls.x, F.z * rolls.y, turns)
+
+
+HALVINGS = 60  # of the interval in which w/U lies
+
+
+def sliding_at(force: float) -> float:
+    """Return x = w/U at which friction gives |F_h|/(mu N), less than 1."""
+    if force <= INSIDE:  # x - x^3/4 = 8 force/(3 pi)
+        return 4 / math.sqrt(3) * math.sin(math.asin(2 * math.sqrt(3) / math.pi * force) / 3)
+    low, high = 0.5, 1.0
+    for _ in range(HALVINGS):  # x/(1 + x)
+        share = (low + high) / 2
+        x = share / (1 - share)
+        low, high = (share, high) if drag(x * x, 1.0).k * x < force else (low, share)
+    return low / (1 - low)
+
+
+INSIDE = drag(1.0, 1.0).k  # |F_h|/(mu N) at x = 1
+
+
+def margin(force: Any, torque: Any, law: Any) -> float:
+    """Return by how much friction of a disc at rest can exceed a torque.
+
+    The torque is about the vertical, per mu N patch.
+
+    Negative where it cannot give the force and the torque together.
+
+    Parameters
+    ----------
+    force
+        On the disc, (3,).
+    torque
+        About the vertical.
+    law
+        The record of the law.
+    """
+    limit = float(law.mu * force.z)
+    if not limit > 0:
+        return -1.0
+    push, torque = math.hypot(force.x, force.y) / limit, abs(float(torque))
+    turn = max(torque - float(getattr(law, "mu_d", 0.0) * force.z), 0.0) / (
+        limit * float(law.patch)
+    )
+    if not push < 1:
+        return 1 - push - turn
+    return float(drag(sliding_at(push) ** 2, 1.0).twist) - turn
+
+
+MOST = 1 - 2.0**-40  # |F_h|/(mu N) of a disc that hardly turns
+
+
+def direction(force: Any, torque: Any, law: Any) -> tuple[Vector, float]:
+    """Return v_A and the velocity of the edge, of length 1 together.
+
+    They are those of the slide in which friction is that of `margin` where its bound is reached.
+    """
+    push = math.hypot(force.x, force.y)
+    x = sliding_at(min(push / float(law.mu * force.z), MOST))
+    length = math.hypot(x, 1.0)
+    along = -x / (length * push) if push else 0.0
+    edge = -math.copysign(1 / length, torque) if torque else 0.0
+    return Vector(along * force.x, along * force.y, 0 * force.z), edge

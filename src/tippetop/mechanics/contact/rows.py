@@ -24,7 +24,7 @@ from ..units import (
     WATT,
 )
 from . import body as contact
-from .body import filled, kinematics, of_azimuth, state
+from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, state
 from .body_axes import carried_along, planar
 from .exits import PHASES
 from .gliding import gliding_catalogue as gliding
@@ -33,7 +33,6 @@ from .gliding.gliding_euler import EULER_UNITS
 from .gliding.gliding_vector import axis, axis_rate, momentum
 from .integrals import NAMED
 from .rolling.rolling_vector import spin
-from .state import BALLS, VELOCITY, Moving
 
 
 ROW_UNITS = state(

@@ -2,28 +2,45 @@
 state."""
 
 from collections import namedtuple
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any, NamedTuple
 
-from ..disc_friction import Region, drilling_force, rolling
+from ..disc_friction import Region, drilling_force
 from ..event import Event
 from ..form import Form, Integral, Phase
 from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
-from .body import Touch, angular_velocity, arm, centre_velocity, contact_velocity, height, state
+from .body import (
+    VELOCITY,
+    Moving,
+    Reaction,
+    Touch,
+    angular_velocity,
+    arm,
+    centre_velocity,
+    contact_velocity,
+    height,
+    state,
+)
 from .body_axes import carried_along
-from .coulomb import across_and_along, cone, contact_acceleration, sliding, sliding_along, sticking
-from .disc_at_rest import holding, margin
 from .gliding import gliding_catalogue as gliding
 from .gliding import gliding_vector
 from .gliding.gliding_vector import VectorState, axis, axis_rate, momentum
 from .integrals import NAMED
+from .response import (
+    across_and_along,
+    cone,
+    contact_acceleration,
+    margin,
+    resting,
+    sliding,
+    sliding_along,
+    sticking,
+)
 from .rolling.rolling_vector import spin
-from .state import VELOCITY, Moving, Reaction
 
 
 def phase_of(units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
@@ -355,28 +372,27 @@ def slip_under(friction: Callable, events: tuple) -> Phase:
     return on_ball(DISC, events, forces, velocity, enter, changes)
 
 
-@lru_cache
 def disc_slip(region: Region, torque: Callable) -> Phase:
     """Return the phase of sliding in a region of a law."""
     events = (LIFTOFF, TOUCH, RESTS, *borders(region))
     return slip_under(disc_friction(region.drag, torque), events)
 
 
-def regions_of(x: Moving, regions: Mapping[str, Region], *bodies: Touch) -> tuple[str, ...]:
+def regions_of(x: Moving, *bodies: Touch) -> tuple[str, ...]:
     """Return the regions of a body's sliding on balls; empty under a law that has none."""
     names = []
-    for b in bodies if regions else ():
+    for b in bodies if bodies[0].friction.regions else ():
         v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
-        names.append(region_of(speeds(v, omega, b), regions, b))
+        names.append(region_of(speeds(v, omega, b), b))
     return tuple(names)
 
 
-def region_of(s: Any, regions: Mapping[str, Region], b: Touch) -> str:
+def region_of(s: Any, b: Touch) -> str:
     """Return the region of sliding at these speeds.
 
     It is the first, by rising x, whose end is not reached; or "", of speeds that are not finite.
     """
-    for name, region in regions.items():
+    for name, region in b.friction.regions.items():
         if all(way.direction < 0 or way.beyond(s, b) < 0 for way in region.borders):
             return name
     return ""
@@ -393,15 +409,7 @@ GIVES = ending(
 GIVES = replace(GIVES, sampled=True)
 
 
-def disc_held(u: Vector, L: Vector, b: Touch) -> tuple[Vector, Vector]:
-    """Return the force and the torque on a disc that neither slides nor turns."""
-    rolls = rolling(angular_velocity(u, L, b), b.friction)
-    held = holding(u, L, rolls, b)
-    N = held.force.z
-    return held.force, Vector(N * rolls.x, N * rolls.y, held.torque)
-
-
-REST = without_slip((LIFTOFF, TOUCH, GIVES), disc_held)
+REST = without_slip((LIFTOFF, TOUCH, GIVES), resting)
 
 
 LOADED_SLIP = slip_under(smooth_friction, (LIFTOFF, TOUCH))

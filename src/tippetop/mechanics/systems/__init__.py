@@ -104,13 +104,13 @@ def opening_systems() -> dict[str, System]:
     return {name: system for name, system in SYSTEMS.items() if system.opening is not None}
 
 
-def opened_by_name(name: str, record: type, balls: int) -> System:
+def opened_by_name(name: str, record: Any, balls: int) -> System:
     """Return a system whose contact opens, as a pickle has it.
 
     Raises InputError if this process does not know it.
     """
     system = by_name(name)
-    if friction.named(record, system.laws) is None:
+    if not friction.is_known(record, system.laws):
         raise InputError(
             [f"the law of `{record.__name__}` is not known in this process: register it first."]
         )

@@ -48,8 +48,6 @@ def named(faults: dict[str, Iterable[str]]) -> list[str]:
 
 def inconsistencies(system: System) -> list[str]:
     """Return one message for each contradiction among the records of a system."""
-    if not system.phases:
-        return [f"`phases` of `{system.name}` must have a Phase, but has none."]
     faults: list[str] = []
     directions: dict[str, int] = {}
     integrals = {integral.name for integral in system.phase.form.integrals}
@@ -84,10 +82,19 @@ def inconsistencies(system: System) -> list[str]:
                     for one in phase.form.integrals
                     if one.name not in integrals and not system.common
                 ],
-                f"{where} must lead to phases of the system by a tuple of names, but has exits by":
-                    [way.event for way in phase.exits if not (way.to and type(way.to) is tuple)],
-                f"{where} must lead to phases of the system, but leads to":
-                    [to for way in phase.exits for to in way.to if to not in system.phases],
+                f"{where} must lead to phases of the system by a tuple of names, but leads to": [
+                    repr(way.to)
+                    for way in phase.exits
+                    if not (type(way.to) is tuple and way.to and {*way.to} <= {*system.phases})
+                ],
+                f"{where} must have exits with a function `jump`, but has exits by":
+                    [way.event for way in phase.exits if not callable(way.jump)],
+                f"{where} must have the variables and units of the first phase, or `enter` and "
+                "`leave`, but has": [
+                    f"{name} [{unit.symbol}]"
+                    for name, unit in phase.form.units._asdict().items()
+                    if phase.enter is phase.leave and phase.form.units != system.phase.form.units
+                ],
             }
         )  # fmt: skip
     return faults
@@ -106,8 +113,8 @@ def unmet_requirements(system: System) -> list[str]:
     lifting = [event for event in phase.events if event.ends == "liftoff"]
     return named(
         {
-            f"`angles` {of} must have the fields `theta` and `theta_dot` of the event log, and "
-            "`work` where a form integrates it, but lacks":
+            f"`angles` {of} must have the fields `theta` and `theta_dot`, unless a phase has exits,"
+            " and `work` where a form integrates it, but lacks":
                 [name for name in needed if name not in angles],
             f"`long_names` {of} must describe each field of `angles` and `vectors`, but lacks":
                 [name for name in described if name not in system.long_names],

@@ -188,23 +188,16 @@ def modified_force(c, b, law):
     )
 
 
-contact_force = select({Modified: modified_force}, standard_force)
+contact_force = select(lambda law: modified_force if law is Modified else standard_force)
 """contact_force(scalars, b, law): F_x and F_z, for any law of the cylinder."""
 
 
-mobility_by_law = select(
-    {Modified: formula(lambda c, b, law: 1.0)},
-    formula(lambda c, b, law: contact.contact_mobility(c, b)),
-)
-
-
-@formula
 def contact_mobility(c, b):
     """Return the number that is positive unless the contact jams.
 
     Under the modified reaction it never does.
     """
-    return mobility_by_law(c, b, b.friction)
+    return 1.0 if type(b.friction) is Modified else contact.contact_mobility(c, b)
 
 
 @formula

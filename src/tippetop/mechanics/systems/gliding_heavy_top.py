@@ -3,8 +3,8 @@
 It is the body of `gliding` with R = 0, c = -l.
 """
 
+from ..contact import body as contact
 from ..contact.gliding import gliding_catalogue as gliding
-from ..contact.gliding import rates
 from ..operand import formula
 from ..system import Opening, Quantity, of_one_phase
 from . import heavy_top, outlook
@@ -25,7 +25,7 @@ def Lz_rate(push_n, b):
 @formula
 def own_Lz_rate(s, b):
     """Return L_z' about the tip [kg m^2/s^2] of the state itself. [T 5.19]"""
-    return Lz_rate(rates.push_n(s, b), b)
+    return Lz_rate(contact.push_n(s, b), b)
 
 
 GLIDING_HEAVY_TOP = of_one_phase(
@@ -35,8 +35,8 @@ GLIDING_HEAVY_TOP = of_one_phase(
     source=SOURCE + "5",
     quantities=(*heavy_top.MOMENTA, *gliding.QUANTITIES),
     on_request=(
-        Quantity("Lz_rate", "L_z'", rates.TORQUE, "rate of L_z about the tip", own_Lz_rate),
-        rates.MODIFIED_ENERGY_RATE,
+        Quantity("Lz_rate", "L_z'", gliding.TORQUE, "rate of L_z about the tip", own_Lz_rate),
+        gliding.MODIFIED_ENERGY_RATE,
     ),
     integrals=("L3",),
     events=(gliding.TURNING, gliding.LIFTOFF, gliding.FALLEN, gliding.SETTLED),

@@ -160,9 +160,7 @@ def fixed_scalars(q, b):
     They are those of a body that rolls with R = 0; |r'| = l |3hat'|.
     """
     u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
-    s = contact.kinematics(u, L, u_dot, b)
-    F = reaction.reaction(u, L, u_dot, s, b)
-    return reaction.completed(s, times(b.c, u_dot), F)
+    return reaction.scalars(u, L, u_dot, times(b.c, u_dot), b)
 
 
 @formula

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..contact.body import Touch, tip_inertia
 from ..contact.restitution import ContactLaw
-from ..friction import has_parts, is_frictionless, named, nowhere_vanishes
+from ..friction import has_parts, is_frictionless, nowhere_vanishes
 from ..system import Outlook
 from ..theory import heavy_top_motion as motions
 from ..theory.modes import linear_modes
@@ -95,12 +95,11 @@ def tippe_top_with_contact(b: Touch, start: Start, law: ContactLaw) -> Outlook:
             FREE, STAYS if start["at_pole"] else "theta nutates while it stands on one ball", limits
         )
     sentence = f"while it slides on its sphere {regime(start['jellett'], b).sentence()}"
-    known = named(type(b.friction))
-    if known and known.set_valued:
+    if b.friction.set_valued:
         sentence += (
             "; under Coulomb's law itself sliding may stop, and a top that rolls does not rise"
         )
-    elif known and known.regions:
+    elif b.friction.regions:
         sentence += "; drilling takes of Jellett's integral, which decides that"
     return Outlook(sentence, "", limits)
 
@@ -195,7 +194,7 @@ def gliding_cylinder(b: Touch, start: Start) -> Outlook:
 
 def _round(law: Any) -> str:
     """Describe how a round cylinder glides: v_A' = -k(v_A) g (I + m R^2)/I v_A. [T 6.7]"""
-    if named(type(law)) is not None and not nowhere_vanishes(law):
+    if law.coefficient is not None and not nowhere_vanishes(law):
         return "a round cylinder: its friction vanishes somewhere, so it may glide on"
     return "a round cylinder: gliding decays to rolling"
 

@@ -10,7 +10,7 @@ from typing import Any
 from ..contact import body as contact
 from ..contact.body import Top, Touch
 from ..contact.gliding import gliding_catalogue as gliding
-from ..contact.gliding import gliding_euler, rates
+from ..contact.gliding import gliding_euler
 from ..friction import LAWS
 from ..number import Number, number
 from ..operand import formula, sqrt
@@ -184,12 +184,12 @@ QUANTITIES = (*MOMENTA, *gliding.QUANTITIES)
 @formula
 def own_routh_rate(s, b):
     """Return D' [kg m^2/s^2] of the state itself. [T 4.17]"""
-    return routh_rate(s.z, rates.push_n(s, b), b)
+    return routh_rate(s.z, contact.push_n(s, b), b)
 
 
 ON_REQUEST = (
-    Quantity("routh_rate", "D'", rates.TORQUE, "rate of Routh's function", own_routh_rate),
-    rates.MODIFIED_ENERGY_RATE,
+    Quantity("routh_rate", "D'", gliding.TORQUE, "rate of Routh's function", own_routh_rate),
+    gliding.MODIFIED_ENERGY_RATE,
 )
 
 SOURCE = (

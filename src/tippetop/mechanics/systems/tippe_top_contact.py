@@ -14,7 +14,7 @@ from ..contact.body_axes import carried_along
 from ..contact.gliding import gliding_vector
 from ..contact.gliding.gliding_vector import axis
 from ..contact.integrals import integral
-from ..contact.rolling import reaction, rolling_chart
+from ..contact.rolling import reaction, rolling_vector
 from ..contact.rolling.rolling_vector import VectorState
 from ..operand import Operand, Vector, cross, formula, plus, times
 from ..system import Form
@@ -118,8 +118,7 @@ def vertical_force(q, carried, b):
 def contact_scalars(q, b):
     """Return the scalars of a state about the contact."""
     u, L, u_dot = axis(q), momentum(q, b), axis_rate(q, b)
-    s = contact.kinematics(u, L, u_dot, b)
-    return reaction.completed(s, centre_velocity(q, b), reaction.reaction(u, L, u_dot, s, b))
+    return reaction.scalars(u, L, u_dot, centre_velocity(q, b), b)
 
 
 @formula
@@ -131,7 +130,7 @@ def vectors(q, b):
 @formula
 def contact_of_angles(e, s, z, b):
     """Return the state about the contact of the angles. [section 1]"""
-    v = rolling_chart.vector_of_angles(e, s, z, b)
+    v = rolling_vector.vector_of_angles(e, s, z, b)
     u, L = axis(v), gliding_vector.momentum(v)
     k = contact.kinematics(u, L, gliding_vector.axis_rate(v, b), b)
     w, arm = contact.angular_velocity(u, L, b), contact.arm(u, b)
@@ -146,7 +145,7 @@ def angles_of_contact(q, carried, b):
 
     They are 0/0 exactly at a pole, where phi is undefined.
     """
-    return rolling_chart.angles_of_vector(vectors(q, b), carried, b)
+    return rolling_vector.angles_of_vector(vectors(q, b), carried, b)
 
 
 CONTACT = Form(

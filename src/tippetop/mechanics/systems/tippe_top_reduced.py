@@ -61,15 +61,8 @@ def reduced_kinematics(q, b):
 
 @formula
 def reduced_scalars(q, b):
-    """Return the scalars of a reduced state.
-
-    The horizontal reaction has parts along and across the lean of the axis.
-    """
-    s = reduced_kinematics(q, b)
-    along, across = reaction.push_along(s, b), b.I3 * reaction.spin_rate(s, b) / b.R
-    speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
-    friction_force2 = (along**2 + across**2) / s.s2
-    return reaction.Scalars(*s, speed2, friction_force2)
+    """Return the scalars of a reduced state."""
+    return reaction.scalars_by_kinematics(reduced_kinematics(q, b), b)
 
 
 @formula

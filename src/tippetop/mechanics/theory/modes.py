@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.body import Touch
-from ..friction import named, slip_coefficient, takes_nothing
+from ..friction import slip_coefficient, takes_nothing
 
 
 def linear_modes(omega3: float, b: Touch, *, inverted: bool = False) -> np.ndarray:
@@ -59,8 +59,7 @@ def _slip(omega3: Any, up: int, law: Any) -> Any:
     For a disc that drills at omega3 it is the limit of small sliding, 3 pi mu/(8 patch |omega3|),
     without rolling resistance.
     """
-    known = named(type(law))
-    if known is None or not known.regions:
+    if not law.regions:
         return slip_coefficient(0.0, float(up), law)
     drilling = np.asarray(8 * law.patch * np.abs(omega3))
     return np.where(np.asarray(law.mu) == 0, 0.0, 3 * np.pi * law.mu / drilling)
@@ -84,12 +83,10 @@ def shows_sliding(b: Touch, z: Any) -> Any:
     A slide of 1e-3 sqrt(gR) loses more than 1e-12 of the unit of k |v_A|^2, below which a motion
     counts as settled. Of one body, or of many, (n,).
     """
-    known = named(type(b.friction))
-    if (
-        known is None or known.set_valued or known.regions
-    ):  # it sticks; drilling takes without sliding
+    law = b.friction
+    if law.coefficient is None or law.set_valued:  # drilling takes without sliding; or it sticks
         return True
-    strength = slip_coefficient(0.0, z, b.friction) * np.sqrt(b.g * (b.R + np.abs(b.c)))
+    strength = slip_coefficient(0.0, z, law) * np.sqrt(b.g * (b.R + np.abs(b.c)))
     return np.asarray(strength) * SLIDES**2 > 1e-12
 
 
@@ -136,10 +133,7 @@ def is_unstable(omega3: Any, b: Touch, *, inverted: bool = False, gliding: bool 
         with np.errstate(all="ignore"):
             slip = _slip(omega3, up, b.friction)
             least = WEAK / b.g * np.maximum(np.abs(omega3), np.sqrt(b.g / (b.R + np.abs(b.c))))
-            dissipates = named(type(b.friction)) is not None and np.logical_not(
-                takes_nothing(b.friction)
-            )
-            acts = (slip > 0) | dissipates
+            acts = (slip > 0) | np.logical_not(takes_nothing(b.friction))
             matrix = _gliding(omega3, b, up, np.where(acts, np.maximum(slip, least), slip))
         finite = np.isfinite(matrix).all(axis=(-1, -2), keepdims=True)
         modes = np.linalg.eigvals(np.where(finite, matrix, 0))  # which refuses NaN

@@ -16,6 +16,7 @@ from ...units import (
     RADIAN,
     RADIAN_PER_SECOND,
     WATT,
+    Unit,
 )
 from ..body import (
     Touch,
@@ -26,6 +27,9 @@ from ..body import (
     g_n,
     jellett,
     modified_energy,
+    modified_energy_rate,
+    push_n,
+    push_u,
 )
 from ..body_axes import carried_along
 from ..integrals import integral, place
@@ -210,5 +214,13 @@ QUANTITIES = (
     *ENERGIES,
     Quantity("normal_force", "g_n", NEWTON, "normal force", g_n),
     Quantity("friction_power", "-E'", WATT, "power dissipated by friction", friction_power),
+)
+TORQUE = Unit("kg m2 s-2")
+MODIFIED_ENERGY_RATE = Quantity(
+    "modified_energy_rate",
+    "E~'",
+    WATT,
+    "rate of the modified energy",
+    lambda s, b: modified_energy_rate(push_u(s, b), push_n(s, b), s, b),
 )
 JELLETT_QUANTITY = Quantity("jellett", "lambda", JELLETT, "Jellett's integral", jellett)

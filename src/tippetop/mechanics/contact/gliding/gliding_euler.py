@@ -10,6 +10,8 @@ from ..body import (
     height,
     kinematics_of_angles,
     of_azimuth,
+    push_across,
+    push_along,
     rolling_velocity,
 )
 
@@ -58,40 +60,23 @@ def euler_rates(e, b):
     [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]
     """
     s, z = sin(e.theta), cos(e.theta)
-    scalars = euler_scalars(e, b)
-    N = g_n(scalars, b)
-    k = slip_coefficient(scalars.v2, scalars.z, b.friction)
-    Fx, Fy = -(k * N * e.nu_x), -(k * N * e.nu_y)  # along e and 2hat
-    h, q = height(z, b), b.c - b.R * z
+    c = euler_scalars(e, b)
+    N, h, q = g_n(c, b), height(z, b), b.c - b.R * z
+    k = slip_coefficient(c.v2, z, b.friction) * N
+    Fx, Fy = -(k * e.nu_x), -(k * e.nu_y)  # along e and 2hat
     theta_dot2 = (
         s / b.I1 * (b.I1 * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.c * N) - h * Fx / b.I1
     )
     phi_dot2 = (b.I3 * e.theta_dot * e.omega3 - 2 * b.I1 * e.theta_dot * e.phi_dot * z + Fy * q) / (
         b.I1 * s
     )
-    nu_x_dot = (
-        s
-        / b.I1
-        * (
-            e.phi_dot * e.omega3 * (b.I3 * h - b.I1 * b.R)
-            + b.c * h * N
-            - b.I1 * b.c * scalars.axis_speed2
-        )
-        + Fx * (1 / b.m + h**2 / b.I1)
-        + e.phi_dot * e.nu_y
-    )
-    nu_y_dot = (
-        Fy * (1 / b.m + q**2 / b.I1 + (b.R * s) ** 2 / b.I3)
-        + e.omega3 * e.theta_dot / b.I1 * (b.I3 * q + b.I1 * b.R * z)
-        - e.phi_dot * e.nu_x
-    )
     return EulerState(
         e.theta_dot,
         theta_dot2,
         phi_dot2,
         b.R * s * Fy / b.I3,
-        nu_x_dot,
-        nu_y_dot,
+        push_along(e.omega3 * (e.phi_dot * s), s, Fx, N, c.axis_speed2, z, b) + e.phi_dot * e.nu_y,
+        push_across(e.omega3 * e.theta_dot, Fy, s**2, z, b) - e.phi_dot * e.nu_x,
     )
 
 

@@ -6,8 +6,9 @@ c = alpha*R is the rolling tippe top; R = 0, c = -l a top with its tip fixed. Th
 parameters as a `contact.body.Touch`.
 """
 
-from ...operand import Vector, cross, formula, plus, sqrt, times
+from ...operand import formula, sqrt, times
 from .. import body as contact
+from ..response import bias_vector, mobility_inverse_times
 
 
 FIELDS = (*contact.Kinematics._fields, "speed2", "friction_force2")
@@ -50,11 +51,10 @@ def push_along(s, b):
 
 
 @formula
-def spin_rate(s, b):
-    """Return omega_3' [1/s^2]. [T 4.4]"""
-    q = b.c - b.R * s.z
-    slope = b.I1 * (b.R * s.z) + b.I3 * q
-    return b.m * b.R * (s.L3 / b.I3 * s.z_dot) * slope / spin_determinant(s.z, b)
+def push_across(s, b):
+    """Return (3hat x F).zhat [N]: horizontal reaction across the lean, times sin(theta)."""
+    slope = b.I1 * (b.R * s.z) + b.I3 * (b.c - b.R * s.z)
+    return b.m * (s.L3 * s.z_dot) * slope / spin_determinant(s.z, b)
 
 
 @formula
@@ -76,26 +76,20 @@ def friction_needed(s, b):
 
 
 @formula
-def reaction(u, L, u_dot, s, b):
-    """Return the reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N].
-
-    s are the kinematics.
-
-    From L' = a x F, 3hat'' = (L' x 3hat + L x 3hat')/I1 and s' = -omega x a; F.3hat and z'' are
-    known in advance.
-    """
-    q, N, z_ddot = b.c - b.R * u.z, normal_force(s, b), z_dot2(s, b)
-    F3 = push_along(s, b) + N * u.z  # F.3hat
-    free = plus(
-        cross(L, u_dot), times(-(b.c * F3), u)
-    )  # I1 3hat'' without q F and its vertical part
-    spin, w3, contact_mobility = spin_rate(s, b), s.L3 / b.I3, 1 + b.m * q**2 / b.I1
-    x = q / b.I1 * free.x + b.R * (z_ddot * u.x - spin * u.y - w3 * u_dot.y)
-    y = q / b.I1 * free.y + b.R * (z_ddot * u.y + spin * u.x + w3 * u_dot.x)
-    return Vector(-(b.m * x) / contact_mobility, -(b.m * y) / contact_mobility, N)
+def reaction(u, L, b):
+    """Return the reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]."""
+    return times(-1, mobility_inverse_times(u, bias_vector(u, L, b), b))
 
 
 @formula
-def completed(s, v, F):
-    """Return the scalars, of kinematics s, velocity v of the centre of mass, and force F."""
-    return Scalars(*s, v.x**2 + v.y**2, F.x**2 + F.y**2)
+def scalars(u, L, u_dot, v, b):
+    """Return the scalars; u_dot is 3hat', v is the velocity of the centre of mass."""
+    F = reaction(u, L, b)
+    return Scalars(*contact.kinematics(u, L, u_dot, b), v.x**2 + v.y**2, F.x**2 + F.y**2)
+
+
+@formula
+def scalars_by_kinematics(s, b):
+    """Return the scalars, 0/0 at a pole: the reaction has parts along and across the lean."""
+    speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
+    return Scalars(*s, speed2, (push_along(s, b) ** 2 + push_across(s, b) ** 2) / s.s2)

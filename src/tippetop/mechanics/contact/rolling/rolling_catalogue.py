@@ -11,9 +11,7 @@ from ..gliding.gliding_vector import axis, axis_rate
 from ..integrals import integral, place
 from . import rolling_euler, rolling_vector
 from .reaction import friction_needed, horizontal_force, normal_force
-from .rolling_chart import angles_of_vector, vector_of_angles
 from .rolling_euler import ANGLES, EULER_UNITS, euler_rates, euler_scalars
-from .rolling_vector import VECTOR_UNITS, vector_rates, vector_scalars
 
 
 # --- initial data, events, quantities -----------------------------------------------------------
@@ -23,14 +21,14 @@ INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith
 
 VECTOR = Form(
     "vector",
-    VECTOR_UNITS,
-    vector_rates,
-    vector_scalars,
-    vector_of_angles,
-    angles_of_vector,
+    rolling_vector.VECTOR_UNITS,
+    rolling_vector.vector_rates,
+    rolling_vector.vector_scalars,
+    rolling_vector.vector_of_angles,
+    rolling_vector.angles_of_vector,
     integrals=(
         *place(rolling_vector.velocity),
-        integral("impulse", rolling_vector.vertical_force),
+        integral("impulse", lambda q, carried, b: rolling_vector.force(q, b).z),
     ),
     orientation=carried_along(axis, axis_rate, rolling_vector.spin),
 )

@@ -4,7 +4,7 @@ from ...operand import cos, formula, sin
 from ...units import METRE, NEWTON_SECOND, RADIAN, RADIAN_PER_SECOND
 from .. import body as contact
 from ..body import filled, kinematics_of_angles, of_azimuth
-from .reaction import Scalars, spin_determinant
+from .reaction import scalars_by_kinematics, spin_determinant
 
 
 # --- Euler-angle form: singular at the poles ----------------------------------------------------
@@ -50,17 +50,7 @@ def euler_accelerations(e, s, z, b):
 def euler_scalars(e, b):
     """Return the scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
-    h, q = contact.height(z, b), b.c - b.R * z
-    theta_dot2, phi_dot2, omega3_dot = euler_accelerations(e, s, z, b)
-    turn = b.R * e.omega3 + e.phi_dot * q
-    along_e, along_2 = contact.rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
-    push_e = theta_dot2 * h + b.c * (e.theta_dot**2 * s) - e.phi_dot * along_2
-    push_2 = e.phi_dot * along_e - (
-        e.theta_dot * z * turn
-        + s * (b.R * omega3_dot + phi_dot2 * q + e.phi_dot * (b.R * e.theta_dot * s))
-    )
-    squares = along_e**2 + along_2**2, b.m**2 * (push_e**2 + push_2**2)
-    return Scalars(*kinematics_of_angles(e, s, z, b), *squares)
+    return scalars_by_kinematics(kinematics_of_angles(e, s, z, b), b)
 
 
 @formula

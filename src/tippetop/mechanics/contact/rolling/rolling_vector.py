@@ -1,12 +1,11 @@
 """The rolling body in vector form: regular everywhere."""
 
-from ...operand import Vector, dot, formula
-from ..body import kinematics, moment, state
+from ...operand import dot, formula, times
+from ..body import arm_velocity, moment, state
+from ..gliding.gliding_chart import angles_by, axis_and_momentum
 from ..gliding.gliding_vector import axis, axis_rate, momentum
-from .reaction import completed, normal_force, reaction
-
-
-# --- vector form: regular everywhere ------------------------------------------------------------
+from .reaction import reaction, scalars
+from .rolling_euler import ANGLES
 
 
 VECTOR_UNITS = state()
@@ -16,34 +15,27 @@ VectorState = type(VECTOR_UNITS)
 
 
 @formula
-def centre_velocity(u, u_dot, w3, b):
-    """Return r' = -(omega x a), horizontal, (3,) [m/s], with omega = 3hat x 3hat' + w3 3hat.
-
-    `body.centre_velocity`, which takes L instead, has another rounding.
-    """
-    q = b.c - b.R * u.z
-    return Vector(
-        -(q * u_dot.x) - b.R * (u.x * u_dot.z - w3 * u.y),
-        -(q * u_dot.y) - b.R * (u.y * u_dot.z + w3 * u.x),
-        0,
-    )
+def velocity(q, carried, b):
+    """Return the velocity of the centre of mass, -(omega x a), (3,) [m/s]."""
+    return times(-1, arm_velocity(axis(q), momentum(q), b))
 
 
 @formula
 def vector_scalars(q, b):
     """Return the scalars of a vector state."""
-    u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
-    s = kinematics(u, L, u_dot, b)
-    return completed(s, centre_velocity(u, u_dot, s.L3 / b.I3, b), reaction(u, L, u_dot, s, b))
+    return scalars(axis(q), momentum(q), axis_rate(q, b), velocity(q, None, b), b)
+
+
+@formula
+def force(q, b):
+    """Return the reaction, (3,) [N]."""
+    return reaction(axis(q), momentum(q), b)
 
 
 @formula
 def vector_rates(q, b):
     """Return 3hat' = L x 3hat/I1, L' = a x F. [section 4]"""
-    u, L, u_dot = axis(q), momentum(q), axis_rate(q, b)
-    s = kinematics(u, L, u_dot, b)
-    F = reaction(u, L, u_dot, s, b)
-    return VectorState(*u_dot, *moment(u, F, b))
+    return VectorState(*axis_rate(q, b), *moment(axis(q), force(q, b), b))
 
 
 @formula
@@ -56,13 +48,13 @@ def spin(q, b):
 
 
 @formula
-def velocity(q, carried, b):
-    """Return the velocity of the centre of mass, r' = -(omega x a), (3,) [m/s]."""
-    u, u_dot = axis(q), axis_rate(q, b)
-    return centre_velocity(u, u_dot, kinematics(u, momentum(q), u_dot, b).L3 / b.I3, b)
+def vector_of_angles(e, s, z, b):
+    """Return the vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
+
+    [section 1]
+    """
+    u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
+    return VectorState(*u, *L)
 
 
-@formula
-def vertical_force(q, carried, b):
-    """Return the normal force F_z [N]."""
-    return normal_force(kinematics(axis(q), momentum(q), axis_rate(q, b), b), b)
+angles_of_vector = angles_by(ANGLES, vector_scalars)
