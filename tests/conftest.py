@@ -3,6 +3,7 @@
 import functools
 import gc
 import os
+import shutil
 import signal
 import sys
 from collections.abc import Iterator
@@ -17,6 +18,11 @@ gc.set_threshold(100_000)  # as the command line; collections would take 6 % of 
 os.environ.setdefault(
     "TIPPETOP_OPT_LEVEL", "0"
 )  # ten times faster to compile; .ci/nightly runs all with 3
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each child compiles all that it imports
+sys.dont_write_bytecode = False
+MEMORY = Path("/dev/shm")
+if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > 4 * 2**30:
+    os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))  # stores would wait for a disk
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -36,20 +36,15 @@ def test_a_stretch_of_a_grid_is_that_of_the_whole(
     assert grid[a : a + b].tobytes() == grid[:][a : a + b].tobytes()
 
 
-@given(steps, lengths, parts, st.floats(0, 1.1), st.booleans())
+@given(steps, lengths, parts, st.floats(0, 1.1))
 def test_counting_in_a_grid_is_counting_in_its_times(
-    step: float, count: int, part: float, where: float, inclusive: bool
+    step: float, count: int, part: float, where: float
 ) -> None:
     grid = EvenTimes(step, step * (count + part))
     times = grid[:]
     row = times[min(int(where * count), len(times) - 1)]
     for at in (where * grid.until, row, np.nextafter(row, np.inf), np.nextafter(row, -np.inf)):
-        expected = np.sum(times <= at) if inclusive else np.sum(times < at)
-        assert (
-            grid.count(at, inclusive=inclusive)
-            == ListedTimes(times).count(at, inclusive=inclusive)
-            == expected
-        )
+        assert grid.count(at) == ListedTimes(times).count(at) == np.sum(times <= at)
 
 
 @given(
@@ -73,4 +68,4 @@ def test_a_long_grid_is_cheap() -> None:
     grid = EvenTimes(1e-6, 1e3)
     assert len(grid) == 10**9 + 1
     np.testing.assert_allclose(grid[10**8 : 10**8 + 3], 1e2 + np.arange(3) * 1e-6, rtol=1e-15)
-    assert grid.count(grid[10**8 : 10**8 + 1][0], inclusive=True) == 10**8 + 1
+    assert grid.count(grid[10**8 : 10**8 + 1][0]) == 10**8 + 1

@@ -30,7 +30,6 @@ enum {
     DEPTH = 20,   /* halvings of an interval: two zeros within 1e-6 of a step are none */
     MOST = 64,    /* coefficients of a polynomial; quadruple precision has 47 */
     WIDEST = 32,  /* lanes */
-    HALVES = 32,  /* rows of the table of (1/2 + x/2)^j */
     NODES = 9,    /* points of a step: it covers about a radian, so no dip hides between them */
     TIMES = 4,    /* rows made together, in a vector of the processor */
     TOGETHER = 6, /* variables made together: each sum waits for its last addition */
@@ -129,10 +128,6 @@ typedef struct {
 } Thresholds;
 
 typedef struct {
-    const real *halves, *powers; /* (HALVES, HALVES), (MOST, NODES) */
-} Tables;
-
-typedef struct {
     real *times, *states;
     integer *phases, *filled;
     integer steps, count, variables;
@@ -149,9 +144,9 @@ typedef struct {
     Log log;
     Samples samples;
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
+    const real *halves;  /* (MOST, MOST) row j: the coefficients of (1/2 + x/2)^j */
     StopRules rules;
     Thresholds thresholds;
-    Tables tables;
     Rows output;
 } Loop;
 
@@ -244,14 +239,14 @@ static real turn_of(const real *p, integer n, real radius) {
 }
 
 /* The coefficients of p(middle + radius x). */
-static void shift(const real *restrict p, integer n, real middle, real radius, const Tables *tables,
+static void shift(const real *restrict p, integer n, real middle, real radius, const real *halves,
                   real *restrict shifted) {
-    if (radius == 0.5 && n <= HALVES) { /* as a product with a matrix: three times as fast */
+    if (radius == 0.5) { /* as a product with a matrix: three times as fast */
         for (integer k = 0; k < n; k++)
             shifted[k] = 0;
         for (integer j = 0; j < n; j++) {
             real factor = p[j];
-            const real *restrict row = tables->halves + j * HALVES;
+            const real *restrict row = halves + j * MOST;
             for (integer k = 0; k < n; k++)
                 shifted[k] += row[k] * factor;
         }
@@ -271,7 +266,7 @@ static void shift(const real *restrict p, integer n, real middle, real radius, c
 /* Write the sign changes of p on [0, 1) to `zeros` (n,), ascending, and return their number.
    `positive` is the sign at the end of the last step: a zero that rounding puts between two steps
    counts once. `monotone`: p is known to be. */
-integer loop_crossings(const real *p, integer n, bool positive, bool monotone, const Tables *tables,
+integer loop_crossings(const real *p, integer n, bool positive, bool monotone, const real *halves,
                        real *zeros) {
     if (monotone) {
         real end = value_at(p, n, 1);
@@ -293,18 +288,16 @@ integer loop_crossings(const real *p, integer n, bool positive, bool monotone, c
     for (;;) {
         radius = ldexp(0.5, (int)-level);
         real middle = (real)(2 * at + 1) * radius;
-        shift(p, n, middle, radius, tables, part);
+        shift(p, n, middle, radius, halves, part);
         real rest = 0, bend = 0, curl = 0;
-        for (integer k = n - 1; k > 2; k--) {
+        for (integer k = n - 1; k > 0; k--) {
             real size = fabs(part[k]);
             rest += size;
             bend += (real)k * size;
             curl += (real)(k * (k - 1)) * size;
         }
-        rest += fabs(part[1]) + fabs(part[2]);
-        bend += 2 * fabs(part[2]);
-        bool one_zero = fabs(part[0]) > rest || fabs(part[1]) > bend || level == DEPTH;
-        bool one_turn = 2 * fabs(part[2]) > curl;
+        bool one_zero = fabs(part[0]) > rest || 2 * fabs(part[1]) > bend || level == DEPTH;
+        bool one_turn = 4 * fabs(part[2]) > curl;
         if (!one_zero && !one_turn) {
             at *= 2;
             level++;
@@ -333,58 +326,34 @@ integer loop_crossings(const real *p, integer n, bool positive, bool monotone, c
     }
 }
 
-/* The least value of sign*p near x, at most `best`, and its place: Newton's rule on the slope, kept
-   in [0, 1]. */
-static real polished(const real *p, integer n, real sign, real x, real best, real *at) {
-    for (int i = 0; i < 7; i++) {
-        Jet f = jet(p, n, x);
-        if (sign * f.value < best) {
-            best = sign * f.value;
-            *at = x;
-        }
-        if (i == 6 || !(sign * f.curve > 0))
-            break;
-        real before = x;
-        x = x - f.slope / (2 * f.curve);
-        x = MAX(0.0, x);
-        x = MIN(1.0, x);
-        if (fabs(x - before) <= 1e-9) /* the value is flat to 1e-18 there */
-            break;
-    }
-    return best;
-}
-
-/* Extend the least and the greatest of two values by those of p on [0, 1]. Write their places, NaN
-   for a value that is the old one. */
-void loop_extremes(const real *p, integer n, bool monotone, const Tables *tables, real *values,
-                   real *places) {
-    integer last = monotone ? 1 : NODES - 1;
-    real nodes[NODES] = {0}, bend = 0; /* between two nodes p goes no further beyond them */
-    if (monotone) {
-        nodes[1] = value_at(p, n, 1);
-    } else {
-        for (integer k = 0; k < n; k++)
-            for (int i = 1; i < NODES; i++)
-                nodes[i] += p[k] * tables->powers[k * NODES + i];
-        for (integer k = 2; k < n; k++)
-            bend += (real)(k * (k - 1)) * fabs(p[k]);
-        bend /= 8 * (NODES - 1) * (NODES - 1);
-    }
-    nodes[0] = p[0];
+/* Extend the least and the greatest of two values by those of p on [0, 1]: Newton's rule on the slope
+   from the least and the greatest of some points. Write their places, NaN for a value that is the
+   old one. */
+void loop_extremes(const real *p, integer n, real *values, real *places) {
+    real points[NODES] = {0};
+    for (integer k = n - 1; k >= 0; k--)
+        for (int i = 0; i < NODES; i++)
+            points[i] = points[i] * ((real)i / (NODES - 1)) + p[k];
     for (int side = 0; side < 2; side++) {
-        real sign = side ? -1 : 1, before = sign * values[side];
-        integer lowest = 0;
-        for (integer i = 1; i <= last; i++)
-            lowest = sign * nodes[i] < sign * nodes[lowest] ? i : lowest;
-        real best = sign * nodes[lowest], at = (real)lowest / (real)last;
+        real sign = side ? -1 : 1, before = -1;
+        int first = 0;
+        for (int i = 1; i < NODES; i++)
+            first = sign * points[i] < sign * points[first] ? i : first;
+        real x = (real)first / (NODES - 1);
         places[side] = NAN;
-        if (!(best - bend < before))
-            continue;
-        if (!monotone)
-            best = polished(p, n, sign, at, best, &at);
-        if (best < before) {
-            values[side] = sign * best;
-            places[side] = at;
+        for (int i = 0; i < 7 && fabs(x - before) > 1e-9; i++) {
+            Jet f = jet(p, n, x);
+            if (sign * f.value < sign * values[side]) {
+                values[side] = f.value;
+                places[side] = x;
+            }
+            real drop = f.slope * f.slope / (sign * f.curve); /* four times that of a parabola */
+            if (!(drop > 0 && sign * f.value - drop < sign * values[side]))
+                break;
+            before = x;
+            x -= f.slope / (2 * f.curve);
+            x = MAX(0.0, x);
+            x = MIN(1.0, x);
         }
     }
 }
@@ -489,7 +458,7 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
         return 0;
     integer k = roots(l, e, lane);
     bool monotone = k == 0 && known(l, STEADY, e)[lane] > 0;
-    return loop_crossings(p + k, size - k, known(l, SIGN, e)[lane] > 0, monotone, &l->tables,
+    return loop_crossings(p + k, size - k, known(l, SIGN, e)[lane] > 0, monotone, l->halves,
                           zeros);
 }
 
@@ -622,7 +591,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
             power *= upto;
         }
         real values[] = {known(l, LEAST, e)[lane], known(l, GREATEST, e)[lane]}, places[2];
-        loop_extremes(p, size, known(l, STEADY, e)[lane] > 0, &l->tables, values, places);
+        loop_extremes(p, size, values, places);
         for (int side = 0; side < 2; side++) {
             known(l, LEAST + side, e)[lane] = values[side];
             if (places[side] >= 0)

@@ -28,11 +28,10 @@ class EvenTimes:
             times[-1] = self.until
         return times
 
-    def count(self, t: float, *, inclusive: bool) -> int:
-        """Return the number of times before t, or up to t."""
+    def count(self, t: float) -> int:
+        """Return the number of times up to t."""
         near = min(max(0, int((t - self.start) / self.step) - 1), len(self))
-        side: Any = "right" if inclusive else "left"
-        return near + int(np.searchsorted(self[near : near + 4], t, side=side))
+        return near + int(np.searchsorted(self[near : near + 4], t, side="right"))
 
 
 @dataclass(frozen=True)
@@ -55,9 +54,9 @@ class ListedTimes:
     def __getitem__(self, rows: slice) -> np.ndarray:
         return self.times[rows]
 
-    def count(self, t: float, *, inclusive: bool) -> int:
-        """Return the number of times before t, or up to t."""
-        return int(np.searchsorted(self.times, t, side="right" if inclusive else "left"))
+    def count(self, t: float) -> int:
+        """Return the number of times up to t."""
+        return int(np.searchsorted(self.times, t, side="right"))
 
 
 def spread(size: int, count: int) -> np.ndarray:

@@ -225,5 +225,5 @@ def test_json_and_figures(tmp_path, capsys):
     assert cli.outcome(["benchmark", "score", str(path), "--json", "--figures", str(tmp_path)]) == 0
     assert json.loads(capsys.readouterr().out)["results"][0]["outcome_is_right"] is True
     assert (tmp_path / "joint.png").stat().st_size > 10_000
-    assert cli.outcome(["benchmark", "score", str(path), "--figures", str(path)]) == 2
+    assert cli.outcome(["benchmark", "score", str(path), "--figures", str(path)]) == 5
     assert cli.outcome(["benchmark", "score", str(path), "--figures", "/proc/figures"]) == 5

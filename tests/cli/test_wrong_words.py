@@ -99,7 +99,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     # sweeps and landscapes
     ("sweep PLAN.toml --out x --workers 1.5", 2, "`--workers` must be a whole number, at least 1"),
     ("sweep inverting --out s.zarr", 2, "this is a scenario, not a plan"),
-    ("potential rolling-cylinder --D 1 --lambda 2", 2, "tippe tops only; this is a rolling cyl"),
+    ("potential heavy-top --D 1 --lambda 2", 2, "tippe tops only; this is a heavy top"),
     ("potential inverting --D '1 kg' --lambda 0", 2, "`--D` must be in kg m2 s-1"),
     ("surface inverting --D -1:1:1000000000000 --out f.zarr", 2, "at most 10000000 points"),
     ("surface inverting --D 0:1e300:5 --out f.zarr", 2, "`--D` and `--lambda` must keep V finite"),

@@ -84,15 +84,6 @@ def test_without_turnings_there_is_neither_band_nor_panel_nor_entry(inverting: t
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["θ(t)"]
 
 
-def test_a_title_is_text(inverting: tuple) -> None:
-    """Bytes of a command line that are no UTF-8 come as lone surrogates, which no font has."""
-    trajectory, events, attrs = inverting
-    with pytest.raises(InputError, match="the title must be text in UTF-8"):
-        figure_of(
-            "theta", {"trajectory": trajectory, "events": events}, attrs, catalogue.Look("b\udcff")
-        )
-
-
 @pytest.mark.parametrize("title", ["$x_{$ <b>", "50$ and 60$ $$", "first\n$x_{$"])
 def test_a_title_that_is_not_a_formula_is_literal(title: str, inverting: tuple) -> None:
     trajectory, events, attrs = inverting

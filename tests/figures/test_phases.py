@@ -115,12 +115,12 @@ def test_the_drift_of_jellett_s_integral_begins_anew_with_another_ball() -> None
         {"time": ("time", np.arange(4.0)), "jellett": ("time", np.array([2.0, 2.0, 5.0, 5.0]))}
     )
     attrs = {"report": {"drift": {"jellett": 0.0}}, "title": "a top", "initial": {}}
-    ((_, changes),) = conservation.changes(trajectory, attrs | {"handed_over": [1.5, 1.7]})
+    ((*_, changes),) = conservation.changes(trajectory, attrs | {"handed_over": [1.5, 1.7]})
     assert list(changes) == [0, 0, 0, 0]
-    ((_, changes),) = conservation.changes(trajectory, attrs)
+    ((*_, changes),) = conservation.changes(trajectory, attrs)
     assert list(changes) == [0, 0, 1.5, 1.5]
     drilling = trajectory.assign(jellett_lost=("time", np.array([0.0, 0.0, -3.0, -3.0])))
-    ((words, changes),) = conservation.changes(drilling, attrs)
+    ((words, _, changes),) = conservation.changes(drilling, attrs)
     assert (words, list(changes)) == ("λ + lost to torques", [0, 0, 0, 0])
 
 

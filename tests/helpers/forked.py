@@ -20,6 +20,10 @@ SERVER.set_forkserver_preload(
         "tippetop.runs.recording",
         "tippetop.runs.resuming",
         "tippetop.runs.forecast",
+        "tippetop.engine.hybrid",
+        "tippetop.library.finished_run",
+        "pint",
+        "xarray",
     ]
 )
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from tippetop.engine.loop import TABLES, Loop, Motion, filled, library, new_motion
+from tippetop.engine.loop import HALVES, Loop, Motion, library, new_motion
 from tippetop.engine.stepper import Called
 from tippetop.engine.tallies import (
     HIGH,
@@ -20,9 +20,6 @@ from tippetop.engine.tallies import (
     new_tallies,
 )
 from tippetop.mechanics.event import Event
-
-
-_TABLES = filled(TABLES)
 
 
 class Given(Called):
@@ -46,19 +43,17 @@ def crossings(p: np.ndarray, positive: bool, monotone: bool = False) -> tuple[np
     """
     zeros = np.empty(64)
     count = library().loop_crossings(
-        _data(p), len(p), positive, monotone, ctypes.byref(_TABLES), _data(zeros)
+        _data(p), len(p), positive, monotone, _data(HALVES), _data(zeros)
     )
     return zeros[:count], positive ^ bool(count % 2)
 
 
-def extremes(p: np.ndarray, low: float, high: float, monotone: bool = False) -> tuple[float, ...]:
+def extremes(p: np.ndarray, low: float, high: float) -> tuple[float, ...]:
     """Return the least and the greatest of these values and those of p on [0, 1], and where p has
     them, else NaN.
     """
     values, places = np.array([low, high]), np.empty(2)
-    library().loop_extremes(
-        _data(p), len(p), monotone, ctypes.byref(_TABLES), _data(values), _data(places)
-    )
+    library().loop_extremes(_data(p), len(p), _data(values), _data(places))
     return *values.tolist(), *places.tolist()
 
 

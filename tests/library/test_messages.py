@@ -170,7 +170,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(out=3), "must be a path"),
     (lambda: made().plot("theta", 3), "must be a path"),
     (lambda: tt.compare(3, "inverting"), "`others` must be a path or a list of paths, but is 3"),
-    (lambda: tt.sweep("abc", "sweep.zarr"), "`abc` must be the TOML file of a plan"),
+    (lambda: tt.sweep("abc", "sweep.zarr"), "`abc` is neither a TOML file nor a preset"),
     *(
         (lambda given=given: tt.compare("film.csv", "inverting", **given), message)
         for given, message in (
@@ -275,13 +275,13 @@ CALLS: list[tuple[Call, str]] = [
         (of(name=name), sentence)
         for of in (event, column)
         for name, sentence in {
-            **dict.fromkeys(["psi", "xyz", "turning", "kind", "work"], "must be a new name"),
+            **dict.fromkeys(
+                ["psi", "xyz", "turning", "kind", "work", "ball", "phase"], "must be a new name"
+            ),
             **dict.fromkeys(["", "a/b", "1x", "\u00e9"], "must be letters, digits and _"),
             **dict.fromkeys(["work_lo", "state_ux", "drift_energy"], "must not be one of"),
         }.items()
     ),
-    (column(name="phase"), "where the contact is, but is `phase`"),
-    (column(name="ball"), "where the contact is, but is `ball`"),
     (
         column(symbol=3, long_name=None),
         "`symbol` of the column `q` must be a valid string, but is 3.\n`long_name` of the column",

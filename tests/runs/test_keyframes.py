@@ -120,14 +120,9 @@ def test_a_replay_reaches_the_liftoff_that_ended_the_run(tmp_path: Path) -> None
     same_columns(tt.open(store).replay(0.0, end, end / 64), rows.trajectory)
 
 
-def test_a_run_with_rows_is_replayed_from_its_start_if_that_is_near(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_with_rows_is_replayed_from_its_start(tmp_path: Path) -> None:
     store = stored(tmp_path / "run.zarr", 4.0)
     same_columns(tt.open(store).replay(0.0, 4.0, 0.1), tt.open(store).trajectory)
-    monkeypatch.setattr(replay, "NEAR", 10)
-    with pytest.raises(StoreError, match="must have keyframes"):
-        tt.open(store).replay(3.0, 4.0, 0.1)
 
 
 def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(

@@ -30,17 +30,10 @@ def rise(problem: Problem, motion: Truth) -> float:
     return float((gap - least)[near].max(initial=0.0))
 
 
-def _balls(problem: Problem) -> list[tuple[float, float]]:
-    """Return the offset along the axis and the radius of each ball [m]."""
-    rules, body = problem.contact, problem.body()
-    stem = [(body.c + rules.h, rules.r)] if rules is not None and rules.stem else []
-    return [(body.c, body.R), *stem]
-
-
 def _gaps(problem: Problem, motion: Truth) -> np.ndarray:
     """Return the gap of each ball (balls, rows) [m]."""
     axis, z = axis_of(motion.quaternion), motion.position[:, 2]
-    return np.array([z + c * axis[:, 2] - R for c, R in _balls(problem)])
+    return np.array([z + c * axis[:, 2] - R for c, R in problem.balls.values()])
 
 
 def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
@@ -60,7 +53,7 @@ def outcome(problem: Problem, motion: Truth) -> dict[str, bool]:
         result["lands on the stem"] = bool((touches & (lowest == 1)).any())
     moves = np.isfinite(motion.velocity).all() and np.isfinite(motion.omega).all()
     if problem.law.set_valued and moves:
-        offset, radius = _balls(problem)[lowest[-1]]
+        offset, radius = [*problem.balls.values()][lowest[-1]]
         arm = offset * axis_of(motion.quaternion)[-1] - [0.0, 0.0, radius]
         slip = motion.velocity[-1] + np.cross(motion.omega[-1], arm)
         slow = math.hypot(slip[0], slip[1]) < STICKS * math.sqrt(body.g * body.R)

@@ -99,10 +99,8 @@ def _code_of(error: Exception) -> int | None:
 
     if isinstance(error, ImportError) and (sentence := missing_extra(error)):
         return complain([sentence], USAGE)
-    if isinstance(error, BuildError):
-        return complain([str(error)], USAGE)
-    if isinstance(error, InputError):
-        return complain(error.sentences, USAGE)
+    if isinstance(error, BuildError | InputError):
+        return complain(getattr(error, "sentences", [str(error)]), USAGE)
     if isinstance(error, StoreError):
         return complain([str(error)], STORE)
     if isinstance(error, OSError) and error.errno in DISK_ERRORS:

@@ -81,8 +81,6 @@ def _score(
     from ..store.files import writing
 
     if figures is not None:
-        if figures.exists() and not figures.is_dir():
-            raise InputError(f"`--figures` must be a folder, but `{figures}` is a file.")
         with writing(figures):
             figures.mkdir(parents=True, exist_ok=True)
     faults: list[InputError] = []

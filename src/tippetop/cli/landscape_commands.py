@@ -223,19 +223,12 @@ def _potential(V: Any, least: Any, look: Look = PLAIN) -> Any:
 
 def _tippe_top(scenario: str) -> tuple[dict[str, float], str]:
     """Return parameters and system of a scenario. Raises InputError if it has no (D, lambda)."""
-    from ..errors import a_system
-    from ..landscape.run_landscape import SPINNING
-    from ..mechanics.systems import find
+    from ..landscape.run_landscape import spinning_system
     from ..runs.starting import load
 
     problem = load(scenario)
-    record = find(problem.system.name)  # the sphere on the plane, whatever its contact does
-    landscape = None if record is None else record.landscape
-    if landscape is None or landscape.symbols != SPINNING:
-        raise InputError(
-            f"D and lambda belong to tippe tops only; this is {a_system(problem.system.name)}."
-        )
-    return {k: float(v) for k, v in problem.parameters.items()}, problem.system.name
+    spinning_system(problem.system.name)  # the sphere on the plane, whatever its contact does
+    return dict(problem.parameters), problem.system.name
 
 
 def _axis(name: str, text: str, unit: Unit) -> Any:

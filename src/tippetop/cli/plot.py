@@ -120,8 +120,7 @@ def _states(scenario: str, look: Look) -> Any:
     problem = load(scenario)
     run_landscape.refuse_parts(problem.friction._asdict())
     lam = forecast.at_start(problem).get("jellett", 0.0)
-    parameters = {name: float(value) for name, value in problem.parameters.items()}
-    branches, marks = run_landscape.diagram(problem.system.name, parameters, lam)
+    branches, marks = run_landscape.diagram(problem.system.name, problem.parameters, lam)
     marks["|λ| of the start"] = abs(lam)
     return drawing.drawn(lambda: states(branches, marks, literal(scenario)), look)
 

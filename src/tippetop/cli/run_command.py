@@ -85,11 +85,9 @@ def run(
             annotate(out, {"certificate": attrs["certificate"]})
     if figure is not None:
         from ..figures import drawing
-        from ..figures.window import in_window
 
-        groups = attributes.groups(done) if out is None else for_figures(out)
-        shown = in_window(groups, attrs, None, None)
-        drawing.write(drawing.axes_of("theta", *shown), figure, overwrite=overwrite)
+        groups = attributes.datasets(done, attrs) if out is None else for_figures(out)
+        drawing.write(drawing.axes_of("theta", groups, attrs), figure, overwrite=overwrite)
     return _print(attrs, seconds, {"store": out, "figure": figure}, as_json)
 
 

@@ -9,7 +9,7 @@ from ..figures import catalogue
 from ..store import files, root
 
 
-def check_picture(path: Path | None, overwrite: bool = False) -> None:
+def check_picture(path: Path | None, overwrite: bool) -> None:
     """Refuse a picture before the run rather than after it."""
     if path is None:
         return

@@ -16,7 +16,7 @@ from ..mechanics.contact.response import Struck, after_impact
 from ..mechanics.friction import PARTS, has_parts
 from ..mechanics.lines import unit_of
 from ..mechanics.operand import Vector, leaves, refill, times
-from ..problem import PRECISIONS, Problem
+from ..problem import PRECISIONS, ROUNDING, Problem
 from .driver import NO_ROWS, Driver
 from .expressions import Formulas
 from .status import Status
@@ -32,7 +32,6 @@ UNSOLVED = "friction jams the contact within an impact, or is not finite: it has
 STIFF = "friction within an impact is too stiff to be followed"
 ENDLESS = "the impact of a patch did not end: one that hardly turns takes too many steps"
 ENDED, NON_FINITE, STALLED = Status.ENDED.code, Status.NON_FINITE.code, Status.STALLED.code
-ROUNDING = {"double": 2.0**-52, "longdouble": 2.0**-63, "quad": 2.0**-112}
 
 
 LONGEST, REST_SPAN, SHORTEST = 64.0, 0.25, 2.0**-40

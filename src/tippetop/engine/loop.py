@@ -76,13 +76,6 @@ class _Thresholds(NamedTuple):
     on_zero_for: float = ON_ZERO_FOR
 
 
-class Tables(NamedTuple):
-    """Numbers that the search for zeros and extremes reads."""
-
-    halves: np.ndarray  # row j: the coefficients of (1/2 + x/2)^j
-    powers: np.ndarray  # row k: the k-th powers of nine points of [0, 1]
-
-
 class _Loop(NamedTuple):
     step: int
     dense: int
@@ -97,16 +90,15 @@ class _Loop(NamedTuple):
         np.ndarray
     )  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
     out: np.ndarray  # (variables, lanes) a state
+    halves: np.ndarray
     rules: StopRules
     thresholds: _Thresholds
-    tables: Tables
     output: Rows
 
 
-TABLES = Tables(
-    np.array([[comb(j, k) * 0.5**j for k in range(32)] for j in range(32)]),
-    np.array([[(i / 8) ** k for i in range(9)] for k in range(MOST_COEFFICIENTS)]),
-)
+_POWERS = range(MOST_COEFFICIENTS)
+HALVES = np.array([[comb(j, k) * 0.5**j for k in _POWERS] for j in _POWERS])
+"""In row j the coefficients of (1/2 + x/2)^j."""
 
 
 @cache
@@ -219,9 +211,9 @@ class Loop:
             "samples": samples,
             "factors": np.empty((2, size, lanes)),
             "out": self.out,
+            "halves": HALVES,
             "rules": rules,
             "thresholds": _Thresholds(),
-            "tables": TABLES,
         }
         self.structure: Any = structure(_Loop)(
             **{name: _field(record) for name, record in self.records.items()}

@@ -11,7 +11,6 @@ import numpy as np
 
 from ..errors import InputError
 from ..mechanics.contact import body as contact
-from ..mechanics.friction import Frictionless
 from ..problem import Problem
 from ..runs.run import solve, with_rows_at
 from .motion import Convention, Motion, angle_between, motion
@@ -99,7 +98,7 @@ def compare(problem: Problem, path: str | Path, convention: Convention = Convent
             f"`{path}` must have theta, an axis, a quaternion or a place to be compared, "
             "but has none."
         )
-    body = problem.system.body_of(problem.parameters, Frictionless())
+    body = problem.body()
     kept, touching = {}, {}
     if isinstance(body, contact.Touch) and there.axis is not None:
         kept, touching = conserved(there, problem, body), _contact(there, problem, body)

@@ -60,14 +60,6 @@ def _digits(estimate: Estimate) -> int:
     return min(max(round(math.log10(abs(estimate.value) / estimate.sigma)) + 3, 2), 12)
 
 
-def fitted_problem(problem: Problem, fit: Fit) -> Problem:
-    """Return the scenario with the fitted numbers.
-
-    Raises InputError where they break together.
-    """
-    return build.problem(tables(problem, fit))
-
-
 def tables(problem: Problem, fit: Fit) -> dict[str, Any]:
     """Return the tables of the scenario with the fitted numbers."""
     changed = build.resolved(problem)

@@ -35,8 +35,6 @@ COLUMNS = {
 
 OWN = {"theta", "theta_dot", "energy", "modified_energy", "normal_force"}
 """Columns of every run, which identify a header of `tippetop export`."""
-WORDS = {"phase"}
-"""Columns of words, which are not read."""
 
 RENAMED = {"time": "t"} | {f"orientation_{c}": f"q_{c}" for c in "wxyz"}
 HEADER = re.compile(r"\s*([A-Za-z_]\w*)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*")
@@ -59,7 +57,7 @@ def heading(header: Sequence[str]) -> dict[str, tuple[int, float]]:
                 "a header must be names with units, separated by commas, such as "
                 f"`t [s], theta [deg]`, but has {text!r:.60}."
             )
-        elif name in WORDS:
+        elif name == "phase":  # words, which are not read
             continue
         elif unit is None:
             unknown.append(name)

@@ -9,14 +9,12 @@ from ..arguments import dotted_keys, measured
 from ..errors import InputError
 from ..mechanics.units import RADIAN
 from ..problem import Problem
-from .fitting import Fit
 from .motion import Convention, motion
 from .motion_table import read
 from .observation import Observation
 
 
 MOST_ROWS = 100_000
-DRAWN = 4001  # times of a curve: fifteen in a period of the canonical top filmed for ten seconds
 
 
 def observation_of(
@@ -52,9 +50,3 @@ def observation_of(
         )
     names = dotted_keys(free, problem.rules)
     return Observation(problem, names, motion(table, convention), marker, noise)
-
-
-def curves(observation: Observation, result: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Return the predictions of a fit, also between measurements: times [s], curves by kind."""
-    times = np.linspace(observation.t[0], observation.t[-1], DRAWN)
-    return times, observation.curves({name: e.value for name, e in result.estimates.items()}, times)

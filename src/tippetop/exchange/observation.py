@@ -21,6 +21,8 @@ TIMES = {
     CLOCK: Number(ONE, "seconds of the motion per second of the table's clock", above=0),
 }
 """Numbers of the clock of a table: the motion's time is scale t + offset."""
+# Times of a curve: fifteen in a period of the canonical top filmed for ten seconds
+DRAWN = 4001
 # Fraction of the duration within which the time of a clock is searched
 REACH = 1 / 8
 TOLERANCE = 1e-9  # of the integrator: data are never better
@@ -146,8 +148,9 @@ class Observation:
             rows["orientation"] = theta_of(rows["orientation"])[:, None]
         return rows
 
-    def curves(self, values: dict[str, float], t: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the predictions of `dots` at times [s] of the table's clock, by group."""
+    def curves(self, values: dict[str, float]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """Return the predictions of `dots`, also between them: times [s], and curves by group."""
+        t = np.linspace(self.t[0], self.t[-1], DRAWN)
         jets = self._read([values], t, slopes=False)
         curves = {
             group: self._model(group, jets)[..., 0]
@@ -157,7 +160,7 @@ class Observation:
         if "orientation" in self.groups:
             x, y, z = (jets[name] for name in AXES[3:])
             curves["orientation"] = np.arctan2(np.hypot(x, y), z)
-        return curves
+        return t, curves
 
     def _read(
         self, points: Sequence[dict[str, float]], t: np.ndarray, *, slopes: bool

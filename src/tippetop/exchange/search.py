@@ -68,12 +68,15 @@ def local_minimum(
     `size`: the scale beyond which a loss bends; None: of the residuals of the point."""
     from scipy.optimize import least_squares
 
+    def residuals(x: np.ndarray) -> np.ndarray:
+        return misfit.at(x[None], rows, slopes=False)[0][0]
+
     last = rows >= len(misfit.observation.t)
-    begin = misfit.at(point[None], rows, slopes=False)[0][0]
+    begin = residuals(point)
     count = len(begin)
     keep = 0.0 if last else float(np.sqrt(np.mean(begin**2)))
     result = least_squares(
-        lambda x: np.append(misfit.at(x[None], rows, slopes=False)[0][0], keep * x),
+        lambda x: np.append(residuals(x), keep * x),
         point,
         lambda x: np.vstack([misfit.at(x[None], rows)[1][0], keep * np.eye(len(x))]),
         bounds=misfit.space.bounds,

@@ -8,12 +8,12 @@ import numpy as np
 from ..engine.observables import Observables
 from ..errors import InputError, a_system
 from ..mechanics.contact import body as contact
-from ..mechanics.contact.rows import moving, row_of_angles
 from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
 from ..mechanics.rotation import Quaternion, inverse, rotated
 from ..mechanics.units import ANGULAR_MOMENTUM, METRE, METRE_PER_SECOND, NEWTON
 from ..problem import Problem
+from ..scenario import build
 
 
 TIP = 1e-3  # radius of the ball for a tip, in lengths from the tip to the centre of mass
@@ -33,10 +33,9 @@ class Start(NamedTuple):
 
 def start_of(problem: Problem) -> Start:
     """Return the start of a body on the plane, in any form."""
-    if problem.contact is not None or problem.system.name == "heavy-top":
-        place, q, velocity, w, _ = (part[0] for part in motion_of(problem, problem.start()[None]))
-    else:
-        place, q, velocity, w = _gliding_start(problem)
+    if problem.contact is None and problem.system.name != "heavy-top":
+        problem = _opened(problem)
+    place, q, velocity, w, _ = (part[0] for part in motion_of(problem, problem.start()[None]))
     return Start(place, q, velocity, np.array(rotated(inverse(Quaternion(*q)), Vector(*w))))
 
 
@@ -78,20 +77,17 @@ def motion_of(problem: Problem, rows: np.ndarray) -> tuple[np.ndarray, ...]:
     return place, q, velocity, w, force
 
 
-def _gliding_start(problem: Problem) -> tuple[np.ndarray, ...]:
-    """Return the same, without the force, of a start on a plane that is never left."""
-    data, body = problem.initial, problem.body()
-    theta = data.get("theta", 0.0)
-    s, z = math.sin(theta), math.cos(theta)
-    row = row_of_angles(problem.system.start(data, s, z, body), s, z, body)
-    x = moving(row, ())
-    velocity = np.array(x.velocity)
-    if data.get("centre_at_rest"):
-        velocity[:2] = 0.0
-    w = np.array(contact.angular_velocity(x.u, x.L, body))
-    columns = Observables(problem).columns(np.zeros(1), problem.start()[None, :])
-    place = np.array([data.get("x", 0.0), data.get("y", 0.0), x.height])
-    return place, columns["orientation"].values[0], velocity, w
+def _opened(problem: Problem) -> Problem:
+    """Return the same start of a body whose contact may open; that of rolling has no slip."""
+    return build.problem(
+        {
+            "system": problem.system.name.removeprefix("rolling-"),
+            "parameters": dict(problem.parameters),
+            "friction": {"law": "none"},
+            "initial": dict(problem.initial),
+            "run": {"until": problem.until, "on_liftoff": "fly"},
+        }
+    )
 
 
 def text_of(problem: Problem, to: str) -> str:

@@ -22,17 +22,12 @@ Curve = tuple[str, np.ndarray, np.ndarray]
 
 def drift(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw the relative changes of the conserved quantities; curves are open where they are 0."""
-    return draw_drift(_curves(trajectory, attrs), attrs, ax)
+    return draw_drift(changes(trajectory, attrs), attrs, ax)
 
 
 def growth(trajectory: Any, events: Any, attrs: dict[str, Any], ax: Axes | None = None) -> Axes:
     """Draw the largest change so far over the time, and sqrt(t) as of a random walk."""
-    return draw_growth(_curves(trajectory, attrs), attrs, ax)
-
-
-def _curves(trajectory: Any, attrs: dict[str, Any]) -> list[Curve]:
-    t = trajectory["time"].values
-    return [(words, t, values) for words, values in changes(trajectory, attrs)]
+    return draw_growth(changes(trajectory, attrs), attrs, ax)
 
 
 def draw_drift(curves: list[Curve], attrs: dict[str, Any], ax: Axes | None) -> Axes:
@@ -76,10 +71,13 @@ def _draw(ax: Axes, curves: list[Curve], attrs: dict[str, Any], **style: Any) ->
     return ax
 
 
-def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarray]]:
-    """Return the relative changes since the start of the conserved quantities, with their words."""
-    first, rows = attrs.get("first_row", {}), _handed_over(trajectory, attrs)
-    curves: list[tuple[str, np.ndarray]] = []
+def changes(trajectory: Any, attrs: dict[str, Any]) -> list[Curve]:
+    """Return the relative changes since the start of the conserved quantities."""
+    t, first = trajectory["time"].values, attrs.get("first_row", {})
+    # Where another ball is in contact
+    rows = np.unique(np.searchsorted(t, attrs.get("handed_over", ())))
+    rows = rows[(rows > 0) & (rows < len(t))]
+    curves: list[Curve] = []
     for name, words in INTEGRALS.items():
         if name not in attrs["report"]["drift"] or name not in trajectory:
             continue
@@ -92,23 +90,18 @@ def changes(trajectory: Any, attrs: dict[str, Any]) -> list[tuple[str, np.ndarra
                 words += ", since its ball touched first"
         piece, *others = np.split(values, handed)
         begun = None if "ball" in trajectory else first.get(name)
-        curves.append((words, np.concatenate([relative(piece, begun), *map(relative, others)])))
+        pieces = [relative(piece, begun), *map(relative, others)]
+        curves.append((words, t, np.concatenate(pieces)))
     if "energy" in trajectory:
         work = trajectory["work"].values if "work" in trajectory else 0.0
         begun = first["energy"] + first.get("work", 0.0) if first else None
         balance = relative(trajectory["energy"].values + work, begun)
-        curves.append(("energy balance E + ∫ friction power", balance))
+        curves.append(("energy balance E + ∫ friction power", t, balance))
     if "axis" in trajectory:
         length = np.linalg.norm(trajectory["axis"].values, axis=1)
-        curves.append(("length of the axis $|\\hat{3}|$", relative(length, 1.0 if first else None)))
+        change = relative(length, 1.0 if first else None)
+        curves.append(("length of the axis $|\\hat{3}|$", t, change))
     return curves
-
-
-def _handed_over(trajectory: Any, attrs: dict[str, Any]) -> np.ndarray:
-    """Return the rows from which another ball is in contact."""
-    t = trajectory["time"].values
-    rows = np.unique(np.searchsorted(t, attrs.get("handed_over", ())))
-    return rows[(rows > 0) & (rows < len(t))]
 
 
 def relative(values: np.ndarray, first: float | None = None) -> np.ndarray:

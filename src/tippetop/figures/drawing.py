@@ -158,11 +158,6 @@ def drawn(draw: Callable[[], Any], look: Look = PLAIN, ax: Any = None) -> Any:
     """
     from .style import as_given, styled
 
-    if look.title is not None:
-        try:
-            look.title.encode()
-        except UnicodeEncodeError:  # bytes of a command line
-            raise InputError(f"the title must be text in UTF-8, but is {look.title!r}.") from None
     with styled(dark=look.dark, size=look.size, ax=ax):
         axes = draw()
         figure = axes.get_figure(root=True)

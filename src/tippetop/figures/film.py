@@ -23,7 +23,8 @@ SECTORS = 8  # alternately light and dark around the axis: they show the spin
 ELEVATION = np.radians(16.0)  # of the camera
 SCREEN = np.array([[1, 0, 0], [0, np.sin(ELEVATION), np.cos(ELEVATION)]])
 AHEAD = np.array([0, np.cos(ELEVATION), -np.sin(ELEVATION)])
-LIGHT = np.array([-0.42, -0.62, 0.66]) / np.linalg.norm([-0.42, -0.62, 0.66])
+LIGHT = np.array([-0.42, -0.62, 0.66])
+LIGHT /= np.linalg.norm(LIGHT)
 CREAM, BLUE, ORANGE, WOOD, IRON = (
     np.array(rgb) / 255
     for rgb in ((243, 232, 205), (44, 92, 143), (217, 95, 30), (196, 142, 84), (35, 38, 44))

@@ -25,7 +25,7 @@ FACETS = 140  # of the surface in 3-D, along each axis
 EXACT = 1e-17  # [rad] smaller distances from the edge of the band are not drawn
 
 
-def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: Any = None) -> Any:
+def surface(grid: Any, lines: Any, run: Any = None, title: str = "", ax: Any = None) -> Any:
     """Draw F(D, lambda) in 3-D [figure 4.1 of the source], with the spinning states and a run.
 
     Parameters
@@ -46,8 +46,7 @@ def surface(grid: Any, lines: Any = None, run: Any = None, title: str = "", ax: 
     X, Y = np.meshgrid(*(F[name] for name in F.dims), indexing="ij")
     axes.plot_surface(X, Y, F, cmap="viridis", rstride=1, cstride=1, lw=0, antialiased=False)
     high = F.max()
-    if lines is not None:
-        _spinning(axes, lines, X.min(), X.max())
+    _spinning(axes, lines, X.min(), X.max())
     if run is not None:
         run = run.isel(time=every(run.sizes["time"]))
         path = [run[name].values for name in ("routh", "jellett", "modified_energy")]

@@ -58,7 +58,7 @@ def overlay(
 def _values(kind: str, trajectory: Any, attrs: dict[str, Any]) -> np.ndarray:
     """Return the values of a run."""
     if kind in CHANGES:
-        return np.max([values for _, values in changes(trajectory, attrs)], axis=0)
+        return np.max([values for *_, values in changes(trajectory, attrs)], axis=0)
     if kind == "normal-force":
         return trajectory["normal_force"].values / weight(attrs)
     return np.asarray(trajectory[kind].values)

@@ -10,18 +10,10 @@ from ..errors import InputError
 def in_window(
     groups: dict[str, Any], attrs: dict[str, Any], start: float | None, until: float | None
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return a part of a run [s] as Datasets, and its attributes with the first row of the run.
+    """Return a part of a run [s], and its attributes with the first row of the run.
 
     Changes are measured from that row. Raises InputError if nothing is in between.
     """
-    import xarray as xr
-
-    groups = {
-        name: xr.Dataset({key: column[:3] for key, column in group.items()})
-        if isinstance(group, dict)
-        else group
-        for name, group in groups.items()
-    }
     if start is None and until is None:
         return groups, attrs
     low, high = -np.inf if start is None else start, np.inf if until is None else until

@@ -9,6 +9,7 @@ import xarray as xr
 from ..columns import capitalised, on_sphere, significant_turnings
 from ..errors import InputError, a_system
 from ..mechanics.friction import PARTS, Frictionless
+from ..mechanics.system import System
 from ..mechanics.theory import thresholds, tumbling
 from .landscape_body import landscape_of
 from .marked_lines import marked_lines
@@ -113,6 +114,14 @@ def states(
     return branches, marks, capitalised(attrs["title"]), (np.cos(seen["theta"].values), lam)
 
 
+def spinning_system(name: str) -> System:
+    """Return a system of tippe tops. Raises InputError for another."""
+    system, landscape = landscape_of(name)
+    if landscape.symbols != SPINNING:
+        raise InputError(f"D and lambda belong to tippe tops only; this is {a_system(name)}.")
+    return system
+
+
 def diagram(
     system: str, parameters: dict[str, float], lam: float
 ) -> tuple[list[tumbling.Branch], dict[str, float]]:
@@ -120,10 +129,7 @@ def diagram(
 
     The branches reach beyond `lam` [kg m^3/s] and the thresholds.
     """
-    record, landscape = landscape_of(system)
-    if landscape.symbols != SPINNING:
-        raise InputError(f"`states` is drawn for tippe tops only; this is {a_system(system)}.")
-    body = record.body_of(parameters, Frictionless())
+    body = spinning_system(system).body_of(parameters, Frictionless())
     limits = {r"$\lambda_u$": thresholds.lambda_u(body), r"$\lambda_s$": thresholds.lambda_s(body)}
     marks = {name: float(value) for name, value in limits.items() if np.isfinite(value)}
     return tumbling.branches(body, 1.25 * max(abs(lam), *marks.values())), marks

@@ -13,6 +13,7 @@ from ..exchange.verdict import Verdict
 from ..problem import Problem
 from ..progress import Report, reporting
 from ..runs.starting import load_any
+from ..scenario import build
 from .finished_run import Run
 from .sources import problem_behind
 
@@ -120,7 +121,7 @@ class Fitted:
     @property
     def problem(self) -> Problem:
         """Return the scenario with the fitted numbers. Raises InputError if they conflict."""
-        return fit_text.fitted_problem(self._before, self._fit)
+        return build.problem(fit_text.tables(self._before, self._fit))
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as plain data, as `tippetop fit --json` prints it."""
@@ -137,7 +138,7 @@ class Fitted:
         figure = draw_fit(
             self._fit.t,
             self._observation.dots(),
-            measurements.curves(self._observation, self._fit),
+            self._observation.curves({name: e.value for name, e in self.estimates.items()}),
             self.residuals,
             str(self).split("\n"),
         )

@@ -28,6 +28,8 @@ ALWAYS = (
     "theta_dot_sign",
     "amplitude",
     "significant",
+    "phase",
+    "ball",
 )
 """Names that no system lists: dimensions, the orientation, columns of events."""
 BUILT_IN = ("status", "class", "top", "turning", "equators", "inversions")
@@ -116,8 +118,6 @@ def _names(
             must = f"be letters, digits and _, and begin with no digit, but is {name!r:.60}."
         elif name in known:
             faults.append(f"`{name}` must be a new name, but `{system.name}` has it.")
-        elif name in ("phase", "ball"):
-            must = f"not be phase or ball, which say where the contact is, but is `{name}`."
         elif re.fullmatch(r"state_.*|final_.*|drift_.*|.*_lo", name):
             must = f"not be one of state_..., final_..., drift_... or ..._lo, but is `{name}`."
         elif name in seen:

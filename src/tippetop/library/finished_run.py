@@ -78,10 +78,7 @@ class Run:
 
     @cached_property
     def _datasets(self) -> "dict[str, xr.Dataset]":
-        return {
-            name: attributes.dataset(columns, self.attributes)
-            for name, columns in attributes.groups(self.solution).items()
-        }
+        return attributes.datasets(self.solution, self.attributes)
 
     @property
     def trajectory(self) -> "xr.Dataset":
@@ -170,7 +167,7 @@ class Run:
 
         return Plots(self)
 
-    def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
+    def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
         """Return the tables for a figure; of a store the first row and those in the window."""
         return self._datasets
 

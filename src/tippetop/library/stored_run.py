@@ -103,10 +103,11 @@ class StoredRun(Run):
         )
         return attributes.dataset(columns, self.attributes)
 
-    def _for_figures(self, kind: str, window: Window = (None, None)) -> dict[str, Any]:
+    def _for_figures(self, kind: str, window: Window) -> dict[str, Any]:
         groups = chunks.for_figures(self.path, window)
         if kind == "growth" and root.has_keyframes(self.attributes):
-            groups["trajectory"] = keyframes.rows(self.path, self.problem)
+            rows = keyframes.rows(self.path, self.problem)
+            groups["trajectory"] = attributes.dataset(rows, self.attributes)
         return groups
 
     def _page(self, start: float | None, until: float | None) -> str:

@@ -171,6 +171,15 @@ class Problem(RunOptions):
         """Return the record that formulas take, in SI units."""
         return self.system.body_of(self.parameters, self.friction, number)
 
+    @property
+    def balls(self) -> dict[str, tuple[float, float]]:
+        """Offset along the axis and radius [m] of each ball that may touch the plane, by name."""
+        body, rules = self.body(), self.contact
+        balls = {"body": (body.c, body.R)}
+        if rules is not None and rules.stem:
+            balls["stem"] = body.c + rules.h, rules.r
+        return balls
+
     @cached_property
     def scales(self) -> Scales:
         """The internal units of mass, length and time; see `Problems.scales`."""

@@ -24,6 +24,11 @@ def groups(run: "Solution") -> dict[str, dict[str, Column]]:
     return {"trajectory": run.columns(), "events": event_columns(run.events), **others}
 
 
+def datasets(run: "Solution", attrs: dict[str, Any]) -> dict[str, Any]:
+    """Return the groups of a run in memory as labelled Datasets."""
+    return {name: dataset(columns, attrs) for name, columns in groups(run).items()}
+
+
 def dataset(columns: dict[str, Column], attrs: dict[str, Any]) -> Any:
     """Return columns as a labelled Dataset."""
     import xarray as xr

@@ -129,7 +129,9 @@ class Integration:
     def begin(self, sink: Sink) -> None:
         """Direct the run to a sink; end it if it ends at its start."""
         self.sink, self.asked = sink, self.filled
-        self.steps = self.problem.output == "steps" and sink.keeps_rows
+        self.steps, self.at_times = (
+            sink.keeps_rows and self.problem.output == output for output in ("steps", "times")
+        )
         self.status = self._ended_at_start() if self.fresh else None
 
     def _steps(self) -> int:
@@ -176,7 +178,7 @@ class Integration:
         """Return the internal times of the next rows, or room for rows at the ends of steps."""
         if self.steps:
             return np.empty(ROWS_PER_BLOCK)
-        if self.problem.output != "times" or not self.sink.keeps_rows:
+        if not self.at_times:
             return np.zeros(0)
         times = self.problem.times[self.asked : self.asked + ROWS_PER_BLOCK]
         self.asked += len(times)
@@ -189,11 +191,9 @@ class Integration:
 
     def fill(self) -> None:
         """Write the rows at the end of the run that no step has: the last good state."""
-        if self.problem.output != "times" or not self.sink.keeps_rows:
+        if not self.at_times:
             return
-        times = self.problem.times[
-            self.filled : self.problem.times.count(self.t_end, inclusive=True)
-        ]
+        times = self.problem.times[self.filled : self.problem.times.count(self.t_end)]
         if len(times):
             self._write(times, np.repeat(self.last, len(times), axis=0))
 

@@ -136,9 +136,7 @@ def contact_faults(problem: Problem) -> list[str]:
     ]
     if rules.stem and stem_faults(problem.parameters["R"], rules.r, rules.h):
         return faults  # which are found already
-    balls = {"body": (body.c, body.R)}
-    if rules.stem:
-        balls["stem"] = body.c + rules.h, rules.r
+    balls = problem.balls
     coefficients = {getattr(friction, name): name for name in law.bounded_by}
     mu, mu_r = max(coefficients, default=0.0), getattr(friction, "mu_r", 0.0)
     # Coulomb friction has one contact force only below Painleve's bound. [contact 2.6]

@@ -62,15 +62,11 @@ def missing_records(attrs: dict[str, Any], system: System) -> list[str]:
     return [name for of in attrs.get(DIGESTS, {}).values() for name in of if name not in known]
 
 
-def registered_as(system: System) -> System | None:
-    """Return the registered system of the same name, opened where this one is; None if none."""
-    registered = find(system.name)
-    return registered and opened(registered, *system.contact) if system.contact else registered
-
-
 def user_records(system: System) -> tuple[tuple[Event, ...], tuple[Quantity, ...]]:
     """Return the events and columns of a system that the registered one does not have."""
-    registered = registered_as(system)
+    registered = find(system.name)
+    if registered is not None and system.contact:
+        registered = opened(registered, *system.contact)
     if registered is None or registered is system:
         return (), ()
     return (

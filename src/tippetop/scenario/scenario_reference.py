@@ -29,11 +29,6 @@ KINDS = {
     "string": "text",
     "boolean": "true or false",
 }
-BOUNDS = {
-    "exclusiveMinimum": "greater than",
-    "minimum": "at least",
-    "exclusiveMaximum": "less than",
-}
 
 
 def allowed(schema: Mapping[str, Any]) -> str:
@@ -48,10 +43,8 @@ def allowed(schema: Mapping[str, Any]) -> str:
         return f'"{schema["const"]}"'
     if schema.get("type") == "array":
         return f"a list, each {allowed(schema['items'])}"
-    bounds = ", ".join(
-        f"{words} {schema[bound]:g}" for bound, words in BOUNDS.items() if bound in schema
-    )
-    return f"{KINDS.get(schema.get('type', ''), 'a table')} {bounds}".strip()
+    bound = f" at least {schema['minimum']:g}" if "minimum" in schema else ""
+    return f"{KINDS.get(schema.get('type', ''), 'a table')}{bound}"
 
 
 def keys_of(table: type[BaseModel]) -> list[tuple[str, str, str, str]]:

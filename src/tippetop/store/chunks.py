@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ..columns import Column
 from ..sampling import extremes
 from .root import groups_of, loaded, open_group
 
@@ -42,8 +41,8 @@ def digest(
     key: str = "theta",
     most: int = 400_000,
     window: Window = (None, None),
-) -> dict[str, Column]:
-    """Return a group as columns of at most about `most` rows. Raises StoreError.
+) -> Any:
+    """Return a group as a Dataset of at most about `most` rows. Raises StoreError.
 
     Of more rows, the one with the least and the one with the largest `key` of each bin are kept,
     so that no peak is lost.
@@ -61,15 +60,10 @@ def digest(
     if rows.size > most:
         keys = [piece[key].values for piece in blocks(table[[key]], path, first, last)]
         rows = first + extremes(np.concatenate(keys), -(-rows.size // (most // 2)))
-    chosen = loaded(table.isel({dim: np.append(np.arange(min(first, 1)), rows)}), path)
-    return {
-        str(name): Column(variable.dims, variable.values, variable.attrs)
-        for name, variable in chosen.variables.items()
-        if variable.dims[0] == dim
-    }
+    return loaded(table.isel({dim: np.append(np.arange(min(first, 1)), rows)}), path)
 
 
-def for_figures(path: str | Path, window: Window = (None, None)) -> dict[str, dict[str, Column]]:
+def for_figures(path: str | Path, window: Window = (None, None)) -> dict[str, Any]:
     """Return the groups of a run for figures: rows and events thinned, phases and impacts whole."""
     groups = {name: digest(path, name, window=window) for name in ("trajectory", "events")}
     whole = [name for name in ("phases", "impacts") if name in groups_of(path)]

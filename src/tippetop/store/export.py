@@ -52,8 +52,11 @@ def export(
         if to == "netcdf":
             scratch.write_bytes(_netcdf(tables, attrs, store))
         else:
-            write = _csv if to == "csv" else _parquet
-            write(_frames(tables[first], store), scratch, attrs, tables[first])
+            table = tables[first]
+            if to == "csv":
+                _csv(_frames(table, store), scratch, table)
+            else:
+                _parquet(_frames(table, store), scratch, attrs)
 
 
 def _netcdf(tables: dict[str, Any], attrs: dict[str, str], store: Path) -> Any:
@@ -70,7 +73,7 @@ def _netcdf(tables: dict[str, Any], attrs: dict[str, str], store: Path) -> Any:
     return xr.DataTree.from_dict(tree).to_netcdf(engine="h5netcdf")
 
 
-def _csv(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: Any) -> None:
+def _csv(frames: Iterator[Any], path: Path, table: Any) -> None:
     heads: dict[str, str] = {}
     for name, variable in table.variables.items():
         units = variable.attrs.get("units", "1")
@@ -82,7 +85,7 @@ def _csv(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: Any) -
             named.to_csv(file, header=not i, index=False, float_format="%.17g")
 
 
-def _parquet(frames: Iterator[Any], path: Path, attrs: dict[str, str], table: Any) -> None:
+def _parquet(frames: Iterator[Any], path: Path, attrs: dict[str, str]) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 

@@ -138,7 +138,7 @@ def write_text(path: Path, text: str, *, overwrite: bool) -> None:
         scratch.write_text(text, encoding="utf-8")
 
 
-def refuse_existing(path: Path, overwrite: bool = False) -> None:
+def refuse_existing(path: Path, overwrite: bool) -> None:
     """Raise StoreError if a path exists, unless it may be overwritten."""
     if not overwrite and os.path.lexists(path):
         raise StoreError(f"`{path}` must not exist yet, but does: use --overwrite to replace it.")

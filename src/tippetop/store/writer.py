@@ -64,7 +64,7 @@ def begin_or_continue(
     path: str | Path,
     head: Callable[[], dict[str, Any]],
     same: Iterable[str],
-    overwrite: bool = False,
+    overwrite: bool,
 ) -> Ledger:
     """Lock the store of a header, new or continued without the chunks that are damaged.
 

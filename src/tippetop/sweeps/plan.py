@@ -101,8 +101,6 @@ class Plan:
     def from_toml(cls, path: str | Path) -> "Plan":
         """Return the plan of a TOML file. Raises InputError with every fault."""
         place = path_of("plan", path)
-        if not place.is_file() and str(place) not in reading.presets():
-            raise InputError(f"`{place}` must be the TOML file of a plan, but is no file.")
         return cls.from_tables(reading.read(str(place)), place.parent)
 
     @classmethod

@@ -29,7 +29,7 @@ def chunk_counts(path: Path, attrs: dict[str, Any]) -> tuple[dict[str, int], dic
     return {"todo": todo, "done": done, "failed": len(failed)}, failed
 
 
-def opened(path: str | Path, plan: Plan, overwrite: bool = False) -> Ledger:
+def opened(path: str | Path, plan: Plan, overwrite: bool) -> Ledger:
     """Open the store of a sweep to write it, new or continued. Raises StoreError."""
     same = ("plan", "versions", "cpu", "chunk")
     return begin_or_continue(path, lambda: _header(plan), same, overwrite)

@@ -74,7 +74,7 @@ def given(problem: Problem) -> dict[str, Any]:
         "atRest": bool(data.get("centre_at_rest")),
         "until": problem.until,
         "e_n": contact.e_n if contact else 0.0,
-        "stem": {"r": contact.r, "h": contact.h} if contact and contact.stem else None,
+        "stem": problem.tables.get("stem"),
     }
 
 
