@@ -14,7 +14,6 @@ from ..arguments import measured
 from ..errors import InputError
 from ..figures.catalogue import PLAIN, Look
 from ..mechanics.units import ANGULAR_MOMENTUM, JELLETT, Unit
-from ..sampling import spread
 from .streams import complain, print_json, report, visible
 from .values import Jellett, Place, Routh, Whole
 
@@ -62,6 +61,7 @@ def surface(
     from ..figures import drawing
     from ..landscape import marked_lines, surface, surface_recording
     from ..progress import Bar
+    from ..sampling import spread
     from .targets import check_picture, finished
 
     parameters, system = _tippe_top(scenario)
@@ -177,6 +177,7 @@ def potential(
 def picture(store: Path, attrs: dict[str, Any], look: Look) -> Any:
     """Draw the store of `surface` or `potential`."""
     from ..landscape import surface
+    from ..sampling import spread
     from ..store import root
 
     group = root.open_group(store, attrs["content"])
