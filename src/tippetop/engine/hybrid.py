@@ -7,7 +7,7 @@ depend on balls or laws. All phases of a run have the same integrals.
 
 import math
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from operator import itemgetter
@@ -426,7 +426,7 @@ class HybridDriver(Driver):
                     # of theta: it has a corner
                     self._note(number, now, sign, cast(Track, before), self.last)
         else:
-            self._fill(n, now)
+            self._fill(lambda times: self._series(n, *(times.astype(self.number) - now)))
             for number, sign in passed:
                 self._note_along(n, number, sign, now)
         self.begin()
@@ -465,6 +465,7 @@ class HybridDriver(Driver):
         self.changes = 0
         steps, status, when = 0, None, self.end
         while self.clock[0] < self.end:
+            self._fill(lambda times: np.tile(self.state, (len(times), 1)))
             ending = self._end_next()
             steps += self.drive(1 if self.track.sampler else most - steps)
             track, code = self.track, self.status[0]
@@ -557,15 +558,15 @@ class HybridDriver(Driver):
         values = self.track.variables.join(*n.series(np.array(times)))
         return np.array([[self.number(one) for one in value] for value in values]).T
 
-    def _fill(self, n: Next, now: Any) -> None:
-        """Give the rows that are wanted in a jump that takes time."""
+    def _fill(self, states_at: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Give the rows that are wanted before the first step of the present phase."""
         while not self.request.steps:
             if self.wanted.is_made:
                 self.ask()
             times = self.wanted.rows.times[self.wanted.made[0] :]
             inside = times[: np.searchsorted(times, self.began)]
             if len(inside):
-                self.add(inside, self._series(n, *(inside.astype(self.number) - now)))
+                self.add(inside, states_at(inside))
             if len(inside) < len(times) or not len(times):
                 break
 
