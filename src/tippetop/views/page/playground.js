@@ -89,7 +89,7 @@ const LAWS = /** @type {Record<string, string>} */ ({
   mixed: "viscous and Coulomb",
   stribeck: "Stribeck",
   latitude: "viscous, by latitude",
-  none: "none",
+  none: "no friction",
 });
 export class Playground {
   /**
