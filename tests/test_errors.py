@@ -16,6 +16,10 @@ def test_what_is_guessed_is_one_of_the_known(word: str, known: list[str]) -> Non
     assert nearest(word, known) in {None, *known}
 
 
+def test_a_part_of_a_name_counts() -> None:
+    assert nearest("Drilling", ["rolling", "leine-glocker-drilling"]) == "leine-glocker-drilling"
+
+
 def test_an_unknown_key_is_looked_for_everywhere() -> None:
     """First in its own table, then in the others; what is known is listed either way."""
     everywhere = ["friction.mu", "initial.theta"]

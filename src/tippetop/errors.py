@@ -17,10 +17,15 @@ NEAR, VERY_NEAR = 0.6, 0.75  # of letters that two words share in order: eps and
 
 
 def nearest(word: str, known: Iterable[str], cutoff: float = NEAR) -> str | None:
-    """Return the known word nearest to a mistyped one in any case, or None."""
+    """Return the known word to which a mistyped one, in any case, is nearest, or None.
+
+    Parts between hyphens count too: drilling is near to leine-glocker-drilling.
+    """
     import difflib
 
-    lower = {k.lower(): k for k in known}
+    known = list(known)
+    parts = {part: name for name in known for part in name.lower().split("-")}
+    lower = parts | {name.lower(): name for name in known}
     matches = difflib.get_close_matches(word.lower(), lower, n=1, cutoff=cutoff)
     return lower[matches[0]] if matches else None
 

@@ -16,6 +16,13 @@ from tippetop.mechanics.units import METRE, METRE_PER_SECOND, ONE
 from tippetop.runs.certificate import certificate_violations
 
 
+class Other(NamedTuple):
+    """A state with the units of a point, and other variables."""
+
+    x: Any
+    w: Any
+
+
 class Candle(NamedTuple):
     h: Any
 
@@ -263,6 +270,9 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         },
         "must have the variables and units of the first phase.*, but has h \\[m\\], v \\[m\\]": {
             "rest": Phase(Form("plain", State(METRE, METRE), lambda q, b: State(0, 0)))
+        },
+        "must have the variables and units of the first phase.*, but has x \\[m\\], w": {
+            "rest": Phase(Form("plain", Other(*state), lambda q, b: Other(0, 0)))
         },
         "sky": {"fall": dataclasses.replace(fall, exits=(Exit("sky", ("rest",), None),))},
         "must keep the common state": {

@@ -70,9 +70,9 @@ def law(coefficient: Any = lambda v2, z, law: law.mu, name: str = "Mine", **body
     return type(tt.extending.FrictionLaw)(name, (tt.extending.FrictionLaw,), body)
 
 
-def under(coefficient: Any, v: float = 1.0) -> Call:
+def under(coefficient: Any, v: float = 1.0, **scenario: Any) -> Call:
     """A run under a law."""
-    return lambda: run(register(law(coefficient))(mu=0.3, v=v))
+    return lambda: run(register(law(coefficient))(mu=0.3, v=v), **scenario)
 
 
 def folded(**numbers: float) -> Call:
@@ -325,7 +325,10 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: Unit("kg furlong"), "`symbol` of a Unit must be powers of 1, rad, kg"),
     (lambda: Unit(3), 'such as "kg m2 s-1", but is 3'),
     # user-defined laws
-    (under(lambda v2, z, law: -law.mu), "must be at least 0, .* feeds energy, but is -0.3 s/m"),
+    *(
+        (under(lambda v2, z, law: -law.mu, contact=contact), "at least 0, .* feeds energy, but is")
+        for contact in (None, {"e_n": 0.5})
+    ),
     (under(lambda v2, z, law: law.mu * math.nan), "k of the friction law `mine` must be finite"),
     (under(lambda v2, z, law: law.nu), "the formula of the friction law `mine` fails"),
     (under(lambda v2, z, law: None), "must return one number, but returns None"),
@@ -376,7 +379,7 @@ CALLS: list[tuple[Call, str]] = [
     (system(quantities=(), integrals=()), "`quantities` of `mine` must have `energy`"),
     (system(phases={}), "`phases` of `mine` must be a dict of Phase, but is {}"),
     (system(phases=[PHASE]), r"`phases` of `mine` must be a dict of Phase, but is \[Phase"),
-    (system(phases={"x": VECTORIAL}), "`phases` of `mine` must be a dict of Phase, but is {'x': F"),
+    (system(phases={"x": VECTORIAL}), "must be a dict of Phase, but is {'x': 'Form'}"),
     (system(angles=without("theta")), "must have the fields `theta` .* unless a phase has exits"),
     (system(long_names={}), "`long_names` of `mine` must describe each .* but lacks axis, L"),
     (system(vectors=None), "the records of `mine` must be of the kinds"),

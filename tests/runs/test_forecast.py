@@ -31,6 +31,7 @@ def test_everything_has_its_unit() -> None:
     assert {name: entry["unit"] for name, entry in found["at_start"].items()} == units
     assert found["thresholds"]["lambda_s"]["unit"] == "kg m3 s-1"
     assert found["thresholds"]["spin_full"]["unit"] == "rad s-1"
+    assert found["thresholds"]["lambda_pi"]["meaning"] == "inverted spin stable in rolling above"
 
 
 @pytest.mark.parametrize("preset", ["inverting", "rolling", "heavy-top"])

@@ -70,7 +70,8 @@ def check(
 ) -> int:
     """Validate a scenario or a plan; print thresholds, expected fate, and cost by the first steps.
 
-    Of the plan of a sweep its axes, its size and its cost are printed.
+    Of the plan of a sweep its axes, its size and its cost are printed. Thresholds named lambda
+    are those of |jellett|, the others of |omega3| (spin) and of I1/I3 (gamma).
 
     Parameters
     ----------
@@ -109,16 +110,19 @@ def check(
 
 def _print_facts(facts: dict[str, Any], units: dict[str, str], as_json: bool) -> int:
     """Print a checked scenario or plan."""
-    from .text import plain, table
+    from .text import entries, plain, table
 
     if as_json:
         return print_json(facts)
     facts |= facts.pop("plan", {}).get("scenario", {})
-    table(
-        (name.replace("_", " "), plain(value, units))
-        for name, value in facts.items()
-        if name != "warnings"  # printed already
-    )
+    rows: list[tuple[str, str]] = []
+    for name, value in facts.items():
+        if name == "thresholds":
+            lines = [f"{entries({key: t}, {})}: {t['meaning']}" for key, t in value.items()]
+            rows += zip([name] + [""] * len(lines), lines, strict=False)
+        elif name != "warnings":  # printed already
+            rows.append((name.replace("_", " "), plain(value, units)))
+    table(rows)
     return 0
 
 

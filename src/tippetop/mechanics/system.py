@@ -224,8 +224,11 @@ class System:
 
     def __post_init__(self) -> None:
         if not (self.phases and all_are(self.phases, Mapping, Phase)):
+            found: Any = self.phases
+            if isinstance(found, Mapping):
+                found = {name: type(phase).__name__ for name, phase in found.items()}
             raise InputError(
-                f"`phases` of `{self.name}` must be a dict of Phase, but is {self.phases!r:.60}."
+                f"`phases` of `{self.name}` must be a dict of Phase, but is {found!r:.60}."
             )
         self._derive()
         freeze(self, "parameters", "initial", "normalised_to", "phases", "long_names", "vectors")

@@ -123,7 +123,7 @@ def start_faults(problems: "Problems") -> list[Fault]:
     domains = base.form.domains
     weights = np.array(problems.weights, dtype=float).reshape(len(start), -1)
     finite = np.isfinite(np.concatenate([pars, start * weights])).all(axis=0)
-    faults = [] if base.contact is not None else _law_faults(problems)
+    faults = _law_faults(problems)
     for number, name in owners.items():
         if (bad := finite & ~np.isfinite(table[number])).any():
             found = f"is {table[number][bad][0]}"

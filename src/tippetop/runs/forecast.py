@@ -59,7 +59,8 @@ def _outlook(problem: Problem, start: dict[str, float]) -> dict[str, Any]:
     law = () if problem.contact is None else (problem.contact,)
     outlook = problem.system.outlook(problem.body(), start, *law)
     limits = {
-        name: {"value": t.value, "unit": t.unit.symbol} for name, t in outlook.thresholds.items()
+        name: {"value": t.value, "unit": t.unit.symbol, "meaning": t.long_name}
+        for name, t in outlook.thresholds.items()
     }
     parts = {"thresholds": limits, "regime": outlook.regime, "fate": outlook.fate}
     return {name: part for name, part in parts.items() if part}

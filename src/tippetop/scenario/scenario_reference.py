@@ -63,11 +63,13 @@ def keys_of(table: type[BaseModel]) -> list[tuple[str, str, str, str]]:
     schema = table.model_json_schema()
     for name, field in schema["properties"].items():
         must, default = allowed(field), field.get("default")
-        if name in schema.get("required", ()):
-            must += "; must be given"
-        elif default is not None:
+        if default is not None:
             plain = f"{default:g}" if isinstance(default, float) else str(default).lower()
-            must += f"; {plain} where it is left out"
+            must += f"; by default {plain}"
+        elif field.get("optional"):
+            must += "; may be left out"
+        elif name in schema.get("required", ()):
+            must += "; must be given"
         rows.append((name, field.get("unit", ""), must, field.get("description", "")))
     return rows
 
@@ -83,8 +85,8 @@ def scenario() -> list[Section]:
         ("system", f"one of {', '.join(SYSTEMS)}"),
         (
             "form",
-            "how the state is written; auto where it is left out: the cheapest that is regular "
-            "there",
+            "variables of the equations; by default auto: the cheapest form that is regular "
+            "everywhere and keeps every column exact",
         ),
         ("[parameters]", "the body; its keys are those of its system"),
         ("[friction]", f"law, and its numbers; of {', '.join(gliding)}"),

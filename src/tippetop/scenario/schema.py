@@ -32,7 +32,7 @@ def _number(rule: Number, kind: Any = float) -> Any:
     must = rule.must().removeprefix("must be ")
     if kind is int:
         must = must.replace("finite", "a whole number")
-    more: Any = {"unit": rule.unit.symbol, "must": must}
+    more: Any = {"unit": rule.unit.symbol, "must": must, "optional": rule.optional}
     words = Field(description=rule.long_name, json_schema_extra=more)
     return Annotated[kind, AfterValidator(within), words]
 

@@ -7,7 +7,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from ..arguments import not_among
 from ..errors import sentence, unknown_key
-from ..mechanics.friction import LAWS
+from ..mechanics.friction import LAWS, PARTS
 from ..mechanics.system import System
 from ..mechanics.systems import laws_of
 from .reading import law_name
@@ -37,6 +37,7 @@ def scenario_sentence(error: Any, system: System, tables: dict[str, Any]) -> str
     models = tables_of(system, law)
     model: Any = models[place[0]] if place[1:] else scenario_model(system, law)
     keys = [f"{name}.{key}" for name, its in models.items() for key in its.model_fields]
+    keys += [f"friction.{part}" for part in PARTS if system.opening and system.opening.sphere]
     return unknown_key(key, list(model.model_fields), ["system", "form", *keys], belongs)
 
 

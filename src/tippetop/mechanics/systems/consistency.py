@@ -51,8 +51,10 @@ def inconsistencies(system: System) -> list[str]:
     faults: list[str] = []
     directions: dict[str, int] = {}
     integrals = {integral.name for integral in system.phase.form.integrals}
+    common = list(system.phase.form.units._asdict().items())
     for name, phase in system.phases.items():
         where = f"phase `{name}` of `{system.name}`"
+        variables = list(phase.form.units._asdict().items())
         detected = [CLOCK, *(event.name for event in phase.events if event.formula)]
         names = [
             *(f"event `{event.name}`" for event in phase.events),
@@ -92,8 +94,8 @@ def inconsistencies(system: System) -> list[str]:
                 f"{where} must have the variables and units of the first phase, or `enter` and "
                 "`leave`, but has": [
                     f"{name} [{unit.symbol}]"
-                    for name, unit in phase.form.units._asdict().items()
-                    if phase.enter is phase.leave and phase.form.units != system.phase.form.units
+                    for name, unit in variables
+                    if phase.enter is phase.leave and variables != common
                 ],
             }
         )  # fmt: skip

@@ -164,11 +164,9 @@ def thresholds(b: Touch, states: tuple[str, str] | None = None) -> dict[str, Thr
         "lambda_de": Threshold(
             lambda_de(b), JELLETT, f"{high} spin has less energy than {low} spin above"
         ),
-        at_low: Threshold(
-            spin_at(low, lambda_u(b)), RADIAN_PER_SECOND, f"{low} spin loses stability at"
-        ),
+        at_low: Threshold(spin_at(low, lambda_u(b)), RADIAN_PER_SECOND, f"{low} spin stable below"),
         at_high: Threshold(
-            spin_at(high, lambda_s(b)), RADIAN_PER_SECOND, f"{high} spin gains stability at"
+            spin_at(high, lambda_s(b)), RADIAN_PER_SECOND, f"{high} spin stable above"
         ),
         "spin_full": Threshold(
             spin_at(low, lambda_s(b)),
