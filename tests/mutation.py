@@ -28,6 +28,7 @@ from typing import NamedTuple
 import mpmath  # noqa: F401  the forks need not import it again
 import numba
 import pytest
+import scipy.spatial.transform  # noqa: F401
 
 from tippetop_kernels import compilation
 

@@ -670,9 +670,10 @@ FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
     }
 }
 
-/* Write rows `at` to `at + count` of the present step. */
-static void write_rows(const Loop *l, integer at, integer count) {
+/* Write the next `count` rows of the present step. */
+static void write_rows(const Loop *l, integer count) {
     const Rows *rows = &l->output;
+    integer at = *rows->filled;
     real when[TIMES], out[rows->variables * TIMES];
     for (integer k = at; k < at + count; k++)
         rows->phases[k] = *l->samples.in_lane;
@@ -680,6 +681,7 @@ static void write_rows(const Loop *l, integer at, integer count) {
         for (integer k = at; k < at + count; k++) {
             state_at(l, 0, rows->times[k]);
             copy(rows->variables, l->out, l->sizes.lanes, rows->states + k, rows->count);
+            ++*rows->filled; /* a stepper in Python sees which row it makes */
         }
         return;
     }
@@ -690,6 +692,7 @@ static void write_rows(const Loop *l, integer at, integer count) {
     sum_rows(l, when, out);
     for (integer i = 0; i < rows->variables; i++)
         memcpy(rows->states + i * rows->count + at, out + i * TIMES, count * sizeof(real));
+    *rows->filled += count;
 }
 
 /* Write the rows that lie in the present step of the first lane. Return whether all are written.
@@ -713,8 +716,7 @@ static bool take_rows(const Loop *l, bool moved) {
             if (!(time < tally->t || (tally->status != RUNNING && time <= tally->t)))
                 break;
         }
-        write_rows(l, *filled, count);
-        *filled += count;
+        write_rows(l, count);
     }
     return *filled == rows->count;
 }

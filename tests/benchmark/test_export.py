@@ -11,9 +11,10 @@ import pandas as pd
 import pytest
 from scipy.spatial.transform import Rotation
 from stores import assert_same, files
+from typed import typed
 
 import tippetop as tt
-from tippetop import benchmark, cli
+from tippetop import benchmark
 from tippetop.benchmark.case_files import sample_times, scaled
 from tippetop.benchmark.truth import truth
 from tippetop.exchange.simulators import text_of
@@ -196,13 +197,13 @@ def test_times_in_the_text_are_those_of_the_phases(exported, name):
 
 
 def test_command_line(tmp_path, capsys):
-    assert cli.outcome(["benchmark", "list"]) == 0
+    assert typed("benchmark list") == 0
     assert "steady-precession" in capsys.readouterr().out
-    assert cli.outcome(["benchmark", "export", str(tmp_path), "bounce", "bounce"]) == 0
+    assert typed(f"benchmark export {tmp_path} bounce bounce") == 0
     assert (tmp_path / "bounce" / "reference.csv").exists()
-    assert cli.outcome(["benchmark", "export", str(tmp_path), "bounce"]) != 0
-    assert cli.outcome(["benchmark", "export", str(tmp_path), "nothing"]) == 2
-    assert cli.outcome(["benchmark", "export", "/proc/cases", "bounce"]) == 5
-    assert cli.outcome(["benchmark", "list", "bounce"]) == 2
-    assert cli.outcome(["benchmark", "export"]) == 2
-    assert cli.outcome(["benchmark", "list", "--markdown"]) == 2
+    assert typed(f"benchmark export {tmp_path} bounce") != 0
+    assert typed(f"benchmark export {tmp_path} nothing") == 2
+    assert typed("benchmark export /proc/cases bounce") == 5
+    assert typed("benchmark list bounce") == 2
+    assert typed("benchmark export") == 2
+    assert typed("benchmark list --markdown") == 2

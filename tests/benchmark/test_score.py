@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from examples import turned
+from typed import typed
 
-from tippetop import benchmark, cli
+from tippetop import benchmark
 from tippetop.benchmark.truth import VECTORS, truth
 from tippetop.errors import InputError
 
@@ -120,11 +121,11 @@ def test_a_low_rebound_is_wrong(tmp_path, factor, right):
 def test_files_outside_a_case_folder(tmp_path, capsys):
     path = tmp_path / "mine.csv"
     result("joint").to_csv(path, index=False)
-    assert cli.outcome(["benchmark", "score", str(path)]) == 2
+    assert typed(f"benchmark score {path}") == 2
     assert "`--case CASE` is required" in capsys.readouterr().err
-    assert cli.outcome(["benchmark", "score", str(tmp_path / "no.csv")]) == 2
+    assert typed(f"benchmark score {tmp_path}/no.csv") == 2
     assert "no such file" in capsys.readouterr().err
-    assert cli.outcome(f"benchmark score {path} --case joint --figures {tmp_path}".split()) == 0
+    assert typed(f"benchmark score {path} --case joint --figures {tmp_path}") == 0
     [only] = benchmark.score(path, "joint").results
     assert (only.engine, only.setting) == ("mine", "-")
     assert "nan" not in str(benchmark.score(path, "joint"))
@@ -142,7 +143,7 @@ def test_references_are_no_results(tmp_path):
 def test_the_good_files_are_scored(tmp_path, capsys):
     write(tmp_path, result("joint"), "joint")
     (tmp_path / "engine" / "best" / "joint" / "dt=1.csv").write_text("t [s],q_w\n0,1\n1,1\n")
-    assert cli.outcome(["benchmark", "score", str(tmp_path)]) == 2
+    assert typed(f"benchmark score {tmp_path}") == 2
     told = capsys.readouterr()
     assert "engine  best" in told.out
     assert "dt=1.csv` must have the columns" in told.err
@@ -201,7 +202,7 @@ def test_bad_results_get_one_message(tmp_path, capsys, spoil, message):
     with pytest.raises(InputError, match=message) as error:
         benchmark.score(path)
     assert len(error.value.sentences) == 1
-    assert cli.outcome(["benchmark", "score", str(path)]) == 2
+    assert typed(f"benchmark score {path}") == 2
     assert message in " ".join(capsys.readouterr().err.split())
 
 
@@ -214,16 +215,16 @@ def test_a_conjugated_quaternion_of_an_upright_top_is_noticed(tmp_path):
 
 def test_unknown_case_and_nothing_to_score(tmp_path, capsys):
     path = write(tmp_path, result("bounce"), "no-case")
-    assert cli.outcome(["benchmark", "score", str(path)]) == 2
+    assert typed(f"benchmark score {path}") == 2
     assert "is in the folder `no-case`" in capsys.readouterr().err
-    assert cli.outcome(["benchmark", "score"]) == 2
-    assert cli.outcome(["benchmark", "score", str(path), "--case", "bounce"]) == 0
+    assert typed("benchmark score") == 2
+    assert typed(f"benchmark score {path} --case bounce") == 0
 
 
 def test_json_and_figures(tmp_path, capsys):
     path = write(tmp_path, result("joint"), "joint")
-    assert cli.outcome(["benchmark", "score", str(path), "--json", "--figures", str(tmp_path)]) == 0
+    assert typed(f"benchmark score {path} --json --figures {tmp_path}") == 0
     assert json.loads(capsys.readouterr().out)["results"][0]["outcome_is_right"] is True
     assert (tmp_path / "joint.png").stat().st_size > 10_000
-    assert cli.outcome(["benchmark", "score", str(path), "--figures", str(path)]) == 5
-    assert cli.outcome(["benchmark", "score", str(path), "--figures", "/proc/figures"]) == 5
+    assert typed(f"benchmark score {path} --figures {path}") == 5
+    assert typed(f"benchmark score {path} --figures /proc/figures") == 5

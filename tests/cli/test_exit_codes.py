@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typed import typed
 
 import tippetop
 from tippetop import cli
@@ -124,7 +125,7 @@ def test_a_bug_is_not_hidden(monkeypatch: Patch) -> None:
     """It leaves `outcome` as it is: Python prints the traceback, and exits with 1."""
     a_bug(monkeypatch)
     with pytest.raises(ZeroDivisionError):
-        cli.outcome(RUN.split())
+        typed(RUN)
 
 
 def test_the_module_is_the_command() -> None:

@@ -20,6 +20,7 @@ from tippetop.mechanics.systems import SYSTEMS
 from tippetop.problem import Problem, Problems
 from tippetop.runs import starting
 from tippetop.runs.integration import Integration
+from tippetop.runs.run import solve
 from tippetop.runs.sinks import Memory
 from tippetop.scenario import reading
 
@@ -151,7 +152,10 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
     tops = Problems.vary(base, {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
     assert tops.valid.all()
     mine = Lanes(tops, lanes, every=1)
-    made, final = new_tallies(mine.rows, n), np.full(tops.start.shape, np.nan)
+    made, final = (
+        new_tallies(mine.rows, np.ones((len(mine.rows.events), n))),
+        np.full(tops.start.shape, np.nan),
+    )
     seen = Seen(n)
     mine.run(made, final, iter(range(n)), seen.look, seen.ended)
     assert seen.done == n
@@ -203,3 +207,16 @@ def test_rows_at_steps_are_each_there_once(end: str, monkeypatch: pytest.MonkeyP
     assert np.all(np.diff(times) > 0)
     assert (times[0], times[-1]) == (0.0, integration.t_end)
     assert len(times) == integration.monitor.steps + 1
+
+
+def test_the_extremes_of_a_run_are_those_of_its_column() -> None:
+    """Of the heavy top the impulse is written otherwise than the column `normal_force`: they are
+    one number.
+    """
+    problem = starting.load("heavy-top", ["run.output_step=0.0005"], until=2.0)
+    force = solve(problem, keep=False).report["normal_force"]
+    column = solve(problem).columns()["normal_force"].values
+    assert force["min"] == pytest.approx(column.min(), rel=1e-6)
+    assert force["max"] == pytest.approx(column.max(), rel=1e-6)
+    assert force["min"] <= column.min() + 1e-13
+    assert force["max"] >= column.max() - 1e-13

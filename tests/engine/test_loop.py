@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typed import typed
 
 import tippetop_kernels
-from tippetop.cli import outcome
 from tippetop.engine.integrator import compiled_from
 from tippetop.engine.loop import Loop, Motion, _Loop, library, new_motion, structure
 from tippetop.engine.status import Status
@@ -41,7 +41,7 @@ def test_a_loop_that_is_no_library_is_one_message_of_the_command_line(
     (folder / "loop.so").write_text("text")
     monkeypatch.setattr("tippetop.engine.loop.library", library.__wrapped__)
     compiled_from.cache_clear()  # and with it the loops of earlier runs
-    assert outcome(["run", "heavy-top", "--until", "0.0123"]) == 2
+    assert typed("run heavy-top --until 0.0123") == 2
     assert capsys.readouterr().err.count("install tippetop again") == 1
 
 
@@ -63,7 +63,7 @@ def test_an_error_in_a_called_step_reaches_the_caller() -> None:
     """It cannot pass through C, which must end the run."""
     nothing, motion = event_rows([], [], []), new_motion(1, 0, 1, 1)
     motion.end[0] = 1.0
-    tallies, rules = new_tallies(nothing, 1), StopRules(np.inf, 1 << 62, 8, 0)
+    tallies, rules = new_tallies(nothing, np.ones((0, 1))), StopRules(np.inf, 1 << 62, 8, 0)
     loop = Loop(motion, nothing, tallies, new_log(0, 1), new_samples(0, 0), rules, Broken())
     with pytest.raises(KeyboardInterrupt):
         loop.drive(100)

@@ -25,7 +25,6 @@ from tippetop.engine.tallies import (
     new_log,
     new_samples,
     new_tallies,
-    reset,
 )
 from tippetop.mechanics.event import Event, Kept
 
@@ -88,8 +87,7 @@ def followed(
     """The tallies after these steps, of tops whose functions have these signs at the start,
     (events, lanes).
     """
-    tallies = new_tallies(rows, LANES)
-    reset(tallies, rows, signs)
+    tallies = new_tallies(rows, signs)
     continued(tallies, rows, times, tcs, rules, log)
     return tallies
 
@@ -235,8 +233,7 @@ def passages_of(
         (f.deriv() if shift else f)(times[0]) + offset
         for f, (_, shift, offset) in zip(functions, sources, strict=True)
     ]
-    tallies = new_tallies(rows, 1)
-    reset(tallies, rows, np.where(np.array(at_start) > 0, 1.0, -1.0)[:, None])
+    tallies = new_tallies(rows, np.where(np.array(at_start) > 0, 1.0, -1.0)[:, None])
     tallies.functions[ON_ZERO] = on_zero
     tcs = coefficients(functions, times)[..., None]
     continued(tallies, rows, times[:, None], tcs, log=log)
@@ -309,7 +306,7 @@ def test_roots_at_the_start_are_divided_out(k: int, noise: float, rng: np.random
     rows, zeros = rows_of((event("falls", direction=-1), 0, 0.0)), np.array([1e-9, 1e-6, 1e-3, 0.5])
     exact = [Polynomial([0.0] * k + [a, -1.0]) for a in zeros]
     times, tcs = slice_of([[p + Polynomial([noise] * k)] for p in exact], rng)
-    tallies = new_tallies(rows, LANES)
+    tallies = new_tallies(rows, np.ones((len(rows.events), LANES)))
     tallies.functions[ON_ZERO] = -k
     continued(tallies, rows, times, tcs)
     np.testing.assert_allclose(tallies.kept[0], zeros, rtol=1e-9)

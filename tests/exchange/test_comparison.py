@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from examples import CANONICAL, turned
+from typed import typed
 
 import tippetop as tt
-from tippetop import cli
 from tippetop.errors import InputError
 from tippetop.exchange.simulators import start_of, text_of
 from tippetop.runs import starting
@@ -195,7 +195,7 @@ def test_the_command_prints_json_and_draws(
 ) -> None:
     store, figure = run.save(tmp_path / "run.zarr"), tmp_path / "figure.svg"
     other = written(tmp_path / "own.csv", columns(run))
-    assert cli.outcome(f"compare {other} {store} --json --figure {figure}".split()) == 0
+    assert typed(f"compare {other} {store} --json --figure {figure}") == 0
     assert json.loads(capsys.readouterr().out)["attitude"]["rms"] < 1e-15
     assert figure.read_text(encoding="utf-8").count("<path") > 10
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nightly import at_night
+from typed import typed
 
 import tippetop as tt
-from tippetop import cli
 from tippetop.exchange.motion import Motion, turned
 from tippetop.exchange.observation import Observation
 from tippetop.exchange.search import Minimum, merge
@@ -237,10 +237,8 @@ def test_the_command_prints_json_and_writes_a_scenario(
     film: Path, tmp_path: Path, capsys: pytest.CaptureFixture
 ) -> None:
     out, figure = tmp_path / "fit.toml", tmp_path / "fit.svg"
-    arguments = (
-        f"fit {film} inverting --set initial.theta=0.5 --free friction.mu --starts 3".split()
-    )
-    assert cli.outcome([*arguments, "--json", "--out", str(out), "--figure", str(figure)]) == 0
+    words = f"fit {film} inverting --set initial.theta=0.5 --free friction.mu --starts 3"
+    assert typed(f"{words} --json --out {out} --figure {figure}") == 0
     said = json.loads(capsys.readouterr().out)
     assert abs(said["estimates"]["friction.mu"]["value"] - 0.3) < 0.03
     assert said["reason"] == "the numbers fit: the residuals are noise."
@@ -248,7 +246,7 @@ def test_the_command_prints_json_and_writes_a_scenario(
     assert said["correlations"]["friction.mu"]["friction.mu"] == pytest.approx(1.0)
     assert out.is_file()
     assert figure.is_file()
-    assert cli.outcome([*arguments, "--out", str(out)]) == 5  # it stands already
+    assert typed(f"{words} --out {out}") == 5  # it stands already
 
 
 def test_a_wrong_model_leaves_no_noise(film: Path) -> None:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from typed import typed
 
-from tippetop.cli import outcome
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing, labels, overlay
 from tippetop.figures.style import COLOURS, figure
@@ -90,12 +90,11 @@ def test_a_picture_that_is_there_stays(tmp_path: Path, capsys: pytest.CaptureFix
     path = tmp_path / "a.png"
     path.write_text("mine")
     for words in (
-        ["plot", "none.zarr"],
-        ["run", "inverting", "--until", "0.01"],
-        ["surface", "inverting"],
+        "plot none.zarr --out",
+        "run inverting --until 0.01 --figure",
+        "surface inverting --figure",
     ):
-        option = "--out" if words[0] == "plot" else "--figure"
-        assert outcome([*words, option, str(path)]) == 5
+        assert typed(f"{words} {path}") == 5
         assert f"`{path}` must not exist yet, but does: use --overwrite" in capsys.readouterr().err
     assert path.read_text() == "mine"
     with pytest.raises(Exception, match="must not exist"):

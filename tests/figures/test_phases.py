@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colors import to_rgb
+from typed import typed
 
 import tippetop as tt
-from tippetop.cli import outcome
 from tippetop.figures import conservation, shading
 from tippetop.figures.style import LIGHT, figure
 
@@ -128,7 +128,7 @@ def test_the_drift_of_jellett_s_integral_begins_anew_with_another_ball() -> None
 def sticking(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The store of a top that slides, and rolls from 0.0288 s on."""
     store = tmp_path_factory.mktemp("phases") / "run.zarr"
-    assert outcome(f"run cohen-coulomb --until 0.05 --out {store}".split()) == 0
+    assert typed(f"run cohen-coulomb --until 0.05 --out {store}") == 0
     return store
 
 

@@ -17,8 +17,13 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
+from tippetop.mechanics.contact import body as contact
+from tippetop.mechanics.contact.rolling import rolling_euler
+from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.operand import leaves, refill
+from tippetop.mechanics.systems import gliding_heavy_top, tippe_top
 from tippetop.mechanics.variables import Variables
 
 
@@ -48,22 +53,6 @@ class Motion(NamedTuple):
     arm: np.ndarray  # from the centre of mass to the contact
     s_dot: np.ndarray  # velocity of the centre of mass
     v: np.ndarray  # velocity of the contact point
-
-
-def vertical_inertia(z: Any, b: Any) -> Any:
-    """Half of I1 + m c^2 sin(theta)^2: the factor of theta'^2 where the reaction is vertical.
-
-    [section 3.3]
-    """
-    return (b.I1 + b.m * b.c**2 * ((1 - z) * (1 + z))) / 2
-
-
-def vertical_potential(z: Any, Lz: Any, L3: Any, b: Any) -> Any:
-    """E - m|r'|^2/2 - vertical_inertia theta'^2 by L_z and L_3: without friction the potential of
-    the nutation.
-    """
-    rotation = L3**2 / (2 * b.I3) + (Lz - L3 * z) ** 2 / (2 * b.I1 * ((1 - z) * (1 + z)))
-    return b.m * b.g * (b.R - b.c * z) + rotation
 
 
 @cache
@@ -115,14 +104,13 @@ class Case:
 
     def quantity(self, name: str, q: Any = None) -> Any:
         """A quantity of the system."""
-        formula = next(
-            quantity.formula for quantity in self.system.quantities if quantity.name == name
-        )
-        return formula(self.form.scalars(self.state if q is None else q, self.body), self.body)
+        scalars = self.form.scalars(self.state if q is None else q, self.body)
+        return self.formulas[name](scalars, self.body)
 
-    def has(self, name: str) -> bool:
-        """Whether the system has a quantity."""
-        return any(quantity.name == name for quantity in self.system.quantities)
+    @property
+    def formulas(self) -> dict[str, Callable]:
+        """The formula of each quantity of the system."""
+        return {quantity.name: quantity.formula for quantity in self.system.quantities}
 
     def motion(self, q: Any) -> Motion:
         """The state as vectors, from first principles."""
@@ -213,11 +201,6 @@ def only(where: Callable[[Any, Any], bool]) -> Callable[[Callable], Callable]:
     return mark
 
 
-def applies(law: Callable, system: Any, form: str) -> bool:
-    """Whether a law has something to compare for a form of a system."""
-    return getattr(law, "where", lambda system, form: True)(system, system.forms[form])
-
-
 def chart_is_invertible(case: Case) -> Pairs:
     """Angles of the state of angles are those angles."""
     back = case.form.to_angles(case.state, case.state, case.body)
@@ -270,6 +253,11 @@ def scalars_are_what_they_say(case: Case) -> Pairs:
         yield "|3hat| stays 1", case.along(lambda x: x.ux**2 + x.uy**2 + x.uz**2), 0 * q.ux
 
 
+def reflected(e: Any, odd: set[str]) -> Any:
+    """Return angles of which some are reversed."""
+    return e._replace(**{name: -getattr(e, name) for name in odd & {*e._fields}})
+
+
 def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
     """Axes 1 and 3 of the body turn with omega; at the start they are R_z(phi) R_y(theta) R_z(psi)
     of those of space, psi comes back, and a mirror image has the mirrored axes.
@@ -295,7 +283,8 @@ def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
             yield f"{name}'_{letter}", rate[i], spun[i]
     planar = form.orientation.psi is None
     phi, psi = (0 * psi, 0 * psi) if planar else (e.phi, psi)
-    first, third = rotated(phi, e.theta, psi)
+    turned = Rotation.from_euler("ZYZ", np.stack([phi, e.theta, psi], axis=1)).as_matrix()
+    first, _, third = turned.T
     for i, letter in enumerate("xyz"):
         yield f"axis 1 {letter}", axes[0][i], first[i]
         yield f"axis 3 {letter}", axes[1][i], third[i]
@@ -314,31 +303,10 @@ def orientation_follows_the_angular_velocity(case: Case) -> Pairs:
                 axes[0][i],
             )
     yield "psi", form.orientation.psi(*axes), psi
-    image = e._replace(**{name: -getattr(e, name) for name in ODD & set(e._fields)})
-    mirrored = start(image, -psi)
+    mirrored = start(reflected(e, ODD), -psi)
     for axis, other in zip(axes, form.orientation.axes(mirrored, mirrored, b), strict=True):
         for i, sign in enumerate((1, -1, 1)):
             yield f"mirrored {'xyz'[i]}", other[i], sign * axis[i]
-
-
-def rotated(phi: Any, theta: Any, psi: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Axes 1 and 3 of R_z(phi) R_y(theta) R_z(psi), by matrices, (3, n) each."""
-    zero, one = 0 * theta, 0 * theta + 1
-
-    def about_z(a: Any) -> np.ndarray:
-        return np.array(
-            [[np.cos(a), -np.sin(a), zero], [np.sin(a), np.cos(a), zero], [zero, zero, one]]
-        )
-
-    lean = np.array(
-        [
-            [np.cos(theta), zero, np.sin(theta)],
-            [zero, one, zero],
-            [-np.sin(theta), zero, np.cos(theta)],
-        ]
-    )
-    R = np.einsum("ijn,jkn,kln->iln", about_z(phi), lean, about_z(psi))
-    return R[:, 0], R[:, 2]
 
 
 def newton_and_euler(case: Case) -> Pairs:
@@ -354,9 +322,9 @@ def newton_and_euler(case: Case) -> Pairs:
     yield "impulse' = F_z", rates.impulse, F[2]
     yield "normal force", case.quantity("normal_force"), F[2]
     yield "the contact stays on the plane", m.v[2], 0 * F[2]
-    if case.has("horizontal_force"):
+    if "horizontal_force" in case.formulas:
         yield "horizontal force", case.quantity("horizontal_force"), np.hypot(F[0], F[1])
-    if case.has("friction_needed"):
+    if "friction_needed" in case.formulas:
         yield "friction needed", case.quantity("friction_needed"), np.hypot(F[0], F[1]) / F[2]
     if case.system.frictional:
         expected = contact_law(case, m, change, F[2])
@@ -409,12 +377,12 @@ def quantities_are_what_they_say(case: Case) -> Pairs:
         b.m * np.sum(arm_speed**2, axis=0) / 2 + rotation + height,
     )
     L3 = np.sum(m.L * m.u, axis=0)
-    if case.has("jellett"):
+    if "jellett" in case.formulas:
         yield "lambda", case.quantity("jellett"), -np.sum(m.L * m.arm, axis=0)
         gamma, sigma, alpha, z = b.I1 / b.I3, b.m * b.R**2 / b.I3, b.c / b.R, m.u[2]
         d = gamma + sigma * (alpha - z) ** 2 + sigma * gamma * (1 - z**2)
         yield "D", case.quantity("routh"), L3 * np.sqrt(d)
-    if case.has("Lz"):
+    if "Lz" in case.formulas:
         about_tip = m.L + b.m * np.cross(m.arm, arm_speed, axis=0)
         yield "L_z", case.quantity("Lz"), about_tip[2]
         yield "L_3", case.quantity("L3"), L3
@@ -433,36 +401,26 @@ def main_equation(case: Case) -> Pairs:
 
     [T 4.17, 4.18, 4.22, 5.24, 5.26]
     """
-    import importlib
-
     system, b, q = case.system, case.body, case.state
     m, change = case.motion(q), case.derivative()
     arm_speed = np.cross(m.omega, m.arm, axis=0)
     rate = b.m * np.sum(arm_speed[:2] * change.v[:2], axis=0)
     yield "E~'", case.along(lambda x: case.quantity("modified_energy", x)), rate
     s = case.form.scalars(q, b)
-    gliding = importlib.import_module("tippetop.mechanics.contact.body")
     v_u = np.sum(m.u[:2] * change.v[:2], axis=0)  # (dv_A/dt).3hat
     v_n = m.u[0] * change.v[1] - m.u[1] * change.v[0]  # (zhat x 3hat).dv_A/dt
-    yield "E~' as a formula", gliding.modified_energy_rate(v_u, v_n, s, b), rate
+    yield "E~' as a formula", contact.modified_energy_rate(v_u, v_n, s, b), rate
     if system.potential is None:
         return
     if system.frictional and system.momenta:
-        yield "(dv_A/dt).3hat", gliding.push_u(s, b), v_u
-        yield "(dv_A/dt).(zhat x 3hat)", gliding.push_n(s, b), v_n
+        yield "(dv_A/dt).3hat", contact.push_u(s, b), v_u
+        yield "(dv_A/dt).(zhat x 3hat)", contact.push_n(s, b), v_n
     z, s2 = m.u[2], 1 - m.u[2] ** 2
     V = system.potential(z, *(case.quantity(name) for name in system.momenta), b)
-    if hasattr(s, "Lz"):
-        left = (
-            case.quantity("energy") - b.m * s.speed2 / 2 - vertical_inertia(z, b) * s.z_dot**2 / s2
-        )
-        yield "vertical potential", vertical_potential(z, s.Lz, s.L3, b), left
     yield "METT", case.quantity("modified_energy"), system.theta_inertia(z, b) * s.z_dot**2 / s2 + V
-    if case.has("routh"):
-        tippe_top = importlib.import_module("tippetop.mechanics.systems.tippe_top")
+    if "routh" in case.formulas:
         yield "D'", case.along(lambda x: case.quantity("routh", x)), tippe_top.routh_rate(z, v_n, b)
-    elif case.system.frictional and case.has("Lz"):
-        gliding_heavy_top = importlib.import_module("tippetop.mechanics.systems.gliding_heavy_top")
+    elif case.system.frictional and "Lz" in case.formulas:
         found = case.along(lambda x: case.quantity("Lz", x))
         yield "L_z' by dv_A/dt", gliding_heavy_top.Lz_rate(v_n, b), found
 
@@ -473,14 +431,11 @@ def general_system(case: Case) -> Pairs:
 
     [T 3.36; section 12]
     """
-    import importlib
-
-    rolling = importlib.import_module("tippetop.mechanics.contact.rolling.rolling_euler")
     e, b = case.state, case.body
     rates = case.rates(e)
     w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x
     s, z = np.sin(e.theta), np.cos(e.theta)
-    theta_dot2, phi_dot2, omega3_dot = rolling.euler_accelerations(e, s, z, b)
+    theta_dot2, phi_dot2, omega3_dot = rolling_euler.euler_accelerations(e, s, z, b)
     spin_inertia = b.I1 * b.I3 + b.m * (b.R**2 * b.I1 * s**2 + b.I3 * (b.c - b.R * z) ** 2)
     found = (
         theta_dot2
@@ -496,16 +451,8 @@ def mirror(case: Case) -> Pairs:
     """Reflection in the vertical plane y = 0 maps motions to motions; some quantities
     change sign.
     """
-    odd = ODD if not hasattr(case.state, "s") else {"nu_none"}
-
-    def reflected(e: Any) -> Any:
-        return type(e)(
-            *(-value if name in odd else value for name, value in zip(e._fields, e, strict=True))
-        )
-
-    if hasattr(case.state, "s"):
-        odd = {"theta", "theta_dot", "nu_x", "x"}
-    q = case.of_angles(case.form, reflected(case.angles))
+    odd = {"theta", "theta_dot", "nu_x", "x"} if hasattr(case.state, "s") else ODD
+    q = case.of_angles(case.form, reflected(case.angles, odd))
     pseudo = {"jellett", "routh", "L3", "Lz"}
     for quantity in case.system.quantities:
         sign = -1 if quantity.name in pseudo else 1
@@ -543,12 +490,11 @@ def units(case: Case) -> Pairs:
     def scaled(record: Any, unit: Any) -> Any:
         return refill(record, (x * scale.of(u) for x, u in zip(leaves(record), unit, strict=True)))
 
-    b, q = (
-        scaled(case.body, leaves(case.system.body_units(law))),
-        scaled(case.state, Variables(case.form, orientation=False).units.values()),
-    )
+    units = Variables(case.form, orientation=False).units
+    b = scaled(case.body, leaves(case.system.body_units(law)))
+    q = scaled(case.state, units.values())
     rates, other = case.rates(case.state), case.rates(q, b)
-    for name, unit in Variables(case.form, orientation=False).units.items():
+    for name, unit in units.items():
         yield (
             f"rate of {name}",
             getattr(other, name),
@@ -641,6 +587,15 @@ def cases(systems: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
                 yield name, form, law
 
 
+def asked(systems: dict[str, Any]) -> Iterator[tuple[str, str, str, Callable]]:
+    """Every one of these cases with each law that has something to compare for it."""
+    for name, form, friction in cases(systems):
+        for law in LAWS:
+            where = getattr(law, "where", lambda system, form: True)
+            if where(systems[name], systems[name].forms[form]):
+                yield name, form, friction, law
+
+
 def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
     """Random bodies and states of order one, kept from the poles and from a jammed contact."""
     n = STATES
@@ -654,8 +609,6 @@ def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
         }
         friction = friction._replace(**speeds)
     else:
-        from tippetop.mechanics.friction import Frictionless
-
         friction = Frictionless()
     ranges = {"theta": (0.2, np.pi - 0.2), "phi": (-3.0, 3.0)}
     names = type(system.angles)._fields
@@ -664,38 +617,25 @@ def case(system: Any, form: str, law: str, rng: np.random.Generator) -> Case:
     return Case(system, system.forms[form], law, system.body(parameters, friction), angles)
 
 
-def broken(pairs: Pairs, law: str, made: Case) -> str | None:
+def lane(record: Any, i: int) -> Any:
+    """Return a record of arrays at one of its random states, as floats."""
+    return refill(record, iter([float(np.broadcast_to(x, STATES)[i]) for x in leaves(record)]))
+
+
+def broken(law: Callable[[Case], Pairs], made: Case) -> str | None:
     """The first pair that does not agree, with the state that failed; None if all do, and there was
     one.
     """
     what = None
-    for what, found, expected in pairs:
+    for what, found, expected in law(made):
         found, expected = np.broadcast_arrays(np.asarray(found), np.asarray(expected))
         size = 1 + np.max(np.abs(expected))
         error = np.abs(found - expected) / size
         if not np.all(error < TOLERANCE):
             i = int(np.argmax(np.where(np.isfinite(error), error, np.inf)))
-            state = refill(
-                made.state,
-                iter([float(np.broadcast_to(x, error.shape)[i]) for x in leaves(made.state)]),
-            )
-            body = refill(
-                made.body,
-                iter([float(np.broadcast_to(x, error.shape)[i]) for x in leaves(made.body)]),
-            )
             return (
-                f"{law}: {what} is {found.flat[i]!r}, must be {expected.flat[i]!r} (error "
+                f"{law.__name__}: {what} is {found.flat[i]!r}, must be {expected.flat[i]!r} (error "
                 f"{error.flat[i]:.1e})\n"
-                f"at {state}\nwith {body}"
+                f"at {lane(made.state, i)}\nwith {lane(made.body, i)}"
             )
-    return f"{law}: nothing was compared" if what is None else None
-
-
-def first_broken(systems: dict[str, Any], rng: Callable[[], np.random.Generator]) -> str | None:
-    """Return the first law that a system breaks in a form with a friction law."""
-    for name, form, friction in cases(systems):
-        made = case(systems[name], form, friction, rng())
-        for law in (law for law in LAWS if applies(law, systems[name], form)):
-            if (message := broken(law(made), law.__name__, made)) is not None:
-                return f"{name}, {form}, {friction}: {message}"
-    return None
+    return f"{law.__name__}: nothing was compared" if what is None else None

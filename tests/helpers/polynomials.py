@@ -62,7 +62,7 @@ def ranges(c: np.ndarray, shift: int, h: np.ndarray) -> np.ndarray:
     over steps of length h, or of their rates (shift 1).
     """
     rows = event_rows([Event("", "", lambda s, b: None)], [(0, shift, 1.0, 0.0)], [])
-    motion, tallies = new_motion(1, 0, *c.shape), new_tallies(rows, c.shape[1])
+    motion, tallies = new_motion(1, 0, *c.shape), new_tallies(rows, np.ones((1, c.shape[1])))
     motion.end[:] = np.inf
     rules = StopRules(np.inf, 1 << 62, 8, 0)
     loop = Loop(

@@ -8,9 +8,9 @@ import pytest
 import xarray as xr
 from examples import CANONICAL
 from stores import assert_same, exchange
+from typed import typed
 
 from tippetop import errors
-from tippetop.cli import outcome
 from tippetop.landscape import surface, surface_recording
 from tippetop.landscape.surface_recording import Surface
 from tippetop.store import root
@@ -81,7 +81,7 @@ def test_interrupted_store_goes_on(whole, place, monkeypatch):
 
 def test_an_unfinished_surface_is_described_without_digests(place, capsys):
     stopped(place, after=1)
-    assert outcome(["info", str(place)]) == 0
+    assert typed(f"info {place}") == 0
     assert not re.search("[0-9a-f]{12}", capsys.readouterr().out)
 
 
@@ -93,30 +93,30 @@ def test_another_surface_does_not_go_on(place):
 
 def test_surface_command(tmp_path, place, capsys):
     out, picture = place, tmp_path / "F.png"
-    words = f"--D=-6e-4:8e-4:21 --lambda 0:7e-6:31 --out {out} --figure {picture}".split()
-    assert outcome(["surface", "inverting", *words]) == 0
+    words = f"--D=-6e-4:8e-4:21 --lambda 0:7e-6:31 --out {out}"
+    assert typed(f"surface inverting {words} --figure {picture}") == 0
     assert root.open_group(out, "surface").F.shape == (21, 31)
     assert picture.read_bytes().startswith(b"\x89PNG")
-    assert outcome(["plot", str(out), "--out", str(tmp_path / "again.png")]) == 0
+    assert typed(f"plot {out} --out {tmp_path}/again.png") == 0
     capsys.readouterr()
-    assert outcome(["info", str(out), "--json"]) == 0
+    assert typed(f"info {out} --json") == 0
     assert json.loads(capsys.readouterr().out)["content"] == "surface"
-    assert outcome(["surface", "inverting", *words]) == 5  # the picture is there
+    assert typed(f"surface inverting {words} --figure {picture}") == 5  # the picture is there
     assert f"`{picture}` must not exist yet, but does: use --overwrite" in capsys.readouterr().err
-    assert outcome(["surface", "inverting", *words[:-2]]) == 0
+    assert typed(f"surface inverting {words}") == 0
     assert "was finished: its chunks are checked" in "".join(capsys.readouterr())
 
 
 def test_potential_command(tmp_path, capsys):
     out = tmp_path / "V.zarr"
-    words = f"--D 3e-4 --lambda 4e-6 --n 101 --out {out} --figure {tmp_path / 'V.svg'}".split()
-    assert outcome(["potential", "inverting", *words, "--json"]) == 0
+    words = f"--D 3e-4 --lambda 4e-6 --n 101 --out {out} --figure {tmp_path}/V.svg"
+    assert typed(f"potential inverting {words} --json") == 0
     found = json.loads(capsys.readouterr().out)
     V = root.open_group(out, "potential").V
     assert V.sizes == {"z": 101}
     assert found["F"] <= V.min() <= found["F"] * 1.001
     assert found["status"] == "attained"
-    assert outcome(["plot", str(out), "--out", str(tmp_path / "again.png")]) == 0
+    assert typed(f"plot {out} --out {tmp_path}/again.png") == 0
     assert isinstance(V, xr.DataArray)
 
 
@@ -128,13 +128,13 @@ def test_interrupted_command_says_how_to_go_on(tmp_path, capsys, monkeypatch):
         raise KeyboardInterrupt
 
     axes = "--D=-6e-4:8e-4:21 --lambda 0:7e-6:31"
-    words = f"surface inverting {axes} --out {tmp_path / 'F.zarr'}".split()
+    words = f"surface inverting {axes} --out {tmp_path}/F.zarr"
     with monkeypatch.context() as patched:
         patched.setattr(surface_recording.surface, "minima", stop)
-        assert outcome(words) == 130
+        assert typed(words) == 130
     assert "the same command without --overwrite continues" in capsys.readouterr().err
     assert calls
-    assert outcome(words) == 0
+    assert typed(words) == 0
 
 
 DAMAGES = {
@@ -170,7 +170,7 @@ def test_the_command_computes_on_as_many_threads_as_are_asked_for(tmp_path, monk
         "on_threads",
         lambda work, n, threads: (asked.append(threads), usual(work, n, threads)),
     )
-    axes = ["--D", "-1e-4:1e-4:3", "--lambda", "0:1e-5:3"]
-    words = f"--out {tmp_path / 'F.zarr'} --figure {tmp_path / 'F.png'} --threads 1".split()
-    assert outcome(["surface", "inverting", *axes, *words]) == 0
+    axes = "--D -1e-4:1e-4:3 --lambda 0:1e-5:3"
+    words = f"--out {tmp_path}/F.zarr --figure {tmp_path}/F.png --threads 1"
+    assert typed(f"surface inverting {axes} {words}") == 0
     assert set(asked) == {1}

@@ -15,7 +15,6 @@ from mypy import api
 from typed import typed
 
 import tippetop as tt
-from tippetop.cli import outcome
 from tippetop.problem.options import OPTIONS
 
 
@@ -121,7 +120,7 @@ def test_the_command_line_knows_every_option(capsys: pytest.CaptureFixture[str])
     for name in OPTIONS:
         assert printed.count(f"\n{name} ") + printed.count(f"\n# {name} ") == 2
         if name not in ("until", "columns"):  # options of `tippetop run` themselves
-            assert outcome(["run", "inverting", f"--{name.replace('_', '-')}", "1"]) == 2
+            assert typed(f"run inverting --{name.replace('_', '-')} 1") == 2
             assert "are changed by --set" in capsys.readouterr().err
 
 

@@ -13,7 +13,6 @@ from stores import TURNING, assert_same, state_of
 from typed import typed
 
 import tippetop as tt
-from tippetop.cli import outcome
 from tippetop.errors import StoreError
 from tippetop.runs import recording, resuming, starting
 from tippetop.store import provenance, root
@@ -145,8 +144,8 @@ def test_a_store_of_other_versions_is_refused(
 
 def test_a_replay_is_not_continued(at_once: Callable[..., Path], tmp_path: Path) -> None:
     store = copied(at_once(3.0), tmp_path)
-    words = ["--from", "1", "--until", "2", "--step", "0.1", "--out", str(tmp_path / "rows.zarr")]
-    assert outcome(["replay", str(store), *words]) == 0
+    words = f"--from 1 --until 2 --step 0.1 --out {tmp_path}/rows.zarr"
+    assert typed(f"replay {store} {words}") == 0
     assert state_of(tmp_path / "rows.zarr").end is None
     with pytest.raises(StoreError, match="is a replay"):
         tt.resume(tmp_path / "rows.zarr", until=6.0)

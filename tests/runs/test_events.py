@@ -19,7 +19,7 @@ def count(
     """Return the turnings that are confirmed when they come in several pieces, and the tallies of
     the run.
     """
-    tallies, found, waiting = new_tallies(event_rows([], [], []), 1), [], -1
+    tallies, found, waiting = new_tallies(event_rows([], [], []), np.ones((0, 1))), [], -1
     for rows in np.array_split(np.arange(len(theta) + 1), pieces):
         ways, angles = np.array([*sign, 0])[rows], np.array([*theta, end])[rows]
         for row, confirms, waits in zip(rows, *count_turnings(tallies, ways, angles), strict=True):

@@ -14,7 +14,6 @@ from stores import assert_same
 from typed import typed
 
 import tippetop as tt
-from tippetop.cli import outcome
 from tippetop.errors import InputError
 from tippetop.figures import catalogue, drawing
 from tippetop.problem import column_names
@@ -139,15 +138,8 @@ def test_what_needs_a_column_that_was_left_out_says_so(tmp_path: Path) -> None:
         InputError, match="what theta is reconstructed from must have `modified_energy`"
     ):
         tt.theory.reconstruct(run)
-    arguments = [
-        "run",
-        "inverting",
-        "--set",
-        "run.columns=['work']",
-        "--figure",
-        str(tmp_path / "theta.png"),
-    ]
-    assert outcome(arguments) == 2
+    work = "--set \"run.columns=['work']\""
+    assert typed(f"run inverting {work} --figure {tmp_path}/theta.png") == 2
     assert not (tmp_path / "theta.png").exists()
     assert run.certify(0.1).theta < 1e-12  # it keeps theta for itself
 

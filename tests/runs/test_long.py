@@ -12,7 +12,6 @@ import pytest
 import xarray as xr
 from typed import typed
 
-from tippetop.cli import outcome
 from tippetop.errors import InputError
 from tippetop.problem import ROUNDING
 from tippetop.runs import certificate, recording, starting
@@ -79,11 +78,9 @@ def test_an_export_of_events_names_their_kinds(store: Path, tmp_path: Path) -> N
 def test_a_run_without_rows_is_exported_by_its_other_tables(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    sets = [
-        part for text in ("run.output=keyframes", "run.output_step=") for part in ("--set", text)
-    ]
-    run, rows = str(tmp_path / "k.zarr"), tmp_path / "rows.csv"
-    assert outcome(["run", "inverting", "--until", "1", *sets, "--out", run]) == 0
+    run, rows = tmp_path / "k.zarr", tmp_path / "rows.csv"
+    keyframes = "--set run.output=keyframes --set run.output_step="
+    assert typed(f"run inverting --until 1 {keyframes} --out {run}") == 0
     assert typed(f"export {run} --to csv --out {rows}") == 2
     assert (
         "must have rows to be exported, but has none: use --group events" in capsys.readouterr().err

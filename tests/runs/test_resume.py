@@ -28,6 +28,7 @@ from stores import (
     state_of,
     wait_until,
 )
+from typed import typed
 
 import tippetop
 from tippetop import errors
@@ -295,16 +296,16 @@ def test_rows_at_events_or_steps(output: str) -> None:
         assert len(times) == run.summary.steps + 1
 
 
-@pytest.mark.parametrize(("more", "code"), [([], 5), (["--until", str(UNTIL)], 2)])
+@pytest.mark.parametrize(("more", "code"), [("", 5), (f"--until {UNTIL}", 2)])
 def test_a_run_killed_after_its_last_word_is_tidied_up(
-    more: list[str], code: int, undisturbed: Path, tmp_path: Path
+    more: str, code: int, undisturbed: Path, tmp_path: Path
 ) -> None:
     """The ledger has its last form, but temporary files are still there: resume removes them."""
     store = tmp_path / "run.zarr"
     shutil.copytree(undisturbed, store)
     for left in ("tail-00000003", "ledger.jsonl.new", "trajectory/theta/c.9"):
         (store / left).write_text("{}")
-    assert outcome(["resume", str(store), *more]) == code
+    assert typed(f"resume {store} {more}") == code
     assert_same(store, undisturbed)
 
 

@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 import zarr
 from stores import flip, forge
+from typed import typed
 
 import tippetop
-from tippetop.cli import outcome
 from tippetop.errors import StoreError
 from tippetop.store import root
 
@@ -54,7 +54,7 @@ def test_a_changed_byte_of_a_chunk_is_found_when_its_numbers_are_read(
         table["theta"].values  # noqa: B018
     with pytest.raises(StoreError, match="readable column `theta`"):
         root.loaded(table, store)
-    assert outcome(["export", str(store), "--to", "csv", "--out", str(tmp_path / "a.csv")]) == 5
+    assert typed(f"export {store} --to csv --out {tmp_path}/a.csv") == 5
 
 
 def of_theta(edit: Callable[[dict[str, Any]], Any]) -> Callable[[list[dict[str, Any]]], Any]:
@@ -80,7 +80,7 @@ def test_a_ledger_that_cannot_be_ours_is_refused(forged: str, store: Path) -> No
     forge(store, FORGED[forged])
     with pytest.raises(StoreError, match="must be a whole store, but is damaged"):
         root.attributes(store)
-    assert outcome(["resume", str(store), "--until", "0.2"]) in (
+    assert typed(f"resume {store} --until 0.2") in (
         0,
         5,
     )  # what is derived is made again
@@ -105,4 +105,4 @@ def test_what_a_reader_would_wait_for_is_refused(what: str, place: str, store: P
         (store / place).symlink_to(
             {"device": "/dev/zero", "nowhere": "nowhere", "itself": store}[what]
         )
-    assert outcome(["info", str(store)]) == 5
+    assert typed(f"info {store}") == 5

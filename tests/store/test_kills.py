@@ -13,8 +13,8 @@ import pytest
 from forked import Forked
 from plans import PLAN
 from stores import PRELUDE, TURNING, assert_same, ended, short_slices, state_of
+from typed import typed
 
-from tippetop.cli import outcome
 from tippetop.runs import recording, starting
 from tippetop.store.ledger import LEDGER
 
@@ -43,12 +43,12 @@ def interrupted() -> None:
 
 
 def finished() -> None:
-    assert outcome(f"{RUN} 20".split()) == 0
+    assert typed(f"{RUN} 20") == 0
 
 
 def with_keyframes() -> None:
     words = RUN.replace("S.zarr", "K.zarr").replace("output_step=0.01", "output=keyframes")
-    assert outcome([*words.split(), "70", "--set", "run.keyframe_steps=100"]) == 0
+    assert typed(f"{words} 70 --set run.keyframe_steps=100") == 0
 
 
 def with_plan() -> None:
@@ -118,7 +118,7 @@ def killed(command: Command, kills: int, folder: Path, rng: np.random.Generator)
             if command.python:
                 exec(command.python, {})
             else:
-                code = outcome((command.again if begun else command.words).split())
+                code = typed(command.again if begun else command.words)
                 assert code in (0, 2, 5)  # it may have come to its end
         assert_same(place, whole)
 

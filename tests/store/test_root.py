@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import zarr
 from stores import edited
+from typed import typed
 
 import tippetop
-from tippetop.cli import outcome
 from tippetop.columns import Column
 from tippetop.errors import StoreError
 from tippetop.store import ledger, provenance, root, zarr3
@@ -79,7 +79,7 @@ def test_a_store_of_another_format_is_refused(tmp_path: Path) -> None:
     (path / ledger.LEDGER).unlink()
     with pytest.raises(StoreError, match=r"is another zarr folder or of a preview \(format 1\)"):
         tippetop.open(path)
-    assert outcome(["resume", str(path)]) == 5
+    assert typed(f"resume {path}") == 5
     with pytest.raises(StoreError, match="format 1"), root.new_store(path, overwrite=True):
         pass
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 from stores import Disk, short_slices
+from typed import typed
 
 import tippetop
-from tippetop.cli import outcome
 from tippetop.errors import StoreError
 from tippetop.store import files, root
 from tippetop.store.folder import Folder
@@ -36,7 +36,7 @@ def test_a_folder_that_cannot_be_synced_is_let_be_and_a_file_is_not(
         files.synced(tmp_path, "file")
 
 
-RUN = "run inverting --until 0.1 --set run.columns=['theta'] --out"
+RUN = "run inverting --until 0.1 --set run.columns=\"['theta']\" --out"
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_a_finished_store_is_on_the_disk(
 ) -> None:
     """Every file and every folder, the folder in which the store lies too."""
     monkeypatch.chdir(file.parent)
-    assert outcome([*command.split(), "S.zarr"]) == 0
+    assert typed(f"{command} S.zarr") == 0
     assert disk.late(Path("S.zarr")) == []
     assert Path() not in disk.late(Path())
 
@@ -73,7 +73,7 @@ def test_so_is_what_is_made_from_a_store(
     run = tippetop.run("inverting", output_step=0.001, until=0.5)
     run.save(tmp_path / "saved")
     times = "--from 0.1 --until 0.2 --step 0.01"
-    assert outcome(f"replay {tmp_path}/saved {times} --out {tmp_path}/rows".split()) == 0
+    assert typed(f"replay {tmp_path}/saved {times} --out {tmp_path}/rows") == 0
     monkeypatch.setattr("tippetop.runs.recording.COMMIT_EVERY", 0.0)
     tippetop.resume(tmp_path / "saved", until=2.0)
     assert [disk.late(tmp_path / name) for name in ("saved", "rows")] == [[], []]
@@ -89,10 +89,10 @@ def test_a_store_takes_the_place_of_another_before_that_one_goes(
             late.append(tmp_path in disk.late(tmp_path))
         removed(path, **how)
 
-    words = [*RUN.split(), str(tmp_path / "S.zarr")]
-    assert outcome(words) == 0
+    words = f"{RUN} {tmp_path}/S.zarr"
+    assert typed(words) == 0
     monkeypatch.setattr("shutil.rmtree", watched)
-    assert outcome([*words, "--overwrite"]) == 0
+    assert typed(f"{words} --overwrite") == 0
     assert set(late) == {False}
 
 
@@ -118,7 +118,7 @@ def test_a_disk_without_room_for_a_folder_is_full(
         (failing(errno.ENOSPC) if "dir_fd" in how else real)(*place, **how)
 
     monkeypatch.setattr(os, "mkdir", mkdir)
-    assert outcome([*RUN.split(), str(tmp_path / "S.zarr")]) == 5
+    assert typed(f"{RUN} {tmp_path}/S.zarr") == 5
     assert "S.zarr` must be writable, but: No space left on device." in capsys.readouterr().err
 
 
@@ -140,5 +140,5 @@ def test_a_sweep_that_cannot_be_read_is_not_said_to_be_checked(
 ) -> None:
     store = shutil.copytree(whole, tmp_path / "S.zarr")
     monkeypatch.setattr("tippetop.sweeps.sweep_summary.report", failing(errno.EIO))
-    assert outcome(["sweep", str(file), "--out", str(store), "--workers", "1"]) == 5
+    assert typed(f"sweep {file} --out {store} --workers 1") == 5
     assert "was finished" not in capsys.readouterr().err

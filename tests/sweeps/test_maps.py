@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from plans import PLAN
+from typed import typed
 
 import tippetop
-from tippetop.cli import outcome
 from tippetop.ensembles.outcomes import CLASSES
 from tippetop.errors import InputError
 from tippetop.mechanics.theory import thresholds
@@ -25,20 +25,20 @@ AXIS = {"of": "friction.mu", "geomspace": [0.1, 1.0]}
 def test_the_commands_know_a_sweep(
     whole: Path, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert outcome(["check", str(file), "--json"]) == 0
+    assert typed(f"check {file} --json") == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["tops"], found["chunks"], found["tops_per_chunk"]) == (24, 4, 7)
-    assert outcome(["info", str(whole), "--json"]) == 0
+    assert typed(f"info {whole} --json") == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["status"], found["tops_done"], found["runs"]) == ("finished", 24, [5])
     assert sum(found["counts"]["status"].values()) == sum(found["counts"]["class"].values()) == 24
     assert 0 < found["drift"]["jellett"]["worst"] < 1e-13
-    assert outcome(["check", str(file)]) == outcome(["info", str(whole)]) == 0
-    assert outcome(["info", str(whole / "runs" / "5"), "--json"]) == 0
+    assert typed(f"check {file}") == typed(f"info {whole}") == 0
+    assert typed(f"info {whole}/runs/5 --json") == 0
     file.write_text(PLAN.replace("chunk", "chnk"))
-    assert outcome(["sweep", str(file), "--out", str(tmp_path / "S.zarr")]) == 2
+    assert typed(f"sweep {file} --out {tmp_path}/S.zarr") == 2
     assert not (tmp_path / "S.zarr").exists()
-    assert outcome(f"sweep {file} --out {tmp_path / 'S.zarr'} --workers 0".split()) == 2
+    assert typed(f"sweep {file} --out {tmp_path}/S.zarr --workers 0") == 2
 
 
 def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
@@ -47,7 +47,7 @@ def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
     table = open_sweep(whole)
     places = {to: tmp_path / f"S.{to}" for to in ("netcdf", "csv", "parquet")}
     for to, place in places.items():
-        assert outcome(["export", str(whole), "--to", to, "--out", str(place)]) == 0
+        assert typed(f"export {whole} --to {to} --out {place}") == 0
     with xr.open_dataset(
         places["netcdf"], group="sweep", engine="h5netcdf", decode_timedelta=False
     ) as found:
@@ -62,14 +62,12 @@ def test_exports_hold_every_column(whole: Path, tmp_path: Path) -> None:
             table["class"].attrs["flag_meanings"].split()[i] for i in table["class"].values
         ]
         np.testing.assert_array_equal(frame["final_Lz"].astype(float), table["final_Lz"])
-    assert (
-        outcome(f"export {whole} --to csv --out {tmp_path / 'E.csv'} --group events".split()) == 2
-    )
+    assert typed(f"export {whole} --to csv --out {tmp_path}/E.csv --group events") == 2
 
 
 @pytest.mark.parametrize("kind", ["class"])
 def test_figures_of_a_sweep_are_drawn(kind: str, whole: Path, tmp_path: Path) -> None:
-    assert outcome(["plot", str(whole), kind, "--out", str(tmp_path / "a.png")]) == 0
+    assert typed(f"plot {whole} {kind} --out {tmp_path}/a.png") == 0
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -15,9 +15,9 @@ from forked import Forked
 from nightly import at_night
 from plans import PLAN
 from stores import assert_same, ended, written
+from typed import typed
 
 import tippetop
-from tippetop.cli import outcome
 from tippetop.errors import InputError, StoreError
 from tippetop.store import provenance, root
 from tippetop.sweeps import chunk, workers
@@ -95,8 +95,8 @@ def test_a_damaged_run_of_a_sweep_is_made_again(
         (column / "c.0").write_bytes(content)
     else:
         (column / "zarr.json").unlink()
-        assert outcome(["info", str(store)]) == 5
-    assert outcome(f"sweep {file} --out {store} --workers 1".split()) == 0
+        assert typed(f"info {store}") == 5
+    assert typed(f"sweep {file} --out {store} --workers 1") == 0
     assert_same(store, whole)
 
 
@@ -184,17 +184,17 @@ def test_a_chunk_that_fails_is_named_and_the_others_finish(
             raise ArithmeticError("it will not do")
 
     store = tmp_path / "S.zarr"
-    words = f"sweep {file} --out {store} --workers 1 --json".split()
+    words = f"sweep {file} --out {store} --workers 1 --json"
     with monkeypatch.context() as patched:
         assert computed(patched, poison) == []
-        assert outcome(words) == 6
+        assert typed(words) == 6
     said = capsys.readouterr()
     assert "chunk 1 (tops 7 to 13) failed: ArithmeticError: it will not do." in said.err
     assert "Continue with: tippetop sweep" in said.err
     found = json.loads(said.out)
     assert found["chunks"] == {"todo": 0, "done": 3, "failed": 1}
     assert found["failed"] == {"1": "ArithmeticError: it will not do"}
-    assert outcome(words) == 0
+    assert typed(words) == 0
     assert_same(store, whole)
 
 

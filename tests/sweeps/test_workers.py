@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from plans import PLAN
 from stores import assert_same, chunks, ended, wait_until, written
+from typed import typed
 
 import tippetop
-from tippetop.cli import outcome
 from tippetop.errors import Unfinished
 from tippetop.scenario import build
 from tippetop.store import provenance
@@ -43,19 +43,7 @@ def test_dask_makes_the_same_store(
     ) as cluster:
         with monkeypatch.context() as patched:
             patched.setattr(chunk, "compute_chunk", failing)
-            assert (
-                outcome(
-                    [
-                        "sweep",
-                        str(file),
-                        "--out",
-                        str(store),
-                        "--scheduler",
-                        cluster.scheduler_address,
-                    ]
-                )
-                == 6
-            )
+            assert typed(f"sweep {file} --out {store} --scheduler {cluster.scheduler_address}") == 6
         assert (
             "chunk 2 (tops 14 to 20) failed: ArithmeticError: it will not do."
             in capsys.readouterr().err

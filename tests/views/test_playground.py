@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from nightly import at_night
+from typed import typed
 
 import tippetop as tt
-from tippetop.cli import outcome
 from tippetop.mechanics.contact.body import BALLS
 from tippetop.mechanics.contact.exits import PHASES
 from tippetop.views.phase_formulas import given
@@ -27,7 +27,7 @@ def test_the_playground_of_the_docs_is_the_one_of_the_formulas() -> None:
 
 
 def test_the_command_writes_the_playground(tmp_path: Path) -> None:
-    assert outcome(["view", "--playground", "--out", str(tmp_path / "x.html")]) == 0
+    assert typed(f"view --playground --out {tmp_path}/x.html") == 0
     assert (tmp_path / "x.html").read_text(encoding="utf-8") == playground()
 
 

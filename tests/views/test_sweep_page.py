@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typed import typed
 
 import tippetop as tt
-from tippetop.cli import outcome
 from tippetop.sweeps import maps
 from tippetop.sweeps.plan import Plan
 from tippetop.views.sweep_page import changes, is_movable, page_of_sweep
@@ -99,7 +99,7 @@ def test_a_page_tells_the_classes_apart_as_the_figure_does(
     assert "near-upright" in shown
     labels = [axis["label"] for axis in json.loads(data[1])["axes"]]
     assert "friction coefficient μ" in labels[1]
-    assert outcome(f"view {store} --from 0.1 --out {tmp_path / 'S.html'}".split()) == 2
+    assert typed(f"view {store} --from 0.1 --out {tmp_path}/S.html") == 2
     assert "is a sweep" in capsys.readouterr().err
 
 

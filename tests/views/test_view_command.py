@@ -5,9 +5,9 @@ import threading
 from pathlib import Path
 
 import pytest
+from typed import typed
 
 import tippetop as tt
-from tippetop.cli import outcome
 from tippetop.views import pages
 
 
@@ -22,7 +22,7 @@ def test_a_store_becomes_one_file(
     store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert outcome(["view", str(store)]) == 0
+    assert typed(f"view {store}") == 0
     assert capsys.readouterr().out.startswith("RUN.html: 0.1 MB")
     text = Path("RUN.html").read_text(encoding="utf-8")
     assert [path.name for path in tmp_path.iterdir()] == ["RUN.html"]
@@ -53,7 +53,7 @@ def test_an_unfinished_run_is_refused(tmp_path: Path, capsys: pytest.CaptureFixt
     stop = Soon()
     with pytest.raises(tt.Interrupted):
         tt.run("rolling", until=900.0, output_step=1.0, out=tmp_path / "part.zarr", stop=stop)
-    assert outcome(["view", str(tmp_path / "part.zarr"), "--out", str(tmp_path / "x.html")]) == 5
+    assert typed(f"view {tmp_path}/part.zarr --out {tmp_path}/x.html") == 5
     assert "must be finished to be viewed" in capsys.readouterr().err
     assert not (tmp_path / "x.html").exists()
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from .integrator import Compiled
-from .loop import Loop, Rows, new_motion
+from .loop import MOST_COEFFICIENTS, Loop, Rows, new_motion
 from .status import Status
 from .stepper import Stepper
 from .tallies import (
@@ -24,18 +24,16 @@ from .tallies import (
     new_log,
     new_samples,
     new_tallies,
-    reset,
 )
 
 
 STEPS_PER_SLICE = 8192  # about 20 ms of work
-PASSAGES = 4096  # in a slice, at most: one every other step
+PASSAGES = 4096  # in a slice, at most: one every other step; and those of the last step
 EVERY = 8  # steps between two looks at the invariants: 1 % of the cost of the steps
 FIRST = 256  # steps of a run that are all looked at: a short run has no more
 ENDLESS = 1 << 62  # steps of a single run, which may take as long as it likes
 STATUSES = {status.code: status for status in Status}
 RUNNING = Status.RUNNING.code
-PLACES = 4  # that a thread keeps of an integrator, 1 MB each of which a short run fills a part
 
 
 class Extremes(NamedTuple):
@@ -91,12 +89,36 @@ def view(array: np.ndarray) -> Any:
     return memoryview(array)  # type: ignore[arg-type]
 
 
+class Exact(NamedTuple):
+    """Passages and samples in the working precision: in doubles, the arrays of the loop."""
+
+    times: np.ndarray  # (n,) of passages
+    states: np.ndarray  # (n, variables) at passages
+    samples: np.ndarray  # (n, variables)
+
+
 class Shared(NamedTuple):
     """Arrays that the phases of a run share."""
 
     tallies: Tallies
     log: PassageLog
     samples: Samples
+    exact: Exact
+
+
+def new_shared(rows: EventRows, functions: np.ndarray, width: int, number: Any) -> Shared:
+    """Return the arrays of a run that starts with these event functions, (events, 1), and has at
+    most `width` variables, which are of type `number`.
+    """
+    log = new_log(PASSAGES + len(rows.events) * MOST_COEFFICIENTS, width)
+    samples = new_samples(STEPS_PER_SLICE + 2, width)
+    exact = (in_precision(a, number) for a in (log.rows["time"], log.states, samples.states))
+    return Shared(new_tallies(rows, functions), log, samples, Exact(*exact))
+
+
+def in_precision(array: np.ndarray, number: Any) -> np.ndarray:
+    """Return an array of doubles if this is the type of numbers, or another one of its shape."""
+    return array if number in (float, np.float64) else np.zeros(array.shape, number)
 
 
 RULES = StopRules(np.inf, ENDLESS, EVERY, FIRST)
@@ -112,11 +134,18 @@ class Wanted:
     ----------
     variables
         Numbers of a row, at most.
+    number
+        Their type.
+
+    Attributes
+    ----------
+    states
+        Those of the rows in the working precision, (variables, n).
     """
 
-    def __init__(self, variables: int) -> None:
-        self.variables, self.rows, self.made = variables, NO_ROWS, view(NO_ROWS.filled)
-        self.given = 0
+    def __init__(self, variables: int, number: Any) -> None:
+        self.variables, self.number, self.given = variables, number, 0
+        self.rows, self.states, self.made = NO_ROWS, NO_ROWS.states, view(NO_ROWS.filled)
 
     @property
     def is_made(self) -> bool:
@@ -126,9 +155,10 @@ class Wanted:
     def ask(self, request: Request) -> None:
         """Ask for more times; for room, where rows are at the ends of steps."""
         times = request.wanted()
-        states, filled = np.empty((self.variables, len(times))), np.zeros(1, np.int64)
-        phases, self.given, self.made = np.empty(len(times), np.int64), 0, view(filled)
+        n, filled, self.given = len(times), np.zeros(1, np.int64), 0
+        states, phases = np.empty((self.variables, n)), np.empty(n, np.int64)
         self.rows = Rows(times, states, phases, filled, request.steps)
+        self.states, self.made = in_precision(states, self.number), view(filled)
 
     def give(self) -> slice:
         """Return the numbers of rows that exist and were not given; they are given from now on."""
@@ -138,8 +168,7 @@ class Wanted:
 
 
 class Place:
-    """The arrays of a run, and the loop that is bound to their addresses: to bind them takes as
-    long as 50 steps, so that a run takes those of one that is gone.
+    """The arrays of a run in one phase, and the loop that is bound to their addresses.
 
     Parameters
     ----------
@@ -150,39 +179,14 @@ class Place:
     rows
         The events.
     shared
-        Arrays of a run of several phases, of which this is one; None: new ones.
+        Arrays that its other phases have too.
     """
 
-    def __init__(
-        self,
-        compiled: Compiled,
-        stepper: Stepper,
-        rows: EventRows,
-        shared: Shared | None = None,
-    ):
-        self.taken_by: Any = None  # a weak reference to a driver
-        n, size = len(compiled.integrator.state), compiled.integrator.order + 1
-        self.compiled, self.stepper = compiled, stepper
-        self.rows = rows._replace(events=rows.events.copy())
-        self.shared = shared or Shared(
-            new_tallies(rows, 1),
-            new_log(PASSAGES + len(rows.events) * size, n),
-            new_samples(FIRST + STEPS_PER_SLICE // EVERY + 2, n),
-        )
-        self.motion = new_motion(n, len(compiled.integrator.pars), size, 1)
-        self.loop = Loop(self.motion, self.rows, *self.shared, RULES, stepper)
-
-
-def place_for(driver: "Driver", compiled: Compiled) -> Place:
-    """Return a place that no other driver of this thread has while this one exists."""
-    places: list[Place] = compiled.places.__dict__.setdefault("places", [])
-    place = next((place for place in places if place.taken_by() is None), None)
-    if place is None:
-        place = Place(compiled, driver.stepper_of(compiled), compiled.rows)
-        if len(places) < PLACES:
-            places.append(place)
-    place.taken_by = weakref.ref(driver)
-    return place
+    def __init__(self, compiled: Compiled, stepper: Stepper, rows: EventRows, shared: Shared):
+        made = compiled.integrator
+        self.compiled, self.stepper, self.rows, self.shared = compiled, stepper, rows, shared
+        self.motion = new_motion(len(made.state), len(made.pars), made.order + 1, 1)
+        self.loop = Loop(self.motion, rows, *shared[:3], RULES, stepper)
 
 
 class Driver:
@@ -218,10 +222,11 @@ class Driver:
     ):
         self.at_start, self.end = functions, end
         self.variables, self.number = len(start), start.dtype.type
-        self.work_in(place_for(self, compiled))
-        self.rows.events[:] = rows.events
-        reset(self.tallies, self.rows, functions[:, None])
-        self.wanted, self.first = Wanted(self.variables), start[None, :].copy()
+        width = len(compiled.integrator.state)
+        shared = new_shared(rows, functions[:, None], width, self.number)
+        self.work_in(Place(compiled, self.stepper_of(compiled), rows, shared))
+        self.wanted = Wanted(self.variables, self.number)
+        self.first = start[None, :].copy()
         self.take(self.place, body)
         self.put(start, (self.number(0), self.number(0)))
         self.end_at(end)
@@ -235,7 +240,7 @@ class Driver:
         """Make the next steps in a place."""
         self.place, self.compiled, self.rows = place, place.compiled, place.rows
         self.motion, self.loop = place.motion, place.loop
-        self.tallies, self.log, self.samples = place.shared
+        self.tallies, self.log, self.samples, self.exact = place.shared
         names = "status", "steps", "upto", "tiny", "t"
         self.status, self.steps, self.upto, self.tiny, self.time = (
             view(self.tallies.lane[name]) for name in names
@@ -251,8 +256,7 @@ class Driver:
 
     def advance(self, request: Request, most: int) -> Slice:
         """Make at most `most` steps; rows go to the request."""
-        # no cycle: a place is free as soon as its driver is gone
-        self.request = weakref.proxy(request)
+        self.request = weakref.proxy(request)  # no cycle: arrays are free when the run is gone
         self.forget()
         steps, when, last, ended = self.run(most)
         *columns, logged = self.passages()
@@ -325,25 +329,24 @@ class Driver:
 
     def states_of(self, rows: slice) -> np.ndarray:
         """Return the states of rows, (k, variables): as wide as the widest phase."""
-        return self.wanted.rows.states[:, rows].T
+        return self.wanted.states[:, rows].T
 
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
         """Add rows that no step makes: times, and states of the present phase (k, variables)."""
         rows, made = self.wanted.rows, self.wanted.made
         part = slice(made[0], made[0] + len(times))
         rows.times[part], rows.phases[part], made[0] = times, self.samples.in_lane, part.stop
-        rows.states[: states.shape[1], part] = states[:, : len(rows.states)].T
+        self.wanted.states[: states.shape[1], part] = states[:, : self.wanted.variables].T
 
     def sampled(self) -> np.ndarray:
         """Return the states that were sampled, where they are: as wide as the widest phase."""
-        return self.samples.states[: int(self.samples.filled[0])]
+        return self.exact.samples[: self.sampled_so_far[0]]
 
     def passages(self) -> Passages:
         """Return the passages of the log, where they are."""
-        logged = slice(int(self.log.filled[0]))
-        rows = self.log.rows[logged]
-        columns = (rows[name] for name in ("time", "event", "sign", "at_pole"))
-        return Passages._make([*columns, self.log.states[logged]])
+        logged = slice(self.logged[0])
+        columns = (self.log.rows[name][logged] for name in ("event", "sign", "at_pole"))
+        return Passages._make([self.exact.times[logged], *columns, self.exact.states[logged]])
 
     def drop(self) -> None:
         """Remove the last passage."""
@@ -351,16 +354,16 @@ class Driver:
 
     def note(self, time: Any, number: int, sign: int, phase: int, state: np.ndarray) -> None:
         """Add a passage that no step has, with a state of a phase."""
-        log, at = self.log, self.logged[0]
-        log.rows[at] = time, number, sign, phase, False
-        log.states[at, : len(state)] = state
+        at = self.logged[0]
+        self.log.rows[at] = float(time), number, sign, phase, False
+        self.exact.times[at], self.exact.states[at, : len(state)] = time, state
         self.logged[0] += 1
 
     def reached(self) -> tuple[Any, np.ndarray]:
         """Return the internal time reached, and the state: of the last passage, if it ended the run
         within a step.
         """
-        state = self.log.states[self.logged[0] - 1] if self.upto[0] < 1.0 else self.state
+        state = self.exact.states[self.logged[0] - 1] if self.upto[0] < 1.0 else self.state
         return self.time[0], state
 
     # --- where the run is ------------------------------------------------------------------------
@@ -397,9 +400,9 @@ class Driver:
         """Return the present state, (1, variables), internal."""
         return self.rows_of((self.samples.in_lane, self.state[None]))[0]
 
-    def equations(self) -> list[tuple]:
-        """Return the equations of motion: pairs of a variable and its rate."""
-        return list(self.compiled.integrator.sys)
+    def codes(self) -> tuple[Compiled, ...]:
+        """Return the integrators of all phases."""
+        return (self.compiled,)
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units; empty where none is known."""

@@ -28,23 +28,22 @@ from ..mechanics.variables import INTEGRAL_SCALE, Variables
 from ..problem import Problem
 from .changes import Changes
 from .driver import (
-    PASSAGES,
     RUNNING,
     STATUSES,
-    STEPS_PER_SLICE,
     Driver,
     Extremes,
     Place,
     Request,
-    Shared,
     Slice,
     Wanted,
     extremes_of,
+    new_shared,
     view,
 )
 from .expressions import Formulas
 from .impacts import ImpactMotions, kind_of
-from .loop import MOST_COEFFICIENTS, Rows
+from .integrator import Compiled
+from .loop import Rows
 from .phase_tables import PhaseTables
 from .python_events import Sampler, zero_of
 from .status import Status
@@ -52,9 +51,6 @@ from .tallies import (
     ON_ZERO,
     SIGN,
     event_rows,
-    new_log,
-    new_samples,
-    new_tallies,
 )
 from .taylor import code_for, internal_end
 from .wide import WideDriver
@@ -347,15 +343,12 @@ class HybridDriver(Driver):
             rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
         widths = (len(Variables(phase.form).names) for phase in self.phases.values())
         self.all_events, self.width = rows, max(widths) + len(self.events)
-        self.shared = Shared(
-            new_tallies(rows, 1),
-            new_log(PASSAGES + len(self.events) * MOST_COEFFICIENTS, self.width),
-            new_samples(STEPS_PER_SLICE + 2, self.width),
-        )
+        self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
         functions = self.shared.tallies.functions
         functions[SIGN] = 0.0  # not known
         self.signs, self.zeros = (view(functions[kind, :, 0]) for kind in (SIGN, ON_ZERO))
-        self.wanted, self.tables = Wanted(self.width - len(self.events)), PhaseTables(problem)
+        width = self.width - len(self.events)
+        self.wanted, self.tables = Wanted(width, number), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         self.short = 0
         self.changes = 0  # in a slice
@@ -398,10 +391,8 @@ class HybridDriver(Driver):
                     self.copies.take_up(track, jump)
         return self.tracks[name]
 
-    def equations(self) -> list[tuple]:
-        """Return the equations of every phase: pairs of a variable and its rate."""
-        codes = (self.track_of(name).place.compiled for name in self.phases)
-        return [pair for code in codes for pair in code.integrator.sys]
+    def codes(self) -> tuple[Compiled, ...]:
+        return tuple(self.track_of(name).place.compiled for name in self.phases)
 
     def follow(self, track: Track, began: float) -> None:
         """Make the next steps in a phase that begins at an internal time."""

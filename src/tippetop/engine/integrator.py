@@ -4,9 +4,10 @@ a kernel calls.
 
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import repeat
-from typing import Any, NamedTuple
+from typing import Any
 
 import heyoka as hy
 import numpy as np
@@ -21,7 +22,8 @@ from .stepper import load
 from .tallies import EventRows, event_rows
 
 
-class Compiled(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Compiled:
     """An integrator, and the places of event functions among its Taylor coefficients.
 
     Parameters
@@ -32,14 +34,11 @@ class Compiled(NamedTuple):
         Where the event functions stand among the variables.
     machine
         Its step as machine code, `Loaded`; None in numbers wider than doubles.
-    places
-        What its runs in doubles work in, for each thread: see `driver.Place`.
     """
 
     integrator: Any
     rows: EventRows
     machine: Any
-    places: threading.local
 
 
 # terms of the right-hand side from which LLVM would take a minute; the others have at most 22 000
@@ -144,7 +143,7 @@ def compiled_from(
         integrator = compiled_once(hy.taylor_adaptive, equations, zero, **options)
     machine = None if compact else load(integrator.llvm_state.object_code, level)
     rows = event_rows(formulas.events, sources, axis)
-    return Compiled(integrator, rows, machine, threading.local())
+    return Compiled(integrator, rows, machine)
 
 
 def _source(

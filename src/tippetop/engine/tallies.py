@@ -125,26 +125,17 @@ def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.where(functions > 0, 1.0, -1.0), np.abs(functions) < ON_ZERO_BELOW
 
 
-def new_tallies(rows: EventRows, lanes: int) -> Tallies:
-    """Return the tallies of runs that have not begun, with event functions that are positive."""
-    n = len(rows.events)
-    tallies = Tallies(
-        np.empty(lanes, LANE_RECORD), np.empty((9, n, lanes)), np.empty((len(rows.numbers), lanes))
-    )
-    reset(tallies, rows, np.ones((n, lanes)))
-    return tallies
-
-
-def reset(tallies: Tallies, rows: EventRows, functions: np.ndarray) -> None:
-    """Reset tallies for runs that start with these event functions, (events, lanes)."""
-    tallies.lane[:] = tuple(_LANE.values())
-    known = tallies.functions
-    known[:] = 0.0
+def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
+    """Return the tallies of runs that start with these event functions, (events, lanes)."""
+    lanes = functions.shape[1]
+    lane, known = np.empty(lanes, LANE_RECORD), np.zeros((9, *functions.shape))
+    lane[:] = tuple(_LANE.values())
     known[SIGN], known[ON_ZERO] = signs_of(functions)
     known[LEAST] = np.where(rows.events["extremes"], np.inf, -np.inf)[:, None]
     known[MOST] = -known[LEAST]
     known[T_LEAST], known[T_MOST] = np.nan, np.nan
-    tallies.kept[:] = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)[:, None]
+    kept = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
+    return Tallies(lane, known, np.repeat(kept[:, None], lanes, axis=1))
 
 
 CONFIRMS, WAITS = 1, 2

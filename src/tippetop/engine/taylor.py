@@ -2,7 +2,7 @@
 
 import hashlib
 import threading
-import weakref
+from functools import lru_cache
 from typing import Any
 
 import heyoka as hy
@@ -12,7 +12,7 @@ from ..mechanics.units import SECOND
 from ..problem import Problem
 from .driver import Driver
 from .expressions import Formulas, formulas_of
-from .integrator import Compiled, awaited_once, compiled_from
+from .integrator import MOST_COMPILED, Compiled, awaited_once, compiled_from
 from .observables import event_functions
 from .opt_level import DEFAULT, opt_level
 from .tallies import looked_for
@@ -80,14 +80,12 @@ def compiled_when(key: tuple, stop: threading.Event | None = None) -> Compiled:
 
 def fingerprint(driver: Driver) -> str:
     """Return a digest of the equations of a driver and of the compiler options."""
-    code: Any = driver if hasattr(driver, "phases") else driver.compiled.places
-    known, level = _fingerprints.setdefault(code, {}), opt_level()
-    if level not in known:  # 1 ms, and there is one in every keyframe
-        lines = "\n".join(f"{a}' = {b}" for a, b in driver.equations())
-        if level != DEFAULT:
-            lines += f"\nopt_level {level}"
-        known[level] = hashlib.sha256(lines.encode()).hexdigest()[:16]
-    return known[level]
+    return _digest(driver.codes(), opt_level())
 
 
-_fingerprints: weakref.WeakKeyDictionary[Any, dict[int, str]] = weakref.WeakKeyDictionary()
+@lru_cache(maxsize=MOST_COMPILED)
+def _digest(codes: tuple[Compiled, ...], level: int) -> str:  # 1 ms, and every keyframe has one
+    lines = "\n".join(f"{a}' = {b}" for code in codes for a, b in code.integrator.sys)
+    if level != DEFAULT:
+        lines += f"\nopt_level {level}"
+    return hashlib.sha256(lines.encode()).hexdigest()[:16]

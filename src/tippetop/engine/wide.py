@@ -7,13 +7,12 @@ then refined in the working precision.
 
 import copy
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any, cast
 
 import heyoka as hy
 import numpy as np
 
-from .driver import Driver, Passages, Place
+from .driver import Driver, Exact, Place
 from .integrator import Compiled
 from .loop import Motion, Rows
 from .status import Status
@@ -33,24 +32,30 @@ class WideSteps(Called):
     doubles.
 
     Whatever the loop keeps, this keeps too, in the working precision.
+
+    Attributes
+    ----------
+    end
+        Internal time of the end of the run.
+    exact, rows
+        Arrays of the run: passages and samples; states of the rows.
+    refined
+        How many passages of the log are refined.
     """
 
-    end: Any = None  # internal time of the end of the run
-    # of the driver: samples; times of the log, and states there; rows
-    samples: list
-    times: list
-    states: list
-    rows: list
+    end: Any = None
+    exact: Exact
+    rows: np.ndarray
+    refined = 0
 
     def __init__(self, integrator: Any):
         self.integrator = copy.deepcopy(integrator)
 
     def step(self, motion: Motion) -> None:
         """Make a step, at most to the end of the run."""
-        self.follow()
-        ta = self.integrator
-        self.before = ta.state.copy(), ta.dtime
-        self.on_zero = self.records["tallies"].functions[ON_ZERO, :, 0].copy()
+        ta, records = self.integrator, self.records
+        self.before, self.refined = (ta.state.copy(), ta.dtime), records["log"].filled[0]
+        self.on_zero = records["tallies"].functions[ON_ZERO, :, 0].copy()
         high, low = ta.dtime
         motion.high[0] = motion.start_high[0] = start = float(high)
         motion.low[0] = motion.start_low[0] = 0.0
@@ -66,12 +71,10 @@ class WideSteps(Called):
             motion.tc[:, :, 0] = ta.tc
             if not np.abs(motion.tc).max() < LARGEST:
                 motion.tc[:] = np.clip(motion.tc, -LARGEST, LARGEST)
-
-    def follow(self) -> None:
-        """Keep the end of the last step where the loop has: as a sample, as a row."""
-        for name, kept in (("samples", self.samples), ("output", self.rows)):
-            if self.records[name].filled[0] > len(kept):
-                kept.append(self.integrator.state.copy())
+        # where the loop puts the end of the step, if it keeps it as a sample or as a row
+        self.exact.samples[records["samples"].filled[0], : len(ta.state)] = ta.state
+        row = records["output"].filled[0]
+        self.rows[: len(ta.state), row : row + 1] = ta.state[: len(self.rows), None]
 
     def undo(self) -> None:
         """Return to the start of the last step."""
@@ -81,20 +84,21 @@ class WideSteps(Called):
         """Keep the next zero of the log, which is refined, or else the next row, and return its
         state.
         """
-        ta, log, number = self.integrator, self.records["log"], self.integrator.state.dtype.type
-        if len(self.times) < log.filled[0]:
-            k, start = len(self.times), self.before[1][0]
+        ta, log, output = self.integrator, self.records["log"], self.records["output"]
+        number, n = ta.state.dtype.type, len(ta.state)
+        if self.refined < log.filled[0]:
+            k, start = self.refined, self.before[1][0]
             when, event, *_ = log.rows[k]
             roots = -min(0, int(self.on_zero[event]))
             function = _function(ta.tc, self.records["rows"].events[event], roots)
             time = start + _refined(function, number(when) - start, ta.time - start)
-            self.times.append(time)
-            kept = self.states
+            self.exact.times[k], self.exact.states[k, :n] = time, ta.update_d_output(time)
+            self.refined += 1
         else:
-            time = number(self.records["output"].times[len(self.rows)])
-            kept = self.rows
-        kept.append(ta.update_d_output(time).copy())
-        return kept[-1].astype(float)[:, None]
+            row = output.filled[0]
+            state = ta.update_d_output(number(output.times[row]))
+            self.rows[:n, row] = state[: len(self.rows)]
+        return ta.d_output.astype(float)[:, None]
 
 
 class WideDriver(Driver):
@@ -103,16 +107,6 @@ class WideDriver(Driver):
     @staticmethod
     def stepper_of(code: Compiled) -> Stepper:
         return WideSteps(code.integrator)
-
-    @cached_property
-    def kept(self) -> tuple[list, list, list, list]:
-        """Return the samples; times of the log, and states there; rows."""
-        return [], [], [], []
-
-    def work_in(self, place: Place) -> None:
-        super().work_in(place)
-        steps = self.stepper
-        steps.samples, steps.times, steps.states, steps.rows = self.kept
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
         pars = cast(WideSteps, place.stepper).integrator.pars
@@ -124,55 +118,21 @@ class WideDriver(Driver):
         return cast(WideSteps, self.place.stepper)
 
     def make(self, rows: Rows, most: int) -> int:
+        stepper = self.stepper
+        stepper.exact, stepper.rows, stepper.refined = (
+            self.exact,
+            self.wanted.states,
+            self.logged[0],
+        )
         steps = super().make(rows, most)
         if self.tally["status"] == Status.NON_FINITE.code:
-            self.stepper.undo()
-        else:
-            self.stepper.follow()
+            stepper.undo()
         return steps
 
-    def ask(self) -> None:
-        super().ask()
-        self.stepper.rows.clear()
-
-    def states_of(self, rows: slice) -> np.ndarray:
-        return self._wide(self.stepper.rows[rows])
-
-    def add(self, times: np.ndarray, states: np.ndarray) -> None:
-        super().add(times, states.astype(float))
-        self.stepper.rows.extend(states)
-
-    def forget(self) -> None:
-        super().forget()
-        for kept in self.kept[:3]:
-            kept.clear()
-
-    def _wide(self, states: list[np.ndarray]) -> np.ndarray:
-        """Return states as wide as the widest phase."""
-        width = self.log.states.shape[1]
-        return np.array([np.resize(one, width) for one in states], self.number).reshape(-1, width)
-
-    def sampled(self) -> np.ndarray:
-        return self._wide(self.stepper.samples)
-
-    def passages(self) -> Passages:
-        times = np.array(self.stepper.times, self.number)
-        return super().passages()._replace(times=times, states=self._wide(self.stepper.states))
-
-    def drop(self) -> None:
-        super().drop()
-        self.stepper.times.pop()
-        self.stepper.states.pop()
-
-    def note(self, time: Any, number: int, sign: int, phase: int, state: np.ndarray) -> None:
-        super().note(float(time), number, sign, phase, state.astype(float))
-        self.stepper.times.append(time)
-        self.stepper.states.append(state)
-
     def reached(self) -> tuple[Any, np.ndarray]:
-        within = self.upto[0] < 1.0
-        time = self.stepper.times[-1] if within else self.stepper.integrator.time
-        return time, self.stepper.states[-1] if within else self.state
+        within, ta = self.upto[0] < 1.0, self.stepper.integrator
+        time = self.exact.times[self.logged[0] - 1] if within else ta.time
+        return time, super().reached()[1]
 
     @property
     def clock(self) -> tuple[Any, Any]:

@@ -16,7 +16,7 @@ from ..engine.invariants import invariants, sizes
 from ..engine.observables import event_functions, values_of
 from ..engine.settling import slides
 from ..engine.status import Status
-from ..engine.tallies import LEAST, MOST, SIGN, EventRows, Tallies, new_tallies, reset
+from ..engine.tallies import LEAST, MOST, SIGN, EventRows, Tallies, new_tallies
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults
 from ..progress import Report, reporting
@@ -158,8 +158,7 @@ def _run(
 
     workers = [Lanes(measured.tops, lanes, wanted) for _ in range(n)]
     first = workers[0]
-    tallies = new_tallies(first.rows, len(functions))
-    reset(tallies, first.rows, functions.T)
+    tallies = new_tallies(first.rows, functions.T)
     if n == 1:  # Ctrl-C ends the work immediately
         measured.processor = work(first)
     else:

@@ -64,7 +64,7 @@ class Lanes:
         self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
-        self.tallies = new_tallies(self.rows, lanes)
+        self.tallies = new_tallies(self.rows, np.ones((len(self.rows.events), lanes)))
         drifts = wanted is None or any(name.startswith("drift") for name in wanted)
         self.samples = new_samples(SAMPLES * lanes if drifts else 0, n, lanes)
         self.top = self.samples.in_lane  # which top is in a lane; -1: none, and it takes no steps

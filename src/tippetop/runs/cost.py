@@ -63,7 +63,7 @@ def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -
     expected = max(float(estimate(problem)["steps"]), 1.0)
     size = max(FEWEST, min(STEPS, int(ROWS * expected / max(len(problem.times), 1))))
     if problem.system.is_hybrid:  # later phases would be compiled on the way
-        driver_of(problem).equations()
+        driver_of(problem).codes()
     _timed(problem, size, 0.0, clock)  # compiles
     seconds, progress = _timed(problem, size, WORTH, clock)
     whole = 1.0
