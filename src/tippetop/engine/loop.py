@@ -127,7 +127,7 @@ def _field(value: Any) -> Any:
     if not isinstance(value, np.ndarray):
         return value
     # a third of the time of `value.ctypes.data`
-    return ctypes.addressof(ctypes.c_char.from_buffer(value)) if value.size else None
+    return ctypes.addressof(ctypes.c_char.from_buffer(value.data)) if value.size else None
 
 
 @cache
