@@ -186,13 +186,13 @@ def stages(law: Any) -> dict[str, Stage]:
     known = {REST: stage(None)}
     if not law.regions:
         stops = replace(STOPS, formula=lambda q, by, b: q.turn - log(b.rest))
-        ends = (stops,) if law.set_valued else ()
-        return known | {"": stage(smooth_friction, ends, is_directed=law.set_valued)}
+        events = (stops,) if law.set_valued else ()
+        return known | {"": stage(smooth_friction, events, is_directed=law.set_valued)}
     for name, region in law.regions.items():
         borders = [way for way in region.borders if way.event != "slow"]
-        events = (Event(way.event, "", border(way), way.direction, way.event) for way in borders)
+        passing = (Event(way.event, "", border(way), way.direction, way.event) for way in borders)
         friction = disc_friction(region.drag, torque, edge_speed2)
-        ends = (SLOWEST, STOPS, *events)
+        ends = (SLOWEST, STOPS, *passing)
         known[name] = stage(friction, ends, {way.event: way for way in borders})
     return known | {"": stage(disc_friction(lambda v2, U2: Drag(0.0, 0.0), torque, edge_speed2))}
 
