@@ -155,8 +155,8 @@ class RunOptions:
         ]
         if step is not None and self.output_times is not None:
             faults.append(
-                "`run.output_step` must stand alone, but `run.output_times` is given too: remove "
-                "one (--set run.output_step=)."
+                "`run.output_step` must be given alone, but `run.output_times` is given too: "
+                "remove one (--set run.output_step=)."
             )
         if step is not None and not until / step <= MOST_ROWS:
             faults.append(

@@ -225,7 +225,7 @@ def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
         tables[name] = reading.merged(name, old, value) if both else value
     if "from" in tables.get("initial", {}):
         raise InputError(
-            "`initial.from` must be the start of a single run, but many are asked for."
+            "`initial.from` must not be given in a plan: it is the start of a single run."
         )
     return tables
 
