@@ -1,6 +1,7 @@
 """Scenarios whose contact changes its phase: those of the reference, and one that bounces."""
 
 import json
+from collections import namedtuple
 from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from tippetop.engine.impacts import ImpactMotions
-from tippetop.mechanics.contact.body import Moving, angular_velocity, centre_velocity
+from tippetop.mechanics.contact.body import Moving, centre_velocity, velocities
+from tippetop.mechanics.contact.response import kicked
 from tippetop.mechanics.operand import Vector
 
 
@@ -108,6 +110,9 @@ def mobility(s: Any, z: Any, b: Any) -> SimpleNamespace:
     )
 
 
+CARRIED = namedtuple("Carried", "work impulse jellett_lost")(0.0, 0.0, 0.0)
+"""Integrals that impacts change."""
+
 _motions: dict[tuple, ImpactMotions] = {}
 
 
@@ -131,13 +136,16 @@ def struck(
     none = 0 * s
     along = (b.I3 - b.I1) * (Omega_z * z)
     u, L = Vector(s, none, z), Vector(along * s, none, along * z + b.I1 * Omega_z)
-    made = _motions[key].struck(Moving(u, L, centre_velocity(u, L, Vector(*v), b), none), b, e_n)
-    after = made.after
+    x = Moving(u, L, centre_velocity(u, L, Vector(*v), b), none, CARRIED)
+    made = _motions[key].struck(x, b, e_n)
+    after = kicked(x, b, made.p, made.twist)
+    velocity, omega = velocities(after, b)
+    names = ("v_e", "v_2", "v_n", "p_e", "p_2", "p_z")
     return SimpleNamespace(
         **made._asdict(),
-        **dict(zip(("v_e", "v_2", "v_n", "p_e", "p_2", "p_z"), (*after.v, *after.p), strict=True)),
-        energy=made.work_n + made.work_t,
-        twist=after.twist,
-        Omega_z=angular_velocity(u, after.L, b).z,
+        **dict(zip(names, (*velocity, *made.p), strict=True)),
+        energy=made.gained,
+        after=after,
+        Omega_z=omega.z,
         makes_energy=made.makes_energy,
     )

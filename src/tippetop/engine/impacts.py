@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..mechanics.contact import impact_motion as motion
-from ..mechanics.contact.body import Moving, Touch, angular_velocity, contact_velocity
+from ..mechanics.contact.body import Moving, Touch, velocities
 from ..mechanics.contact.impact_motion import CLOCK_RATE
-from ..mechanics.contact.response import Struck, after_impact
 from ..mechanics.friction import PARTS, has_parts
 from ..mechanics.lines import unit_of
 from ..mechanics.operand import Vector, leaves, refill, times
@@ -30,7 +29,7 @@ MOST_STEPS = 200_000
 
 UNSOLVED = "friction jams the contact within an impact, or is not finite: it has no solution"
 STIFF = "friction within an impact is too stiff to be followed"
-ENDLESS = "the impact of a patch did not end: one that hardly turns takes too many steps"
+ENDLESS = "the impact of a disc did not end: a disc that hardly turns takes too many steps"
 ENDED, NON_FINITE, STALLED = Status.ENDED.code, Status.NON_FINITE.code, Status.STALLED.code
 
 
@@ -73,18 +72,24 @@ def kind_of(problem: Problem, friction: Any) -> tuple[Any, bool, str, str]:
 class Impact(NamedTuple):
     """An impact of a ball."""
 
-    after: Struck
+    p: Vector  # impulses of force and torque, (3,) each
+    twist: Vector
     mode: str  # "slip": it never stopped; "stick" or "reverse": what followed the stop
     work_n: Any  # of the normal impulse [J]
     work_t: Any  # of friction and torques [J]
     compression: Any  # work of the normal impulse until v_n = 0 [J]
 
     @property
+    def gained(self) -> Any:
+        """Return the energy that the body gains [J]."""
+        return self.work_n + self.work_t
+
+    @property
     def makes_energy(self) -> Any:
         """Return whether it adds more than rounding does; only restitution = newton can, and that
         is no model of an impact.
         """
-        return self.work_n + self.work_t > 1e-12 * abs(self.compression)
+        return self.gained > 1e-12 * abs(self.compression)
 
 
 class ImpactMotions:
@@ -165,10 +170,10 @@ class ImpactMotions:
             If friction jams the contact, or is too stiff.
         """
         self.follow = piece or self.piece
-        v, law = contact_velocity(x.u, x.L, x.velocity, b), self.law
+        (v, omega), law = velocities(x, b), self.law
         none, turn = 0 * v.z, 0 * v.z
         if law.regions:
-            turn = b.friction.patch * angular_velocity(x.u, x.L, b).z
+            turn = b.friction.patch * omega.z
         speed, unit = none + unit_of(*v, turn), none + unit_of(v.z)
         slip = v.x / speed, v.y / speed, turn / speed
         rests_at = motion.STOPS_AT if law.set_valued else motion.RESTS_AT
@@ -186,9 +191,8 @@ class ImpactMotions:
         if e_n > 0:
             q = self._restored(q, e_n, v.z / unit)
         p, twist = Vector(q.p_x, q.p_y, q.p_n), Vector(q.t_x, q.t_y, q.t_n)
-        after = after_impact(x.u, x.L, x.velocity, times(unit, p), times(unit, twist), b)
         works = unit**2 * q.work_n, unit * speed * q.work_t, unit**2 * pressed.work_n
-        return Impact(after, self.mode, *works)
+        return Impact(times(unit, p), times(unit, twist), self.mode, *works)
 
     def _restored(self, q: Any, e_n: Any, v_n: Any) -> Any:
         """Return the motion at the end of restitution, from the end of compression."""

@@ -8,14 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..mechanics.contact.body import (
-    Touch,
-    angular_velocity,
-    arm,
-    axis_rate,
-    contact_velocity,
-    kinematics,
-)
+from ..mechanics.contact.body import Touch, arm, axis_rate, kinematics, velocities
 from ..mechanics.contact.gliding.gliding_catalogue import COS_INVERTED
 from ..mechanics.contact.gliding.gliding_vector import axis, momentum
 from ..mechanics.contact.response import mobility_inverse_times, sliding, sticking
@@ -122,8 +115,7 @@ def _of_law(law: Any) -> str:
         return [*FORM.rates(q, b), *(one.rate(q, carried, b) for one in VARIABLES.integrals)]
 
     def slip(y: Any, b: Any) -> tuple[Vector, Vector]:
-        x = FLIGHT.leave(y[0], b)
-        return contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
+        return velocities(FLIGHT.leave(y[0], b), b)
 
     def point(y: Any, b: Any) -> list:
         v, omega = slip(y, b)
@@ -169,15 +161,14 @@ def _of_law(law: Any) -> str:
 def channels(y: Any, force: Vector, b: Any) -> list:
     """Return axes 1 and 3 of a state, then the channels of a sample from omega on: motion.js."""
     q, carried = y
-    u, L, velocity, height, _ = FLIGHT.leave(q, b)
+    x = FLIGHT.leave(q, b)
     assert FORM.orientation is not None
     first, third = FORM.orientation.axes(q, carried, b)
-    slip, s = contact_velocity(u, L, velocity, b), kinematics(u, L, axis_rate(u, L, b), b)
+    s, (slip, omega) = kinematics(x.u, x.L, axis_rate(x.u, x.L, b), b), velocities(x, b)
     well = [quantity.formula(s, b) for quantity in WELL_QUANTITIES]
-    omega = angular_velocity(u, L, b)
     theta = atan2(sqrt(s.s2), s.z)
-    place = carried.x, carried.y, height
-    return [*first, *third, *omega, *place, *force, slip.x, slip.y, 0, *L, theta, *well]
+    place = carried.x, carried.y, x.height
+    return [*first, *third, *omega, *place, *force, slip.x, slip.y, 0, *x.L, theta, *well]
 
 
 def _thresholds(b: Touch) -> str:

@@ -7,9 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from touching import CARRIED
 
-from tippetop.mechanics.contact.body import Touch, contact_velocity
-from tippetop.mechanics.contact.response import after_impact, direction, margin, stopping
+from tippetop.mechanics.contact.body import Moving, Touch, contact_velocity
+from tippetop.mechanics.contact.response import direction, kicked, margin, stopping
 from tippetop.mechanics.friction import Contensou, SetValued
 from tippetop.mechanics.operand import Vector
 
@@ -33,9 +34,10 @@ def state(seed):
 @pytest.mark.parametrize("seed", range(5))
 def test_impulses_bring_it_to_rest_and_take_energy(seed):
     ball, u, inertia, omega, V, a = state(seed)
-    L, start = inertia @ omega, (Vector(*u), Vector(*(inertia @ omega)), Vector(*V))
-    force, torque = stopping(*start, ball)
-    after = after_impact(*start, force, torque, ball)
+    L = inertia @ omega
+    start = Moving(Vector(*u), Vector(*L), Vector(*V), 0.0, CARRIED)
+    force, torque = stopping(start, ball)
+    after = kicked(start, ball, force, torque)
     L_end, V_end = after.L, after.velocity
     omega_end = np.linalg.solve(inertia, np.array(L_end))
     assert np.array(V_end) + np.cross(omega_end, a) == pytest.approx(np.zeros(3), abs=1e-13)
@@ -43,9 +45,11 @@ def test_impulses_bring_it_to_rest_and_take_energy(seed):
     gained = (np.dot(V_end, V_end) - V @ V) * ball.m / 2 + (
         omega_end @ np.array(L_end) - omega @ L
     ) / 2
-    v = contact_velocity(*start, ball)
+    v = contact_velocity(start.u, start.L, start.velocity, ball)
     assert gained == pytest.approx((np.dot(force, v) + torque.z * omega[2]) / 2, rel=1e-12)
     assert gained < 0
+    taken = gained + after.carried.work, after.carried.impulse - force.z
+    assert (*taken, after.carried.jellett_lost - np.dot(torque, a)) == pytest.approx((0, 0, 0))
 
 
 @cache

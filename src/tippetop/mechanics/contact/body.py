@@ -127,8 +127,8 @@ class Reaction(NamedTuple):
 
 def gained(x: Moving, **integrals: Any) -> Moving:
     """Return the state with more of some integrals, of those that the run has."""
-    known = {name: getattr(x.carried, name, None) for name in integrals}
-    more = {name: old + integrals[name] for name, old in known.items() if old is not None}
+    known = x.carried._fields
+    more = {name: getattr(x.carried, name) + integrals[name] for name in integrals if name in known}
     return x._replace(carried=x.carried._replace(**more))
 
 
@@ -197,6 +197,12 @@ def contact_velocity(u, L, V, b):
     `gliding.vector.sliding_velocity` sums in another order.
     """
     return plus(V, arm_velocity(u, L, b))
+
+
+@formula
+def velocities(x, b):
+    """Return v_A and omega of a moving body, (3,) each."""
+    return contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
 
 
 @formula

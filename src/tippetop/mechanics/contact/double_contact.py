@@ -1,24 +1,22 @@
 """The phases of a body on both of its balls: the axis keeps its angle, and each ball slides, or
 both roll, and carries its share.
 
-The state is that of the first ball, the sphere; two conditions, that theta and the height stay,
-give the two normal forces, whatever each contact does per normal force. [contact 4.3]
+The motion is that of a body on its first ball, the sphere, which feels the force of both and the
+torque of the other about the sphere's contact point; two conditions, that theta and the height
+stay, give the two normal forces, whatever each contact does per normal force. [contact 4.3]
 """
 
-from collections import namedtuple
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..disc_friction import STOPS_ROLLING, rolling
 from ..event import Event
 from ..form import Phase
-from ..operand import Operand, Vector, cross, dot, plus, times
-from ..units import METRE_PER_SECOND
+from ..operand import Vector, cross, dot, plus, times
 from .body import (
     Moving,
-    Reaction,
     Touch,
     angular_velocity,
     arm,
@@ -28,123 +26,68 @@ from .body import (
     gained,
     height,
     seen_from_other,
-    state,
 )
-from .gliding.gliding_vector import axis, momentum
+from .response import kicked
 from .single_contact import (
+    Acts,
     beyond_rest,
     borders,
     disc_friction,
     ending,
-    force_of,
-    phase_of,
     smooth_friction,
+    with_slip,
+    without_slip,
 )
 
 
-STATE = state(rx_dot=METRE_PER_SECOND, ry_dot=METRE_PER_SECOND)
-"""Horizontal velocity of the centre of mass."""
+def shared(u, L, v, frictions, total, swing, b):
+    """Return the actions on sphere and stem under friction(omega, v, z, b) of each.
 
-Scalars: Any = namedtuple("Scalars", "z force stem_force by stem")
-"""Normal forces of sphere and stem, and the actions of the plane on each."""
-
-
-class Side(NamedTuple):
-    """Action of the plane on one of the balls, per normal force; and its sliding velocity."""
-
-    force: Vector
-    torque: Vector
-    velocity: Vector
-    omega: Vector
-    turn: Vector  # torque of both about the centre of mass
-    N: Operand = 0  # normal force
-
-
-def sides(x: Moving, frictions: Sequence[Callable], b: Touch) -> list[Side]:
-    """Return sphere and stem, without N, under friction(omega, v, z, b) of each."""
-    omega, none, both = angular_velocity(x.u, x.L, b), 0 * x.u.z, []
-    for friction, ball in zip(frictions, (b, seen_from_other(b)), strict=True):
-        v = contact_velocity(x.u, x.L, x.velocity, ball)._replace(z=none)
-        push, twist = friction(omega, v, x.u.z, ball)
-        force = Vector(-push.x, -push.y, 1 + none)
-        turn = plus(cross(arm(x.u, ball), force), twist)
-        both.append(Side(force, twist, v, omega, turn))
-    return both
-
-
-def loaded(sides, total, swing, u):
-    """Return sphere and stem with N, the sum of which is `total`.
-
-    Their (L' x 3hat)_z is `swing`; or the same of impulses.
+    The sum of the normal forces is `total`, and (L' x 3hat)_z is `swing`; or the same of impulses.
+    v is the velocity of the sphere's contact point.
     """
-    one, two = sides
-    lean, other = (cross(side.turn, u).z for side in sides)
+    omega, none, sides = angular_velocity(u, L, b), 0 * u.z, []
+    for friction, ball in zip(frictions, (b, seen_from_other(b)), strict=True):
+        slip = plus(v, cross(omega, apart(u, ball, b)))._replace(z=none)
+        push, torque = friction(omega, slip, u.z, ball)
+        force = Vector(-push.x, -push.y, 1 + none)
+        lean = cross(plus(cross(arm(u, ball), force), torque), u).z
+        sides.append((Acts(force, torque, slip, omega), lean))
+    (one, lean), (two, other) = sides
     N = (swing - total * lean) / (other - lean)
-    return one._replace(N=total - N), two._replace(N=N)
+    return times_normal_force(total - N, one), times_normal_force(N, two)
 
 
-def sum_of(sides, name):
-    """Return the sum of forces, or of turns, on both balls, (3,)."""
-    return plus(*(times(side.N, getattr(side, name)) for side in sides))
+def apart(u, ball, b):
+    """Return the way from the contact point of b to that of another ball, (3,) [m]."""
+    return plus(arm(u, ball), times(-1, arm(u, b)))
 
 
-def enter(x, b):
-    """Return the state."""
-    return type(STATE)(*x.u, *x.L, *x.velocity[:2])
+def times_normal_force(N, by):
+    """Return an action that is given per normal force."""
+    return by._replace(force=times(N, by.force), torque=times(N, by.torque))
 
 
-def leave(q, b):
-    """Return the common state."""
-    velocity = Vector(q.rx_dot, q.ry_dot, 0 * q.uz)
-    return Moving(axis(q), momentum(q), velocity, height(q.uz, b))
+def joined(sides, u, b):
+    """Return the force of both, and the torque with which it acts at the sphere's contact."""
+    one, two = sides
+    turn = cross(apart(u, seen_from_other(b), b), two.force)
+    return plus(one.force, two.force), plus(plus(one.torque, two.torque), turn)
 
 
-def two_contacts(acts: Callable, *ends: Any) -> Phase:
-    """Return a phase on both balls: acts(x, b) -> its sides with N, L' and the force."""
+def leaving(side: int, name: str, other: str) -> Event:
+    """Return the event in which one of the balls leaves the plane."""
+    text = f"the {name} leaves the plane, the {other} stays"
+    return ending(f"{name}-leaves", text, lambda s, b: s.sides[side].force.z)
 
-    def scalars(q, b):
-        (one, two), _, _ = acts(leave(q, b), b)
-        return Scalars(q.uz, one.N, two.N, one, two)
 
-    def rates(q, b):
-        x = leave(q, b)
-        _, L_dot, F = acts(x, b)
-        return type(STATE)(*axis_rate(x.u, x.L, b), *L_dot, F.x / b.m, F.y / b.m)
-
-    def power(q, b):
-        both, _, _ = acts(leave(q, b), b)
-        one, two = (-(s.N * (dot(s.force, s.velocity) + dot(s.torque, s.omega))) for s in both)
-        return one + two
-
-    def reaction(q, b):
-        both, _, F = acts(leave(q, b), b)
-        return Reaction(F, power(q, b) + dot(F, both[0].velocity))
-
-    leaves = (
-        ending("sphere-leaves", "the sphere leaves the plane, the stem stays", force_of),
-        ending(
-            "stem-leaves", "the stem leaves the plane, the sphere stays", lambda s, b: s.stem_force
-        ),
-    )
-    phase = phase_of(
-        STATE,
-        (*leaves, *ends),
-        (rates, scalars, enter, leave, reaction),
-        work=power,
-        impulse=lambda q, b: b.m * b.g + 0 * q.uz,
-        jellett_lost=lambda q, b: dot(Vector(*rates(q, b)[3:6]), arm(axis(q), b)),
-    )
-    return replace(phase, axis_stays=True)
+LEAVES = leaving(0, "sphere", "stem"), leaving(1, "stem", "sphere")
 
 
 # --- sliding ------------------------------------------------------------------------------------
 
 
-STANDS = ending(
-    "stands",
-    "the discs of both contacts neither slide nor turn",
-    lambda s, b: beyond_rest(s.by, b) + beyond_rest(s.stem, b),
-)
+STANDS = ending("stands", "the discs of both contacts neither slide nor turn", beyond_rest)
 
 
 def frictions_of(law: Any, names: Sequence[str]) -> list[Callable]:
@@ -160,44 +103,45 @@ def slide_on_both(law: Any, *names: str) -> Phase:
     """Return the phase in which sphere and stem slide, in these regions of a law."""
     frictions = frictions_of(law, names)
 
-    def acts(x, b):
-        swing = -cross(x.L, axis_rate(x.u, x.L, b)).z  # z'' is zero
-        both = loaded(sides(x, frictions, b), b.m * b.g, swing, x.u)
-        return both, sum_of(both, "turn"), sum_of(both, "force")
+    def pushed(u, L, v, b):
+        swing = -cross(L, axis_rate(u, L, b)).z  # z'' is zero
+        sides = shared(u, L, v, frictions, b.m * b.g, swing, b)
+        return *joined(sides, u, b), *sides
 
-    ends: list[Event] = [STANDS] if names else []
-    for name, of_ball in zip(names, (("by", ""), ("stem", "stem-")), strict=False):
-        ends += borders(law.regions[name], *of_ball)
-    return two_contacts(acts, *ends)
+    ends = [*LEAVES, STANDS] if names else [*LEAVES]
+    for side, name in enumerate(names):
+        ends += borders(law.regions[name], side, "stem-" * side)
+    return replace(with_slip(tuple(ends), pushed), axis_stays=True)
 
 
 # --- rolling on both, as a cone does ------------------------------------------------------------
 
 
-def rolled(x, b):
-    """Return sphere and stem with N, L' and the force on a body that rolls on both.
+def rolled(u, L, b):
+    """Return force and torque on a body that rolls on both, and the actions on each.
 
     The body turns about the line through both contacts, and that line about the vertical. It does
     not matter here how the two share the horizontal force.
     """
-    u_dot, omega = axis_rate(x.u, x.L, b), angular_velocity(x.u, x.L, b)
-    turn = (x.u.x * u_dot.y - x.u.y * u_dot.x) / (x.u.x**2 + x.u.y**2)
-    moves = dot(omega, x.L) + b.m * dot(x.velocity, x.velocity)  # twice the energy
+    u_dot, omega, still = axis_rate(u, L, b), angular_velocity(u, L, b), times(0, u)
+    velocity = centre_velocity(u, L, still, b)
+    turn = (u.x * u_dot.y - u.y * u_dot.x) / (u.x**2 + u.y**2)
+    moves = dot(omega, L) + b.m * dot(velocity, velocity)  # twice the energy
     share = 1 / (moves + b.I1 * STOPS_ROLLING**2)
     rolls = rolling(omega, b.friction)
     slows = b.m * b.g * dot(rolls, omega) * share
 
-    def rate(v):
-        return Vector(slows * v.x - turn * v.y, slows * v.y + turn * v.x, slows * v.z)
+    def rate(a):
+        return Vector(slows * a.x - turn * a.y, slows * a.y + turn * a.x, slows * a.z)
 
-    L_dot, V_dot = rate(x.L), rate(x.velocity)
+    L_dot, V_dot = rate(L), rate(velocity)
     acts = times(-1 / b.g, V_dot), times(moves * share, rolls)
-    both = sides(x, [lambda *of: acts] * 2, b)
-    both = loaded(both, b.m * b.g, cross(L_dot, x.u).z, x.u)
-    return both, L_dot, times(b.m, V_dot)._replace(z=b.m * b.g + 0 * slows)
+    sides = shared(u, L, still, [lambda *of: acts] * 2, b.m * b.g, cross(L_dot, u).z, b)
+    force = times(b.m, V_dot)._replace(z=b.m * b.g + 0 * slows)
+    return force, plus(L_dot, times(-1, cross(arm(u, b), force))), *sides
 
 
-ROLLS_ON_BOTH = two_contacts(rolled)
+ROLLS_ON_BOTH = replace(without_slip(LEAVES, rolled), axis_stays=True)
 
 
 def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
@@ -219,28 +163,19 @@ def without_slip_on_both(x: Moving, b: Touch) -> Moving:
     spin = (omega.x * x.u.x + omega.y * x.u.y) / (x.u.x**2 + x.u.y**2)
     omega = Vector(spin * x.u.x, spin * x.u.y, none)
     L = plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, x.u), x.u))
-    return slowed(x, L, centre_velocity(x.u, L, Vector(none, none, none), b), b)
+    velocity = centre_velocity(x.u, L, Vector(none, none, none), b)
+    p = times(b.m, plus(velocity, times(-1, x.velocity)))
+    turn = plus(L, times(-1, plus(x.L, cross(arm(x.u, b), p))))
+    return kicked(x, b, p, turn)
 
 
 def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Moving:
-    """Return the body without theta' and vertical velocity, which impulses at both balls take.
+    """Return the body on both balls without theta' and vertical velocity, which impulses take.
 
     The endless hops from one to the other would do so.
     """
-    both = loaded(sides(x, frictions, b), -(b.m * x.velocity.z), -cross(x.L, x.u).z, x.u)
-    p, L = sum_of(both, "force"), plus(x.L, sum_of(both, "turn"))
-    velocity = plus(x.velocity, times(1 / b.m, p))._replace(z=0 * p.z)
-    return gained(slowed(x, L, velocity, b), impulse=p.z)
-
-
-def slowed(x: Moving, L: Vector, velocity: Vector, b: Touch) -> Moving:
-    """Return the body on the plane with less momentum: its contacts take the energy it loses."""
-    after = x._replace(L=L, velocity=velocity, height=height(x.u.z, b))
-    lost = dot(plus(L, times(-1, x.L)), arm(x.u, b))
-    return gained(after, work=energy(x, b) - energy(after, b), jellett_lost=lost)
-
-
-def energy(x, b):
-    """Return the energy of a common state."""
-    turns = dot(angular_velocity(x.u, x.L, b), x.L)
-    return (b.m * dot(x.velocity, x.velocity) + turns) / 2 + b.m * b.g * x.height
+    v, none = contact_velocity(x.u, x.L, x.velocity, b), 0 * x.height
+    sides = shared(x.u, x.L, v, frictions, -(b.m * x.velocity.z), -cross(x.L, x.u).z, b)
+    after, lies = kicked(x, b, *joined(sides, x.u, b)), height(x.u.z, b)
+    after = after._replace(velocity=after.velocity._replace(z=none), height=lies)
+    return gained(after, work=b.m * b.g * (x.height - lies))

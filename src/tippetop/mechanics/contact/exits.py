@@ -15,7 +15,7 @@ from ..form import CLOCK, Next
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
-from .body import BALLS, Moving, Touch, gained
+from .body import BALLS, Moving, Touch
 from .double_contact import (
     STANDS,
     brought_to_rest,
@@ -25,11 +25,11 @@ from .double_contact import (
 )
 from .first_slip import FirstSlip, first_directions, first_slip
 from .response import (
-    after_impact,
     bias_vector,
     cone,
     direction,
     impulses,
+    kicked,
     margin,
     resting,
     sticking,
@@ -81,8 +81,7 @@ MAKES_ENERGY = (
     'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
 )
 BOTH = (
-    "the body stands on its sphere and its stem at once, which is not followed under "
-    "Coulomb's law itself"
+    "the body stands on its sphere and its stem, which is not followed under Coulomb's law itself"
 )
 
 
@@ -242,7 +241,7 @@ def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
         phase = world.phases[name]
         x = brought_to_rest(x, frictions_of(law, names), b)
         s = phase.form.scalars(phase.enter(x, b), b)
-        if min(s.force, s.stem_force) > PRESSES * b.m * b.g:
+        if min(side.force.z for side in s.sides) > PRESSES * b.m * b.g:
             return Next(name, x, cause)
     for ball in (0, 1):
         n = on_plane(x, world, ball, cause, 2)
@@ -303,22 +302,15 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
     v, impact = point(x, b), world.struck(x, b, e_n)
-    after = impact.after
-    x, v_n = kicked(x, b, after.p, after.twist), after.v.z
+    p = impact.p
+    x = kicked(x, b, p, impact.twist)
+    after = point(x, b)
     if e_n == 0:  # it does not rise by rounding
-        x, v_n = x._replace(velocity=x.velocity._replace(z=x.velocity.z - v_n)), 0.0
-    slides, pushes = (size(v), size(after.v)), (after.p.z, size(after.p))
-    mode = IMPACT.mode.index(impact.mode)
-    hit = Impact(ball, v.z, v_n, *slides, *pushes, after.gained, mode)
+        x = x._replace(velocity=x.velocity._replace(z=x.velocity.z - after.z))
+        after = after._replace(z=0.0)
+    slides, mode = (size(v), size(after)), IMPACT.mode.index(impact.mode)
+    hit = Impact(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
     return x, hit, e_n != 0, impact.makes_energy
-
-
-def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
-    """Return the body after impulses of a force and a torque at its contact."""
-    after = after_impact(x.u, x.L, x.velocity, p, twist, b)
-    lost = dot(twist, contact.arm(x.u, b))
-    x = gained(x, work=-after.gained, impulse=p.z, jellett_lost=lost)
-    return x._replace(L=after.L, velocity=after.velocity)
 
 
 # --- slides that begin and end ------------------------------------------------------------------
@@ -537,7 +529,7 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
     to slide with a small speed, so that its next rest is detected.
     """
     b = world.body[ball]
-    x = kicked(n.x, b, *stopping(n.x.u, n.x.L, n.x.velocity, b))
+    x = kicked(n.x, b, *stopping(n.x, b))
     F, torque = resting(x.u, x.L, b)
     left = margin(F, torque.z, b.friction)
     others = {name: count for name, count in n.zeros.items() if name != RESTS.name}

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 
-from ..operand import formula
 from ..system import Integral
 from ..units import JELLETT, JOULE, METRE, NEWTON_SECOND, RADIAN
 
@@ -25,9 +24,7 @@ NAMED = {
 def integral(name: str, rate: Callable) -> Integral:
     """Return the integral of this name with rate(q, carried, b)."""
     unit, long_name = NAMED[name]
-    return Integral(
-        name, unit, long_name, formula(rate), of="normal_force" if name == "impulse" else ""
-    )
+    return Integral(name, unit, long_name, rate, of="normal_force" if name == "impulse" else "")
 
 
 def place(velocity: Callable) -> tuple[Integral, ...]:

@@ -12,12 +12,22 @@ m(x)), and no other.
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..disc_friction import drag, rolling
 from ..friction import load
-from ..operand import Operand, Vector, cross, dot, formula, plus, times
-from .body import angular_velocity, arm, arm2, axis_rate, contact_velocity, height
+from ..operand import Vector, cross, dot, formula, plus, times
+from .body import (
+    Moving,
+    Touch,
+    angular_velocity,
+    arm,
+    arm2,
+    axis_rate,
+    gained,
+    height,
+    velocities,
+)
 
 
 @formula
@@ -83,29 +93,15 @@ def contact_acceleration(u, L, F, torque, b):
     return plus(bias_vector(u, L, b), mobility_times(u, F, torque, b))
 
 
-class Struck(NamedTuple):
-    """A body after an impact.
-
-    Impulses of force and torque, L, velocities of the centre of mass and of the contact point, and
-    energy gained.
-    """
-
-    p: Vector
-    twist: Vector
-    L: Vector
-    velocity: Vector
-    v: Vector
-    gained: Operand
-
-
-@formula
-def after_impact(u, L, velocity, p, twist, b):
-    """Return the body after an impulse at its contact and one of a torque."""
-    after, newer = plus(velocity, times(1 / b.m, p)), plus(plus(L, cross(arm(u, b), p)), twist)
-    v = contact_velocity(u, newer, after, b)
-    drilled = dot(twist, plus(angular_velocity(u, L, b), angular_velocity(u, newer, b)))
-    worked = dot(p, contact_velocity(u, L, velocity, b)) + dot(p, v)
-    return Struck(p, twist, newer, after, v, (worked + drilled) / 2)
+def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
+    """Return the body after impulses of a force and a torque at its contact."""
+    after = x._replace(
+        L=plus(plus(x.L, cross(arm(x.u, b), p)), twist),
+        velocity=plus(x.velocity, times(1 / b.m, p)),
+    )
+    v, omega = map(plus, velocities(x, b), velocities(after, b))
+    gains = (dot(p, v) + dot(twist, omega)) / 2
+    return gained(after, work=-gains, impulse=p.z, jellett_lost=dot(twist, arm(x.u, b)))
 
 
 # --- sliding: F = N (zhat - push) ---------------------------------------------------------------
@@ -210,9 +206,10 @@ def impulses(u, v, Omega_z, b):
 
 
 @formula
-def stopping(u, L, V, b):
+def stopping(x, b):
     """Return the impulses that bring the contact point and the turning of the disc to rest."""
-    return impulses(u, times(-1, contact_velocity(u, L, V, b)), -angular_velocity(u, L, b).z, b)
+    v, omega = velocities(x, b)
+    return impulses(x.u, times(-1, v), -omega.z, b)
 
 
 @formula

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ..disc_friction import Region, drilling_force
 from ..event import Event
-from ..form import Form, Integral, Phase
+from ..form import Form, Phase
 from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
@@ -24,12 +24,13 @@ from .body import (
     contact_velocity,
     height,
     state,
+    velocities,
 )
 from .body_axes import carried_along
 from .gliding import gliding_catalogue as gliding
 from .gliding import gliding_vector
 from .gliding.gliding_vector import VectorState, axis, axis_rate, momentum
-from .integrals import NAMED
+from .integrals import integral, place
 from .response import (
     across_and_along,
     cone,
@@ -47,31 +48,32 @@ def phase_of(units: Any, events: tuple, formulas: tuple, **rates: Callable) -> P
     """Return a phase whose state has axis and momentum.
 
     `formulas` are the rates of the state, its scalars, `enter`, `leave` and `reaction`; `rates` are
-    those of integrals, rate(q, b), besides x and y.
+    those of integrals, rate(q, carried, b), besides x and y.
     """
     moved, scalars, enter, leave, reaction = formulas
-
-    def carried(name: str, rate: Callable) -> Integral:
-        return Integral(name, *NAMED[name], lambda q, carried, b: rate(q, b))
-
-    place = {name: lambda q, b, k=k: leave(q, b).velocity[k] for k, name in enumerate("xy")}
-    integrals = tuple(carried(*item) for item in {**place, **rates}.items())
+    integrals = (
+        *place(lambda q, carried, b: leave(q, b).velocity),
+        *(integral(name, rate) for name, rate in rates.items()),
+    )
     turn = carried_along(axis, axis_rate, spin)
     form = Form("vector", units, moved, scalars, integrals=integrals, orientation=turn)
     return Phase(form, (), events, (), enter, leave, reaction)
 
 
 class Acts(NamedTuple):
-    """Force and torque of the plane on a body, and the velocity of the contact, (3,) each."""
+    """Force and torque of the plane on a body, v_A and omega, (3,) each."""
 
     force: Vector
     torque: Vector
     velocity: Vector
     omega: Vector
+    sides: tuple = ()  # the actions on each ball, if there are two
 
 
-Contact: Any = namedtuple("Contact", "z z_dot force by q")
-"""`force` is the normal force, `by` the action of the plane, `q` the state."""
+Contact: Any = namedtuple("Contact", "z z_dot force by sides q")
+"""`force` is the normal force, `by` the action of the plane, `sides` that on each ball in contact,
+`q` the state.
+"""
 
 
 def on_ball(
@@ -87,7 +89,8 @@ def on_ball(
     Parameters
     ----------
     forces
-        forces(u, L, q, b) -> force and torque of the plane.
+        forces(u, L, q, b) -> force and torque of the plane, and the actions on both balls, if both
+        touch.
     velocity
         velocity(q) -> v_A.
     enter
@@ -98,8 +101,8 @@ def on_ball(
 
     def acts(q, b):
         u, L = axis(q), momentum(q)
-        force, torque = forces(u, L, q, b)
-        return Acts(force, torque, velocity(q), angular_velocity(u, L, b))
+        force, torque, *sides = forces(u, L, q, b)
+        return Acts(force, torque, velocity(q), angular_velocity(u, L, b), tuple(sides))
 
     def rates(q, b):
         u, by = axis(q), acts(q, b)
@@ -109,7 +112,7 @@ def on_ball(
 
     def scalars(q, b):
         by = acts(q, b)
-        return Contact(q.uz, axis_rate(q, b).z, by.force.z, by, q)
+        return Contact(q.uz, axis_rate(q, b).z, by.force.z, by, by.sides or (by,), q)
 
     def entered(x, b):
         return type(units)(*x.u, *x.L, *enter(contact_velocity(x.u, x.L, x.velocity, b)))
@@ -117,27 +120,32 @@ def on_ball(
     def leave(q, b):
         return on_plane(axis(q), momentum(q), velocity(q), b)
 
-    def drilled(q, b):
+    def reaction(q, b):
         by = acts(q, b)
         return Reaction(by.force, -dot(by.torque, by.omega))
 
-    def power(q, b):
+    def power(q, carried, b):
         by = acts(q, b)
         return -(dot(by.force, by.velocity) + dot(by.torque, by.omega))
 
     return phase_of(
         units,
         events,
-        (rates, scalars, entered, leave, drilled),
+        (rates, scalars, entered, leave, reaction),
         work=power,
-        impulse=lambda q, b: acts(q, b).force.z,
-        jellett_lost=lambda q, b: dot(acts(q, b).torque, arm(axis(q), b)),
+        impulse=lambda q, carried, b: acts(q, b).force.z,
+        jellett_lost=lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b)),
     )
 
 
 def on_plane(u, L, v, b):
     """Return the common state of a body whose lowest point has the velocity v."""
     return Moving(u, L, centre_velocity(u, L, v, b), height(u.z, b))
+
+
+def none(q: Any) -> Vector:
+    """Return no velocity, or no force."""
+    return Vector(*(0 * q.uz,) * 3)
 
 
 def ending(name: str, long_name: str, function: Callable, direction: int = -1) -> Event:
@@ -171,8 +179,8 @@ Free: Any = namedtuple("Free", "z z_dot height")
 
 def free_rates(q, b):
     """Return 3hat' = L x 3hat/I1, L' = 0, s'' = -g zhat. [contact 3.1]"""
-    none = 0 * q.uz
-    return type(FREE)(*axis_rate(q, b), *(none,) * 5, none - b.g, q.rz_dot)
+    still = 0 * q.uz
+    return type(FREE)(*axis_rate(q, b), *(still,) * 5, still - b.g, q.rz_dot)
 
 
 def own_gap(s, b):
@@ -189,7 +197,7 @@ FLIGHT = phase_of(
         lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
         lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
         lambda q, b: Moving(axis(q), momentum(q), Vector(*q[6:9]), q.height),
-        lambda q, b: Reaction(Vector(*(0 * q.uz,) * 3)),
+        lambda q, b: Reaction(none(q)),
     ),
 )
 
@@ -216,15 +224,10 @@ SLIP = Phase(
 # --- rolling, and sliding under a set-valued law -----------------------------------------------
 
 
-def still(q: Any) -> Vector:
-    """Return no velocity."""
-    return Vector(*(0 * q.uz,) * 3)
-
-
 def without_slip(events: tuple, holds: Callable) -> Phase:
     """Return a phase in which the contact point stays at rest: holds(u, L, b) -> force, torque."""
     forces = lambda u, L, q, b: holds(u, L, b)  # noqa: E731
-    return on_ball(state(), events, forces, still, lambda v: (), lambda q, G: ())
+    return on_ball(state(), events, forces, none, lambda v: (), lambda q, G: ())
 
 
 CONE = ending(
@@ -318,9 +321,8 @@ def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, V
 
     The law is one of the sliding velocity.
     """
-    none = 0 * z
     push = times(slip_coefficient(v.x * v.x + v.y * v.y, z, b.friction), v)
-    return push._replace(z=none), load(omega, b.friction)
+    return push._replace(z=0 * z), load(omega, b.friction)
 
 
 def rest_speed2(b):
@@ -333,24 +335,21 @@ def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
     return Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
 
 
-def beyond_rest(by, b):
-    """Return the square of the speeds of a contact beyond those of a disc at rest."""
-    return sum(speeds(by.velocity, by.omega, b)) - STILL**2 - rest_speed2(b)
+def beyond_rest(s, b):
+    """Return the square of the speeds of contacts beyond those of discs at rest."""
+    moves = (sum(speeds(side.velocity, side.omega, b)) for side in s.sides)
+    return sum(speed2 - STILL**2 - rest_speed2(b) for speed2 in moves)
 
 
-RESTS = ending(
-    "rests",
-    "the contact's disc neither slides nor turns",
-    lambda s, b: beyond_rest(s.by, b),
-)
+RESTS = ending("rests", "the contact's disc neither slides nor turns", beyond_rest)
 
 
-def borders(region: Region, field: str = "by", prefix: str = "") -> list[Event]:
-    """Return the events in which a region ends, of the contact in a field of the scalars."""
+def borders(region: Region, side: int = 0, prefix: str = "") -> list[Event]:
+    """Return the events in which a region ends, of one of the contacts."""
 
     def end(way: Any) -> Event:
         def beyond(s, b):
-            by = getattr(s, field)
+            by = s.sides[side]
             return way.beyond(speeds(by.velocity, by.omega, b), b)
 
         return ending(prefix + way.event, "sliding against turning", beyond, way.direction)
@@ -358,31 +357,36 @@ def borders(region: Region, field: str = "by", prefix: str = "") -> list[Event]:
     return [end(way) for way in region.borders]
 
 
-def slip_under(friction: Callable, events: tuple) -> Phase:
-    """Return the phase of sliding under friction(omega, v, z, b), with a torque."""
+def with_slip(events: tuple, pushed: Callable) -> Phase:
+    """Return a phase of sliding in any direction: pushed(u, L, v, b) -> force, torque."""
 
     def velocity(q):
         return Vector(q.vx, q.vy, 0 * q.uz)
 
-    def forces(u, L, q, b):
-        push, per_force = friction(angular_velocity(u, L, b), velocity(q), u.z, b)
+    forces = lambda u, L, q, b: pushed(u, L, velocity(q), b)  # noqa: E731
+    return on_ball(DISC, events, forces, velocity, lambda v: v[:2], lambda q, G: G[:2])
+
+
+def slip_under(friction: Callable, *events: Event) -> Phase:
+    """Return the phase of sliding under friction(omega, v, z, b), with a torque."""
+
+    def pushed(u, L, v, b):
+        push, per_force = friction(angular_velocity(u, L, b), v, u.z, b)
         return sliding(u, L, push, per_force, b)
 
-    enter, changes = lambda v: v[:2], lambda q, G: G[:2]
-    return on_ball(DISC, events, forces, velocity, enter, changes)
+    return with_slip((LIFTOFF, TOUCH, *events), pushed)
 
 
 def disc_slip(region: Region, torque: Callable) -> Phase:
     """Return the phase of sliding in a region of a law."""
-    events = (LIFTOFF, TOUCH, RESTS, *borders(region))
-    return slip_under(disc_friction(region.drag, torque), events)
+    return slip_under(disc_friction(region.drag, torque), RESTS, *borders(region))
 
 
 def regions_of(x: Moving, *bodies: Touch) -> tuple[str, ...]:
     """Return the regions of a body's sliding on balls; empty under a law that has none."""
     names = []
     for b in bodies if bodies[0].friction.regions else ():
-        v, omega = contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
+        v, omega = velocities(x, b)
         names.append(region_of(speeds(v, omega, b), b))
     return tuple(names)
 
@@ -412,7 +416,7 @@ GIVES = replace(GIVES, sampled=True)
 REST = without_slip((LIFTOFF, TOUCH, GIVES), resting)
 
 
-LOADED_SLIP = slip_under(smooth_friction, (LIFTOFF, TOUCH))
+LOADED_SLIP = slip_under(smooth_friction)
 """Sliding under a law that is smooth in the velocity and has a torque."""
 
 
