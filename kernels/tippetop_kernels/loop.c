@@ -164,21 +164,12 @@ INLINED real value_at(const real *p, integer n, real x) {
     return sum;
 }
 
-/* An upper bound of |p(x) - p(0)|. Two sums, which the processor adds at the same time. */
-INLINED real reach(const real *p, integer n) {
-    real even = 0, odd = 0;
-    for (integer k = 1; k < n - 1; k += 2) {
-        even += fabs(p[k]);
-        odd += fabs(p[k + 1]);
-    }
-    return n % 2 ? even + odd : even + odd + fabs(p[n - 1]);
-}
-
 typedef struct {
     real value, slope, curve;
 } Jet;
 
-/* p(x), p'(x) and p''(x)/2. Even and odd powers are separate chains, for the same reason. */
+/* p(x), p'(x) and p''(x)/2. Even and odd powers are separate sums, which the processor adds at the
+   same time. */
 INLINED Jet jet(const real *p, integer n, real x) {
     real y = x * x;
     real even = 0, even1 = 0, even2 = 0, odd = 0, odd1 = 0, odd2 = 0; /* derivatives by y */
@@ -220,9 +211,9 @@ static real root_of(const real *p, integer n, bool of_slope, bool rising, real l
     return x;
 }
 
-/* The zero of a monotone p on [low, high], where it has the values `start` and `end`. The lower end
-   if rounding hides the zero there. */
-static real zero_of(const real *p, integer n, real low, real high, real start, real end) {
+/* The zero of a monotone p on [low, high]. The lower end if rounding hides the zero there. */
+static real zero_of(const real *p, integer n, real low, real high) {
+    real start = value_at(p, n, low), end = value_at(p, n, high);
     if ((start > 0) == (end > 0))
         return low;
     return root_of(p, n, false, end > 0, low, high, low + (high - low) * (start / (start - end)));
@@ -269,24 +260,17 @@ static void shift(const real *restrict p, integer n, real middle, real radius, c
 integer loop_crossings(const real *p, integer n, bool positive, bool monotone, const real *halves,
                        real *zeros) {
     if (monotone) {
-        real end = value_at(p, n, 1);
-        if ((end > 0) == positive)
-            return 0;
-        zeros[0] = zero_of(p, n, 0, 1, p[0], end);
-        return 1;
+        zeros[0] = zero_of(p, n, 0, 1);
+        return (value_at(p, n, 1) > 0) != positive;
     }
-    real radius = reach(p, n);
-    if (!isfinite((real)(n * n) * (radius + fabs(p[0])))) /* no interval would ever be decided */
+    real part[MOST], total = 0;
+    for (integer k = 0; k < n; k++)
+        total += fabs(p[k]);
+    if (total == 0 || !isfinite((real)(n * n) * total)) /* no interval would ever be decided */
         return 0;
-    if (fabs(p[0]) > radius || radius == 0) { /* away from zero, or zero, all along */
-        bool now = p[0] != 0 ? p[0] > 0 : positive;
-        zeros[0] = 0;
-        return now != positive;
-    }
-    real part[MOST];
     integer count = 0, at = 0, level = 0; /* the interval [at, at + 1]/2^level */
     for (;;) {
-        radius = ldexp(0.5, (int)-level);
+        real radius = ldexp(0.5, (int)-level);
         real middle = (real)(2 * at + 1) * radius;
         shift(p, n, middle, radius, halves, part);
         real rest = 0, bend = 0, curl = 0;
@@ -310,7 +294,7 @@ integer loop_crossings(const real *p, integer n, bool positive, bool monotone, c
                 continue;
             real end = value_at(part, n, high);
             if ((end > 0) != positive && count < n) {
-                real x = zero_of(part, n, low, high, value_at(part, n, low), end);
+                real x = zero_of(part, n, low, high);
                 zeros[count++] = ((real)(2 * at + 1) + x) * radius;
             }
             positive = end > 0;
@@ -604,23 +588,6 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
     return upto;
 }
 
-/* Count a step that was made. End a run that goes nowhere, or has settled. */
-static void count_step(const Loop *l, integer lane, real t, real h, real upto) {
-    const StopRules *rules = &l->rules;
-    Tally *tally = l->tallies.lane + lane;
-    tally->steps++;
-    tally->tiny = h < TINY ? tally->tiny + 1 : 0;
-    if (tally->status == RUNNING) {
-        if (tally->steps >= rules->most_steps || tally->tiny >= PATIENCE)
-            tally->status = STALLED;
-        else if (t + h - tally->lasts_since > rules->settled_for &&
-                 tally->lasts_since != tally->doubted)
-            tally->status = SETTLED;
-    }
-    tally->t = upto < 1 ? t + upto * h : l->motion.high[lane];
-    tally->upto = upto;
-}
-
 /* --- rows at given times --- */
 
 /* Write the state of a lane at a time within the step to `out`. */
@@ -762,27 +729,42 @@ static void move(const Loop *l) {
     }
 }
 
-/* Find what happens in the step of a lane. Return whether the run has ended. */
+/* Find what happens in the step of a lane, and sample its end. End a run that goes nowhere, has
+   settled, or is at its end. Return whether the run has ended. */
 static bool take_step(const Loop *l, integer lane) {
     const Motion *m = &l->motion;
+    const Sizes *n = &l->sizes;
     const Samples *samples = &l->samples;
+    const StopRules *rules = &l->rules;
     Tally *tally = l->tallies.lane + lane;
     real t = m->start_high[lane], h = m->high[lane] - t;
     if (!(m->limit[lane] > 0))
         return false;
-    if (h > 0 && tally->status == RUNNING)
-        count_step(l, lane, t, h, take_events(l, lane, t, h));
-    else if (tally->status == RUNNING && ++tally->tiny >= PATIENCE)
-        tally->status = STALLED; /* steps that move no double */
-    if (tally->status == RUNNING && m->h[lane] == m->limit[lane]) {
+    if (tally->status != RUNNING) /* it is not finite */
+        return true;
+    tally->tiny = h < TINY ? tally->tiny + 1 : 0;
+    if (h > 0) { /* the step moves a double */
+        real upto = take_events(l, lane, t, h);
+        tally->upto = upto;
+        tally->t = upto < 1 ? t + upto * h : m->high[lane];
+        tally->steps++;
+        bool sampled = tally->steps <= rules->first || (tally->steps & (rules->every - 1)) == 0;
+        if (n->samples > 0 && upto == 1 && sampled) {
+            integer at = samples->filled[0]++;
+            samples->top[at] = samples->in_lane[lane];
+            copy(n->variables, m->state + lane, n->lanes, samples->states + at * n->width, 1);
+        }
+    }
+    if (tally->status != RUNNING)
+        return true;
+    if (tally->steps >= rules->most_steps || tally->tiny >= PATIENCE)
+        tally->status = STALLED;
+    else if (t + h - tally->lasts_since > rules->settled_for &&
+             tally->lasts_since != tally->doubted)
+        tally->status = SETTLED;
+    else if (m->h[lane] == m->limit[lane]) {
         tally->status = FINISHED;
         tally->t = m->end[lane];
-    }
-    bool sampled = tally->steps <= l->rules.first || (tally->steps & (l->rules.every - 1)) == 0;
-    if (l->sizes.samples > 0 && tally->upto == 1 && sampled) {
-        integer at = samples->filled[0]++, variables = l->sizes.variables;
-        samples->top[at] = samples->in_lane[lane];
-        copy(variables, m->state + lane, l->sizes.lanes, samples->states + at * l->sizes.width, 1);
     }
     return tally->status != RUNNING;
 }
@@ -796,15 +778,6 @@ static bool is_full(const Loop *l) {
            (n->samples > 0 && l->samples.filled[0] + n->lanes > n->samples);
 }
 
-/* Return whether no step is possible: no run is under way, or there is no room. */
-static bool begin(const Loop *l) {
-    bool runs = false;
-    for (integer lane = 0; lane < l->sizes.lanes; lane++)
-        runs = runs || l->tallies.lane[lane].status == RUNNING;
-    bool filled = take_rows(l, false);
-    return !runs || filled || is_full(l);
-}
-
 /* Put the events of a step, from number `first` of the log on, in the order of their times. */
 static void sort_log(const Log *log, integer first) {
     for (integer k = first + 1; k < log->filled[0]; k++) {
@@ -816,8 +789,7 @@ static void sort_log(const Log *log, integer first) {
     }
 }
 
-/* Take in the step that was made. Return whether the caller must look: a run has ended, all rows are
-   written, or there is no room. */
+/* Take in the step that was made. Return whether a run has ended. */
 static bool end_step(const Loop *l) {
     integer lanes = l->sizes.lanes, variables = l->sizes.variables, first = l->log.filled[0];
     bool ended = false;
@@ -835,22 +807,25 @@ static bool end_step(const Loop *l) {
         state_at(l, 0, l->log.rows[k].time);
         copy(variables, l->out, lanes, l->log.states + k * l->sizes.width, 1);
     }
-    bool filled = take_rows(l, true);
-    return ended || filled || is_full(l);
+    return ended;
 }
 
-/* Make at most `most` steps of all lanes, until the caller must look. Return their number. */
+/* Make at most `most` steps of all lanes, until the caller must look: a run has ended, all rows are
+   written, or there is no room. Return their number. */
 integer loop_drive(const Loop *l, integer most) {
     const Motion *m = &l->motion;
     /* The integrator keeps vectors on the stack: lanes are slower where it is not aligned. */
-    _Alignas(64) volatile bool stops = begin(l);
-    integer steps = 0;
-    for (; steps < most && !stops; steps++) {
+    _Alignas(64) volatile bool runs = false;
+    for (integer lane = 0; lane < l->sizes.lanes; lane++)
+        runs = runs || l->tallies.lane[lane].status == RUNNING;
+    for (integer steps = 0;; steps++) {
+        bool stops = !runs || is_full(l) || steps >= most;
+        if (take_rows(l, steps > 0) || stops)
+            return steps;
         begin_step(l);
         l->step(m->state, m->pars, m->start_high, m->h, m->tc);
-        stops = end_step(l);
+        runs = !end_step(l);
     }
-    return steps;
 }
 
 /* --- changes of phase, by straight-line copies of jumps --- */

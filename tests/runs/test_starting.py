@@ -123,7 +123,7 @@ def test_what_stands_on_a_plane_that_it_may_leave_is_taken_up(
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ("initial.theta=0.3", "`initial.from` must stand alone, but `theta`"),
+        ("initial.theta=0.3", "`initial.from` must be given alone, but `theta`"),
         ("initial.from=3", "`initial.from` must be a path"),
         ("parameters.m=0.03", "`parameters` must be that of"),
         ("form=euler", "`form` must be that of"),

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from .integrator import Compiled
-from .loop import MOST_COEFFICIENTS, Loop, Rows, new_motion
+from .loop import MOST_COEFFICIENTS, NO_ROWS, Loop, Rows, new_motion
 from .status import Status
 from .stepper import Stepper
 from .tallies import (
@@ -123,7 +123,6 @@ def in_precision(array: np.ndarray, number: Any) -> np.ndarray:
 
 RULES = StopRules(np.inf, ENDLESS, EVERY, FIRST)
 """Of a single run: only an event ends it before its time."""
-NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(1, np.int64), False)
 
 
 class Wanted:

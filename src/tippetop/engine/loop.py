@@ -23,10 +23,8 @@ from .stepper import Called, Loaded, Stepper
 from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules, Tallies
 
 
-MOST_COEFFICIENTS, MOST_LANES = 64, 32
-"""Coefficients of a polynomial and lanes for which the loop has room; quadruple
-precision has 47 coefficients.
-"""
+MOST_COEFFICIENTS = 64
+"""Coefficients of a polynomial for which the loop has room; quadruple precision has 47."""
 
 
 class Motion(NamedTuple):
@@ -57,6 +55,9 @@ class Rows(NamedTuple):
     variables: int = 0
 
 
+NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(1, np.int64), False)
+
+
 class _Sizes(NamedTuple):
     variables: int
     parameters: int
@@ -79,7 +80,7 @@ class _Thresholds(NamedTuple):
 class _Loop(NamedTuple):
     step: int
     dense: int
-    fused: int
+    fused: bool
     sizes: _Sizes
     motion: Motion
     rows: EventRows
@@ -113,7 +114,9 @@ def structure(record: type) -> type[ctypes.Structure]:
 
 
 def filled(record: Any) -> ctypes.Structure:
-    """Return the structure of C with the values of a named tuple, whose arrays must outlive it."""
+    """Return the structure of C with the values of a named tuple, whose arrays must be contiguous
+    and outlive it.
+    """
     kind: Any = type(record)
     return structure(kind)(*map(_field, record))
 
@@ -121,13 +124,7 @@ def filled(record: Any) -> ctypes.Structure:
 def _field(value: Any) -> Any:
     if isinstance(value, tuple):
         return filled(value)
-    if not isinstance(value, np.ndarray):
-        return value
-    if not value.flags.c_contiguous:
-        raise ValueError(
-            f"the arrays of a loop must be contiguous, but one has strides {value.strides}"
-        )
-    return value.ctypes.data
+    return value.ctypes.data if isinstance(value, np.ndarray) else value
 
 
 @cache
@@ -196,49 +193,26 @@ class Loop:
         stepper: Stepper,
     ):
         variables, size, lanes = motion.tc.shape
-        if size > MOST_COEFFICIENTS or lanes > MOST_LANES:
-            most = f"at most {MOST_COEFFICIENTS} coefficients and {MOST_LANES} lanes"
-            raise ValueError(f"a step must have {most}, but has {size} and {lanes}")
-        self.library = library()
         self.out = np.zeros((variables, lanes))  # a state in every lane
-        lengths = (rows.events, rows.axis, log.rows, samples.top, log.states[:1].T)
-        self.records = {
-            "sizes": _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths)),
-            "motion": motion,
-            "rows": rows,
-            "tallies": tallies,
-            "log": log,
-            "samples": samples,
-            "factors": np.empty((2, size, lanes)),
-            "out": self.out,
-            "halves": HALVES,
-            "rules": rules,
-            "thresholds": _Thresholds(),
-        }
-        self.structure: Any = structure(_Loop)(
-            **{name: _field(record) for name, record in self.records.items()}
-        )
         self.failures: list[BaseException] = []  # of steps that C has called
-        if isinstance(stepper, Loaded):
-            addresses: Any = stepper[1:]
-        else:
-            stepper.records = self.records
+        code: Any = stepper[1:] if isinstance(stepper, Loaded) else ()
+        if isinstance(stepper, Called):
             self.callbacks = _callbacks(stepper, motion, self.out, self.failures)
-            addresses = [
-                ctypes.cast(callback, ctypes.c_void_p).value for callback in self.callbacks
-            ]
-        for name, address in zip(("step", "dense", "fused"), addresses, strict=False):
-            setattr(self.structure, name, address)
-        self.place = ctypes.byref(self.structure)
+            code = *(ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks), False
+        lengths = rows.events, rows.axis, log.rows, samples.top, log.states[:1].T
+        sizes = _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths))
+        arrays = np.empty((2, size, lanes)), self.out, HALVES
+        parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, _Thresholds(), NO_ROWS
+        self.record = _Loop._make([*code, *parts])  # keeps the arrays
+        self.structure: Any = filled(self.record)
+        self.place, self.output = ctypes.byref(self.structure), NO_ROWS
 
     def fill(self, rows: Rows) -> None:
         """Write these rows from now on."""
-        if self.records.get("output") is rows:
-            return
-        self.records["output"] = rows
-        self.structure.output = filled(
-            rows._replace(length=len(rows.times), variables=min(len(rows.states), len(self.out)))
-        )
+        if rows is not self.output:
+            length, variables = len(rows.times), min(len(rows.states), len(self.out))
+            self.structure.output = filled(rows._replace(length=length, variables=variables))
+            self.output = rows
 
     def drive(self, most: int) -> int:
         """Make at most `most` steps of all lanes. Return their number.
@@ -246,19 +220,19 @@ class Loop:
         It stops earlier where the caller must look: a run has ended, all rows are written, or there
         is no room for what a step may find.
         """
-        steps = self.library.loop_drive(self.place, most)
+        steps = library().loop_drive(self.place, most)
         if self.failures:
             raise self.failures.pop()
         return steps
 
     def end(self, lane: int) -> np.ndarray:
         """Return the last state of a lane whose run has ended, which may confirm a turning."""
-        self.library.loop_end(self.place, lane)
+        library().loop_end(self.place, lane)
         return self.out[:, lane]
 
     def keep(self, event: np.void, when: float, sign: int) -> None:
         """Keep the numbers of an event of the first lane that no step has found."""
-        self.library.loop_keep(self.place, *event[["first", "last"]].item(), 0, when, sign)
+        library().loop_keep(self.place, *event[["first", "last"]].item(), 0, when, sign)
 
 
 def _callbacks(

@@ -51,14 +51,7 @@ class Called:
     It keeps state, time and coefficients, and writes them rounded to the arrays of the loop. It may
     also correct the time at which the step starts (`start_high` and `start_low`, `high` and `low`);
     a run is finished where `h` is equal to `limit`.
-
-    Attributes
-    ----------
-    records
-        Those of the loop that calls it.
     """
-
-    records: dict[str, Any]
 
     def step(self, motion: Any) -> None:
         """Make a step from `motion.state`, at most `motion.limit` long.

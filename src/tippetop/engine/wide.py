@@ -6,13 +6,14 @@ then refined in the working precision.
 """
 
 import copy
+import weakref
 from collections.abc import Sequence
 from typing import Any, cast
 
 import heyoka as hy
 import numpy as np
 
-from .driver import Driver, Exact, Place
+from .driver import Driver, Place
 from .integrator import Compiled
 from .loop import Motion, Rows
 from .status import Status
@@ -35,17 +36,16 @@ class WideSteps(Called):
 
     Attributes
     ----------
+    run
+        The driver whose steps these are.
     end
-        Internal time of the end of the run.
-    exact, rows
-        Arrays of the run: passages and samples; states of the rows.
+        Internal time of the end of the next steps.
     refined
         How many passages of the log are refined.
     """
 
+    run: Driver
     end: Any = None
-    exact: Exact
-    rows: np.ndarray
     refined = 0
 
     def __init__(self, integrator: Any):
@@ -53,9 +53,9 @@ class WideSteps(Called):
 
     def step(self, motion: Motion) -> None:
         """Make a step, at most to the end of the run."""
-        ta, records = self.integrator, self.records
-        self.before, self.refined = (ta.state.copy(), ta.dtime), records["log"].filled[0]
-        self.on_zero = records["tallies"].functions[ON_ZERO, :, 0].copy()
+        ta, run = self.integrator, self.run
+        self.before, self.refined = (ta.state.copy(), ta.dtime), run.logged[0]
+        self.on_zero = run.tallies.functions[ON_ZERO, :, 0].copy()
         high, low = ta.dtime
         motion.high[0] = motion.start_high[0] = start = float(high)
         motion.low[0] = motion.start_low[0] = 0.0
@@ -72,9 +72,9 @@ class WideSteps(Called):
             if not np.abs(motion.tc).max() < LARGEST:
                 motion.tc[:] = np.clip(motion.tc, -LARGEST, LARGEST)
         # where the loop puts the end of the step, if it keeps it as a sample or as a row
-        self.exact.samples[records["samples"].filled[0], : len(ta.state)] = ta.state
-        row = records["output"].filled[0]
-        self.rows[: len(ta.state), row : row + 1] = ta.state[: len(self.rows), None]
+        rows, row = run.wanted.states, run.wanted.made[0]
+        run.exact.samples[run.sampled_so_far[0], : len(ta.state)] = ta.state
+        rows[: len(ta.state), row : row + 1] = ta.state[: len(rows), None]
 
     def undo(self) -> None:
         """Return to the start of the last step."""
@@ -84,20 +84,19 @@ class WideSteps(Called):
         """Keep the next zero of the log, which is refined, or else the next row, and return its
         state.
         """
-        ta, log, output = self.integrator, self.records["log"], self.records["output"]
-        number, n = ta.state.dtype.type, len(ta.state)
-        if self.refined < log.filled[0]:
+        ta, run, n = self.integrator, self.run, len(self.integrator.state)
+        if self.refined < run.logged[0]:
             k, start = self.refined, self.before[1][0]
-            when, event, *_ = log.rows[k]
+            when, event, *_ = run.log.rows[k]
             roots = -min(0, int(self.on_zero[event]))
-            function = _function(ta.tc, self.records["rows"].events[event], roots)
-            time = start + _refined(function, number(when) - start, ta.time - start)
-            self.exact.times[k], self.exact.states[k, :n] = time, ta.update_d_output(time)
+            function = _function(ta.tc, run.rows.events[event], roots)
+            time = start + _refined(function, run.number(when) - start, ta.time - start)
+            run.exact.times[k], run.exact.states[k, :n] = time, ta.update_d_output(time)
             self.refined += 1
         else:
-            row = output.filled[0]
-            state = ta.update_d_output(number(output.times[row]))
-            self.rows[:n, row] = state[: len(self.rows)]
+            wanted, row = run.wanted, run.wanted.made[0]
+            state = ta.update_d_output(run.number(wanted.rows.times[row]))
+            wanted.states[:n, row] = state[: len(wanted.states)]
         return ta.d_output.astype(float)[:, None]
 
 
@@ -107,6 +106,10 @@ class WideDriver(Driver):
     @staticmethod
     def stepper_of(code: Compiled) -> Stepper:
         return WideSteps(code.integrator)
+
+    def work_in(self, place: Place) -> None:
+        super().work_in(place)
+        self.stepper.run = weakref.proxy(self)
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
         pars = cast(WideSteps, place.stepper).integrator.pars
@@ -118,15 +121,10 @@ class WideDriver(Driver):
         return cast(WideSteps, self.place.stepper)
 
     def make(self, rows: Rows, most: int) -> int:
-        stepper = self.stepper
-        stepper.exact, stepper.rows, stepper.refined = (
-            self.exact,
-            self.wanted.states,
-            self.logged[0],
-        )
+        self.stepper.refined = self.logged[0]
         steps = super().make(rows, most)
-        if self.tally["status"] == Status.NON_FINITE.code:
-            stepper.undo()
+        if self.status[0] == Status.NON_FINITE.code:
+            self.stepper.undo()
         return steps
 
     def reached(self) -> tuple[Any, np.ndarray]:

@@ -90,7 +90,7 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
     plan, sizes = facts["plan"], zip(facts["dimensions"], facts["shape"], strict=True)
     drawn = ", ".join(axis["of"] for axis in plan["axis"] if "between" in axis)
     axes = [f"{drawn if name == 'sample' else name} ({n})" for name, n in sizes]
-    done = f"{facts['tops_done']} of {facts['tops']} tops; {_text(facts['chunks'])} chunks"
+    done = f"{facts['tops_done']} of {facts['tops']} tops; chunks: {_text(facts['chunks'])}"
     result = [("status", f"{facts['status']}: {done}"), ("axes", " x ".join(axes))]
     for name, counts in facts["counts"].items():  # `status` is also that of the sweep
         result.append(("ends" if name == "status" else name, _text(counts)))
@@ -107,7 +107,7 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
     result += [("failed", f"chunk {k}: {sentence}") for k, sentence in facts["failed"].items()]
     tables = {**plan["scenario"], "versions": facts["versions"]}
     return result + [
-        (name, ", ".join(f"{k} = {v}" for k, v in values.items()))
+        (name, ", ".join(f"{key} = {_plain(value)}" for key, value in values.items()))
         for name, values in tables.items()
         if isinstance(values, dict)
     ]
@@ -115,6 +115,10 @@ def lines(facts: dict[str, Any]) -> list[tuple[str, str]]:
 
 def _text(counts: dict[str, int]) -> str:
     return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "none"
+
+
+def _plain(value: Any) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def column(path: str | Path, table: Any, name: str) -> np.ndarray:

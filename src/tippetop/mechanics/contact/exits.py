@@ -81,8 +81,7 @@ MAKES_ENERGY = (
     'restitution = "newton" made energy in an impact, which no impact does: use "energetic"'
 )
 BOTH = (
-    "the body stands on its sphere and its stem at once, which is not followed under "
-    "Coulomb's law itself"
+    "the body stands on its sphere and its stem, which is not followed under Coulomb's law itself"
 )
 
 

@@ -286,7 +286,7 @@ FORM = Form(
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)
 LIFTOFF = replace(
     gliding.LIFTOFF,
-    long_name="normal force falls to zero: beyond it the model does not hold",
+    long_name="normal force falls to zero: beyond it the model is not valid",
     formula=normal_force,
 )
 SETTLED = replace(

@@ -289,11 +289,14 @@ export class Contact {
    */
   strike(ball) {
     let bounces = false;
-    for (let k = 0; k < MOST_STRIKES && !this.bothRest(); k++) {
-      bounces = this.impact(ball);
-      const pressed = this.touching().filter((k) => k !== ball && this.rise(k) < -BOTH * this.speed);
-      if (!pressed.length) break;
+    for (let pressed = [ball], k = 0; pressed.length && !this.bothRest(); k++) {
+      if (k === MOST_STRIKES) {
+        this.end = "sphere and stem strike the plane in turn too often for this page";
+        return;
+      }
       ball = pressed[0];
+      bounces = this.impact(ball);
+      pressed = this.touching().filter((k) => k !== ball && this.rise(k) < -BOTH * this.speed);
     }
     if (this.bothRest()) this.onBoth();
     else if (bounces) this.begin("flight", ball);

@@ -89,7 +89,7 @@ const LAWS = /** @type {Record<string, string>} */ ({
   mixed: "viscous and Coulomb",
   stribeck: "Stribeck",
   latitude: "viscous, by latitude",
-  none: "none",
+  none: "no friction",
 });
 export class Playground {
   /**
@@ -224,7 +224,7 @@ export class Playground {
         "",
         isFinite(value) ? (1e6 * value).toPrecision(4) : "∞",
         words,
-        lambda > value ? "above" : "below",
+        lambda > value ? "λ is above" : "λ is below",
       ];
       row.append(...cells.map((text) => Object.assign(document.createElement("td"), { textContent: text })));
       subscript(row.cells[0], name.replace("lambda", "λ"));

@@ -42,15 +42,16 @@ export class WellPanel {
    * @param {(t: number) => boolean} touches whether there is a potential at a time
    */
   take(motion, touches) {
-    const depths = [];
+    const depths = [1e-12];
     for (let k = 0; k < 80; k++) {
       const i = Math.round((k * (motion.times.length - 1)) / 79);
       if (!touches(motion.times[i])) continue;
       const [first, second, level] = motion.at(i, "well");
       const bottom = Math.min(...this.values(first, second, 121).filter(isFinite));
-      if (isFinite(level) && isFinite(bottom)) depths.push(level - bottom);
+      // a shallow motion keeps a scale on which its well has a width
+      if (isFinite(level) && isFinite(bottom)) depths.push(level - bottom, 1e-2 * Math.abs(level));
     }
-    this.height = 1.8 * Math.max(1e-12, ...depths);
+    this.height = 1.8 * Math.max(...depths);
   }
 
   /**

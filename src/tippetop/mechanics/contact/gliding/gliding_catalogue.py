@@ -171,7 +171,7 @@ COS_INVERTED = 0.9950041652780258  # cos(0.1)
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=-1)
 LIFTOFF = Event(
     "liftoff",
-    "normal force g_n falls to zero: beyond it the model does not hold",
+    "normal force g_n falls to zero: beyond it the model is not valid",
     g_n,
     direction=-1,
     ends="liftoff",

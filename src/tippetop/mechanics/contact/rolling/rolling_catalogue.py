@@ -45,7 +45,7 @@ FORMS = {form.name: form for form in (VECTOR, EULER)}
 
 LIFTOFF = replace(
     gliding.LIFTOFF,
-    long_name="normal force falls to zero: beyond it the model does not hold",
+    long_name="normal force falls to zero: beyond it the model is not valid",
     formula=normal_force,
 )
 EVENTS = (gliding.TURNING, LIFTOFF, gliding.EQUATOR, gliding.INVERTED)
