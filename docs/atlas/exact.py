@@ -165,7 +165,7 @@ def _angles(x: SimpleNamespace, e: Any) -> None:
 def _vectors(x: SimpleNamespace, q: Any) -> None:
     """Adds 3hat, L, omega, a and their kin."""
     x.u, x.L = Vector(q.ux, q.uy, q.uz), Vector(q.Lx, q.Ly, q.Lz)
-    x.omega = contact.angular_velocity(x.u, x.L, x.b)
+    x.omega = contact.angular_velocity(x, x.b)
     x.a = plus(times(x.b.c, x.u), Vector(0, 0, -x.b.R))
     x.omega_a = cross(x.omega, x.a)
 

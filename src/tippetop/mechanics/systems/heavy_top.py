@@ -14,8 +14,8 @@ from ..contact import body as contact
 from ..contact.body import Top, Touch, tip_inertia
 from ..contact.body_axes import carried_along
 from ..contact.gliding import gliding_catalogue as gliding
-from ..contact.gliding import gliding_chart, gliding_vector
-from ..contact.gliding.gliding_vector import axis
+from ..contact.gliding import gliding_chart
+from ..contact.gliding.gliding_vector import axis, turning
 from ..contact.integrals import integral
 from ..contact.rolling import reaction, rolling_euler, rolling_vector
 from ..contact.rolling import rolling_catalogue as rolling
@@ -139,15 +139,13 @@ def Lz(s, b):
 @formula
 def tip_axis_rate(q, b):
     """Return 3hat' = L_A x 3hat/I1* [1/s]. [T 2.24]"""
-    return times(1 / tip_inertia(b), cross(gliding_vector.momentum(q), axis(q)))
+    return times(1 / tip_inertia(b), cross(turning(q).L, axis(q)))
 
 
 @formula
 def momentum_about_centre(q, b):
     """Return L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
-    return plus(
-        gliding_vector.momentum(q), times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b)))
-    )
+    return plus(turning(q).L, times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b))))
 
 
 # --- fixed tip ----------------------------------------------------------------------------------
@@ -159,8 +157,8 @@ def fixed_scalars(q, b):
 
     They are those of a body that rolls with R = 0; |r'| = l |3hat'|.
     """
-    u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
-    return reaction.scalars(u, L, u_dot, times(b.c, u_dot), b)
+    x, u_dot = contact.Turning(axis(q), momentum_about_centre(q, b)), tip_axis_rate(q, b)
+    return reaction.scalars(x, u_dot, times(b.c, u_dot), b)
 
 
 @formula

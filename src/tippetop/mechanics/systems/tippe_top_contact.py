@@ -117,8 +117,8 @@ def vertical_force(q, carried, b):
 @formula
 def contact_scalars(q, b):
     """Return the scalars of a state about the contact."""
-    u, L, u_dot = axis(q), momentum(q, b), axis_rate(q, b)
-    return reaction.scalars(u, L, u_dot, centre_velocity(q, b), b)
+    x = contact.Turning(axis(q), momentum(q, b))
+    return reaction.scalars(x, axis_rate(q, b), centre_velocity(q, b), b)
 
 
 @formula
@@ -131,12 +131,12 @@ def vectors(q, b):
 def contact_of_angles(e, s, z, b):
     """Return the state about the contact of the angles. [section 1]"""
     v = rolling_vector.vector_of_angles(e, s, z, b)
-    u, L = axis(v), gliding_vector.momentum(v)
-    k = contact.kinematics(u, L, gliding_vector.axis_rate(v, b), b)
-    w, arm = contact.angular_velocity(u, L, b), contact.arm(u, b)
-    M = plus(L, times(b.m, cross(arm, cross(w, arm))))
+    x = gliding_vector.turning(v)
+    k = contact.kinematics(x, contact.axis_rate(x, b), b)
+    w, arm = contact.angular_velocity(x, b), contact.arm(x.u, b)
+    M = plus(x.L, times(b.m, cross(arm, cross(w, arm))))
     D, lam = tippe_top.routh(k, b), contact.jellett(k, b)
-    return ContactState(u.x, u.y, u.z, M.x, M.y, D, lam)
+    return ContactState(x.u.x, x.u.y, x.u.z, M.x, M.y, D, lam)
 
 
 @formula

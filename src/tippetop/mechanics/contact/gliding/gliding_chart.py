@@ -5,7 +5,7 @@ from typing import Any
 
 from ...operand import Vector, atan2, cos, formula, sin, sqrt
 from ...system import Domain, Form, Integral
-from ..body import of_azimuth
+from ..body import Turning, of_azimuth
 from ..body_axes import by_angles
 from ..integrals import integral
 from .gliding_euler import ANGLES, centre_velocity, psi_rate, sine_and_cosine
@@ -21,9 +21,8 @@ def axis_and_momentum(e, s, z, I1, I3):
     ex, ey = cos(e.phi), sin(e.phi)
     L3, transverse, nodal = I3 * e.omega3, -(I1 * e.phi_dot * s), I1 * e.theta_dot
     lean = transverse * z + L3 * s  # L along e; 1hat = z e - s zhat
-    return Vector(s * ex, s * ey, z), Vector(
-        lean * ex - nodal * ey, lean * ey + nodal * ex, L3 * z - transverse * s
-    )
+    L = Vector(lean * ex - nodal * ey, lean * ey + nodal * ex, L3 * z - transverse * s)
+    return Turning(Vector(s * ex, s * ey, z), L)
 
 
 @formula

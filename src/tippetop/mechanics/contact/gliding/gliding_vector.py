@@ -4,7 +4,7 @@ from ...friction import slip_coefficient
 from ...operand import Vector, formula
 from ...units import ANGULAR_MOMENTUM, METRE_PER_SECOND
 from .. import body as contact
-from ..body import Scalars, kinematics, state
+from ..body import Scalars, Turning, kinematics, state
 
 
 VECTOR_UNITS = state(L3=ANGULAR_MOMENTUM, rx_dot=METRE_PER_SECOND, ry_dot=METRE_PER_SECOND)
@@ -23,15 +23,15 @@ def axis(q):
 
 
 @formula
-def momentum(q):
-    """Return the angular momentum L about the centre of mass, (3,), space frame [kg m^2/s]."""
-    return Vector(q.Lx, q.Ly, q.Lz)
+def turning(q):
+    """Return 3hat and L, the angular momentum about the centre of mass, space frame [kg m^2/s]."""
+    return Turning(axis(q), Vector(q.Lx, q.Ly, q.Lz))
 
 
 @formula
 def axis_rate(q, b):
     """Return 3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
-    return contact.axis_rate(axis(q), momentum(q), b)
+    return contact.axis_rate(turning(q), b)
 
 
 @formula
@@ -40,7 +40,7 @@ def sliding_velocity(q, b):
 
     `body.contact_velocity` with the carried L_3, summed from the left.
     """
-    u_dot, w = axis_rate(q, b), contact.angular_velocity_of(axis(q), momentum(q), q.L3, b)
+    u_dot, w = axis_rate(q, b), contact.angular_velocity_of(turning(q), q.L3, b)
     return Vector(q.rx_dot + b.c * u_dot.x - b.R * w.y, q.ry_dot + b.c * u_dot.y + b.R * w.x, 0.0)
 
 
@@ -50,10 +50,9 @@ def vector_scalars(q, b):
 
     L_3 is L.3hat, so that the carried L_3 is under control too.
     """
-    u, L = axis(q), momentum(q)
-    u_dot, v = axis_rate(q, b), sliding_velocity(q, b)
+    u, v = axis(q), sliding_velocity(q, b)
     return Scalars(
-        *kinematics(u, L, u_dot, b),
+        *kinematics(turning(q), axis_rate(q, b), b),
         u.x * v.x + u.y * v.y,
         u.x * v.y - u.y * v.x,
         v.x * v.x + v.y * v.y,

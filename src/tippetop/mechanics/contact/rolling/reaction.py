@@ -76,16 +76,16 @@ def friction_needed(s, b):
 
 
 @formula
-def reaction(u, L, b):
+def reaction(x, b):
     """Return the reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]."""
-    return times(-1, mobility_inverse_times(u, bias_vector(u, L, b), b))
+    return times(-1, mobility_inverse_times(x.u, bias_vector(x, b), b))
 
 
 @formula
-def scalars(u, L, u_dot, v, b):
+def scalars(x, u_dot, v, b):
     """Return the scalars; u_dot is 3hat', v is the velocity of the centre of mass."""
-    F = reaction(u, L, b)
-    return Scalars(*contact.kinematics(u, L, u_dot, b), v.x**2 + v.y**2, F.x**2 + F.y**2)
+    F = reaction(x, b)
+    return Scalars(*contact.kinematics(x, u_dot, b), v.x**2 + v.y**2, F.x**2 + F.y**2)
 
 
 @formula

@@ -3,7 +3,7 @@
 from ...operand import dot, formula, times
 from ..body import arm_velocity, moment, state
 from ..gliding.gliding_chart import angles_by, axis_and_momentum
-from ..gliding.gliding_vector import axis, axis_rate, momentum
+from ..gliding.gliding_vector import axis, axis_rate, turning
 from .reaction import reaction, scalars
 from .rolling_euler import ANGLES
 
@@ -17,19 +17,19 @@ VectorState = type(VECTOR_UNITS)
 @formula
 def velocity(q, carried, b):
     """Return the velocity of the centre of mass, -(omega x a), (3,) [m/s]."""
-    return times(-1, arm_velocity(axis(q), momentum(q), b))
+    return times(-1, arm_velocity(turning(q), b))
 
 
 @formula
 def vector_scalars(q, b):
     """Return the scalars of a vector state."""
-    return scalars(axis(q), momentum(q), axis_rate(q, b), velocity(q, None, b), b)
+    return scalars(turning(q), axis_rate(q, b), velocity(q, None, b), b)
 
 
 @formula
 def force(q, b):
     """Return the reaction, (3,) [N]."""
-    return reaction(axis(q), momentum(q), b)
+    return reaction(turning(q), b)
 
 
 @formula
@@ -44,7 +44,8 @@ def spin(q, b):
 
     L is about the centre of mass or about a point of the axis.
     """
-    return dot(momentum(q), axis(q)) / b.I3
+    x = turning(q)
+    return dot(x.L, x.u) / b.I3
 
 
 @formula
