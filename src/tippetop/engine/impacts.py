@@ -221,12 +221,14 @@ class ImpactMotions:
                 self.region = motion.region_at(law, q, b)
                 self.mode = "reverse" if law.set_valued else "slip"
             stage, driver = self.stages[self.region], self.driver(self.region)
-            lift, growth = stage.slope(q, b)
-            if not 0 < lift < np.inf:
+            by = stage.acts(q, b)
+            if not 0 < motion.gains(by, b).z < np.inf:
                 raise ArithmeticError(UNSOLVED)
-            grows = passed == "slowest" or growth >= 0
+            grows = motion.SLOWEST in stage.events and (
+                passed == "slowest" or motion.growth(q, by, b) >= 0
+            )
             signs = tuple(
-                event.direction if event.name == "slowest" and grows else -event.direction
+                event.direction if grows and event is motion.SLOWEST else -event.direction
                 for event in stage.events
             )
             zeros = tuple(-float(event.name == passed) for event in stage.events)

@@ -382,17 +382,15 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     """
     x, b = rounded(x), rounded(world.body[phase.ball])
 
-    def read(state: np.ndarray, w: Any, beta: Any) -> tuple[Any, Any]:
-        return type(DIRECTED)(*state[:6], beta, w), x.carried._make(state[6:])
+    def read(state: np.ndarray, beta: Any) -> tuple[Any, Any]:
+        *moved, w = state
+        return type(DIRECTED)(*moved[:6], beta, w), x.carried._make(moved[6:])
 
-    def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
-        q, carried = read(state, w, beta)
-        by = phase.form.rates(q._replace(w=1 + 0 * w), b)
-        every = (*by[:6], *world.rates(phase, q, carried, b))
-        return np.array([np.broadcast_to(rate, w.shape) for rate in every]), by.w
-
-    def turning(state: np.ndarray, beta: np.ndarray) -> Any:
-        return phase.form.rates(read(state, 1 + 0 * beta, beta)[0], b).beta
+    def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
+        q, carried = read(state, beta)
+        by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
+        every = (*by[:6], *world.rates(phase, q, carried, b), by.w)
+        return np.array([np.broadcast_to(rate, beta.shape) for rate in every]), by.beta
 
     F = sticking(x.u, x.L, b)[0]
     omega = contact.angular_velocity(x.u, x.L, b)
@@ -403,8 +401,8 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         other = b.clearance + b.lever * phase.leave(q, b).u.z
         return bool(phase.reaction(q, b).force.z > 0 and other > 0)
 
-    state, beta = np.array([*x.u, *x.L, *x.carried]), np.arctan2(-F.y, -F.x)
-    first = first_slip(rates, turning, state, beta, span, lasts=lasts)
+    state, beta = np.array([*x.u, *x.L, *x.carried, 0 * F.z]), np.arctan2(-F.y, -F.x)
+    first = first_slip(rates, state, beta, span, lasts)
 
     def series(t: np.ndarray) -> tuple[Any, Any]:
         t = np.array([eighty_bits(one) for one in t])

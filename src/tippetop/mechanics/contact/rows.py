@@ -58,29 +58,22 @@ def moving(row: Any, carried: Any) -> Moving:
     return Moving(Vector(*row[:3]), Vector(*row[3:6]), Vector(*row[6:9]), row.height, carried)
 
 
-def row(phase: Phase, q: Any, carried: Any, bodies: tuple[contact.Touch, ...]) -> Any:
-    """Return the row of a state of a phase, of numbers or arrays; `bodies`: seen from each ball."""
-    b, stem = bodies[phase.ball], bodies[-1]
+def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, contact.Touch]:
+    """Return the row of a state of a phase, and the body seen from its first ball.
+
+    b is the body seen from the ball of the phase. Numbers, arrays or expressions.
+    """
     x, by = phase.leave(q, b), phase.reaction(q, b)
     reference = getattr(carried, "jellett_reference", math.nan)
     if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
-    gap = x.height - stem.R + stem.c * x.u.z if len(bodies) > 1 else 0
+    gap, first = contact.gap(x.height, x.u.z, b), b
+    if phase.ball == 0:
+        gap = gap + b.clearance + b.lever * x.u.z
+    else:
+        first = contact.seen_from_other(b)
     numbers = b.R, b.c, gap, PHASES.index(phase.label), phase.ball, reference, by.drilled
-    return Row(*x.u, *x.L, *x.velocity, x.height, *by.force, *numbers)
-
-
-def row_within(
-    phase: Phase, q: Any, carried: Any, b: contact.Touch, two: bool
-) -> tuple[Any, contact.Touch]:
-    """Return the row of a state of a phase and the body seen from its first ball.
-
-    b is the body seen from the ball of the phase; the reference of Jellett's integral is not known
-    there.
-    """
-    other = contact.seen_from_other(b)
-    bodies = (b,) if not two else (b, other) if phase.ball == 0 else (other, b)
-    return row(phase, q, carried, bodies), bodies[0]
+    return Row(*x.u, *x.L, *x.velocity, x.height, *by.force, *numbers), first
 
 
 # --- scalars ------------------------------------------------------------------------------------
@@ -168,8 +161,7 @@ def planar_angles_of_row(q, carried, b):
 
 def planar_theta_dot(q, b):
     """Return theta' [rad/s] of an axis in the x-z plane."""
-    u_dot = axis_rate(q, b)
-    return q.uz * u_dot.x - q.ux * u_dot.z
+    return q.Ly / b.I1
 
 
 # --- the forms of rows --------------------------------------------------------------------------
