@@ -113,6 +113,19 @@ def mobility(s: Any, z: Any, b: Any) -> SimpleNamespace:
 CARRIED = namedtuple("Carried", "work impulse jellett_lost")(0.0, 0.0, 0.0)
 """Integrals that impacts change."""
 
+
+def inertia(u: np.ndarray, b: Any) -> np.ndarray:
+    """The tensor of inertia of a body, space frame."""
+    return b.I1 * np.eye(3) + (b.I3 - b.I1) * np.outer(u, u)
+
+
+def gained(v: Any, made: Any, Omega_z: Any = 0) -> Any:
+    """The energy p.(v- + v+)/2 that the impulses of an impact give, those of torques included."""
+    after = made.v_e, made.v_2, made.v_n
+    pushed = (p * (a + b) for p, a, b in zip(made.p, v, after, strict=True))
+    return sum(pushed, made.twist.z * (Omega_z + made.Omega_z)) / 2
+
+
 _motions: dict[tuple, ImpactMotions] = {}
 
 

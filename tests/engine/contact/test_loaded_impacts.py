@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from touching import CARRIED
+from touching import CARRIED, inertia
 
 from tippetop.engine.impacts import ImpactMotions
 from tippetop.mechanics.contact.body import (
@@ -105,7 +105,7 @@ def newton_euler(
     stays at rest.
     """
     u = np.array(u)
-    inverse = np.linalg.inv(b.I1 * np.eye(3) + (b.I3 - b.I1) * np.outer(u, u))
+    inverse = np.linalg.inv(inertia(u, b))
     arm_cross = np.cross(b.c * u - b.R * Z, np.eye(3)).T  # times a vector: the arm cross it
 
     def gains(F: Any, T: Any) -> Any:
