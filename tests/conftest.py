@@ -80,6 +80,16 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "S.zarr"
 
 
+@pytest.fixture(scope="session")
+def short_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The store of a run of 0.2 s; not to be changed."""
+    import tippetop
+
+    path = tmp_path_factory.mktemp("short") / "RUN.zarr"
+    tippetop.run("inverting", until=0.2, out=path)
+    return path
+
+
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Keep compiled code in a folder of the test."""

@@ -1,6 +1,6 @@
 """The manual: every public name, every topic and every page is in it.
 
-(That it builds is tried by docs.yml.)
+(`.ci/nightly manual` builds it.)
 """
 
 import pydoc

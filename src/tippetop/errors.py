@@ -129,9 +129,7 @@ def missing_extra(error: ImportError) -> str | None:
 class Interrupted(Exception):
     """The run, or the sweep, stopped as asked; its store can be resumed."""
 
-    def __init__(
-        self, text: str = "it was asked to stop, and stopped where its store can be resumed."
-    ):
+    def __init__(self, text: str = "stopped on request; its store can be resumed."):
         super().__init__(text)
 
 

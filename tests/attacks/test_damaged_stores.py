@@ -21,13 +21,13 @@ from examples import CANONICAL
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from plans import PLAN
-from stores import TURNING, files, short_slices
+from stores import files, short_slices, turning
 from typed import answered
 
 import tippetop as tt
 from tippetop.errors import InputError, StoreError
 from tippetop.landscape import surface_recording as surfaces
-from tippetop.runs import recording, resuming, starting
+from tippetop.runs import recording, resuming
 from tippetop.sweeps import sweep
 
 
@@ -42,8 +42,7 @@ def make(kind: str, store: Path, progress: Any = None) -> None:
     if kind == "run" and store.exists():
         resuming.resume(store, progress)
     elif kind == "run":
-        problem = starting.load("inverting", [*TURNING, "run.output_step=0.01"], 30.0)
-        recording.record(problem, store, progress=progress)
+        recording.record(turning(30.0), store, progress=progress)
     elif kind == "sweep":
         plan = store.with_name("PLAN.toml")
         plan.write_text(PLAN)

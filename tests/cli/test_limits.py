@@ -108,7 +108,7 @@ def test_a_tolerance_far_below_the_rounding_unit_is_refused(
 
 MARKED = """
 import os, sys
-os.environ.update(HEYOKA_CACHE_DIR="cache", TIPPETOP_CACHE_DIR="")
+os.environ.update(HEYOKA_CACHE_DIR="cache", TIPPETOP_CACHE_DIR="", TIPPETOP_OPT_LEVEL="3")
 from tippetop.awaiting import awaited as real
 def marked(work, doing, stop=None):
     def between_marks():

@@ -48,7 +48,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("run inverting --until --json", 2, "`--until` must be a number"),
     ("run PLAN.toml", 2, "this must be a scenario, but is the plan of a sweep"),
     ("check inverting --set system=rolling-tippe-top", 2, "remove the table (--set friction=)"),
-    ("run inverting --set run.output=keyframes --figure a.png", 2, "stand alone|requires rows"),
+    ("run inverting --set run.output=keyframes --figure a.png", 2, "given alone|requires rows"),
     # stores
     ("resume RUN.zarr", 5, "must be unfinished"),
     ("resume RUN.zarr --until=0.1", 2, "must be later than that of"),
@@ -108,7 +108,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("surface inverting --D 0:nan:5 --figure F.png", 2, "`--D` must be a number"),
     ("potential inverting --D nan --lambda 0", 2, "`--D` must be a number"),
     ("potential inverting --D 0 --lambda 0 --n 1", 2, "--n must be at least 2"),
-    ("surface inverting", 2, "nothing is to be done: give --out F.zarr, --figure F.png, or both."),
+    ("surface inverting", 2, "nothing to do: give --out F.zarr, --figure F.png, or both."),
     # measured motions
     (f"{FIT} --out film.csv --overwrite", 2, "--out must end with .toml, but is"),
     (f"{FIT} --out x.png --figure x.png", 2, "--out must end with .toml, but is"),

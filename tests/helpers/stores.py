@@ -7,11 +7,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 from forked import Forked
 
-from tippetop.runs import recording
+from tippetop.problem import Problem
+from tippetop.runs import recording, starting
 from tippetop.store import ledger, zarr3
 
 
@@ -36,6 +38,19 @@ def short_slices(monkeypatch: pytest.MonkeyPatch, commit_every: float = 0.0) -> 
         ("EVENTS_PER_CHUNK", 250),
     ):
         monkeypatch.setattr(recording, name, value)
+
+
+def turning(until: float, *sets: str) -> Problem:
+    """A run of that motion with a row every 0.01 s, if nothing else is set."""
+    return starting.load("inverting", [*TURNING, "run.output_step=0.01", *sets], until)
+
+
+def interrupted(store: Path, problem: Problem, slices: int = 1) -> Path:
+    """Interrupt a run after so many slices."""
+    stop = Mock(side_effect=[*[None] * (slices - 1), KeyboardInterrupt])
+    with pytest.raises(KeyboardInterrupt):
+        recording.record(problem, store, progress=stop)
+    return store
 
 
 def files(store: Path) -> dict[str, bytes]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tippetop.engine.impacts import ImpactMotions
-from tippetop.mechanics.contact.body import Moving, centre_velocity, velocities
+from tippetop.mechanics.contact.body import Moving, Turning, centre_velocity, velocities
 from tippetop.mechanics.contact.response import kicked
 from tippetop.mechanics.operand import Vector
 
@@ -113,6 +113,19 @@ def mobility(s: Any, z: Any, b: Any) -> SimpleNamespace:
 CARRIED = namedtuple("Carried", "work impulse jellett_lost")(0.0, 0.0, 0.0)
 """Integrals that impacts change."""
 
+
+def inertia(u: np.ndarray, b: Any) -> np.ndarray:
+    """The tensor of inertia of a body, space frame."""
+    return b.I1 * np.eye(3) + (b.I3 - b.I1) * np.outer(u, u)
+
+
+def gained(v: Any, made: Any, Omega_z: Any = 0) -> Any:
+    """The energy p.(v- + v+)/2 that the impulses of an impact give, those of torques included."""
+    after = made.v_e, made.v_2, made.v_n
+    pushed = (p * (a + b) for p, a, b in zip(made.p, v, after, strict=True))
+    return sum(pushed, made.twist.z * (Omega_z + made.Omega_z)) / 2
+
+
 _motions: dict[tuple, ImpactMotions] = {}
 
 
@@ -136,7 +149,8 @@ def struck(
     none = 0 * s
     along = (b.I3 - b.I1) * (Omega_z * z)
     u, L = Vector(s, none, z), Vector(along * s, none, along * z + b.I1 * Omega_z)
-    x = Moving(u, L, centre_velocity(u, L, Vector(*v), b), none, CARRIED)
+    velocity = centre_velocity(Turning(u, L), Vector(*v), b)
+    x = Moving(u, L, velocity, none, CARRIED)
     made = _motions[key].struck(x, b, e_n)
     after = kicked(x, b, made.p, made.twist)
     velocity, omega = velocities(after, b)

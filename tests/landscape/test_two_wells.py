@@ -44,6 +44,11 @@ def bands(D, lam, energy):
     return [(theta[a], theta[b - 1]) for a, b in zip(below[::2], below[1::2], strict=True)]
 
 
+def edges(found, name="theta"):
+    """The lower and the upper edge [rad] of a band."""
+    return found[[f"{name}_min", f"{name}_max"]].to_array().values
+
+
 @pytest.mark.slow
 def test_both_bands_are_given_and_theta_chooses(two_wells):
     D, lam, theta, V = two_wells
@@ -51,10 +56,8 @@ def test_both_bands_are_given_and_theta_chooses(two_wells):
     near, far = bands(D, lam, energy)
     for start, here, there in ((theta[0], near, far), (theta[2], far, near)):
         found = turning.turning_angles(PARAMETERS, D, lam, energy, theta=start)
-        assert (found.theta_min.item(), found.theta_max.item()) == pytest.approx(here, abs=1e-5)
-        assert (found.other_theta_min.item(), found.other_theta_max.item()) == pytest.approx(
-            there, abs=1e-5
-        )
+        assert edges(found) == pytest.approx(here, abs=1e-5)
+        assert edges(found, "other_theta") == pytest.approx(there, abs=1e-5)
         assert found.theta_star.item() == pytest.approx(start, abs=1e-5)
         assert found.F.item() == pytest.approx(V[0] if start == theta[0] else V[2], rel=1e-9)
     by_depth = turning.turning_angles(PARAMETERS, D, lam, energy)
@@ -69,7 +72,7 @@ def test_levels_above_the_barrier_and_in_one_well_only(two_wells):
     (whole,) = bands(D, lam, over)
     for start in (theta[0], theta[2], np.nan):
         found = turning.turning_angles(PARAMETERS, D, lam, over, theta=start)
-        assert (found.theta_min.item(), found.theta_max.item()) == pytest.approx(whole, abs=1e-5)
+        assert edges(found) == pytest.approx(whole, abs=1e-5)
         assert np.isnan(found.other_theta_min.item())
         assert found.F.item() == pytest.approx(min(V), rel=1e-9)
     (only,) = bands(D, lam, lower)
@@ -77,7 +80,7 @@ def test_levels_above_the_barrier_and_in_one_well_only(two_wells):
     found = turning.turning_angles(
         PARAMETERS, D, lam, [lower, lower, np.nan], theta=[deep, shallow, deep]
     )
-    assert (found.theta_min[0].item(), found.theta_max[0].item()) == pytest.approx(only, abs=1e-5)
+    assert edges(found)[:, 0] == pytest.approx(only, abs=1e-5)
     assert found.level.values.tolist() == [Level.ABOVE, Level.BELOW, Level.UNDEFINED]
     assert np.isnan(found.other_theta_min[0].item())
     assert found.other_theta_max[1].item() == pytest.approx(only[1], abs=1e-5)

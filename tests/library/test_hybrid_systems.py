@@ -2,8 +2,10 @@
 
 import dataclasses
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -30,28 +32,27 @@ class Candle(NamedTuple):
 PAGE = Path(__file__).parents[2] / "docs/how-to/a-hybrid-system.md"
 
 
-@pytest.fixture
-def page() -> dict[str, Any]:
-    """What the Python of the page defines."""
+POINT = {"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1.0}}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def page() -> Iterator[dict[str, Any]]:
+    """What the Python of the page defines; its systems are registered in this module."""
     names: dict[str, Any] = {}
-    for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL):
-        exec(block, names)
-    return names
+    with mock.patch.dict(SYSTEMS):
+        for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL):
+            exec(block, names)
+        yield names
 
 
 def bounces(until: float = 3.0, **run: Any) -> Any:
-    tables = {
-        "system": "bouncing-point",
-        "parameters": {"g": 9.81, "e": 0.5},
-        "initial": {"h": 1.0},
-    }
-    return tt.run(tables, until=until, **run)
+    return tt.run(POINT, until=until, **run)
 
 
 @pytest.mark.parametrize(
     ("precision", "bound"), [("double", 1e-13), ("longdouble", 1e-15), ("quad", 1e-15)]
 )
-def test_a_point_bounces_when_it_must(page: dict, precision: str, bound: float) -> None:
+def test_a_point_bounces_when_it_must(precision: str, bound: float) -> None:
     found = times(bounces(precision=precision), "bounce")
     hops = 2 * np.sqrt(2 / 9.81) * 0.5 ** np.arange(1, len(found))
     expected = np.sqrt(2 / 9.81) + np.concatenate([[0.0], np.cumsum(hops)])
@@ -59,14 +60,14 @@ def test_a_point_bounces_when_it_must(page: dict, precision: str, bound: float) 
     np.testing.assert_allclose(found, expected, rtol=0, atol=bound)
 
 
-def test_nothing_is_said_of_an_inclination_that_is_not_there(page: dict) -> None:
+def test_nothing_is_said_of_an_inclination_that_is_not_there() -> None:
     run = bounces()
     assert set(run.trajectory) == {"h", "v"}
     assert "theta" not in str(run)
     assert "turning" not in str(run)
 
 
-def test_a_certificate_compares_columns_and_phases_where_there_is_no_theta(page: dict) -> None:
+def test_a_certificate_compares_columns_and_phases_where_there_is_no_theta() -> None:
     run = bounces()
     found = run.certify()
     assert "theta" not in found
@@ -79,24 +80,24 @@ def test_a_certificate_compares_columns_and_phases_where_there_is_no_theta(page:
 
 
 @pytest.mark.parametrize("kind", ["theta", "energy", "drift", "states"])
-def test_a_figure_of_what_is_not_there_is_refused(page: dict, kind: str) -> None:
+def test_a_figure_of_what_is_not_there_is_refused(kind: str) -> None:
     with pytest.raises(
         tt.InputError, match=f"`{kind}` is drawn for .* only; this is a bouncing point"
     ):
         bounces().plot(kind)
 
 
-def test_no_balance_is_reported_where_jumps_may_take_energy(page: dict) -> None:
+def test_no_balance_is_reported_where_jumps_may_take_energy() -> None:
     assert bounces().summary.drift == {}
 
 
-def test_an_exit_at_the_very_end_of_a_run_is_not_logged_by_itself(page: dict) -> None:
+def test_an_exit_at_the_very_end_of_a_run_is_not_logged_by_itself() -> None:
     strike = times(bounces(), "bounce")[0]
     for end in (np.nextafter(strike, 0), strike, np.nextafter(strike, 9)):
         assert set(bounces(until=end).summary.event_counts) <= {"bounce"}
 
 
-def test_the_phases_of_a_run_are_a_table(page: dict, tmp_path: Path) -> None:
+def test_the_phases_of_a_run_are_a_table(tmp_path: Path) -> None:
     run = bounces(out=tmp_path / "run.zarr")
     for table in (run.phases, tt.open(tmp_path / "run.zarr").phases):
         names = np.array(table.phase.attrs["flag_meanings"].split())[table.phase.values]
@@ -108,13 +109,13 @@ def test_the_phases_of_a_run_are_a_table(page: dict, tmp_path: Path) -> None:
         _ = run.impacts
 
 
-def test_each_step_of_each_phase_has_a_row(page: dict) -> None:
+def test_each_step_of_each_phase_has_a_row() -> None:
     run = bounces(output="steps")
     np.testing.assert_array_equal(np.isin(times(run, "bounce"), run.trajectory.time.values), True)
     assert run.trajectory.sizes["time"] == run.summary.steps + 1
 
 
-def test_a_replay_continues_in_its_phase(page: dict, tmp_path: Path) -> None:
+def test_a_replay_continues_in_its_phase(tmp_path: Path) -> None:
     run = bounces(output="keyframes", keyframe_steps=2, out=tmp_path / "run.zarr")
     rows, whole = (
         run.replay(0.5, 1.5, 0.125),
@@ -138,13 +139,9 @@ def test_a_block_sticks_and_slips_with_its_period(page: dict) -> None:
     np.testing.assert_allclose(sticks - slips[: len(sticks)], slipping, rtol=1e-12)
 
 
-def test_an_ensemble_without_an_axis_is_refused(page: dict) -> None:
+def test_an_ensemble_without_an_axis_is_refused() -> None:
     with pytest.raises(tt.InputError, match="`form` must integrate"):
-        tt.ensemble(
-            {"system": "bouncing-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}},
-            {"parameters.e": [0.3, 0.6]},
-            until=1.0,
-        )
+        tt.ensemble(POINT, {"parameters.e": [0.3, 0.6]}, until=1.0)
 
 
 class Stick(NamedTuple):
@@ -174,7 +171,7 @@ def test_a_jump_that_fails_in_one_member_does_not_end_an_ensemble(page: dict) ->
     tt.extending.register(
         tt.extending.System("stick", numbers, {"fall": fall}, vectors=axis, long_names=words)
     )
-    stick = {"system": "stick", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1, "uz": 1}}
+    stick = POINT | {"system": "stick", "initial": {"h": 1, "uz": 1}}
     tops = tt.ensemble(stick, {"parameters.e": [0.3, 0.6, 0.4]}, until=0.6)
     names = tops.status.attrs["flag_meanings"].split()
     assert [names[code] for code in tops.status.values] == ["finished", "invalid", "finished"]
@@ -183,18 +180,26 @@ def test_a_jump_that_fails_in_one_member_does_not_end_an_ensemble(page: dict) ->
     ]
 
 
-def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
-    """Run the point with another jump, or with other fields of its phase `fall`."""
+def changed(name: str, **fields: Any) -> dict[str, Phase]:
+    """A phase of the point with other fields, by name."""
+    return {name: dataclasses.replace(SYSTEMS["bouncing-point"].phases[name], **fields)}
+
+
+def left(event: str, to: Any, jump: Any = None) -> dict[str, Phase]:
+    """The phase `fall`, left by another exit."""
+    return changed("fall", exits=(Exit(event, to, jump),))
+
+
+def register(name: str, phases: dict[str, Phase]) -> None:
+    """Register the point with other phases."""
     point = SYSTEMS["bouncing-point"]
-    fall = point.phases["fall"]
-    if jump is not None:
-        changes["exits"] = (Exit("ground", ("fall",), jump),)
-    phases = {**point.phases, "fall": dataclasses.replace(fall, **changes)}
-    tt.extending.register(dataclasses.replace(point, name="broken-point", phases=phases))
-    return tt.run(
-        {"system": "broken-point", "parameters": {"g": 9.81, "e": 0.5}, "initial": {"h": 1}},
-        until=2,
-    )
+    tt.extending.register(dataclasses.replace(point, name=name, phases=point.phases | phases))
+
+
+def broken(jump: Any) -> Any:
+    """Run the point with another jump."""
+    register("broken-point", left("ground", ("fall",), jump))
+    return tt.run(POINT | {"system": "broken-point"}, until=2)
 
 
 @pytest.mark.parametrize(
@@ -221,7 +226,7 @@ def broken(page: dict, jump: Any = None, **changes: Any) -> Any:
     ],
 )
 def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(
-    page: dict, returned: Any, words: str
+    returned: Any, words: str
 ) -> None:
     def jump(x: Any, world: Any) -> Any:
         if returned is None or callable(returned):
@@ -231,7 +236,7 @@ def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(
 
     place = "the jump by `ground` from phase `fall` of `broken-point`"
     with pytest.raises(tt.InputError, match=f"{place}.*{re.escape(words)}"):
-        broken(page, jump)
+        broken(jump)
 
 
 @pytest.mark.parametrize(
@@ -247,82 +252,60 @@ def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(
     ],
 )
 def test_a_run_ends_with_the_place_of_a_jump_without_an_end(
-    page: dict, jump: Any, status: str, words: str
+    jump: Any, status: str, words: str
 ) -> None:
-    summary = broken(page, jump).summary
+    summary = broken(jump).summary
     assert summary.status == status
     assert words in summary.reason
 
 
 def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
-    point, State = SYSTEMS["bouncing-point"], page["State"]
-    fall, rest, state = point.phases["fall"], point.phases["rest"], page["state"]
+    State, state = page["State"], page["state"]
     other, both = (dataclasses.replace(page["ground"], direction=way) for way in (1, 0))
+
+    fallen = (Integral("fallen", METRE, "", lambda q, carried, b: q.v),)
     phases = {
-        "phases of the system by a tuple of names, but leads to \\('nowhere',\\)": {
-            "fall": dataclasses.replace(fall, exits=(Exit("ground", ("nowhere",), None),))
-        },
-        "must have exits with a function `jump`, but has exits by ground": {
-            "fall": dataclasses.replace(fall, exits=(Exit("ground", ("rest",), None),))
-        },
+        "phases of the system by a tuple of names, but leads to \\('nowhere',\\)": left(
+            "ground", ("nowhere",)
+        ),
+        "must have exits with a function `jump`, but has exits by ground": left(
+            "ground", ("rest",)
+        ),
         "must have the variables and units of the first phase.*, but has h \\[m\\]\\.": {
             "rest": Phase(Form("plain", Candle(METRE), lambda q, b: Candle(0)))
         },
         "must have the variables and units of the first phase.*, but has h \\[m\\], v \\[m\\]": {
             "rest": Phase(Form("plain", State(METRE, METRE), lambda q, b: State(0, 0)))
         },
-        "must have the variables and units of the first phase.*, but has x \\[m\\], w": {
-            "rest": Phase(Form("plain", Other(*state), lambda q, b: Other(0, 0)))
-        },
-        "sky": {"fall": dataclasses.replace(fall, exits=(Exit("sky", ("rest",), None),))},
-        "must keep the common state": {
-            "rest": dataclasses.replace(
-                rest, enter=lambda x, b: x, leave=lambda q, b: State(q.h + 1, q.v)
-            )
-        },
-        "must take arrays": {"rest": dataclasses.replace(rest, enter=lambda x, b: x, leave=scalar)},
-        "must end in its events that have a formula": {
-            "fall": dataclasses.replace(fall, exits=(Exit("rests", ("rest",), None),))
-        },
-        "the directions of the phases before, but has ground": {
-            "rest": dataclasses.replace(rest, events=(other,))
-        },
-        "must end in events with a `direction`, but has exits by ground": {
-            "fall": dataclasses.replace(fall, events=(both,))
-        },
-        "no jump logs them, but has bounce, rests": {"fall": dataclasses.replace(fall, exits=())},
+        "sky": left("sky", ("rest",)),
+        "must keep the common state": changed(
+            "rest", enter=lambda x, b: x, leave=lambda q, b: State(q.h + 1, q.v)
+        ),
+        "must take arrays": changed("rest", enter=lambda x, b: x, leave=scalar),
+        "must end in its events that have a formula": left("rests", ("rest",)),
+        "the directions of the phases before, but has ground": changed("rest", events=(other,)),
+        "must end in events with a `direction`, but has exits by ground": changed(
+            "fall", events=(both,)
+        ),
+        "no jump logs them, but has bounce, rests": changed("fall", exits=()),
         "lead to phases of the system by a tuple of names, but leads to 'r'": {
-            "fall": dataclasses.replace(fall, exits=(Exit("ground", "r", None),)),
-            "r": rest,
+            **left("ground", "r"),
+            "r": SYSTEMS["bouncing-point"].phases["rest"],
         },
-        "`rest` of `broken` must integrate what the first phase does, but integrates fallen": {
-            "rest": dataclasses.replace(
-                rest,
-                forms=Form(
-                    "plain",
-                    state,
-                    lambda q, b: State(0, 0),
-                    integrals=(Integral("fallen", METRE, "", lambda q, carried, b: q.v),),
-                ),
-            )
-        },
-        "of the system by a tuple": {
-            "fall": dataclasses.replace(fall, exits=(Exit("ground", (), None),))
-        },
-        "of phase `rest` of `broken` must give its 2 rates.*no attribute 'w'": {
-            "rest": dataclasses.replace(
-                rest, forms=Form("plain", state, lambda q, b: State(q.w, 0))
-            )
-        },
-        "`rates` of the form `plain` of phase `rest` of `broken` must give its 2": {
-            "rest": dataclasses.replace(rest, forms=Form("plain", state, lambda q, b: (q.v,)))
-        },
+        "`rest` of `broken` must integrate what .* does, but integrates fallen": changed(
+            "rest", forms=Form("plain", state, lambda q, b: State(0, 0), integrals=fallen)
+        ),
+        "of the system by a tuple": left("ground", ()),
+        "of phase `rest` of `broken` must give its 2 rates.*no attribute 'w'": changed(
+            "rest", forms=Form("plain", state, lambda q, b: State(q.w, 0))
+        ),
+        "`rates` of the form `plain` of phase `rest` of `broken` must give its 2": changed(
+            "rest", forms=Form("plain", state, lambda q, b: (q.v,))
+        ),
     }
-    for words, changed in phases.items():
+    for words, those in phases.items():
         with pytest.raises(tt.InputError, match=words):
-            tt.extending.register(
-                dataclasses.replace(point, name="broken", phases=point.phases | changed)
-            )
+            register("broken", those)
 
 
 def scalar(q: Any, b: Any) -> Any:

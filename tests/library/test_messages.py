@@ -126,7 +126,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(start={"theta": None}), r"`initial\.theta` must be a number, but is None"),
     (lambda: run(friction={"mu": 0.1, "eps": 1.0}), "friction.eps"),
     (lambda: tt.run(BAD_TABLES, parameters={"m": 0.2}, until=0.1), "`parameters`"),
-    (lambda: run(output_step=0.1, output_times=[0.0]), "^`output_step` must stand alone"),
+    (lambda: run(output_step=0.1, output_times=[0.0]), "^`output_step` must be given alone"),
     (lambda: run(system="mars-rover"), "^`system` must be one of"),
     (lambda: run(stop=True), "`stop` must be a threading.Event, but is True"),
     (lambda: run(progress="x"), "`progress` must be True or False"),

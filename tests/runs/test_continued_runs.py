@@ -9,7 +9,7 @@ from unittest.mock import Mock
 
 import pytest
 from nightly import at_night
-from stores import TURNING, assert_same, state_of
+from stores import TURNING, assert_same, interrupted, state_of, turning
 from typed import typed
 
 import tippetop as tt
@@ -75,14 +75,9 @@ def test_a_run_in_memory_that_is_saved_is_continued_too(tmp_path: Path) -> None:
 
 
 def test_an_interrupted_run_comes_to_its_end_first(tmp_path: Path) -> None:
-    with pytest.raises(KeyboardInterrupt):
-        recording.record(
-            starting.load("inverting", [*TURNING, "run.output_step=0.1"], 100.0),
-            tmp_path / "run.zarr",
-            progress=Mock(side_effect=KeyboardInterrupt),
-        )
+    store = interrupted(tmp_path / "run.zarr", turning(100.0))
     with pytest.raises(StoreError, match="must have come to its end to be continued"):
-        tt.resume(tmp_path / "run.zarr", until=110.0)
+        tt.resume(store, until=110.0)
 
 
 def test_while_it_is_continued_it_is_an_interrupted_run_whose_chunks_are_marked(

@@ -10,21 +10,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from stores import assert_same
+from stores import assert_same, turning
 
 import tippetop
 from tippetop.errors import Interrupted
-from tippetop.problem import Problem
-from tippetop.runs import recording, resuming, starting
+from tippetop.runs import recording, resuming
 from tippetop.store import root
 from tippetop.store.ledger import Ledger
 from tippetop.sweeps.plan import Plan
 
 
-def problem() -> Problem:
-    """A run of some twenty slices."""
-    sets = ["initial.phi_dot=10.0", "initial.theta=1.0", "initial.omega3=100.0", "friction.mu=0.0"]
-    return starting.load("inverting", [*sets, "run.output_step=0.01"], 20.0)
+PROBLEM = turning(20.0)
+"""A run of some twenty slices."""
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -37,7 +34,7 @@ def short_slices() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory, short_slices: None) -> Path:
     store = tmp_path_factory.mktemp("undisturbed") / "whole.zarr"
-    recording.record(problem(), store)
+    recording.record(PROBLEM, store)
     return store
 
 
@@ -62,9 +59,7 @@ def after(slices: int, work: Callable[[], Any]) -> Callable[[object], None]:
 def test_a_run_stops_and_continues_in_any_thread(undisturbed: Path, tmp_path: Path) -> None:
     store, stop = tmp_path / "run.zarr", threading.Event()
     with pytest.raises(Interrupted):
-        elsewhere(
-            lambda: recording.record(problem(), store, progress=after(2, stop.set), stop=stop)
-        )
+        elsewhere(lambda: recording.record(PROBLEM, store, progress=after(2, stop.set), stop=stop))
     assert 0 < root.attributes(store)["report"]["t_end"] < 20
     stop.clear()
     with pytest.raises(Interrupted):
@@ -80,7 +75,7 @@ def test_an_exception_frees_the_lock_and_leaves_what_can_be_resumed(
     store = tmp_path / "run.zarr"
     with pytest.raises(KeyboardInterrupt):
         recording.record(
-            problem(), store, progress=after(3, lambda: signal.raise_signal(signal.SIGINT))
+            PROBLEM, store, progress=after(3, lambda: signal.raise_signal(signal.SIGINT))
         )
     Ledger.locked(store).release()
     assert [thread for thread in threading.enumerate() if thread.name.startswith("store")] == []
@@ -100,7 +95,7 @@ def test_the_host_keeps_its_handlers(
     before = signal.signal(number, mine)
     try:
         recording.record(
-            problem(), tmp_path / "run.zarr", progress=after(3, lambda: signal.raise_signal(number))
+            PROBLEM, tmp_path / "run.zarr", progress=after(3, lambda: signal.raise_signal(number))
         )
         assert signal.getsignal(number) is mine
     finally:

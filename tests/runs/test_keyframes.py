@@ -3,19 +3,17 @@ would have stored.
 """
 
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import xarray as xr
 from nightly import at_night
-from stores import TURNING, files
+from stores import files, interrupted, turning
 from typed import typed
 
 import tippetop as tt
 from tippetop.errors import StoreError
-from tippetop.problem import Problem
-from tippetop.runs import recording, replay, starting
+from tippetop.runs import recording, replay
 from tippetop.runs.summary import lines
 from tippetop.sampling import EvenTimes
 from tippetop.store import root
@@ -24,12 +22,8 @@ from tippetop.store import root
 KEYFRAMES = ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=100"]
 
 
-def problem(until: float, *sets: str) -> Problem:
-    return starting.load("inverting", [*TURNING, "run.output_step=0.1", *sets], until)
-
-
 def stored(store: Path, until: float, *sets: str) -> Path:
-    recording.record(problem(until, *sets), store)
+    recording.record(turning(until, "run.output_step=0.1", *sets), store)
     return store
 
 
@@ -147,12 +141,6 @@ def test_the_command_writes_a_store_with_rows_and_the_events_of_that_time(
 
 
 def test_a_run_that_is_not_finished_is_not_replayed(tmp_path: Path) -> None:
-    store = tmp_path / "run.zarr"
-    with pytest.raises(KeyboardInterrupt):
-        recording.record(
-            problem(400.0, *KEYFRAMES),
-            store,
-            progress=Mock(side_effect=KeyboardInterrupt),
-        )
+    store = interrupted(tmp_path / "run.zarr", turning(100.0, *KEYFRAMES))
     with pytest.raises(StoreError, match="must be finished to be replayed"):
         tt.open(store).replay(1.0, 2.0, 0.1)

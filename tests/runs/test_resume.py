@@ -24,17 +24,18 @@ from stores import (
     acknowledged,
     assert_same,
     ended,
+    interrupted,
     short_slices,
     state_of,
+    turning,
     wait_until,
 )
 from typed import typed
 
 import tippetop
-from tippetop import errors
 from tippetop.cli import outcome
 from tippetop.problem import Problem
-from tippetop.runs import recording, resuming, starting
+from tippetop.runs import recording, resuming
 from tippetop.runs.integration import Integration
 from tippetop.runs.reporting import report
 from tippetop.runs.run import solve
@@ -46,10 +47,6 @@ UNTIL = 70.0  # [s]: eleven short slices
 KEYFRAMES = ["run.output_step=", "run.output=keyframes", "run.keyframe_steps=100"]
 
 
-def problem(until: float = UNTIL, *sets: str) -> Problem:
-    return starting.load("inverting", [*TURNING, "run.output_step=0.01", *sets], until)
-
-
 def start(*arguments: str, prelude: str = PRELUDE) -> Forked:
     return Forked(list(arguments), prelude)
 
@@ -57,6 +54,13 @@ def start(*arguments: str, prelude: str = PRELUDE) -> Forked:
 def running(store: Path, until: float = UNTIL, *sets: str) -> list[str]:
     words = [word for s in (*TURNING, "run.output_step=0.01", *sets) for word in ("--set", s)]
     return ["run", "inverting", *words, "--until", str(until), "--out", str(store)]
+
+
+def begun(store: Path, until: float = 1e6) -> Forked:
+    """A run that has acknowledged rows."""
+    process = start(*running(store, until))
+    wait_until(lambda: acknowledged(store) > 0, process)
+    return process
 
 
 def here(*arguments: str) -> int:
@@ -117,8 +121,7 @@ def test_asked_to_stop_it_stops_at_a_commit_and_says_how_to_go_on(
     number: int, code: int, undisturbed: Path, tmp_path: Path
 ) -> None:
     store = tmp_path / "run.zarr"
-    process = start(*running(store))
-    wait_until(lambda: acknowledged(store) > 0, process)
+    process = begun(store, UNTIL)
     process.send_signal(number)
     found, err = ended(process)
     assert found == code
@@ -151,8 +154,7 @@ resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
 def test_a_run_whose_folder_is_gone_stops_at_its_next_commit(fate: str, tmp_path: Path) -> None:
     """Before, it went on for the whole run, and then claimed that everything is kept."""
     store = tmp_path / "run.zarr"
-    process = start(*running(store, 1e6))
-    wait_until((store / "ledger.jsonl").exists, process)
+    process = begun(store)
     store.rename(tmp_path / "elsewhere")
     if fate == "removed":
         shutil.rmtree(tmp_path / "elsewhere", ignore_errors=True)
@@ -169,8 +171,7 @@ def test_a_run_that_is_being_written_is_not_overwritten(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     store = tmp_path / "run.zarr"
-    process = start(*running(store, 1e6))
-    wait_until((store / "ledger.jsonl").exists, process)
+    process = begun(store)
     assert here(*running(store), "--overwrite") == 5
     assert f"process {process.pid} on" in capsys.readouterr().err
     assert process.poll() is None
@@ -195,11 +196,10 @@ def test_wider_precisions_resume_bit_by_bit(
 ) -> None:
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 8)
     monkeypatch.setattr(recording, "COMMIT_EVERY", 0.0)
-    short = problem(0.15, f"run.precision={precision}")
+    short = turning(0.15, f"run.precision={precision}")
     whole, broken = tmp_path / "whole.zarr", tmp_path / "broken.zarr"
     recording.record(short, whole)
-    with pytest.raises(errors.Interrupted):
-        recording.record(short, broken, progress=Mock(side_effect=[None, errors.Interrupted]))
+    interrupted(broken, short, slices=2)
     resuming.resume(broken)
     assert_same(broken, whole)
 
@@ -207,7 +207,7 @@ def test_wider_precisions_resume_bit_by_bit(
 def test_slices_of_wide_numbers_have_fewer_steps(tmp_path: Path) -> None:
     """A slice takes less time than the time between two commits."""
     steps: list[int] = []
-    wide = problem(8.0, "run.precision=longdouble")
+    wide = turning(8.0, "run.precision=longdouble")
     recording.record(wide, tmp_path / "S.zarr", progress=lambda run: steps.append(run.steps))
     assert steps == [1024]
 
@@ -228,7 +228,7 @@ def test_what_a_record_acknowledges_is_on_the_disk_before_it(
         append(folder, name, data)
 
     monkeypatch.setattr(Folder, "append", checked)
-    recording.record(problem(30.0), tmp_path / "run.zarr")
+    recording.record(turning(30.0), tmp_path / "run.zarr")
     assert len(late) > 4
     assert not any(late[:-1])
 
@@ -272,7 +272,7 @@ def test_a_run_that_changes_hands_after_every_slice_keeps_every_bit(
     ones.
     """
     monkeypatch.setattr("tippetop.runs.integration.STEPS_PER_SLICE", 3)
-    made = dataclasses.replace(problem(1.0, *start), output=output)
+    made = dataclasses.replace(turning(1.0, *start), output=output)
     (integration, memory), whole = handed_over_after_every_slice(made), solve(made)
     np.testing.assert_array_equal(np.concatenate(memory.times), whole.times)
     np.testing.assert_array_equal(np.concatenate(memory.states), whole.rows)

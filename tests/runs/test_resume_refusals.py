@@ -5,18 +5,16 @@ is made.
 import json
 import shutil
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import xarray as xr
 from nightly import at_night
-from stores import TURNING, edited, exchange, short_slices, state_of
+from stores import edited, exchange, interrupted, short_slices, state_of, turning
 from typed import typed
 
-from tippetop import errors
 from tippetop.errors import StoreError
-from tippetop.runs import recording, resuming, starting
+from tippetop.runs import resuming
 from tippetop.runs.integration import Integration
 from tippetop.store import provenance, root
 from tippetop.store.ledger import LEDGER, digest
@@ -29,16 +27,9 @@ UNTIL = 30.0
 def half(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A store that was interrupted after some chunks."""
     store = tmp_path_factory.mktemp("half") / "run.zarr"
-    stop = Mock(side_effect=[None, None, None, errors.Interrupted])
     with pytest.MonkeyPatch.context() as patch:
         short_slices(patch)
-        with pytest.raises(errors.Interrupted):
-            recording.record(
-                starting.load("inverting", [*TURNING, "run.output_step=0.01"], UNTIL),
-                store,
-                progress=stop,
-            )
-    return store
+        return interrupted(store, turning(UNTIL), slices=4)
 
 
 @pytest.fixture

@@ -2,11 +2,10 @@
 
 import shutil
 from pathlib import Path
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from stores import assert_same
+from stores import assert_same, interrupted, turning
 from typed import typed
 
 import tippetop as tt
@@ -123,7 +122,7 @@ def test_what_stands_on_a_plane_that_it_may_leave_is_taken_up(
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ("initial.theta=0.3", "`initial.from` must stand alone, but `theta`"),
+        ("initial.theta=0.3", "`initial.from` must be given alone, but `theta`"),
         ("initial.from=3", "`initial.from` must be a path"),
         ("parameters.m=0.03", "`parameters` must be that of"),
         ("form=euler", "`form` must be that of"),
@@ -150,12 +149,7 @@ def test_a_run_that_has_not_ended_or_is_none_is_refused(before: Path, tmp_path: 
     shutil.rmtree(before)
     for command in ("run", "check"):
         assert typed(f"{command} {tmp_path}/NEXT.toml") == 5
-    with pytest.raises(KeyboardInterrupt):
-        recording.record(
-            starting.load("inverting", ["initial.phi_dot=10.0", "friction.mu=0.0"], 4000.0),
-            before,
-            progress=Mock(side_effect=KeyboardInterrupt),
-        )
+    interrupted(before, turning(100.0))
     with pytest.raises(StoreError, match="must have come to its end to start from"):
         starting.load(tmp_path / "NEXT.toml")
 

@@ -36,7 +36,7 @@ def sentences(*assignments: str) -> str:
         ("friction.law=glue", "`friction.law` must be one of viscous"),
         ("friction={}", "`friction.law` must be one of"),
         ("initial.theta=3.2", "`initial.theta` must be at most 3.14"),
-        ("initial.psi_dot=1.0", "`initial.psi_dot` must stand alone"),
+        ("initial.psi_dot=1.0", "`initial.psi_dot` must be given alone"),
         ("initial.mass=1", "unknown key `initial.mass`. The keys of `initial` are"),
         ("initial.mu=0.2", "unknown key `initial.mu`; did you mean `friction.mu`?"),
         (

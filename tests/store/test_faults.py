@@ -187,7 +187,7 @@ def campaign(
 
 
 @pytest.mark.parametrize("name", TARGETS)
-@pytest.mark.parametrize(("count", "least"), [(2, 5), at_night(10**6, 300)])
+@pytest.mark.parametrize(("count", "least"), [(1, 5), at_night(10**6, 300)])
 def test_what_was_acknowledged_survives_a_fault(
     name: str,
     count: int,

@@ -6,21 +6,28 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
 from forked import Forked
 from plans import PLAN
-from stores import PRELUDE, TURNING, assert_same, ended, short_slices, state_of
+from stores import (
+    PRELUDE,
+    TURNING,
+    assert_same,
+    ended,
+    interrupted,
+    short_slices,
+    state_of,
+    turning,
+)
 from typed import typed
 
-from tippetop.runs import recording, starting
 from tippetop.store.ledger import LEDGER
 
 
-SETS = [*TURNING, "run.output_step=0.01"]
-RUN = " ".join(["run inverting --out S.zarr", *(f"--set {text}" for text in SETS), "--until"])
+SETS = " ".join(f"--set {text}" for text in (*TURNING, "run.output_step=0.01"))
+RUN = f"run inverting --out S.zarr {SETS} --until"
 SURFACE = """
 from pathlib import Path
 import numpy as np
@@ -36,10 +43,8 @@ def nothing() -> None:
     """Prepare nothing."""
 
 
-def interrupted() -> None:
-    stop = Mock(side_effect=[None, None, KeyboardInterrupt])
-    with contextlib.suppress(KeyboardInterrupt):
-        recording.record(starting.load("inverting", SETS, 70.0), Path("S.zarr"), progress=stop)
+def half() -> None:
+    interrupted(Path("S.zarr"), turning(70.0), slices=3)
 
 
 def finished() -> None:
@@ -67,12 +72,12 @@ class Command(NamedTuple):
 REPLAY = "replay K.zarr --from 20 --until 60 --step 0.002 --out S.zarr"
 COMMANDS = {
     "run": Command(f"{RUN} 70", "resume S.zarr"),
-    "resume": Command("resume S.zarr", "resume S.zarr", interrupted),
+    "resume": Command("resume S.zarr", "resume S.zarr", half),
     "extend": Command("resume S.zarr --until 70", "resume S.zarr --until 70", finished),
     "replay": Command(REPLAY, f"{REPLAY} --overwrite", with_keyframes),
     "sweep": Command(*["sweep PLAN.toml --out S.zarr --workers 1"] * 2, with_plan),
     "surface": Command("", "", python=SURFACE),
-    "overwrite": Command(*[f"{RUN} 70 --overwrite"] * 2, interrupted),
+    "overwrite": Command(*[f"{RUN} 70 --overwrite"] * 2, half),
 }
 
 

@@ -198,7 +198,7 @@ DRAWN = {"of": "friction.mu", "between": [0.1, 0.5]}
         ),
         (
             {"axis": [OMEGA], "set": {"initial": {"from": "RUN.zarr"}}},
-            "must be the start of a single run",
+            "must not be given in a plan",
         ),
         ({"axis": [OMEGA], "keep": ["colour"]}, "`keep` must be of class, "),
         ({"axis": [OMEGA], "runs": [1]}, "`runs` must be numbers of tops, 0 to 0, but has 1"),

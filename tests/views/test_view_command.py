@@ -1,28 +1,21 @@
 """`tippetop view`: one file without links, or one sentence and an exit code."""
 
 import re
-import threading
 from pathlib import Path
 
 import pytest
+from stores import interrupted, turning
 from typed import typed
 
 import tippetop as tt
 from tippetop.views import pages
 
 
-@pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("viewed") / "RUN.zarr"
-    tt.run("inverting", until=0.2, out=path)
-    return path
-
-
 def test_a_store_becomes_one_file(
-    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+    short_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert typed(f"view {store}") == 0
+    assert typed(f"view {short_run}") == 0
     assert capsys.readouterr().out.startswith("RUN.html: 0.1 MB")
     text = Path("RUN.html").read_text(encoding="utf-8")
     assert [path.name for path in tmp_path.iterdir()] == ["RUN.html"]
@@ -35,25 +28,16 @@ def test_a_store_becomes_one_file(
     assert len(text) - len(data[1]) < 100_000, "the page without its data is tens of kilobytes"
 
 
-def test_a_run_in_memory_and_its_store_have_the_same_page(store: Path) -> None:
-    stored = tt.open(store)
+def test_a_run_in_memory_and_its_store_have_the_same_page(short_run: Path) -> None:
+    stored = tt.open(short_run)
     assert isinstance(stored, tt.StoredRun)
     assert stored.view().text == tt.run("inverting", until=0.2).view().text
     assert "srcdoc" in stored.view()._repr_html_()
 
 
 def test_an_unfinished_run_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    class Soon(threading.Event):
-        looks = 0
-
-        def is_set(self) -> bool:
-            self.looks += (tmp_path / "part.zarr").exists()
-            return self.looks > 3
-
-    stop = Soon()
-    with pytest.raises(tt.Interrupted):
-        tt.run("rolling", until=900.0, output_step=1.0, out=tmp_path / "part.zarr", stop=stop)
-    assert typed(f"view {tmp_path}/part.zarr --out {tmp_path}/x.html") == 5
+    part = interrupted(tmp_path / "part.zarr", turning(100.0))
+    assert typed(f"view {part} --out {tmp_path}/x.html") == 5
     assert "must be finished to be viewed" in capsys.readouterr().err
     assert not (tmp_path / "x.html").exists()
 

@@ -11,8 +11,8 @@ from . import host, usage
 
 
 PURPOSE = (
-    "Tippe tops, heavy tops and eccentric cylinders that roll and glide on a plane: integrated "
-    "to rounding, with their events, stored, checked and drawn.\n\n"
+    "Integrate tippe tops, heavy tops and eccentric cylinders that roll and glide on a plane, to "
+    "machine precision; store, check and draw their motions.\n\n"
     "A first run: `tippetop run inverting --figure inverting.png`. `tippetop presets` lists the "
     "scenarios to start from, `tippetop new` writes one with every key, `tippetop help` explains "
     "them. The manual is README.md and docs/ of the source."

@@ -17,7 +17,7 @@ EXIT_CODES = {
     0: "done",
     1: "a bug: please report it",
     2: "usage or configuration: each sentence gives the requirement and the value found",
-    3: "the physics stopped it: a fall, or a non-finite state; a liftoff is an ordinary end",
+    3: "the motion could not be continued: a non-finite state, or steps that became too short",
     4: "the accuracy contract is broken: a conserved quantity drifted by more than is promised",
     5: "the store or the disk",
     6: "some chunks of a sweep failed; the same command without --overwrite tries them again",

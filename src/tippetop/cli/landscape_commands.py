@@ -66,7 +66,7 @@ def surface(
 
     parameters, system = _tippe_top(scenario)
     if out is None and figure is None:
-        raise InputError("nothing is to be done: give --out F.zarr, --figure F.png, or both.")
+        raise InputError("nothing to do: give --out F.zarr, --figure F.png, or both.")
     check_picture(figure, overwrite)
     lambda_pi = marked_lines.marked_lines(parameters, 0.0).attrs["lambda_pi"]
     default = np.linspace(0, 4.5 * lambda_pi, SHOWN)

@@ -95,9 +95,7 @@ def formulas_of_phase(system: System, phase: Phase, body: Any, friction: Any) ->
         state = form.scalars(q, b)
         values = [event.formula(state, b) for event in own]
         if common:
-            whole, first = (
-                system.read(phase, q, carried, b) if system.read else (phase.leave(q, b), b)
-            )
+            whole, first = system.read(phase, q, carried, b)
             read = moment(system.phase.form, whole, carried, first)
             values += [event.formula(read, first) for event in common]
         return values
@@ -583,11 +581,7 @@ class HybridDriver(Driver):
                 n, state = track.variables.moving, states[: track.width, some]
                 q, moved = type(track.phase.form.units)(*state[:n]), state[n:]
                 carried = variables.carried(*(moved * self.number(1 / INTEGRAL_SCALE)))
-                read = (
-                    system.row(track.phase, q, carried, self.world.body)
-                    if system.row
-                    else track.phase.leave(q, track.b)
-                )
+                read, _ = system.read(track.phase, q, carried, track.b)
                 for row, value in zip(rows, (*read[: variables.moving], *moved), strict=True):
                     row[some] = value
         return np.split(rows.T, np.cumsum([len(phases) for phases, _ in parts[:-1]]))

@@ -28,7 +28,7 @@ MOST_STEPS = 200_000
 
 UNSOLVED = "friction jams the contact within an impact, or is not finite: it has no solution"
 STIFF = "friction within an impact is too stiff to be followed"
-ENDLESS = "the impact of a patch did not end: one that hardly turns takes too many steps"
+ENDLESS = "the impact of a disc did not end: a disc that hardly turns takes too many steps"
 ENDED, NON_FINITE, STALLED = Status.ENDED.code, Status.NON_FINITE.code, Status.STALLED.code
 
 
@@ -220,12 +220,14 @@ class ImpactMotions:
                 self.region = motion.region_at(law, q, b)
                 self.mode = "reverse" if law.set_valued else "slip"
             stage, driver = self.stages[self.region], self.driver(self.region)
-            lift, growth = stage.slope(q, b)
-            if not 0 < lift < np.inf:
+            by = stage.acts(q, b)
+            if not 0 < motion.gains(by, b).z < np.inf:
                 raise ArithmeticError(UNSOLVED)
-            grows = passed == "slowest" or growth >= 0
+            grows = motion.SLOWEST in stage.events and (
+                passed == "slowest" or motion.growth(q, by, b) >= 0
+            )
             signs = tuple(
-                event.direction if event.name == "slowest" and grows else -event.direction
+                event.direction if grows and event is motion.SLOWEST else -event.direction
                 for event in stage.events
             )
             zeros = tuple(-float(event.name == passed) for event in stage.events)

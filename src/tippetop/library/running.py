@@ -128,7 +128,7 @@ def _resumable(place: Path) -> Iterator[None]:
             if place.exists()
             else "nothing was stored."
         )
-        raise Interrupted(f"the run was asked to stop: {kept}") from None
+        raise Interrupted(f"the run was stopped: {kept}") from None
 
 
 def open(

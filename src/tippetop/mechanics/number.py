@@ -336,4 +336,4 @@ class Alternative(NamedTuple):
         `verb` is that of the others: "is given", or "varies".
         """
         others = " or ".join(f"`initial.{other}`" for other in self.others)
-        return f"`initial.{self.name}` must stand alone, but {others} {verb} too."
+        return f"`initial.{self.name}` must be given alone, but {others} {verb} too."

@@ -9,8 +9,7 @@ class ReadOnly(dict):
 
     def _refused(self, *_: Any, **__: Any) -> NoReturn:
         raise TypeError(
-            "what a record holds cannot be changed: make another record, as dataclasses.replace "
-            "does."
+            "a record cannot be changed: make a changed copy, as dataclasses.replace does."
         )
 
     __setitem__ = __delitem__ = __ior__ = _refused

@@ -173,10 +173,9 @@ class System:
         `mechanics.contact.opening`; None: the contact does not open.
     common : Phase
         Forms, columns and events of the rows of all phases; by default those of the first phase.
-    row : callable
-        row(phase, q, carried, body) -> the state of the common form; by default leave(q, b).
     read : callable
-        read(phase, q, carried, b) -> the common state within a phase, and the body.
+        read(phase, q, carried, b) -> the state of the common form within a phase, and its body; by
+        default leave(q, b), and b.
     begin : callable
         begin(x, world) -> Next, the beginning of a run; by default it begins in the first phase.
     assembled : callable
@@ -216,8 +215,7 @@ class System:
     classes: tuple[str, ...] = ()
     opening: Opening | None = None
     common: Phase | None = None
-    row: Callable | None = None
-    read: Callable | None = None
+    read: Callable = lambda phase, q, carried, b: (phase.leave(q, b), b)
     begin: Callable | None = None
     assembled: Callable | None = None
     tables: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

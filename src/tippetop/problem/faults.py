@@ -165,7 +165,7 @@ def _values_at(system: System, name: str) -> tuple[Callable, dict[int, str]]:
     of_user = [one.formula for one in records if owner(one.formula)]
     formulas = [domain.formula for domain in form.domains]
     formulas += [one.formula for one in system.quantities if not owner(one.formula)]
-    formulas += of_user if system.row is None else []
+    formulas += of_user if system.contact is None else []
     owners = {number: owner(formula) for number, formula in enumerate(formulas) if owner(formula)}
 
     def values(q: Any, carried: Any, b: Any) -> list:

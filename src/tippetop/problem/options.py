@@ -86,25 +86,26 @@ class RunOptions:
         example=(0.0, 1.0),
     )
     output: Literal["times", "events", "steps", "keyframes"] = option(
-        "rows at times, at events, at the steps of the integrator, or none: its exact state now "
-        "and then",
+        "rows at times, at events, at the steps of the integrator, or none: only exact states, "
+        "from which rows can be computed",
         default="times",
         note='"keyframes" needs `out`: `StoredRun.replay` makes the rows of any part',
     )
     keyframe_steps: int | None = option(
-        "steps between two keyframes; 8192", default=None, least=1, example=KEYFRAME_STEPS
+        "steps between two keyframes; by default 8192",
+        default=None,
+        least=1,
+        example=KEYFRAME_STEPS,
     )
     stop_when: Literal["until", "settled"] = option(
         "end at `until`, or earlier, once sliding has ended", default="until"
     )
     events: tuple[str, ...] | None = option(
-        "the kinds of events that are logged; all of the system",
+        "the kinds of events that are logged; by default all of the system",
         default=None,
-        note="an empty list logs none. An Event is added to the system and logged; of the "
-        "other kinds only those "
-        "named with it. Its name must be new, of letters, digits and _. Rows of `events` then have "
-        "the columns of "
-        "`trajectory` too: the state at the event",
+        note="an empty list logs none. An Event record is logged together with the kinds that are "
+        "named next to it; its name must be new, of letters, digits and _. Rows of `events` then "
+        "have the columns of `trajectory` too: the state at the event",
         given="Iterable[str | Event] | str | Event",
     )
     on_liftoff: Literal["stop", "continue", "fly"] | None = option(
@@ -114,13 +115,16 @@ class RunOptions:
         example="stop",
     )
     precision: Literal["double", "longdouble", "quad"] = option(
-        "of all numbers: 53, 64 or 113 bits", default="double"
+        "precision of all numbers: 53, 64 or 113 bits", default="double"
     )
     tolerance: float = option(
-        "error of a step, relative; 0: the precision's rounding", default=0.0, least=0, below=1
+        "relative error of a step; 0: the rounding error of the precision",
+        default=0.0,
+        least=0,
+        below=1,
     )
     columns: tuple[str, ...] | None = option(
-        "the columns that rows have in addition to the time; all",
+        "the columns that rows have in addition to the time; by default all",
         default=None,
         note="columns that are left out are not stored, and the turn of the body is only "
         "integrated for them. "
@@ -131,9 +135,9 @@ class RunOptions:
         example=("theta",),
     )
     orientation: bool | None = option(
-        "whether the turn of the body about its axis is integrated; where a column needs it",
+        "integrate the turn of the body about its axis; by default if a column needs it",
         default=None,
-        note="the columns `psi` and `orientation`; by default it is",
+        note="the columns `psi` and `orientation`",
         example=True,
     )
 
@@ -155,8 +159,8 @@ class RunOptions:
         ]
         if step is not None and self.output_times is not None:
             faults.append(
-                "`run.output_step` must stand alone, but `run.output_times` is given too: remove "
-                "one (--set run.output_step=)."
+                "`run.output_step` must be given alone, but `run.output_times` is given too: "
+                "remove one (--set run.output_step=)."
             )
         if step is not None and not until / step <= MOST_ROWS:
             faults.append(

@@ -143,7 +143,7 @@ def reason(progress: RunProgress) -> str:
     if status is Status.FALLEN:
         return f"the top fell {at} (theta = pi/2): the plane is in its way"
     if t == 0:
-        return "the body lifts off at the start (g_n < 0): the model does not hold there"
+        return "the body lifts off at the start (g_n < 0): the model is not valid there"
     return f"the body lifted off {at} (g_n = 0): the model ends there"
 
 

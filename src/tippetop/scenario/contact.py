@@ -4,13 +4,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from ..errors import InputError
 from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
 from ..mechanics.contact.single_contact import LEAST_PATCH
-from ..mechanics.contact.uniqueness import painleve_bound
+from ..mechanics.contact.uniqueness import most_rolling, painleve_bound
 from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System
 from ..mechanics.systems import opening_systems
@@ -147,7 +145,8 @@ def contact_faults(problem: Problem) -> list[str]:
             f"`friction.{coefficients[mu]}` must be less than {bounds[name]:.4f}, but is {mu:g}: "
             f"above it the contact force of this {name} is not unique (Painleve)."
         )
-    if not faults and mu_r and mu_r >= (most := _most_rolling(body, mu, list(balls.values()))):
+    most = min(most_rolling(body.m, body.I1, *ball, mu) for ball in balls.values())
+    if not faults and mu_r >= most:
         faults.append(
             f"`friction.mu_r` must be less than {most:.3g}, or the contact force is not unique, "
             f"but is {mu_r:g}."
@@ -159,20 +158,6 @@ def contact_faults(problem: Problem) -> list[str]:
             "under the plane."
         )
     return faults
-
-
-def _most_rolling(body: Any, mu: float, balls: list[tuple[float, float]]) -> float:
-    """Return the rolling resistance that lifts a body as much as the force presses it down.
-
-    Above it there is no normal force.
-    """
-    theta = np.linspace(0, np.pi, 2001)[1:-1]
-    bounds = []
-    for c, R in balls:
-        lever = np.abs(c * np.sin(theta))
-        pressed = body.I1 / body.m + lever * (lever - mu * np.abs(R - c * np.cos(theta)))
-        bounds.append(float((pressed / lever).min()))
-    return min(bounds)
 
 
 def on_stem(

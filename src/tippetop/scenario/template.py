@@ -55,7 +55,7 @@ def _lines(preset: str, tables: dict[str, Any]) -> list[str]:
     examples |= {a.name: True for a in system.alternatives if a.flag}
     examples["events"] = [event.name for event in system.events]
     law = system.laws.get(law_name(tables))
-    forms = f"{AUTO}: the cheapest that suits this motion; or {', '.join(system.forms)}"
+    forms = f"{AUTO}: the cheapest that is regular everywhere; or {', '.join(system.forms)}"
     laws = f"one of {', '.join(laws_of(system))}"
     lines = [
         f"# From the preset {preset}, with every key; `tippetop help scenario` and `tippetop "

@@ -55,15 +55,15 @@ gamma, lambda"""
     values: Annotated[list[AnyNumber], Field(min_length=1)] | None = None
     """the numbers of an axis of a grid; grids form a product"""
     linspace: Pair | None = None
-    """first and last of n numbers at equal distances, instead"""
+    """instead, first and last of n evenly spaced numbers"""
     geomspace: Pair | None = None
-    """first and last of n numbers at equal ratios, instead"""
+    """instead, first and last of n numbers with equal ratios"""
     between: Pair | None = None
-    """bounds of a number that is drawn as in [sample], instead"""
+    """instead, bounds of a number that is drawn as in [sample]"""
     n: Annotated[int, Field(ge=1, le=MOST_VALUES)] | None = None
-    """how many, with linspace or geomspace"""
+    """with linspace or geomspace: how many"""
     log: bool | None = None
-    """draw the logarithm evenly, with between"""
+    """with between: draw the logarithm evenly"""
 
 
 class PlanTable(Table, use_attribute_docstrings=True):
@@ -78,12 +78,12 @@ class PlanTable(Table, use_attribute_docstrings=True):
     sample: Sample | None = None
     """how axes with between are drawn"""
     keep: list[str] | None = None
-    """columns to keep; all but orientation and lyapunov. final_state, drift, orientation are \
-groups of columns"""
+    """columns to keep; by default all but orientation and lyapunov. final_state, drift, \
+orientation are groups of columns"""
     runs: list[Annotated[int, Field(ge=0)]] = Field(default_factory=list)
     """numbers of tops to run alone as well, with rows, into runs/N"""
     chunk: Count | None = None
-    """tops that are computed and stored together; some seconds of one core"""
+    """tops that are computed and stored together; by default some seconds of one core"""
 
 
 @dataclass(frozen=True)
@@ -225,7 +225,7 @@ def _base(shape: PlanTable, folder: Path) -> dict[str, Any]:
         tables[name] = reading.merged(name, old, value) if both else value
     if "from" in tables.get("initial", {}):
         raise InputError(
-            "`initial.from` must be the start of a single run, but many are asked for."
+            "`initial.from` must not be given in a plan: it is the start of a single run."
         )
     return tables
 

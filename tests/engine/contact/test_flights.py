@@ -12,7 +12,7 @@ from tippetop.engine.driver import NO_ROWS, RUNNING, Driver
 from tippetop.engine.hybrid import formulas_of_phase
 from tippetop.engine.integrator import compiled_from
 from tippetop.engine.status import Status
-from tippetop.mechanics.contact.body import Moving, Touch, axis_rate, height
+from tippetop.mechanics.contact.body import Moving, Touch, Turning, axis_rate, height
 from tippetop.mechanics.contact.exits import gap_rate, longest_flight
 from tippetop.mechanics.contact.opening import opened
 from tippetop.mechanics.friction import LAWS, Frictionless
@@ -78,7 +78,8 @@ def body(c: float, **other: float) -> Touch:
 def state(b: Touch, theta: float, L: Any, rise: float, gap: float = 0.0) -> Moving:
     """A body in the air, or on the plane, whose lowest point rises."""
     u, L = Vector(float(np.sin(theta)), 0.0, float(np.cos(theta))), Vector(*map(float, L))
-    return Moving(u, L, Vector(0.1, 0.2, rise - b.c * axis_rate(u, L, b).z), height(u.z, b) + gap)
+    velocity = Vector(0.1, 0.2, rise - b.c * axis_rate(Turning(u, L), b).z)
+    return Moving(u, L, velocity, height(u.z, b) + gap)
 
 
 def gap_at(x: Moving, b: Touch, gap: float, t: Any) -> Any:

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import response
-from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.contact.body import Touch, Turning
 from tippetop.mechanics.contact.first_slip import FirstSlip, first_directions, first_slip
 from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector, cross
@@ -29,49 +29,49 @@ class Edge(NamedTuple):
     omega: float
 
 
-def slid(u: Vector, L: Vector, n: Vector, ball: Touch) -> tuple:
+def turning(state: Any) -> Turning:
+    """3hat and L."""
+    return Turning(Vector(*state[:3]), Vector(*state[3:6]))
+
+
+def slid(x: Turning, n: Vector, ball: Touch) -> tuple:
     """P, Q and the force of sliding along n."""
-    F, torque = response.sliding_along(u, L, n, ball)
-    G = response.contact_acceleration(u, L, F, torque, ball)
+    F, torque = response.sliding_along(x, n, ball)
+    G = response.contact_acceleration(x, F, torque, ball)
     Q, P = response.across_and_along(G, n)
     return P, Q, F
 
 
-def rate(u: Vector, L: Vector, F: Vector, slip: Vector, ball: Touch) -> np.ndarray:
+def rate(x: Turning, F: Vector, slip: Vector, ball: Touch) -> np.ndarray:
     """Rates of 3hat, L and the place of the centre of mass under a force."""
-    V = contact.centre_velocity(u, L, slip, ball)
-    return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y])
+    V = contact.centre_velocity(x, slip, ball)
+    return np.array([*contact.axis_rate(x, ball), *cross(contact.arm(x.u, ball), F), V.x, V.y])
 
 
 def slip_rates(ball: Touch) -> Callable:
-    """rates(state, w, beta) of 3hat, L and the place of the centre of mass."""
+    """rates(state, beta) of 3hat, L, the place of the centre of mass and the speed of slip."""
 
-    def rates(state: np.ndarray, w: np.ndarray, beta: np.ndarray) -> tuple:
-        u, L, n = Vector(*state[:3]), Vector(*state[3:6]), Vector(np.cos(beta), np.sin(beta), 0)
-        P, _, F = slid(u, L, n, ball)
-        return rate(u, L, F, Vector(w * n.x, w * n.y, 0), ball), P
+    def rates(state: np.ndarray, beta: np.ndarray) -> tuple:
+        x, n, w = turning(state), Vector(np.cos(beta), np.sin(beta), 0), state[-1]
+        P, Q, F = slid(x, n, ball)
+        return np.array([*rate(x, F, Vector(w * n.x, w * n.y, 0), ball), P]), Q
 
     return rates
 
 
-def slipped(ball: Touch, *given: Any) -> FirstSlip:
-    """The first slip of a ball."""
-
-    def turning(state: np.ndarray, beta: np.ndarray) -> Any:
-        n = Vector(np.cos(beta), np.sin(beta), 0)
-        return slid(Vector(*state[:3]), Vector(*state[3:6]), n, ball)[1]
-
-    return first_slip(slip_rates(ball), turning, *given)
+def slipped(edge: "Edge") -> FirstSlip:
+    """The first slip from an edge."""
+    start = np.append(edge.state, 0.0)
+    span = 0.03 / edge.omega
+    return first_slip(slip_rates(edge.ball), start, edge.beta, span, lambda first: True)
 
 
 def rolling_rate(state: np.ndarray, ball: Touch) -> np.ndarray:
-    u, L, F = Vector(*state[:3]), Vector(*state[3:6]), reaction(state, ball)
-    return rate(u, L, F, Vector(0, 0, 0), ball)
+    return rate(turning(state), reaction(state, ball), Vector(0, 0, 0), ball)
 
 
 def reaction(state: np.ndarray, ball: Touch) -> Vector:
-    u, L = Vector(*state[:3]), Vector(*state[3:6])
-    return response.sticking(u, L, ball)[0]
+    return response.sticking(turning(state), ball)[0]
 
 
 def edges(rng: np.random.Generator, count: int) -> list[Edge]:
@@ -90,7 +90,7 @@ def edges(rng: np.random.Generator, count: int) -> list[Edge]:
             ball = BODY._replace(friction=SetValued._make((mu,)))
             later = response.cone(reaction(state + 1e-7 * rolling_rate(state, ball), ball), ball)
             if F.z > 0.05 and 0.05 < mu < 0.8 and later < 0:
-                omega = contact.angular_velocity(Vector(*state[:3]), Vector(*state[3:6]), ball)
+                omega = contact.angular_velocity(turning(state), ball)
                 found.append(
                     Edge(
                         ball,
@@ -108,32 +108,30 @@ def test_the_start_goes_on_as_an_integration_of_the_same_equations(
 ) -> None:
     for edge in edges(rng, 3):
         rates = slip_rates(edge.ball)
-        made = slipped(edge.ball, edge.state, edge.beta, 0.03 / edge.omega)
+        made = slipped(edge)
 
-        def rate(t: float, y: Any, rates: Callable = rates, ball: Touch = edge.ball) -> Any:
-            state_rate, P = rates(y[:-2], y[-2], y[-1])
-            n = Vector(np.cos(y[-1]), np.sin(y[-1]), 0)
-            Q = slid(Vector(*y[:3]), Vector(*y[3:6]), n, ball)[1]
-            return np.array([*state_rate, P, Q / y[-2]])
+        def rate(t: float, y: Any, rates: Callable = rates) -> Any:
+            state_rate, Q = rates(y[:-1], y[-1])
+            return np.array([*state_rate, Q / y[-2]])
 
         middle = 7
-        begin = np.array([*made.state[:, middle], made.w[middle], made.beta[middle]])
+        begin = np.array([*made.state[:, middle], made.beta[middle]])
         times = (made.time[middle], made.time[-1])
         end = solve_ivp(rate, times, begin, "DOP853", rtol=1e-13, atol=1e-16).y[:, -1]
         assert made.time[-1] == 0.03 / edge.omega
         size = np.array([1, 1, 1, 1e-3, 1e-3, 1e-3, 1, 1])
-        assert np.max(np.abs(made.state[:, -1] - end[:-2]) / size) < 2e-15
-        assert made.w[-1] == pytest.approx(end[-2], rel=1e-10)
+        assert np.max(np.abs(made.state[:-1, -1] - end[:-2]) / size) < 2e-15
+        assert made.state[-1, -1] == pytest.approx(end[-2], rel=1e-10)
         assert made.beta[-1] == pytest.approx(end[-1], abs=1e-10)
         inner = made.at(made.time)
-        for found, expected in zip(inner, (made.state, made.w, made.beta), strict=True):
+        for found, expected in zip(inner, (made.state, made.beta), strict=True):
             np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-17)
 
 
 def test_slip_begins_where_its_rate_is_zero_by_rounding(rng: np.random.Generator) -> None:
     for edge in edges(rng, 15):
-        made = slipped(edge.ball, edge.state, edge.beta, 0.03 / edge.omega)
-        assert np.all(made.w[1:] > 0)
+        made = slipped(edge)
+        assert np.all(made.state[-1, 1:] > 0)
 
 
 def test_inside_the_cone_nothing_begins_to_slip(rng: np.random.Generator) -> None:
@@ -141,7 +139,7 @@ def test_inside_the_cone_nothing_begins_to_slip(rng: np.random.Generator) -> Non
     state = np.concatenate([edge.state[:3], -edge.state[3:6], edge.state[6:]])  # it comes in
     F = reaction(state, edge.ball)
     with pytest.raises(ArithmeticError, match="no slip begins"):
-        slipped(edge.ball, state, float(np.arctan2(-F.y, -F.x)), 0.03 / edge.omega)
+        slipped(edge._replace(state=state, beta=float(np.arctan2(-F.y, -F.x))))
 
 
 def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
@@ -150,15 +148,14 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
     counts = {True: 0, False: 0}
     for _ in range(60):
         u = rng.normal(0, 1, 3)
-        u = Vector(*(u / np.sqrt(u @ u)))
-        L = Vector(*(3e-6 * rng.normal(0, 60, 3)))
+        x = turning([*(u / np.sqrt(u @ u)), *(3e-6 * rng.normal(0, 60, 3))])
         ball = BODY._replace(friction=SetValued(rng.uniform(0.05, 1.4)))
-        F = reaction(np.array([*u, *L]), ball)
-        if response.bias_vector(u, L, ball).z > 0:
+        F = response.sticking(x, ball)[0]
+        if response.bias_vector(x, ball).z > 0:
             continue  # the contact opens
 
-        def law(beta: np.ndarray, u: Vector = u, L: Vector = L, ball: Touch = ball) -> tuple:
-            P, Q, F = slid(u, L, Vector(np.cos(beta), np.sin(beta), 0), ball)
+        def law(beta: np.ndarray, x: Turning = x, ball: Touch = ball) -> tuple:
+            P, Q, F = slid(x, Vector(np.cos(beta), np.sin(beta), 0), ball)
             return P, Q, F.z
 
         rolls = bool(F.z > 0 and response.cone(F, ball) >= 0)

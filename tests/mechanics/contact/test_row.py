@@ -4,6 +4,7 @@ inertia.
 
 import numpy as np
 import pytest
+from touching import inertia
 
 from tippetop.mechanics.contact.body import Touch
 from tippetop.mechanics.contact.rows import ANGLES, Row, row_of_angles, row_scalars
@@ -20,7 +21,7 @@ def body(rng: np.random.Generator) -> Touch:
 def contact_velocity(q: Row, b: Touch) -> np.ndarray:
     """Of the lowest point of the ball that the row names."""
     u, L = np.array([q.ux, q.uy, q.uz]), np.array([q.Lx, q.Ly, q.Lz])
-    omega = np.linalg.solve(b.I1 * np.eye(3) + (b.I3 - b.I1) * np.outer(u, u), L)
+    omega = np.linalg.solve(inertia(u, b), L)
     return np.array([q.rx_dot, q.ry_dot, q.rz_dot]) + np.cross(omega, q.offset * u - q.radius * Z)
 
 

@@ -36,5 +36,5 @@ def test_the_bound_is_the_least_of_a_dense_scan(rng: np.random.Generator) -> Non
         strict=True,
     ):
         bound, least = painleve_bound(m, I1, offset, radius), scanned(m, I1, offset, radius)
-        assert least * (1 - 1e-7) <= bound <= least * (1 + 1e-12)
+        assert bound == pytest.approx(least, rel=1e-5)
     assert painleve_bound(1, 1, 0, 1) == math.inf

@@ -13,48 +13,39 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebint, chebval
 
 
+NODES, STEP = 12, 1e-5  # of beta, for a slope
+
+
 class FirstSlip(NamedTuple):
     """The first moments of slip, at Chebyshev nodes; the last of them is the end."""
 
     time: np.ndarray  # (n,) since the edge of the cone
-    state: np.ndarray  # (k, n)
-    w: np.ndarray  # (n,) slip speed
+    state: np.ndarray  # (k, n), of which the last is the slip speed w
     beta: np.ndarray  # (n,) slip direction, an angle from a fixed axis
 
-    def at(self, t: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return state, w and beta at times t, by the polynomial through the nodes."""
+    def at(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Return state and beta at times t, by the polynomial through the nodes."""
         x = 2 * np.asarray(t) / self.time[-1] - 1
-        values = np.vstack([self.state, self.w, self.beta]) @ _coefficients(self.time).T
-        moment = chebval(x, values.T)
-        return moment[:-2], moment[-2], moment[-1]
+        values = chebval(x, _coefficients(self.time) @ np.vstack([self.state, self.beta]).T)
+        return values[:-1], values[-1]
 
 
 def first_slip(
-    rates: Callable,
-    turning: Callable,
-    state: np.ndarray,
-    beta: Any,
-    duration: Any,
-    nodes: int = 12,
-    lasts: Callable = lambda first: True,
+    rates: Callable, state: np.ndarray, beta: Any, duration: Any, lasts: Callable
 ) -> FirstSlip:
     """Return the motion from the edge of the cone, where w = P = Q = 0.
 
     Parameters
     ----------
     rates
-        rates(state, w, beta) -> (the state's rate, P) of slip in the direction beta, an angle from
-        a fixed axis; of arrays (k, n), (n,), (n,).
-    turning
-        turning(state, beta) -> Q.
+        rates(state, beta) -> (the state's rate, Q) of slip in the direction beta, an angle from a
+        fixed axis; of arrays (k, n), (n,). The last of the state is w, whose rate is P.
     state
         At the edge, (k,).
     beta
         The direction of the first slip: against the horizontal force of rolling.
     duration
         How long; 0.03/|omega| is right. It is halved until the sweeps converge and it `lasts`.
-    nodes
-        How many times in it.
     lasts
         lasts(first) -> whether nothing else happens to the contact in a FirstSlip.
 
@@ -69,46 +60,41 @@ def first_slip(
         Nothing begins to slip so.
     """
     for _ in range(12):
-        start, change = _swept(rates, turning, state, beta, duration, nodes)
-        converged = change < 1e4 * np.finfo(np.result_type(state)).eps
-        if converged and bool(np.all(start.w[1:] > 0)) and lasts(start):
-            return start
+        first, change = _swept(rates, state, beta, duration)
+        converged = change < 1e4 * np.finfo(state.dtype).eps
+        if converged and bool(np.all(first.state[-1, 1:] > 0)) and lasts(first):
+            return first
         duration = duration / 2
     raise ArithmeticError("no slip begins at this edge of the cone")
 
 
 def _swept(
-    rates: Callable, turning: Callable, start: np.ndarray, beta0: Any, duration: Any, nodes: int
+    rates: Callable, start: np.ndarray, beta0: Any, duration: Any
 ) -> tuple[FirstSlip, float]:
     """Sweep until nothing changes by more than rounding.
 
     Return the slip, and the last change of w and beta, relative.
     """
-    angle = np.pi * np.arange(nodes, dtype=start.dtype) / (nodes - 1)
-    time = duration * (1 - np.cos(angle)) / 2
-    coefficients, nodes_at = _coefficients(time), -np.cos(angle)
-    integral = chebval(nodes_at, chebint(coefficients, lbnd=-1)).T * duration / 2
-    slope = chebval(nodes_at, chebder(coefficients)).T * 2 / duration
-    state, beta, w = (
-        np.repeat(start[:, None], nodes, 1),
-        np.full_like(time, beta0),
-        np.zeros_like(time),
-    )
+    nodes = -np.cos(np.pi * np.arange(NODES, dtype=start.dtype) / (NODES - 1))
+    time = duration * (1 + nodes) / 2
+    coefficients = _coefficients(time)
+    integral = chebval(nodes, chebint(coefficients, lbnd=-1)) * duration / 2
+    slope = chebval(nodes, chebder(coefficients)) * 2 / duration
+    state, beta = np.repeat(start[:, None], NODES, 1), np.full_like(time, beta0)
     change = np.inf
     with np.errstate(all="ignore"):
         for sweep in range(40):
-            old_w, old_beta, turn = w, beta, w * (slope @ beta)
+            w, old_beta, turn = state[-1], beta, state[-1] * (beta @ slope)
             for _ in range(2):
-                excess = turning(state, beta) - turn
-                steep = (turning(state, beta + 1e-5) - turning(state, beta - 1e-5)) / 2e-5
-                beta = beta - excess / steep
-            state_rate, P = rates(state, w, beta)
-            state, w = start[:, None] + state_rate @ integral.T, integral @ P
-            newer = np.max(np.abs(w - old_w)) / np.max(np.abs(w)) + np.max(np.abs(beta - old_beta))
+                below, Q, above = (rates(state, beta + by)[1] for by in (-STEP, 0, STEP))
+                beta = beta - (Q - turn) * (2 * STEP) / (above - below)
+            state = start[:, None] + rates(state, beta)[0] @ integral
+            newer = np.max(np.abs(state[-1] - w)) / np.max(np.abs(state[-1]))
+            newer += np.max(np.abs(beta - old_beta))
             if sweep > 6 and not newer < change:  # at first w may be zero by rounding
                 break
             change = newer
-    return FirstSlip(time, state, w, beta), float(change)
+    return FirstSlip(time, state, beta), float(change)
 
 
 def _coefficients(time: np.ndarray) -> np.ndarray:

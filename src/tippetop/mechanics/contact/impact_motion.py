@@ -20,7 +20,7 @@ from ..form import Form
 from ..friction import load
 from ..operand import Vector, cross, dot, exp, log, plus, sqrt, times
 from ..units import ONE
-from .body import angular_velocity, arm
+from .body import Turning, angular_velocity, arm
 from .response import (
     across_and_along,
     direction,
@@ -77,6 +77,15 @@ STOPS = Event(
     -1,
     "stops",
 )
+
+
+def growth(q: Any, by: Acts, b: Any) -> Any:
+    """Return half the rate of the squares of the slip of a disc and of its edge."""
+    across = gains(by, b)
+    return q.v_x * across.x + q.v_y * across.y + q.turn * spun(by, b)
+
+
+SLOWEST = Event("slowest", "slip begins to grow", growth, 1, "slowest")
 REST = "rest"
 FLAT_BIAS = Vector(0.0, 0.0, -1.0)
 """Minus the acceleration of the contact point: v_n rises by one."""
@@ -87,7 +96,6 @@ class Stage(NamedTuple):
 
     form: Form
     acts: Callable  # acts(q, b) -> Acts, per normal impulse
-    slope: Callable  # slope(q, b) -> v_n per normal impulse, and growth
     events: tuple[Event, ...]  # formula(q, acts, b)
     follows: dict[str, Any]  # the border that is reached, by its event
     is_directed: bool  # equations have the direction of the slip
@@ -118,7 +126,7 @@ def gains(by: Acts, b: Any) -> Vector:
 def spun(by: Acts, b: Any) -> Any:
     """Return the rate of the velocity of a disc's edge by the normal impulse."""
     turned = plus(cross(arm(b.u, b.touch), by.force), by.torque)
-    return b.touch.friction.patch * angular_velocity(b.u, turned, b.touch).z
+    return b.touch.friction.patch * angular_velocity(Turning(b.u, turned), b.touch).z
 
 
 def held(law: Any, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
@@ -146,7 +154,7 @@ def stages(law: Any) -> dict[str, Stage]:
                 v = times(b.speed, v)
             p, twist = Vector(q.p_x, q.p_y, q.p_n), Vector(q.t_x, q.t_y, q.t_n)
             gained = times(b.speed * b.ratio, plus(cross(arm(b.u, b.touch), p), twist))
-            omega = angular_velocity(b.u, plus(b.L, gained), b.touch)
+            omega = angular_velocity(Turning(b.u, plus(b.L, gained)), b.touch)
             if law.regions:
                 omega = omega._replace(z=b.speed * q.turn / b.touch.friction.patch)
             if friction is None:
@@ -156,11 +164,6 @@ def stages(law: Any) -> dict[str, Stage]:
                 push, twist = friction(omega, v, b.u.z, b.touch)
                 force = Vector(-push.x, -push.y, 1 + none)
             return Acts(force, twist, v, omega)
-
-        def growth(q, by, b):
-            across = gains(by, b)
-            turning = q.turn * spun(by, b) if law.regions else 0 * q.turn
-            return q.v_x * across.x + q.v_y * across.y + turning
 
         def rates(q, b):
             by = acts(q, b)
@@ -177,29 +180,20 @@ def stages(law: Any) -> dict[str, Stage]:
             every = *slips, *(pace * w * one for one in works)
             return Motion._make(one / CLOCK_RATE for one in every)
 
-        def slope(q, b):
-            by = acts(q, b)
-            return gains(by, b).z, growth(q, by, b)
-
-        slowest = (
-            ()
-            if is_directed or friction is None
-            else (Event("slowest", "slip begins to grow", growth, 1, "slowest"),)
-        )
         form = Form("impact", Motion._make((ONE,) * len(Motion._fields)), rates, lambda q, b: q)
-        ends = (REACHED, *slowest, *events)
-        return Stage(form, acts, slope, ends, follows or {}, is_directed)
+        return Stage(form, acts, (REACHED, *events), follows or {}, is_directed)
 
     known = {REST: stage(None)}
     if not law.regions:
         stops = replace(STOPS, formula=lambda q, by, b: q.turn - log(b.rest))
-        ends = (stops,) if law.set_valued else ()
-        return known | {"": stage(smooth_friction, ends, is_directed=law.set_valued)}
+        events = (stops,) if law.set_valued else ()
+        return known | {"": stage(smooth_friction, events, is_directed=law.set_valued)}
     for name, region in law.regions.items():
         borders = [way for way in region.borders if way.event != "slow"]
-        events = (Event(way.event, "", border(way), way.direction, way.event) for way in borders)
+        passing = (Event(way.event, "", border(way), way.direction, way.event) for way in borders)
         friction = disc_friction(region.drag, torque, edge_speed2)
-        known[name] = stage(friction, (STOPS, *events), {way.event: way for way in borders})
+        ends = (SLOWEST, STOPS, *passing)
+        known[name] = stage(friction, ends, {way.event: way for way in borders})
     return known | {"": stage(disc_friction(lambda v2, U2: Drag(0.0, 0.0), torque, edge_speed2))}
 
 

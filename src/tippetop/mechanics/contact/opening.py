@@ -15,9 +15,9 @@ from ..number import Number
 from ..operand import formula, leaves, refill
 from ..system import System
 from ..units import METRE, METRE_PER_SECOND
+from . import gliding
 from .body import BALLS, Touch, seen_from_balls
 from .exits import IMPACT, KINDS, PHASES, REASONS, begin, come_to_rest, go_on, phase_name
-from .gliding import gliding_catalogue as gliding
 from .integrals import NAMED, integral
 from .rows import (
     ANGLES,
@@ -30,7 +30,6 @@ from .rows import (
     moving,
     planar_theta_dot,
     row,
-    row_within,
 )
 from .single_contact import CONE, RESTS, STICK
 
@@ -218,8 +217,7 @@ def opened(system: System, law: Any, balls: int) -> System:
         common=Phase({form.name: form}, quantities, (*of_axis, *OCCURRENCES), leave=moving),
         assembled=assembled,
         begin=begin,
-        row=row,
-        read=partial(row_within, two=balls > 1),
+        read=row,
         tables=TABLES,
         laws={name: one for name, one in all_laws(system.laws) if kind_of(one) == kind_of(law)},
         initial=system.initial | ABOVE,

@@ -1,17 +1,23 @@
-"""Up to which friction the contact of a body with one or two balls has exactly one answer.
+"""Up to which friction the contact of a body has exactly one answer. [contact 2.6, 4.2]"""
 
-[contact 2.6, 4.2]
-"""
-
-import math
+from typing import Any
 
 import numpy as np
+
+
+THETA = np.linspace(0, np.pi, 10_001)[1:-1]
+
+
+def levers(offset: float, radius: float) -> tuple[Any, Any]:
+    """Return the levers of vertical and horizontal forces on a ball [m], over theta."""
+    s, z = np.sin(THETA), np.cos(THETA)
+    return np.abs(offset * s), np.abs(radius - offset * z)
 
 
 def painleve_bound(m: float, I1: float, offset: float, radius: float) -> float:
     """Return the least mu at which the normal force of slip is not defined somewhere.
 
-    It is min K_zz/|K_ez| over theta.
+    It is min K_zz/|K_ez| over theta, which is flat there.
 
     Parameters
     ----------
@@ -25,21 +31,17 @@ def painleve_bound(m: float, I1: float, offset: float, radius: float) -> float:
     -------
     float
         Infinite where K_ez vanishes everywhere (offset = 0).
-
-    Notes
-    -----
-    The ratio (I1/m + offset^2 s^2)/(|offset| s |H|) is stationary at the roots of a cubic in
-    cos(theta); it is flat there, so that roots to half the digits give it to all of them.
     """
-    if offset == 0:
-        return math.inf
-    A, alpha = (
-        I1 / (m * radius**2) if radius else I1 / (m * offset**2),
-        offset / radius if radius else 1.0,
-    )
-    rho, B = (1.0 if radius else 0.0), alpha**2
-    roots = np.roots([rho * B, -alpha * (2 * A + B), rho * (A - B), alpha * (A + B)])
-    z = np.clip(np.real(roots), -1, 1)
-    s = np.sqrt((1 - z) * (1 + z))
+    lever, height = levers(offset, radius)
     with np.errstate(divide="ignore"):
-        return float(np.min((A + B * s**2) / np.abs(alpha * s * (rho - alpha * z))))
+        return float(np.min((I1 / m + lever**2) / (lever * height)))
+
+
+def most_rolling(m: float, I1: float, offset: float, radius: float, mu: float) -> float:
+    """Return the rolling resistance that lifts a body as much as the force presses it down [m].
+
+    Above it there is no normal force. The parameters are those of `painleve_bound`.
+    """
+    lever, height = levers(offset, radius)
+    with np.errstate(divide="ignore"):
+        return float(np.min((I1 / m + lever * (lever - mu * height)) / lever))
