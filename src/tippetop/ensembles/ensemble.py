@@ -140,11 +140,10 @@ def _run(
     lock, counted, queue = threading.Lock(), itertools.count(1), iter(numbers.tolist())
     n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
 
-    def ended(count: int) -> None:
+    def ended() -> None:
         if progress is not None:
             with lock:
-                for _ in range(count):
-                    progress(next(counted), len(numbers))
+                progress(next(counted), len(numbers))
 
     def work(worker: Lanes) -> float:
         """Run tops from the queue until none is left. Return the processor time."""
