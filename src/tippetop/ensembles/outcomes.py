@@ -9,7 +9,7 @@ from ..columns import Column, flag_attributes
 from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
-from ..mechanics.contact.gliding.gliding_catalogue import EVENTS
+from ..mechanics.contact.gliding import EVENTS
 from ..mechanics.event import Event
 from ..mechanics.system import System
 from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit

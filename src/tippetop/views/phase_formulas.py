@@ -9,8 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..mechanics.contact.body import Touch, arm, axis_rate, kinematics, velocities
-from ..mechanics.contact.gliding.gliding_catalogue import COS_INVERTED
-from ..mechanics.contact.gliding.gliding_vector import axis, turning
+from ..mechanics.contact.gliding import COS_INVERTED, axis, turning
 from ..mechanics.contact.response import mobility_inverse_times, sliding, sticking
 from ..mechanics.contact.rows import moving, row_of_angles
 from ..mechanics.contact.single_contact import (

@@ -201,7 +201,7 @@ def arm_velocity(x, b):
 def contact_velocity(x, b):
     """Return v_A = V + omega x a, (3,) [m/s], of the lowest point of a moving body.
 
-    `gliding.vector.sliding_velocity` sums in another order.
+    `gliding.sliding_velocity` sums in another order.
     """
     return plus(x.velocity, arm_velocity(x, b))
 

@@ -24,15 +24,13 @@ from ..units import (
     WATT,
 )
 from . import body as contact
+from . import gliding
 from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, state
 from .body_axes import carried_along, planar
 from .exits import PHASES
-from .gliding import gliding_catalogue as gliding
-from .gliding.gliding_chart import angles_by, axis_and_momentum
-from .gliding.gliding_euler import EULER_UNITS
-from .gliding.gliding_vector import axis, axis_rate, turning
+from .gliding import EULER_UNITS, angles_by, axis, axis_and_momentum, axis_rate, turning
 from .integrals import NAMED
-from .rolling.rolling_vector import spin
+from .rolling import spin
 
 
 ROW_UNITS = state(

@@ -12,6 +12,7 @@ from ..form import Form, Phase
 from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
+from . import gliding
 from .body import (
     VELOCITY,
     Moving,
@@ -26,9 +27,7 @@ from .body import (
     velocities,
 )
 from .body_axes import carried_along
-from .gliding import gliding_catalogue as gliding
-from .gliding import gliding_vector
-from .gliding.gliding_vector import VectorState, axis, axis_rate, turning
+from .gliding import VectorState, axis, axis_rate, turning
 from .integrals import integral, place
 from .response import (
     across_and_along,
@@ -40,7 +39,7 @@ from .response import (
     sliding_along,
     sticking,
 )
-from .rolling.rolling_vector import spin
+from .rolling import spin
 
 
 def phase_of(units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
@@ -216,7 +215,7 @@ SLIP = Phase(
     (gliding.LIFTOFF, TOUCH),
     enter=lambda x, b: VectorState(*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2]),
     leave=slip_leave,
-    reaction=lambda q, b: Reaction(gliding_vector.reaction(q, b)),
+    reaction=lambda q, b: Reaction(gliding.reaction(q, b)),
 )
 
 

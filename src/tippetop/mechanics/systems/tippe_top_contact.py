@@ -10,12 +10,11 @@ check.
 from typing import NamedTuple
 
 from ..contact import body as contact
+from ..contact import gliding, rolling
 from ..contact.body_axes import carried_along
-from ..contact.gliding import gliding_vector
-from ..contact.gliding.gliding_vector import axis
+from ..contact.gliding import axis
 from ..contact.integrals import integral
-from ..contact.rolling import reaction, rolling_vector
-from ..contact.rolling.rolling_vector import VectorState
+from ..contact.rolling import VectorState
 from ..operand import Operand, Vector, cross, formula, plus, times
 from ..system import Form
 from ..units import ANGULAR_MOMENTUM, JELLETT, ONE
@@ -118,7 +117,7 @@ def vertical_force(q, carried, b):
 def contact_scalars(q, b):
     """Return the scalars of a state about the contact."""
     x = contact.Turning(axis(q), momentum(q, b))
-    return reaction.scalars(x, axis_rate(q, b), centre_velocity(q, b), b)
+    return rolling.scalars(x, axis_rate(q, b), centre_velocity(q, b), b)
 
 
 @formula
@@ -130,8 +129,8 @@ def vectors(q, b):
 @formula
 def contact_of_angles(e, s, z, b):
     """Return the state about the contact of the angles. [section 1]"""
-    v = rolling_vector.vector_of_angles(e, s, z, b)
-    x = gliding_vector.turning(v)
+    v = rolling.vector_of_angles(e, s, z, b)
+    x = gliding.turning(v)
     k = contact.kinematics(x, contact.axis_rate(x, b), b)
     w, arm = contact.angular_velocity(x, b), contact.arm(x.u, b)
     M = plus(x.L, times(b.m, cross(arm, cross(w, arm))))
@@ -145,7 +144,7 @@ def angles_of_contact(q, carried, b):
 
     They are 0/0 exactly at a pole, where phi is undefined.
     """
-    return rolling_vector.angles_of_vector(vectors(q, b), carried, b)
+    return rolling.angles_of_vector(vectors(q, b), carried, b)
 
 
 CONTACT = Form(
