@@ -8,7 +8,7 @@ then refined in the working precision.
 import copy
 import weakref
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any
 
 import heyoka as hy
 import numpy as np
@@ -111,13 +111,8 @@ class WideDriver(Driver):
         self.stepper.run = weakref.proxy(self)
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
-        pars = cast(WideSteps, place.stepper).integrator.pars
+        pars = place.stepper.integrator.pars
         pars[:] = [self.number(number) for number in body[: len(pars)]]
-
-    @property
-    def stepper(self) -> WideSteps:
-        """The steps of the run."""
-        return cast(WideSteps, self.place.stepper)
 
     def make(self, rows: Rows, most: int) -> int:
         self.stepper.refined = self.logged[0]
