@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from tippetop.mechanics.contact.gliding import gliding_catalogue
-from tippetop.mechanics.contact.gliding.gliding_vector import VectorState, sliding_velocity
+from tippetop.mechanics.contact import gliding
+from tippetop.mechanics.contact.gliding import VectorState, sliding_velocity
 from tippetop.mechanics.friction import Coulomb
 from tippetop.problem import Problem
 from tippetop.runs.starting import load
@@ -40,7 +40,7 @@ def inversion(problem: Problem, step: float, until: float = UNTIL) -> tuple[floa
     time, speed
         SI.
     """
-    form, body = gliding_catalogue.VECTOR, problem.body()
+    form, body = gliding.VECTOR, problem.body()
     body = body._replace(friction=Coulomb._make((body.friction.mu, 0.0)))  # v/sqrt(v^2 + 0)
     start = load("cohen")  # the same body and start under the regularised law
     angles = start.system.start(

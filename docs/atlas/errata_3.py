@@ -7,7 +7,7 @@ from errata import Erratum, Finding, Sides
 from exact import UP, rate
 
 from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.contact.gliding import gliding_euler
+from tippetop.mechanics.contact import gliding
 from tippetop.mechanics.operand import cross, dot, plus, times
 from tippetop.mechanics.theory.least_energy import arm_inertia, least_energy
 from tippetop.mechanics.theory.modes import linear_modes
@@ -53,9 +53,7 @@ def rate_of_nu_x(m, R, alpha, mu, I1, I3, g_n, theta_dot, phi_dot, omega3, nu_x,
     )
     first = s / I1 * (first - R * I1 * alpha * (theta_dot**2 + phi_dot**2 * s**2))
     friction = mu * g_n * nu_x / (m * I1) * (I1 + m * R**2 * (1 - alpha * c) ** 2 + m * R**2)
-    return Sides(
-        rate(nu_x), first - friction + phi_dot * nu_y, gliding_euler.euler_rates(e, b).nu_x
-    )
+    return Sides(rate(nu_x), first - friction + phi_dot * nu_y, gliding.euler_rates(e, b).nu_x)
 
 
 def normal_force(m, R, alpha, mu, g, I1, I3, g_n, theta_dot, phi_dot, omega3, nu_x, s, c, e, b):
@@ -65,7 +63,7 @@ def normal_force(m, R, alpha, mu, g, I1, I3, g_n, theta_dot, phi_dot, omega3, nu
         - I3 * phi_dot * omega3 * s**2
     )
     below = I1 + m * R**2 * alpha**2 * s**2 - m * R**2 * alpha * s * (1 - alpha * c) * mu * nu_x
-    return Sides(g_n, above / below, contact.g_n(gliding_euler.euler_scalars(e, b), b))
+    return Sides(g_n, above / below, contact.g_n(gliding.euler_scalars(e, b), b))
 
 
 def jellett(L, a, R, alpha, I1, I3, theta_dot, omega3, s, c, scalars, b):

@@ -5,7 +5,7 @@ from errata import Erratum, Finding, Sides
 from exact import UP, Jet, dot, rate, value
 
 from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.contact.gliding import gliding_euler
+from tippetop.mechanics.contact import gliding
 from tippetop.mechanics.friction import Viscous
 from tippetop.mechanics.operand import cross
 from tippetop.mechanics.systems import heavy_top, tippe_top
@@ -20,7 +20,7 @@ def momentum_about_the_vertical(L, L_A, J1, I3, phi_dot, omega3, s, c):
 def energy(E, m, l, g, J1, I3, theta_dot, phi_dot, omega3, nu_x, nu_y, s, c, e, b):
     rest = (J1 * (theta_dot**2 + phi_dot**2 * s**2) + I3 * omega3**2) / 2 + m * g * l * c
     printed = m * (nu_x**2 + nu_y**2) / 2 + m * l * (nu_x * theta_dot * c + nu_y * phi_dot) + rest
-    return Sides(E, printed, contact.energy(gliding_euler.euler_scalars(e, b), b))
+    return Sides(E, printed, contact.energy(gliding.euler_scalars(e, b), b))
 
 
 def rate_of_energy(E, m, l, g, J1, I3, theta_dot, phi_dot, omega3, nu_x, nu_y, s, c):
@@ -55,9 +55,7 @@ def normal_force_without_gliding(m, l, g, I1, I3, theta_dot, phi_dot, omega3, s,
     b = b._replace(friction=Viscous(mp.mpf(0)))
     spin = c * (theta_dot**2 + phi_dot**2 * s**2) - I3 * omega3 * phi_dot * s**2
     printed = (m * g * I1 - m * l * I1 * spin) / (I1 + m * l**2 * s**2)
-    return Sides(
-        contact.g_n(scalars, b), printed, contact.g_n(gliding_euler.euler_scalars(e, b), b)
-    )
+    return Sides(contact.g_n(scalars, b), printed, contact.g_n(gliding.euler_scalars(e, b), b))
 
 
 def polynomial(m, l, g, I1, c):

@@ -13,9 +13,8 @@ from typing import Any
 import mpmath as mp
 
 from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.contact.gliding import gliding_chart, gliding_vector
-from tippetop.mechanics.contact.gliding.gliding_euler import Angles
-from tippetop.mechanics.contact.rolling import rolling_euler, rolling_vector
+from tippetop.mechanics.contact import gliding, rolling
+from tippetop.mechanics.contact.gliding import Angles
 from tippetop.mechanics.friction import Viscous
 from tippetop.mechanics.operand import Vector, cross, dot, plus, times
 from tippetop.mechanics.systems import cylinder, heavy_top, tippe_top
@@ -165,20 +164,20 @@ def _angles(x: SimpleNamespace, e: Any) -> None:
 def _vectors(x: SimpleNamespace, q: Any) -> None:
     """Adds 3hat, L, omega, a and their kin."""
     x.u, x.L = Vector(q.ux, q.uy, q.uz), Vector(q.Lx, q.Ly, q.Lz)
-    x.omega = contact.angular_velocity(x.u, x.L, x.b)
+    x.omega = contact.angular_velocity(x, x.b)
     x.a = plus(times(x.b.c, x.u), Vector(0, 0, -x.b.R))
     x.omega_a = cross(x.omega, x.a)
 
 
 def _gliding(x: SimpleNamespace, start: Angles) -> SimpleNamespace:
     """Any gliding body: its state and every letter of it."""
-    still = gliding_chart.vector_of_angles(start, start.theta.sin(), start.theta.cos(), x.b)
-    x.q = moving(still, gliding_vector.vector_rates(still, x.b))
-    _angles(x, gliding_chart.angles_of_vector(x.q, AT_ORIGIN, x.b))
+    still = gliding.vector_of_angles(start, start.theta.sin(), start.theta.cos(), x.b)
+    x.q = moving(still, gliding.vector_rates(still, x.b))
+    _angles(x, gliding.angles_of_vector(x.q, AT_ORIGIN, x.b))
     _vectors(x, x.q)
-    x.v_A = gliding_vector.sliding_velocity(x.q, x.b)
+    x.v_A = gliding.sliding_velocity(x.q, x.b)
     x.s_dot = Vector(x.q.rx_dot, x.q.ry_dot, -dot(x.omega_a, UP))
-    x.scalars = gliding_vector.vector_scalars(x.q, x.b)
+    x.scalars = gliding.vector_scalars(x.q, x.b)
     x.g_n = contact.g_n(x.scalars, x.b)
     x.F = plus(times(x.g_n, UP), times(-(x.mu * x.g_n), x.v_A))
     x.E, x.E_tilde = contact.energy(x.scalars, x.b), contact.modified_energy(x.scalars, x.b)
@@ -201,14 +200,14 @@ def rolling_tippe_top(seed: int) -> SimpleNamespace:
     """A tippe top in pure rolling."""
     draw = _Drawn(seed)
     x, start = tippe_body(draw), draw.angles()
-    e = rolling_euler.Angles(
+    e = rolling.Angles(
         start.theta, start.theta_dot, start.phi_dot, start.omega3, start.phi, 0, 0, 0
     )
-    still = rolling_vector.vector_of_angles(e, start.theta.sin(), start.theta.cos(), x.b)
-    x.q = moving(still, rolling_vector.vector_rates(still, x.b))
-    _angles(x, rolling_vector.angles_of_vector(x.q, AT_ORIGIN, x.b))
+    still = rolling.vector_of_angles(e, start.theta.sin(), start.theta.cos(), x.b)
+    x.q = moving(still, rolling.vector_rates(still, x.b))
+    _angles(x, rolling.angles_of_vector(x.q, AT_ORIGIN, x.b))
     _vectors(x, x.q)
-    x.scalars = rolling_vector.vector_scalars(x.q, x.b)
+    x.scalars = rolling.vector_scalars(x.q, x.b)
     x.E, x.E_tilde = contact.energy(x.scalars, x.b), contact.modified_energy(x.scalars, x.b)
     x.lam, x.D, x.d = (
         contact.jellett(x.scalars, x.b),
@@ -254,8 +253,8 @@ def tumbling_tippe_top(seed: int) -> SimpleNamespace:
     x.z = x.c
     x.phi_dot, x.omega3 = tumbling(x.c, x.b)
     e = Angles(*map(Jet, (theta, 0, x.phi_dot, x.omega3, 0, 0, 0)), *[0] * 4)
-    x.q = gliding_chart.vector_of_angles(e, jet(x.s), jet(x.c), x.b)
-    x.scalars = gliding_vector.vector_scalars(x.q, x.b)
+    x.q = gliding.vector_of_angles(e, jet(x.s), jet(x.c), x.b)
+    x.scalars = gliding.vector_scalars(x.q, x.b)
     _vectors(x, x.q)
     x.lam = value(-dot(x.L, x.a))
     x.E = value(contact.energy(x.scalars, x.b))

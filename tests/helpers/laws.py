@@ -20,7 +20,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tippetop.mechanics.contact import body as contact
-from tippetop.mechanics.contact.rolling import rolling_euler
+from tippetop.mechanics.contact import rolling
 from tippetop.mechanics.friction import Frictionless
 from tippetop.mechanics.operand import leaves, refill
 from tippetop.mechanics.systems import gliding_heavy_top, tippe_top
@@ -435,7 +435,7 @@ def general_system(case: Case) -> Pairs:
     rates = case.rates(e)
     w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x
     s, z = np.sin(e.theta), np.cos(e.theta)
-    theta_dot2, phi_dot2, omega3_dot = rolling_euler.euler_accelerations(e, s, z, b)
+    theta_dot2, phi_dot2, omega3_dot = rolling.euler_accelerations(e, s, z, b)
     spin_inertia = b.I1 * b.I3 + b.m * (b.R**2 * b.I1 * s**2 + b.I3 * (b.c - b.R * z) ** 2)
     found = (
         theta_dot2

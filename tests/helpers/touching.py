@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tippetop.engine.impacts import ImpactMotions
-from tippetop.mechanics.contact.body import Moving, centre_velocity, velocities
+from tippetop.mechanics.contact.body import Moving, Turning, centre_velocity, velocities
 from tippetop.mechanics.contact.response import kicked
 from tippetop.mechanics.operand import Vector
 
@@ -149,7 +149,8 @@ def struck(
     none = 0 * s
     along = (b.I3 - b.I1) * (Omega_z * z)
     u, L = Vector(s, none, z), Vector(along * s, none, along * z + b.I1 * Omega_z)
-    x = Moving(u, L, centre_velocity(u, L, Vector(*v), b), none, CARRIED)
+    velocity = centre_velocity(Turning(u, L), Vector(*v), b)
+    x = Moving(u, L, velocity, none, CARRIED)
     made = _motions[key].struck(x, b, e_n)
     after = kicked(x, b, made.p, made.twist)
     velocity, omega = velocities(after, b)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import tippetop as tt
-from tippetop.mechanics.contact.gliding.gliding_chart import AWAY_FROM_POLE
+from tippetop.mechanics.contact.gliding import AWAY_FROM_POLE
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.runs import recording, starting
 from tippetop.runs.run import solve

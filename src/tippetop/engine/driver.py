@@ -12,10 +12,6 @@ from .loop import MOST_COEFFICIENTS, NO_ROWS, Loop, Rows, new_motion
 from .status import Status
 from .stepper import Stepper
 from .tallies import (
-    LEAST,
-    MOST,
-    T_LEAST,
-    T_MOST,
     EventRows,
     PassageLog,
     Samples,
@@ -418,7 +414,7 @@ class Driver:
             "state": self.state.copy(),
             "time": list(self.clock),
             "tally": list(self.tallies.lane[0].item()),
-            "functions": self.tallies.functions[:, :, 0].tolist(),
+            "functions": self.tallies.functions.view(float).tolist(),
             "kept": self.tallies.kept[:, 0].tolist(),
         }
 
@@ -426,7 +422,7 @@ class Driver:
         """Continue from a snapshot, of which state and time come in the working precision."""
         self.put(state, clock)
         self.tallies.lane[0] = tuple(kept["tally"])
-        self.tallies.functions[:, :, 0] = kept["functions"]
+        self.tallies.functions.view(float)[:] = kept["functions"]
         self.tallies.kept[:, 0] = kept["kept"]
 
 
@@ -436,9 +432,11 @@ def extremes_of(records: np.ndarray, tallies: Tallies) -> Extremes:
     """
     found = Extremes()
     for k in np.flatnonzero(records["extremes"]):
-        known, scale = tallies.functions[:, k, 0].tolist(), float(records["scale"][k])
-        if known[LEAST] / scale < found.least:
-            found = found._replace(least=known[LEAST] / scale, t_least=known[T_LEAST])
-        if known[MOST] / scale > found.most:
-            found = found._replace(most=known[MOST] / scale, t_most=known[T_MOST])
+        known = tallies.functions[k, 0]
+        least, most = (known["extremes"] / records["scale"][k]).tolist()
+        t_least, t_most = known["times"].tolist()
+        if least < found.least:
+            found = found._replace(least=least, t_least=t_least)
+        if most > found.most:
+            found = found._replace(most=most, t_most=t_most)
     return found

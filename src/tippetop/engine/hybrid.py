@@ -47,11 +47,7 @@ from .loop import Rows
 from .phase_tables import PhaseTables
 from .python_events import Sampler, zero_of
 from .status import Status
-from .tallies import (
-    ON_ZERO,
-    SIGN,
-    event_rows,
-)
+from .tallies import event_rows
 from .taylor import code_for, internal_end
 from .wide import WideDriver
 
@@ -343,8 +339,8 @@ class HybridDriver(Driver):
         self.all_events, self.width = rows, max(widths) + len(self.events)
         self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
         functions = self.shared.tallies.functions
-        functions[SIGN] = 0.0  # not known
-        self.signs, self.zeros = (view(functions[kind, :, 0]) for kind in (SIGN, ON_ZERO))
+        functions["sign"] = 0.0  # not known
+        self.signs, self.zeros = (view(functions[of][:, 0]) for of in ("sign", "on_zero"))
         width = self.width - len(self.events)
         self.wanted, self.tables = Wanted(width, number), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}

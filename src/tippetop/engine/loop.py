@@ -124,7 +124,10 @@ def filled(record: Any) -> ctypes.Structure:
 def _field(value: Any) -> Any:
     if isinstance(value, tuple):
         return filled(value)
-    return value.ctypes.data if isinstance(value, np.ndarray) else value
+    if not isinstance(value, np.ndarray):
+        return value
+    # a third of the time of `value.ctypes.data`
+    return ctypes.addressof(ctypes.c_char.from_buffer(value.data)) if value.size else None
 
 
 @cache

@@ -18,7 +18,6 @@ from .integrator import Compiled
 from .loop import Motion, Rows
 from .status import Status
 from .stepper import Called, Stepper
-from .tallies import ON_ZERO
 
 
 REFINEMENTS = 3  # of a zero: each squares its error, from 1e-16
@@ -55,7 +54,7 @@ class WideSteps(Called):
         """Make a step, at most to the end of the run."""
         ta, run = self.integrator, self.run
         self.before, self.refined = (ta.state.copy(), ta.dtime), run.logged[0]
-        self.on_zero = run.tallies.functions[ON_ZERO, :, 0].copy()
+        self.on_zero = run.tallies.functions["on_zero"][:, 0].copy()
         high, low = ta.dtime
         motion.high[0] = motion.start_high[0] = start = float(high)
         motion.low[0] = motion.start_low[0] = 0.0

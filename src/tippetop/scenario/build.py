@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from ..arguments import measured, not_among, plain
 from ..errors import InputError, first_sentences
-from ..mechanics.contact.gliding.gliding_chart import AWAY_FROM_POLE
+from ..mechanics.contact.gliding import AWAY_FROM_POLE
 from ..mechanics.contact.restitution import ContactLaw
 from ..mechanics.friction import LAWS, FrictionLaw
 from ..mechanics.quantity import worked_out

@@ -9,8 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..mechanics.contact.body import Touch, arm, axis_rate, kinematics, velocities
-from ..mechanics.contact.gliding.gliding_catalogue import COS_INVERTED
-from ..mechanics.contact.gliding.gliding_vector import axis, momentum
+from ..mechanics.contact.gliding import COS_INVERTED, axis, turning
 from ..mechanics.contact.response import mobility_inverse_times, sliding, sticking
 from ..mechanics.contact.rows import moving, row_of_angles
 from ..mechanics.contact.single_contact import (
@@ -132,7 +131,7 @@ def _of_law(law: Any) -> str:
     def normal(y: Any, per: Any, b: Any) -> list:
         q, (force, torque) = y[0], per
         push = Vector(-force.x, -force.y, 0 * force.z)
-        return [sliding(axis(q), momentum(q), push, torque, b)[0].z]
+        return [sliding(turning(q), push, torque, b)[0].z]
 
     def turn(y: Any, per: Any, b: Any) -> list:
         return [*plus(cross(arm(axis(y[0]), b), per[0]), per[1])]
@@ -145,7 +144,7 @@ def _of_law(law: Any) -> str:
         "frictions": f"[{', '.join(map(friction, frictions or [smooth_friction]))}]",
         "normal": arrow({"y": y, "per": per, "b": b}, normal),
         "turn": arrow({"y": y, "per": per, "b": b}, turn),
-        "held": arrow({"y": y, "b": b}, lambda y, b: [*sticking(axis(y[0]), momentum(y[0]), b)[0]]),
+        "held": arrow({"y": y, "b": b}, lambda y, b: [*sticking(turning(y[0]), b)[0]]),
         "pinned": arrow(
             {"y": y, "x": force, "b": b},
             lambda y, x, b: [*mobility_inverse_times(axis(y[0]), x, b)],
@@ -164,7 +163,7 @@ def channels(y: Any, force: Vector, b: Any) -> list:
     x = FLIGHT.leave(q, b)
     assert FORM.orientation is not None
     first, third = FORM.orientation.axes(q, carried, b)
-    s, (slip, omega) = kinematics(x.u, x.L, axis_rate(x.u, x.L, b), b), velocities(x, b)
+    s, (slip, omega) = kinematics(x, axis_rate(x, b), b), velocities(x, b)
     well = [quantity.formula(s, b) for quantity in WELL_QUANTITIES]
     theta = atan2(sqrt(s.s2), s.z)
     place = carried.x, carried.y, x.height

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.contact.body import Touch, angular_velocity_of, tip_inertia
+from ..mechanics.contact.body import Touch, Turning, angular_velocity_of, tip_inertia
 from ..mechanics.friction import slip_coefficient
 from ..mechanics.operand import Vector, cross, times
 from ..mechanics.rotation import Quaternion, axes
@@ -53,9 +53,8 @@ def samples(columns: Columns, attrs: dict[str, Any]) -> np.ndarray:
     else:
         momentum = Vector(*columns["L"].T)
         inert = b._replace(I1=tip_inertia(b)) if drawn["fixed"] else b  # L is about the tip then
-        omega = angular_velocity_of(
-            Vector(*columns["axis"].T), momentum, b.I3 * columns["omega3"], inert
-        )
+        x = Turning(Vector(*columns["axis"].T), momentum)
+        omega = angular_velocity_of(x, b.I3 * columns["omega3"], inert)
     offset, radius = _ball(columns, attrs, b)
     arm = Vector(offset * third.x, offset * third.y, offset * third.z - radius)
     slip = _slip(columns, n)

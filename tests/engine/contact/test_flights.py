@@ -12,8 +12,7 @@ from tippetop.engine.driver import NO_ROWS, RUNNING, Driver
 from tippetop.engine.hybrid import formulas_of_phase
 from tippetop.engine.integrator import compiled_from
 from tippetop.engine.status import Status
-from tippetop.engine.tallies import ON_ZERO, SIGN
-from tippetop.mechanics.contact.body import Moving, Touch, axis_rate, height
+from tippetop.mechanics.contact.body import Moving, Touch, Turning, axis_rate, height
 from tippetop.mechanics.contact.exits import gap_rate, longest_flight
 from tippetop.mechanics.contact.opening import opened
 from tippetop.mechanics.friction import LAWS, Frictionless
@@ -49,8 +48,8 @@ class Flights:
         driver.put(driver.state, (0.0, 0.0))
         driver.end_at(longest_flight(x, b))
         functions = driver.tallies.functions
-        functions[SIGN], functions[ON_ZERO] = 1, 0
-        functions[ON_ZERO, NAMES.index("land"), 0] = -zeros
+        functions["sign"], functions["on_zero"] = 1, 0
+        functions["on_zero"][NAMES.index("land")] = -zeros
         tally["status"], tally["upto"], tally["steps"] = Status.RUNNING.code, 1.0, 0
         driver.forget()
         while driver.status[0] == RUNNING:
@@ -79,7 +78,8 @@ def body(c: float, **other: float) -> Touch:
 def state(b: Touch, theta: float, L: Any, rise: float, gap: float = 0.0) -> Moving:
     """A body in the air, or on the plane, whose lowest point rises."""
     u, L = Vector(float(np.sin(theta)), 0.0, float(np.cos(theta))), Vector(*map(float, L))
-    return Moving(u, L, Vector(0.1, 0.2, rise - b.c * axis_rate(u, L, b).z), height(u.z, b) + gap)
+    velocity = Vector(0.1, 0.2, rise - b.c * axis_rate(Turning(u, L), b).z)
+    return Moving(u, L, velocity, height(u.z, b) + gap)
 
 
 def gap_at(x: Moving, b: Touch, gap: float, t: Any) -> Any:

@@ -13,6 +13,7 @@ from tippetop.engine.impacts import ImpactMotions
 from tippetop.mechanics.contact.body import (
     Moving,
     Touch,
+    Turning,
     angular_velocity,
     arm,
     centre_velocity,
@@ -83,7 +84,7 @@ def bodies(n: int, slides: float, seed: int = 7) -> list[tuple]:
 
 def hit(u: Any, L: Any, v: Any, friction: Any, e_n: float, restitution: str = "energetic") -> tuple:
     b = Touch(1.0, 1.0, 0.2, 0.59, 0.52, 1.0, friction)
-    x = Moving(u, L, centre_velocity(u, L, v, b), 0.0, CARRIED)
+    x = Moving(u, L, centre_velocity(Turning(u, L), v, b), 0.0, CARRIED)
     made = impacts(friction, restitution).struck(x, b, e_n)
     return b, x, made, kicked(x, b, made.p, made.twist)
 
@@ -176,7 +177,7 @@ def test_impulses_are_balanced_and_take_energy(law: str) -> None:
         np.testing.assert_allclose(np.subtract(after.velocity, x.velocity), p, rtol=0, atol=1e-14)
         turned = np.cross(arm(u, b), p) + twist
         np.testing.assert_allclose(np.subtract(after.L, L), turned, rtol=0, atol=1e-14)
-        omega = np.add(angular_velocity(u, L, b), angular_velocity(u, after.L, b)) / 2
+        omega = np.add(angular_velocity(x, b), angular_velocity(after, b)) / 2
         gained = p @ np.add(x.velocity, after.velocity) / 2 + turned @ omega
         assert (-after.carried.work, impact.gained) == pytest.approx((gained,) * 2, abs=1e-13)
         assert impact.work_t < 0 < impact.p.z

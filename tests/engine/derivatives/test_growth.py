@@ -74,7 +74,7 @@ def test_the_horizon_is_where_the_error_is_a_thousandth() -> None:
     growth = Growth(t, np.exp(4.0 * t))
     assert growth.horizon == pytest.approx(math.log(1e13) / 4)
     np.testing.assert_allclose(growth.exponents[1:], 4.0)
-    assert "grows to 1e-3 at t = 7.4834 s: a double" in growth.sentence()
+    assert "grows to 1e-3 at t = 7.4834 s: double precision" in growth.sentence()
     assert math.isnan(Growth(t, np.exp(t)).horizon)
     assert "at most 2.2e-12 (Lyapunov exponent 1 1/s" in Growth(t, np.exp(t)).sentence()
 

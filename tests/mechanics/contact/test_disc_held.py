@@ -49,7 +49,7 @@ def test_impulses_bring_it_to_rest_and_take_energy(seed):
     gained = (np.dot(V_end, V_end) - V @ V) * ball.m / 2 + (
         omega_end @ np.array(L_end) - omega @ L
     ) / 2
-    v = contact_velocity(start.u, start.L, start.velocity, ball)
+    v = contact_velocity(start, ball)
     assert gained == pytest.approx((np.dot(force, v) + torque.z * omega[2]) / 2, rel=1e-12)
     assert gained < 0
     taken = gained + after.carried.work, after.carried.impulse - force.z

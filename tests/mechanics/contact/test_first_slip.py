@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import response
-from tippetop.mechanics.contact.body import Touch
+from tippetop.mechanics.contact.body import Touch, Turning
 from tippetop.mechanics.contact.first_slip import FirstSlip, first_directions, first_slip
 from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector, cross
@@ -29,27 +29,32 @@ class Edge(NamedTuple):
     omega: float
 
 
-def slid(u: Vector, L: Vector, n: Vector, ball: Touch) -> tuple:
+def turning(state: Any) -> Turning:
+    """3hat and L."""
+    return Turning(Vector(*state[:3]), Vector(*state[3:6]))
+
+
+def slid(x: Turning, n: Vector, ball: Touch) -> tuple:
     """P, Q and the force of sliding along n."""
-    F, torque = response.sliding_along(u, L, n, ball)
-    G = response.contact_acceleration(u, L, F, torque, ball)
+    F, torque = response.sliding_along(x, n, ball)
+    G = response.contact_acceleration(x, F, torque, ball)
     Q, P = response.across_and_along(G, n)
     return P, Q, F
 
 
-def rate(u: Vector, L: Vector, F: Vector, slip: Vector, ball: Touch) -> np.ndarray:
+def rate(x: Turning, F: Vector, slip: Vector, ball: Touch) -> np.ndarray:
     """Rates of 3hat, L and the place of the centre of mass under a force."""
-    V = contact.centre_velocity(u, L, slip, ball)
-    return np.array([*contact.axis_rate(u, L, ball), *cross(contact.arm(u, ball), F), V.x, V.y])
+    V = contact.centre_velocity(x, slip, ball)
+    return np.array([*contact.axis_rate(x, ball), *cross(contact.arm(x.u, ball), F), V.x, V.y])
 
 
 def slip_rates(ball: Touch) -> Callable:
     """rates(state, beta) of 3hat, L, the place of the centre of mass and the speed of slip."""
 
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple:
-        u, L, n = Vector(*state[:3]), Vector(*state[3:6]), Vector(np.cos(beta), np.sin(beta), 0)
-        (P, Q, F), w = slid(u, L, n, ball), state[-1]
-        return np.array([*rate(u, L, F, Vector(w * n.x, w * n.y, 0), ball), P]), Q
+        x, n, w = turning(state), Vector(np.cos(beta), np.sin(beta), 0), state[-1]
+        P, Q, F = slid(x, n, ball)
+        return np.array([*rate(x, F, Vector(w * n.x, w * n.y, 0), ball), P]), Q
 
     return rates
 
@@ -62,13 +67,11 @@ def slipped(edge: "Edge") -> FirstSlip:
 
 
 def rolling_rate(state: np.ndarray, ball: Touch) -> np.ndarray:
-    u, L, F = Vector(*state[:3]), Vector(*state[3:6]), reaction(state, ball)
-    return rate(u, L, F, Vector(0, 0, 0), ball)
+    return rate(turning(state), reaction(state, ball), Vector(0, 0, 0), ball)
 
 
 def reaction(state: np.ndarray, ball: Touch) -> Vector:
-    u, L = Vector(*state[:3]), Vector(*state[3:6])
-    return response.sticking(u, L, ball)[0]
+    return response.sticking(turning(state), ball)[0]
 
 
 def edges(rng: np.random.Generator, count: int) -> list[Edge]:
@@ -87,7 +90,7 @@ def edges(rng: np.random.Generator, count: int) -> list[Edge]:
             ball = BODY._replace(friction=SetValued._make((mu,)))
             later = response.cone(reaction(state + 1e-7 * rolling_rate(state, ball), ball), ball)
             if F.z > 0.05 and 0.05 < mu < 0.8 and later < 0:
-                omega = contact.angular_velocity(Vector(*state[:3]), Vector(*state[3:6]), ball)
+                omega = contact.angular_velocity(turning(state), ball)
                 found.append(
                     Edge(
                         ball,
@@ -145,15 +148,14 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
     counts = {True: 0, False: 0}
     for _ in range(60):
         u = rng.normal(0, 1, 3)
-        u = Vector(*(u / np.sqrt(u @ u)))
-        L = Vector(*(3e-6 * rng.normal(0, 60, 3)))
+        x = turning([*(u / np.sqrt(u @ u)), *(3e-6 * rng.normal(0, 60, 3))])
         ball = BODY._replace(friction=SetValued(rng.uniform(0.05, 1.4)))
-        F = reaction(np.array([*u, *L]), ball)
-        if response.bias_vector(u, L, ball).z > 0:
+        F = response.sticking(x, ball)[0]
+        if response.bias_vector(x, ball).z > 0:
             continue  # the contact opens
 
-        def law(beta: np.ndarray, u: Vector = u, L: Vector = L, ball: Touch = ball) -> tuple:
-            P, Q, F = slid(u, L, Vector(np.cos(beta), np.sin(beta), 0), ball)
+        def law(beta: np.ndarray, x: Turning = x, ball: Touch = ball) -> tuple:
+            P, Q, F = slid(x, Vector(np.cos(beta), np.sin(beta), 0), ball)
             return P, Q, F.z
 
         rolls = bool(F.z > 0 and response.cone(F, ball) >= 0)

@@ -56,7 +56,7 @@ class Growth(NamedTuple):
         if math.isfinite(self.horizon):
             return (
                 f"an error of 1e-16 at the start grows to 1e-3 at t = {self.horizon:.6g} s: "
-                "a double says little beyond"
+                "double precision is not enough beyond"
             )
         end, rate = self.times[-1], self.exponents[-1]
         size = ROUNDING * float(self.factor.max())

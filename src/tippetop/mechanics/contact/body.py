@@ -108,6 +108,13 @@ BALLS = ("body", "stem")
 """Parts that touch the plane; the position of a name is its number in a store."""
 
 
+class Turning(NamedTuple):
+    """How the axis of a body lies and the body turns: what formulas take of a state `x`."""
+
+    u: Vector  # 3hat
+    L: Vector  # about the centre of mass
+
+
 class Moving(NamedTuple):
     """The common state: how a body lies and moves."""
 
@@ -145,9 +152,9 @@ def height(z, b):
 
 
 @formula
-def gap(centre_height, z, b):
-    """Return the gap between ball and plane [m], from the height of the centre of mass."""
-    return centre_height - height(z, b)
+def gap(x, b):
+    """Return the gap between ball and plane of a moving body [m]."""
+    return x.height - height(x.u.z, b)
 
 
 @formula
@@ -166,52 +173,52 @@ def arm2(z, b):
 
 
 @formula
-def axis_rate(u, L, b):
+def axis_rate(x, b):
     """Return 3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
-    return times(1 / b.I1, cross(L, u))
+    return times(1 / b.I1, cross(x.L, x.u))
 
 
 @formula
-def angular_velocity(u, L, b):
+def angular_velocity(x, b):
     """Return omega, (3,) [rad/s], of the axis and the momentum about the centre of mass."""
-    return angular_velocity_of(u, L, dot(L, u), b)
+    return angular_velocity_of(x, dot(x.L, x.u), b)
 
 
 @formula
-def angular_velocity_of(u, L, L3, b):
+def angular_velocity_of(x, L3, b):
     """Return omega where L_3 is known: omega = L/I1 + (1/I3 - 1/I1) L_3 3hat. [section 1]"""
-    return plus(times(1 / b.I1, L), times((1 / b.I3 - 1 / b.I1) * L3, u))
+    return plus(times(1 / b.I1, x.L), times((1 / b.I3 - 1 / b.I1) * L3, x.u))
 
 
 @formula
-def arm_velocity(u, L, b):
+def arm_velocity(x, b):
     """Return omega x a, (3,) [m/s]: the velocity of the contact point by rotation."""
-    u_dot, w = axis_rate(u, L, b), angular_velocity(u, L, b)
+    u_dot, w = axis_rate(x, b), angular_velocity(x, b)
     return Vector(b.c * u_dot.x - b.R * w.y, b.c * u_dot.y + b.R * w.x, b.c * u_dot.z)
 
 
 @formula
-def contact_velocity(u, L, V, b):
-    """Return v_A = V + omega x a, (3,) [m/s], of the lowest point; V is that of the centre of mass.
+def contact_velocity(x, b):
+    """Return v_A = V + omega x a, (3,) [m/s], of the lowest point of a moving body.
 
-    `gliding.vector.sliding_velocity` sums in another order.
+    `gliding.sliding_velocity` sums in another order.
     """
-    return plus(V, arm_velocity(u, L, b))
+    return plus(x.velocity, arm_velocity(x, b))
 
 
 @formula
 def velocities(x, b):
     """Return v_A and omega of a moving body, (3,) each."""
-    return contact_velocity(x.u, x.L, x.velocity, b), angular_velocity(x.u, x.L, b)
+    return contact_velocity(x, b), angular_velocity(x, b)
 
 
 @formula
-def centre_velocity(u, L, v, b):
+def centre_velocity(x, v, b):
     """Return the velocity of the centre of mass, (3,) [m/s].
 
     The velocity of the contact point is v.
     """
-    return plus(v, times(-1, arm_velocity(u, L, b)))
+    return plus(v, times(-1, arm_velocity(x, b)))
 
 
 @formula
@@ -271,8 +278,9 @@ sin(theta), |v_A|^2, and |r'|^2 of the horizontal velocity of the centre of mass
 
 
 @formula
-def kinematics(u, L, u_dot, b):
-    """Return the kinematics of an axis u, its rate and the momentum L about the centre of mass."""
+def kinematics(x, u_dot, b):
+    """Return the kinematics of an axis, its rate and the momentum about the centre of mass."""
+    u, L = x.u, x.L
     return Kinematics(
         u.z,
         u.x * u.x + u.y * u.y,

@@ -18,6 +18,7 @@ from ..operand import Vector, cross, dot, plus, times
 from .body import (
     Moving,
     Touch,
+    Turning,
     angular_velocity,
     arm,
     axis_rate,
@@ -40,13 +41,14 @@ from .single_contact import (
 )
 
 
-def shared(u, L, v, frictions, total, swing, b):
+def shared(x, v, frictions, total, swing, b):
     """Return the actions on sphere and stem under friction(omega, v, z, b) of each.
 
     The sum of the normal forces is `total`, and (L' x 3hat)_z is `swing`; or the same of impulses.
     v is the velocity of the sphere's contact point.
     """
-    omega, none, sides = angular_velocity(u, L, b), 0 * u.z, []
+    u, omega, sides = x.u, angular_velocity(x, b), []
+    none = 0 * u.z
     for friction, ball in zip(frictions, (b, seen_from_other(b)), strict=True):
         slip = plus(v, cross(omega, apart(u, ball, b)))._replace(z=none)
         push, torque = friction(omega, slip, u.z, ball)
@@ -103,10 +105,10 @@ def slide_on_both(law: Any, *names: str) -> Phase:
     """Return the phase in which sphere and stem slide, in these regions of a law."""
     frictions = frictions_of(law, names)
 
-    def pushed(u, L, v, b):
-        swing = -cross(L, axis_rate(u, L, b)).z  # z'' is zero
-        sides = shared(u, L, v, frictions, b.m * b.g, swing, b)
-        return *joined(sides, u, b), *sides
+    def pushed(x, v, b):
+        swing = -cross(x.L, axis_rate(x, b)).z  # z'' is zero
+        sides = shared(x, v, frictions, b.m * b.g, swing, b)
+        return *joined(sides, x.u, b), *sides
 
     ends = [*LEAVES, STANDS] if names else [*LEAVES]
     for side, name in enumerate(names):
@@ -117,16 +119,16 @@ def slide_on_both(law: Any, *names: str) -> Phase:
 # --- rolling on both, as a cone does ------------------------------------------------------------
 
 
-def rolled(u, L, b):
+def rolled(x, b):
     """Return force and torque on a body that rolls on both, and the actions on each.
 
     The body turns about the line through both contacts, and that line about the vertical. It does
     not matter here how the two share the horizontal force.
     """
-    u_dot, omega, still = axis_rate(u, L, b), angular_velocity(u, L, b), times(0, u)
-    velocity = centre_velocity(u, L, still, b)
+    u, u_dot, omega, still = x.u, axis_rate(x, b), angular_velocity(x, b), times(0, x.u)
+    velocity = centre_velocity(x, still, b)
     turn = (u.x * u_dot.y - u.y * u_dot.x) / (u.x**2 + u.y**2)
-    moves = dot(omega, L) + b.m * dot(velocity, velocity)  # twice the energy
+    moves = dot(omega, x.L) + b.m * dot(velocity, velocity)  # twice the energy
     share = 1 / (moves + b.I1 * STOPS_ROLLING**2)
     rolls = rolling(omega, b.friction)
     slows = b.m * b.g * dot(rolls, omega) * share
@@ -134,9 +136,9 @@ def rolled(u, L, b):
     def rate(a):
         return Vector(slows * a.x - turn * a.y, slows * a.y + turn * a.x, slows * a.z)
 
-    L_dot, V_dot = rate(L), rate(velocity)
+    L_dot, V_dot = rate(x.L), rate(velocity)
     acts = times(-1 / b.g, V_dot), times(moves * share, rolls)
-    sides = shared(u, L, still, [lambda *of: acts] * 2, b.m * b.g, cross(L_dot, u).z, b)
+    sides = shared(x, still, [lambda *of: acts] * 2, b.m * b.g, cross(L_dot, u).z, b)
     force = times(b.m, V_dot)._replace(z=b.m * b.g + 0 * slows)
     return force, plus(L_dot, times(-1, cross(arm(u, b), force))), *sides
 
@@ -159,11 +161,11 @@ def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
 
 def without_slip_on_both(x: Moving, b: Touch) -> Moving:
     """Return the body without the rest of its sliding and turning on both balls."""
-    omega, none = angular_velocity(x.u, x.L, b), 0 * x.u.z
+    omega, none = angular_velocity(x, b), 0 * x.u.z
     spin = (omega.x * x.u.x + omega.y * x.u.y) / (x.u.x**2 + x.u.y**2)
     omega = Vector(spin * x.u.x, spin * x.u.y, none)
     L = plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, x.u), x.u))
-    velocity = centre_velocity(x.u, L, Vector(none, none, none), b)
+    velocity = centre_velocity(Turning(x.u, L), times(0, L), b)
     p = times(b.m, plus(velocity, times(-1, x.velocity)))
     turn = plus(L, times(-1, plus(x.L, cross(arm(x.u, b), p))))
     return kicked(x, b, p, turn)
@@ -174,8 +176,8 @@ def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Movin
 
     The endless hops from one to the other would do so.
     """
-    v, none = contact_velocity(x.u, x.L, x.velocity, b), 0 * x.height
-    sides = shared(x.u, x.L, v, frictions, -(b.m * x.velocity.z), -cross(x.L, x.u).z, b)
+    v, none = contact_velocity(x, b), 0 * x.height
+    sides = shared(x, v, frictions, -(b.m * x.velocity.z), -cross(x.L, x.u).z, b)
     after, lies = kicked(x, b, *joined(sides, x.u, b)), height(x.u.z, b)
     after = after._replace(velocity=after.velocity._replace(z=none), height=lies)
     return gained(after, work=b.m * b.g * (x.height - lies))

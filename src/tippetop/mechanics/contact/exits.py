@@ -15,7 +15,7 @@ from ..form import CLOCK, Next
 from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
-from .body import BALLS, Moving, Touch
+from .body import BALLS, Moving, Touch, contact_velocity
 from .double_contact import (
     STANDS,
     brought_to_rest,
@@ -110,14 +110,9 @@ def phase_name(label: str, ball: int = 0, *regions: str) -> str:
     return "-".join((*("stem",) * ball, label, *regions))
 
 
-def point(x: Moving, b: Touch) -> Vector:
-    """Return the velocity of the lowest point of a ball."""
-    return contact.contact_velocity(x.u, x.L, x.velocity, b)
-
-
 def rise(x: Moving, b: Touch) -> Any:
-    """Return its vertical component."""
-    return point(x, b).z
+    """Return the vertical velocity of the lowest point of a ball."""
+    return contact_velocity(x, b).z
 
 
 def size(v: Vector) -> Any:
@@ -127,7 +122,7 @@ def size(v: Vector) -> Any:
 
 def touching(x: Moving, world: Any) -> list[int]:
     """Return the balls that touch the plane."""
-    gaps = [contact.gap(x.height, x.u.z, b) for b in world.body]
+    gaps = [contact.gap(x, b) for b in world.body]
     return [k for k, gap in enumerate(gaps) if gap <= ON_PLANE]
 
 
@@ -188,7 +183,7 @@ def longest_flight(x: Moving, b: Touch) -> Any:
 
     A step that goes far beyond it would find the landing less exactly.
     """
-    v, highest = x.velocity.z, abs(contact.gap(x.height, x.u.z, b)) + 2 * abs(b.c)
+    v, highest = x.velocity.z, abs(contact.gap(x, b)) + 2 * abs(b.c)
     return (v + sqrt(v * v + 2 * b.g * highest)) / b.g * (1 + 1e-6)
 
 
@@ -197,8 +192,8 @@ def gap_rate(x: Moving, b: Touch, order: int) -> Any:
     if order == 1:
         return rise(x, b)
     if order == 2:
-        return bias_vector(x.u, x.L, b).z
-    return -(b.c * dot(x.L, x.L) / b.I1**2 * contact.axis_rate(x.u, x.L, b).z)
+        return bias_vector(x, b).z
+    return -(b.c * dot(x.L, x.L) / b.I1**2 * contact.axis_rate(x, b).z)
 
 
 def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Next:
@@ -210,18 +205,17 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
     b = world.body[ball]
     law = b.friction
     roots = {"touch": zeros} if len(touching(x, world)) > 1 else {}
-    if not law.set_valued or size(point(x, b)) > STOPS_AT:
+    if not law.set_valued or size(contact_velocity(x, b)) > STOPS_AT:
         name = phase_name("slip", ball, *regions_of(x, b))
         phase = world.phases[name]
         if phase.reaction(phase.enter(x, b), b).force.z > 0:
             return on_disc(Next(name, x, cause, zeros=roots), world)
         return fly(x, world, ball, 2, "opens-at-once")
-    none = 0 * b.m
-    x = x._replace(velocity=contact.centre_velocity(x.u, x.L, Vector(none, none, none), b))
-    F = sticking(x.u, x.L, b)[0]
+    x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
+    F = sticking(x, b)[0]
     if F.z > 0 and cone(F, b) >= 0:
         return Next(phase_name("roll", ball), x, cause, zeros=roots)
-    beta = first_directions(lambda beta: pushed(x.u, x.L, beta, b))
+    beta = first_directions(lambda beta: pushed(x, beta, b))
     if not len(beta):
         return fly(x, world, ball, 2, "opens-at-once")
     x, delay = run_in(x, world, ball, beta[0])
@@ -301,10 +295,10 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
     """
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
-    v, impact = point(x, b), world.struck(x, b, e_n)
+    v, impact = contact_velocity(x, b), world.struck(x, b, e_n)
     p = impact.p
     x = kicked(x, b, p, impact.twist)
-    after = point(x, b)
+    after = contact_velocity(x, b)
     if e_n == 0:  # it does not rise by rounding
         x = x._replace(velocity=x.velocity._replace(z=x.velocity.z - after.z))
         after = after._replace(z=0.0)
@@ -316,17 +310,17 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
 # --- slides that begin and end ------------------------------------------------------------------
 
 
-def directed(u: Vector, L: Vector, w: Any, beta: Any) -> Any:
-    """Return the state of sliding with the speed w in the direction beta."""
-    return type(DIRECTED)(*u, *L, beta, w)
+def directed(x: Moving, beta: Any) -> Any:
+    """Return the state of sliding with the speed 1 in the direction beta."""
+    return type(DIRECTED)(*x.u, *x.L, beta, 1 + 0 * beta)
 
 
-def pushed(u: Vector, L: Vector, beta: Any, b: Touch) -> tuple[Any, Any, Any]:
+def pushed(x: Moving, beta: Any, b: Touch) -> tuple[Any, Any, Any]:
     """Return P, Q and the normal force of sliding in the direction beta.
 
     P is the rate of the speed, and Q the speed times the turn of the direction.
     """
-    q = directed(u, L, 1 + 0 * beta, beta)
+    q = directed(x, beta)
     rates = DIRECTED_SLIP.form.rates(q, b)
     return rates.w, rates.beta, DIRECTED_SLIP.reaction(q, b).force.z
 
@@ -345,7 +339,7 @@ def slid(x: Moving, world: Any, phase: Any, q: Any, delay: Any) -> Moving:
 def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
     """Return the first of a slide from rest, so short that its rates stay, and its time."""
     phase, b = world.phases[phase_name("slip", ball)], world.body[ball]
-    q = directed(x.u, x.L, 1 + 0 * beta, beta)
+    q = directed(x, beta)
     rates = phase.form.rates(q, b)
     speed = min(type(rates.w)(BEGINS_AT), rates.w * world.left)
     delay = speed / rates.w
@@ -392,8 +386,8 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         every = (*by[:6], *world.rates(phase, q, carried, b), by.w)
         return np.array([np.broadcast_to(rate, beta.shape) for rate in every]), by.beta
 
-    F = sticking(x.u, x.L, b)[0]
-    omega = contact.angular_velocity(x.u, x.L, b)
+    F = sticking(x, b)[0]
+    omega = contact.angular_velocity(x, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
 
     def lasts(first: FirstSlip) -> bool:
@@ -428,7 +422,7 @@ def land(x: Moving, world: Any) -> Next:
     Of the balls on the plane, the one that falls fastest strikes.
     """
     there = touching(x, world) or [
-        min(range(len(world.body)), key=lambda k: contact.gap(x.height, x.u.z, world.body[k]))
+        min(range(len(world.body)), key=lambda k: contact.gap(x, world.body[k]))
     ]
     return strike(x, world, min(there, key=lambda k: rise(x, world.body[k])), "landing")
 
@@ -528,7 +522,7 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
     """
     b = world.body[ball]
     x = kicked(n.x, b, *stopping(n.x, b))
-    F, torque = resting(x.u, x.L, b)
+    F, torque = resting(x, b)
     left = margin(F, torque.z, b.friction)
     others = {name: count for name, count in n.zeros.items() if name != RESTS.name}
     if left > 0:
@@ -546,7 +540,7 @@ def slide_from_rest(x: Moving, world: Any, ball: int, cause: str, zeros: Any = (
     It begins at twice the speed below which it rests.
     """
     b = world.body[ball]
-    F, torque = resting(x.u, x.L, b)
+    F, torque = resting(x, b)
     v, edge = direction(F, torque.z, b.friction)
     speed = 2 * sqrt(rest_speed2(b))
     x = kicked(x, b, *impulses(x.u, times(speed, v), speed * edge / b.friction.patch, b))

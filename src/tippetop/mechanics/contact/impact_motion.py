@@ -20,7 +20,7 @@ from ..form import Form
 from ..friction import load
 from ..operand import Vector, cross, dot, exp, log, plus, sqrt, times
 from ..units import ONE
-from .body import angular_velocity, arm
+from .body import Turning, angular_velocity, arm
 from .response import (
     across_and_along,
     direction,
@@ -126,7 +126,7 @@ def gains(by: Acts, b: Any) -> Vector:
 def spun(by: Acts, b: Any) -> Any:
     """Return the rate of the velocity of a disc's edge by the normal impulse."""
     turned = plus(cross(arm(b.u, b.touch), by.force), by.torque)
-    return b.touch.friction.patch * angular_velocity(b.u, turned, b.touch).z
+    return b.touch.friction.patch * angular_velocity(Turning(b.u, turned), b.touch).z
 
 
 def held(law: Any, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
@@ -154,7 +154,7 @@ def stages(law: Any) -> dict[str, Stage]:
                 v = times(b.speed, v)
             p, twist = Vector(q.p_x, q.p_y, q.p_n), Vector(q.t_x, q.t_y, q.t_n)
             gained = times(b.speed * b.ratio, plus(cross(arm(b.u, b.touch), p), twist))
-            omega = angular_velocity(b.u, plus(b.L, gained), b.touch)
+            omega = angular_velocity(Turning(b.u, plus(b.L, gained)), b.touch)
             if law.regions:
                 omega = omega._replace(z=b.speed * q.turn / b.touch.friction.patch)
             if friction is None:

@@ -15,9 +15,9 @@ from ..number import Number
 from ..operand import formula, leaves, refill
 from ..system import System
 from ..units import METRE, METRE_PER_SECOND
+from . import gliding
 from .body import BALLS, Touch, seen_from_balls
 from .exits import IMPACT, KINDS, PHASES, REASONS, begin, come_to_rest, go_on, phase_name
-from .gliding import gliding_catalogue as gliding
 from .integrals import NAMED, integral
 from .rows import (
     ANGLES,

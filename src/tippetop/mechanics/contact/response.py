@@ -20,6 +20,7 @@ from ..operand import Vector, cross, dot, formula, plus, times
 from .body import (
     Moving,
     Touch,
+    Turning,
     angular_velocity,
     arm,
     arm2,
@@ -36,7 +37,7 @@ def torque_acceleration(u, tau, b):
 
     A torque about the centre of mass gives it to the contact point.
     """
-    return cross(angular_velocity(u, tau, b), arm(u, b))
+    return cross(angular_velocity(Turning(u, tau), b), arm(u, b))
 
 
 @formula
@@ -77,20 +78,20 @@ def other_mobility_inverse_times(u, x, excess, b):
 
 
 @formula
-def bias_vector(u, L, b):
+def bias_vector(x, b):
     """Return b, (3,) [m/s^2]: the acceleration of the contact point without a force there.
 
     It is c 3hat'' - R (1/I3 - 1/I1) L_3 3hat' x zhat - g zhat, 3hat'' = L x 3hat'/I1.
     """
-    u_dot = axis_rate(u, L, b)
-    free, spin = times(b.c / b.I1, cross(L, u_dot)), b.R * (1 / b.I3 - 1 / b.I1) * dot(L, u)
+    u_dot = axis_rate(x, b)
+    free, spin = times(b.c / b.I1, cross(x.L, u_dot)), b.R * (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u)
     return Vector(free.x - spin * u_dot.y, free.y + spin * u_dot.x, free.z - b.g)
 
 
 @formula
-def contact_acceleration(u, L, F, torque, b):
+def contact_acceleration(x, F, torque, b):
     """Return the acceleration of the contact point, (3,) [m/s^2]."""
-    return plus(bias_vector(u, L, b), mobility_times(u, F, torque, b))
+    return plus(bias_vector(x, b), mobility_times(x.u, F, torque, b))
 
 
 def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
@@ -118,21 +119,20 @@ def response(u, push, b):
 
 
 @formula
-def sliding(u, L, push, per_force, body):
+def sliding(x, push, per_force, b):
     """Return the force and torque (3,) on a body that slides.
 
     Its contact acts by the horizontal friction -N push and the torque N per_force.
     """
-    b = bias_vector(u, L, body)
-    N = -b.z / (response(u, push, body) + torque_acceleration(u, per_force, body).z)
+    N = -bias_vector(x, b).z / (response(x.u, push, b) + torque_acceleration(x.u, per_force, b).z)
     return Vector(-(N * push.x), -(N * push.y), N), times(N, per_force)
 
 
 @formula
-def sliding_along(u, L, n, body):
+def sliding_along(x, n, b):
     """Return the force and torque of Coulomb's law, sliding along the horizontal unit Vector n."""
-    push = Vector(body.friction.mu * n.x, body.friction.mu * n.y, 0 * u.z)
-    return sliding(u, L, push, load(angular_velocity(u, L, body), body.friction), body)
+    push = Vector(b.friction.mu * n.x, b.friction.mu * n.y, 0 * x.u.z)
+    return sliding(x, push, load(angular_velocity(x, b), b.friction), b)
 
 
 @formula
@@ -148,10 +148,9 @@ def across_and_along(G, n):
 
 
 @formula
-def sticking(u, L, body):
+def sticking(x, b):
     """Return the force and torque (3,) on a body whose contact point stays at rest."""
-    per_force = load(angular_velocity(u, L, body), body.friction)
-    return held_point(u, bias_vector(u, L, body), per_force, body)
+    return held_point(x.u, bias_vector(x, b), load(angular_velocity(x, b), b.friction), b)
 
 
 @formula
@@ -213,10 +212,10 @@ def stopping(x, b):
 
 
 @formula
-def resting(u, L, b):
+def resting(x, b):
     """Return the force and torque (3,) that keep a disc at rest, whose v_A and Omega_z are 0."""
-    free = (1 / b.I3 - 1 / b.I1) * dot(L, u) * axis_rate(u, L, b).z  # Omega_z' without them
-    return held_disc(u, bias_vector(u, L, b), free, angular_velocity(u, L, b), b)
+    free = (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u) * axis_rate(x, b).z  # Omega_z' without them
+    return held_disc(x.u, bias_vector(x, b), free, angular_velocity(x, b), b)
 
 
 @formula
@@ -227,7 +226,7 @@ def held_disc(u, bias, free, omega, b):
     """
     along, own, excess = turning(u, b)
     rolls = rolling(omega, b.friction)
-    loaded = angular_velocity(u, rolls, b).z
+    loaded = angular_velocity(Turning(u, rolls), b).z
     by_load = plus(torque_acceleration(u, rolls, b), times(-loaded / own, along))
     F = held(u, plus(bias, times(-free / own, along)), by_load, excess, b)
     turns = -(free + dot(F, along) + F.z * loaded) / own

@@ -24,15 +24,13 @@ from ..units import (
     WATT,
 )
 from . import body as contact
+from . import gliding
 from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, state
 from .body_axes import carried_along, planar
 from .exits import PHASES
-from .gliding import gliding_catalogue as gliding
-from .gliding.gliding_chart import angles_by, axis_and_momentum
-from .gliding.gliding_euler import EULER_UNITS
-from .gliding.gliding_vector import axis, axis_rate, momentum
+from .gliding import EULER_UNITS, angles_by, axis, axis_and_momentum, axis_rate, turning
 from .integrals import NAMED
-from .rolling.rolling_vector import spin
+from .rolling import spin
 
 
 ROW_UNITS = state(
@@ -67,7 +65,7 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
     reference = getattr(carried, "jellett_reference", math.nan)
     if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
-    gap, first = contact.gap(x.height, x.u.z, b), b
+    gap, first = contact.gap(x, b), b
     if phase.ball == 0:
         gap = gap + b.clearance + b.lever * x.u.z
     else:
@@ -95,14 +93,14 @@ Scalars = type(filled(**dict.fromkeys(FIELDS)))
 def lowest_velocity(q, b):
     """Return the velocity of the lowest point of the ball of a row, (3,) [m/s]."""
     b = b._replace(R=q.radius, c=q.offset)
-    return contact.contact_velocity(axis(q), momentum(q), Vector(*q[6:9]), b)
+    return contact.contact_velocity(moving(q, ()), b)
 
 
 def row_scalars(q, b):
     """Return the scalars of a row."""
     u, v = axis(q), lowest_velocity(q, b)
     return Scalars(
-        *kinematics(u, momentum(q), axis_rate(q, b), b),
+        *kinematics(turning(q), axis_rate(q, b), b),
         u.x * v.x + u.y * v.y,
         u.x * v.y - u.y * v.x,
         v.x * v.x + v.y * v.y,
@@ -142,14 +140,14 @@ def row_of_angles(e, s, z, b):
     """
     none = 0 * z
     e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
-    u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
+    x = axis_and_momentum(e, s, z, b.I1, b.I3)
     b = b._replace(R=b.R + none, c=b.c + none)
-    v = contact.arm_velocity(u, L, b)
+    v = contact.arm_velocity(x, b)
     along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
     velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
-    height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(L.z, b.I3 * e.omega3, b)
+    height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(x.L.z, b.I3 * e.omega3, b)
     zeros = (none,) * 3
-    return Row(*u, *L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none)
+    return Row(*x.u, *x.L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none)
 
 
 def planar_angles_of_row(q, carried, b):

@@ -12,7 +12,7 @@ from ..form import Form, Phase
 from ..friction import load, slip_coefficient
 from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
-from . import body as contact
+from . import gliding
 from .body import (
     VELOCITY,
     Moving,
@@ -27,9 +27,7 @@ from .body import (
     velocities,
 )
 from .body_axes import carried_along
-from .gliding import gliding_catalogue as gliding
-from .gliding import gliding_vector
-from .gliding.gliding_vector import VectorState, axis, axis_rate, momentum
+from .gliding import VectorState, axis, axis_rate, turning
 from .integrals import integral, place
 from .response import (
     across_and_along,
@@ -41,7 +39,7 @@ from .response import (
     sliding_along,
     sticking,
 )
-from .rolling.rolling_vector import spin
+from .rolling import spin
 
 
 def phase_of(units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
@@ -89,8 +87,8 @@ def on_ball(
     Parameters
     ----------
     forces
-        forces(u, L, q, b) -> force and torque of the plane, and the actions on both balls, if both
-        touch.
+        forces(turning(q), q, b) -> force and torque of the plane, and the actions on both balls, if
+        both touch.
     velocity
         velocity(q) -> v_A.
     enter
@@ -100,14 +98,14 @@ def on_ball(
     """
 
     def acts(q, b):
-        u, L = axis(q), momentum(q)
-        force, torque, *sides = forces(u, L, q, b)
-        return Acts(force, torque, velocity(q), angular_velocity(u, L, b), tuple(sides))
+        x = turning(q)
+        force, torque, *sides = forces(x, q, b)
+        return Acts(force, torque, velocity(q), angular_velocity(x, b), tuple(sides))
 
     def rates(q, b):
-        u, by = axis(q), acts(q, b)
-        turn = plus(cross(arm(u, b), by.force), by.torque)
-        G = contact_acceleration(u, momentum(q), by.force, by.torque, b)
+        by = acts(q, b)
+        turn = plus(cross(arm(axis(q), b), by.force), by.torque)
+        G = contact_acceleration(turning(q), by.force, by.torque, b)
         return type(units)(*axis_rate(q, b), *turn, *changes(q, G))
 
     def scalars(q, b):
@@ -115,10 +113,10 @@ def on_ball(
         return Contact(q.uz, axis_rate(q, b).z, by.force.z, by, by.sides or (by,), q)
 
     def entered(x, b):
-        return type(units)(*x.u, *x.L, *enter(contact_velocity(x.u, x.L, x.velocity, b)))
+        return type(units)(*x.u, *x.L, *enter(contact_velocity(x, b)))
 
     def leave(q, b):
-        return on_plane(axis(q), momentum(q), velocity(q), b)
+        return on_plane(turning(q), velocity(q), b)
 
     def reaction(q, b):
         by = acts(q, b)
@@ -138,9 +136,9 @@ def on_ball(
     )
 
 
-def on_plane(u, L, v, b):
+def on_plane(x, v, b):
     """Return the common state of a body whose lowest point has the velocity v."""
-    return Moving(u, L, centre_velocity(u, L, v, b), height(u.z, b))
+    return Moving(x.u, x.L, centre_velocity(x, v, b), height(x.u.z, b))
 
 
 def none(q: Any) -> Vector:
@@ -185,7 +183,7 @@ def free_rates(q, b):
 
 def own_gap(s, b):
     """Return the height of the ball above the plane."""
-    return contact.gap(s.height, s.z, b)
+    return s.height - height(s.z, b)
 
 
 LAND = ending("land", "the ball lands", own_gap)
@@ -196,7 +194,7 @@ FLIGHT = phase_of(
         free_rates,
         lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
         lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
-        lambda q, b: Moving(axis(q), momentum(q), Vector(*q[6:9]), q.height),
+        lambda q, b: Moving(axis(q), turning(q).L, Vector(*q[6:9]), q.height),
         lambda q, b: Reaction(none(q)),
     ),
 )
@@ -208,7 +206,7 @@ FLIGHT = phase_of(
 def slip_leave(q, b):
     """Return the common state of a body that slides."""
     velocity = Vector(q.rx_dot, q.ry_dot, -(b.c * axis_rate(q, b).z))
-    return Moving(axis(q), momentum(q), velocity, height(q.uz, b))
+    return Moving(axis(q), turning(q).L, velocity, height(q.uz, b))
 
 
 SLIP = Phase(
@@ -217,7 +215,7 @@ SLIP = Phase(
     (gliding.LIFTOFF, TOUCH),
     enter=lambda x, b: VectorState(*x.u, *x.L, dot(x.L, x.u), *x.velocity[:2]),
     leave=slip_leave,
-    reaction=lambda q, b: Reaction(gliding_vector.reaction(q, b)),
+    reaction=lambda q, b: Reaction(gliding.reaction(q, b)),
 )
 
 
@@ -225,8 +223,8 @@ SLIP = Phase(
 
 
 def without_slip(events: tuple, holds: Callable) -> Phase:
-    """Return a phase in which the contact point stays at rest: holds(u, L, b) -> force, torque."""
-    forces = lambda u, L, q, b: holds(u, L, b)  # noqa: E731
+    """Return a phase in which the contact point stays at rest: holds(x, b) -> force, torque."""
+    forces = lambda x, q, b: holds(x, b)  # noqa: E731
     return on_ball(state(), events, forces, none, lambda v: (), lambda q, G: ())
 
 
@@ -264,7 +262,7 @@ STICK = ending(
 DIRECTED_SLIP = on_ball(
     DIRECTED,
     (LIFTOFF, TOUCH, STICK),
-    lambda u, L, q, b: sliding_along(u, L, direction(q), b),
+    lambda x, q, b: sliding_along(x, direction(q), b),
     lambda q: times(q.w, direction(q)),
     lambda v: (atan2(v.y, v.x), sqrt(v.x * v.x + v.y * v.y)),
     directed_changes,
@@ -358,21 +356,21 @@ def borders(region: Region, side: int = 0, prefix: str = "") -> list[Event]:
 
 
 def with_slip(events: tuple, pushed: Callable) -> Phase:
-    """Return a phase of sliding in any direction: pushed(u, L, v, b) -> force, torque."""
+    """Return a phase of sliding in any direction: pushed(x, v, b) -> force, torque."""
 
     def velocity(q):
         return Vector(q.vx, q.vy, 0 * q.uz)
 
-    forces = lambda u, L, q, b: pushed(u, L, velocity(q), b)  # noqa: E731
+    forces = lambda x, q, b: pushed(x, velocity(q), b)  # noqa: E731
     return on_ball(DISC, events, forces, velocity, lambda v: v[:2], lambda q, G: G[:2])
 
 
 def slip_under(friction: Callable, *events: Event) -> Phase:
     """Return the phase of sliding under friction(omega, v, z, b), with a torque."""
 
-    def pushed(u, L, v, b):
-        push, per_force = friction(angular_velocity(u, L, b), v, u.z, b)
-        return sliding(u, L, push, per_force, b)
+    def pushed(x, v, b):
+        push, per_force = friction(angular_velocity(x, b), v, x.u.z, b)
+        return sliding(x, push, per_force, b)
 
     return with_slip((LIFTOFF, TOUCH, *events), pushed)
 

@@ -12,9 +12,9 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..contact import body as contact
+from ..contact import gliding
 from ..contact.body import Top, Touch
 from ..contact.body_axes import planar
-from ..contact.gliding import gliding_catalogue as gliding
 from ..contact.integrals import integral
 from ..event import Event
 from ..friction import LAWS, FrictionLaw, slip_coefficient

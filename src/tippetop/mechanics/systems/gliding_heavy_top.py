@@ -4,7 +4,7 @@ It is the body of `gliding` with R = 0, c = -l.
 """
 
 from ..contact import body as contact
-from ..contact.gliding import gliding_catalogue as gliding
+from ..contact import gliding
 from ..operand import formula
 from ..system import Opening, Quantity, of_one_phase
 from . import heavy_top, outlook

@@ -11,14 +11,11 @@ from dataclasses import replace
 from typing import Any
 
 from ..contact import body as contact
+from ..contact import gliding, rolling
 from ..contact.body import Top, Touch, tip_inertia
 from ..contact.body_axes import carried_along
-from ..contact.gliding import gliding_catalogue as gliding
-from ..contact.gliding import gliding_chart, gliding_vector
-from ..contact.gliding.gliding_vector import axis
+from ..contact.gliding import axis, turning
 from ..contact.integrals import integral
-from ..contact.rolling import reaction, rolling_euler, rolling_vector
-from ..contact.rolling import rolling_catalogue as rolling
 from ..number import Number, number, reuse
 from ..operand import cross, formula, plus, sqrt, times
 from ..potential_coefficients import PotentialCoefficients
@@ -139,15 +136,13 @@ def Lz(s, b):
 @formula
 def tip_axis_rate(q, b):
     """Return 3hat' = L_A x 3hat/I1* [1/s]. [T 2.24]"""
-    return times(1 / tip_inertia(b), cross(gliding_vector.momentum(q), axis(q)))
+    return times(1 / tip_inertia(b), cross(turning(q).L, axis(q)))
 
 
 @formula
 def momentum_about_centre(q, b):
     """Return L = L_A - m l^2 3hat x 3hat', (3,) [kg m^2/s]."""
-    return plus(
-        gliding_vector.momentum(q), times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b)))
-    )
+    return plus(turning(q).L, times(-(b.m * b.c**2), cross(axis(q), tip_axis_rate(q, b))))
 
 
 # --- fixed tip ----------------------------------------------------------------------------------
@@ -159,8 +154,8 @@ def fixed_scalars(q, b):
 
     They are those of a body that rolls with R = 0; |r'| = l |3hat'|.
     """
-    u, u_dot, L = axis(q), tip_axis_rate(q, b), momentum_about_centre(q, b)
-    return reaction.scalars(u, L, u_dot, times(b.c, u_dot), b)
+    x, u_dot = contact.Turning(axis(q), momentum_about_centre(q, b)), tip_axis_rate(q, b)
+    return rolling.scalars(x, u_dot, times(b.c, u_dot), b)
 
 
 @formula
@@ -168,9 +163,7 @@ def fixed_rates(q, b):
     """Return 3hat' = L_A x 3hat/I1*, L_A' = l 3hat x (-m g zhat). [T 2.24]"""
     u, u_dot = axis(q), tip_axis_rate(q, b)
     weight = b.m * b.g * b.c
-    return rolling_vector.VectorState(
-        u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z
-    )
+    return rolling.VectorState(u_dot.x, u_dot.y, u_dot.z, weight * u.y, -(weight * u.x), 0 * u.z)
 
 
 @formula
@@ -186,7 +179,7 @@ def vertical_reaction(q, carried, b):
     return b.m * (b.g - b.c * ((weight + turn / inertia) / inertia))
 
 
-ANGLES = contact.filled(**rolling_euler.EULER_UNITS._asdict(), phi=RADIAN, impulse=NEWTON_SECOND)
+ANGLES = contact.filled(**rolling.EULER_UNITS._asdict(), phi=RADIAN, impulse=NEWTON_SECOND)
 """theta, theta', phi', omega_3, phi; and the integral of the vertical reaction."""
 
 Angles = type(ANGLES)
@@ -195,28 +188,28 @@ Angles = type(ANGLES)
 @formula
 def vector_of_angles(e, s, z, b):
     """Return the state about the fixed tip of the angles. [section 1]"""
-    u, L = gliding_chart.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
-    return rolling_vector.VectorState(*u, *L)
+    u, L = gliding.axis_and_momentum(e, s, z, tip_inertia(b), b.I3)
+    return rolling.VectorState(*u, *L)
 
 
-angles_of_vector = gliding_chart.angles_by(ANGLES, fixed_scalars)
+angles_of_vector = gliding.angles_by(ANGLES, fixed_scalars)
 FIXED_VECTOR = Form(
     "vector",
-    rolling_vector.VECTOR_UNITS,
+    rolling.VECTOR_UNITS,
     fixed_rates,
     fixed_scalars,
     vector_of_angles,
     angles_of_vector,
     integrals=(integral("impulse", vertical_reaction),),
-    orientation=carried_along(axis, tip_axis_rate, rolling_vector.spin),
+    orientation=carried_along(axis, tip_axis_rate, rolling.spin),
 )
-FIXED_EULER = gliding_chart.in_euler_angles(
+FIXED_EULER = gliding.in_euler_angles(
     FIXED_VECTOR,
     ANGLES,
-    rolling_euler.EULER_UNITS,
-    rolling_euler.euler_rates,
-    rolling_euler.euler_scalars,
-    (integral("impulse", rolling_euler.vertical_force),),
+    rolling.EULER_UNITS,
+    rolling.euler_rates,
+    rolling.euler_scalars,
+    (integral("impulse", rolling.vertical_force),),
 )
 
 

@@ -6,11 +6,9 @@
 from typing import NamedTuple
 
 from ..contact import body as contact
+from ..contact import gliding, rolling
 from ..contact.body_axes import planar
-from ..contact.gliding import gliding_catalogue as gliding
 from ..contact.integrals import integral
-from ..contact.rolling import reaction
-from ..contact.rolling import rolling_catalogue as rolling
 from ..operand import Operand, formula
 from ..system import Form, of_one_phase
 from ..units import METRE, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
@@ -88,7 +86,7 @@ ROLLING_FORM = Form(
     integrals=(
         integral("theta", lambda q, carried, b: q.theta_dot),
         integral("x", lambda q, carried, b: q.theta_dot * contact.height(q.z, b)),
-        integral("impulse", lambda q, carried, b: reaction.normal_force(rolling_scalars(q, b), b)),
+        integral("impulse", lambda q, carried, b: rolling.normal_force(rolling_scalars(q, b), b)),
     ),
     orientation=planar(lambda q: (q.s, q.z)),
 )

@@ -3,9 +3,7 @@
 [T ch. 4]
 """
 
-from ..contact.gliding import gliding_catalogue as gliding
-from ..contact.rolling import rolling_catalogue as rolling
-from ..contact.rolling import rolling_euler
+from ..contact import gliding, rolling
 from ..system import of_one_phase
 from . import outlook, tippe_top
 from .tippe_top_contact import CONTACT
@@ -19,8 +17,8 @@ ROLLING_TIPPE_TOP = of_one_phase(
     source=tippe_top.SOURCE + "4",
     initial=rolling.INITIAL,
     alternatives=(gliding.BY_PSI_DOT,),
-    start=gliding.start_of(rolling_euler.ANGLES),
-    angles=rolling_euler.ANGLES,
+    start=gliding.start_of(rolling.ANGLES),
+    angles=rolling.ANGLES,
     forms={
         "contact": CONTACT,
         "vector": rolling.VECTOR,

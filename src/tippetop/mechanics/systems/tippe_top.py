@@ -8,9 +8,8 @@ With alpha < 0 it is a peg: its centre of mass lies above the centre of the sphe
 from typing import Any
 
 from ..contact import body as contact
+from ..contact import gliding
 from ..contact.body import Top, Touch
-from ..contact.gliding import gliding_catalogue as gliding
-from ..contact.gliding import gliding_euler
 from ..friction import LAWS
 from ..number import Number, number
 from ..operand import formula, sqrt
@@ -216,8 +215,8 @@ COMMON: dict[str, Any] = {
 GLIDING: dict[str, Any] = {
     "initial": gliding.INITIAL,
     "alternatives": gliding.ALTERNATIVES,
-    "start": gliding.start_of(gliding_euler.ANGLES),
-    "angles": gliding_euler.ANGLES,
+    "start": gliding.start_of(gliding.ANGLES),
+    "angles": gliding.ANGLES,
     "forms": gliding.FORMS,
     "undefined_at_poles": gliding.UNDEFINED_AT_POLES,
     "laws": LAWS,

@@ -10,12 +10,11 @@ check.
 from typing import NamedTuple
 
 from ..contact import body as contact
+from ..contact import gliding, rolling
 from ..contact.body_axes import carried_along
-from ..contact.gliding import gliding_vector
-from ..contact.gliding.gliding_vector import axis
+from ..contact.gliding import axis
 from ..contact.integrals import integral
-from ..contact.rolling import reaction, rolling_vector
-from ..contact.rolling.rolling_vector import VectorState
+from ..contact.rolling import VectorState
 from ..operand import Operand, Vector, cross, formula, plus, times
 from ..system import Form
 from ..units import ANGULAR_MOMENTUM, JELLETT, ONE
@@ -117,8 +116,8 @@ def vertical_force(q, carried, b):
 @formula
 def contact_scalars(q, b):
     """Return the scalars of a state about the contact."""
-    u, L, u_dot = axis(q), momentum(q, b), axis_rate(q, b)
-    return reaction.scalars(u, L, u_dot, centre_velocity(q, b), b)
+    x = contact.Turning(axis(q), momentum(q, b))
+    return rolling.scalars(x, axis_rate(q, b), centre_velocity(q, b), b)
 
 
 @formula
@@ -130,13 +129,13 @@ def vectors(q, b):
 @formula
 def contact_of_angles(e, s, z, b):
     """Return the state about the contact of the angles. [section 1]"""
-    v = rolling_vector.vector_of_angles(e, s, z, b)
-    u, L = axis(v), gliding_vector.momentum(v)
-    k = contact.kinematics(u, L, gliding_vector.axis_rate(v, b), b)
-    w, arm = contact.angular_velocity(u, L, b), contact.arm(u, b)
-    M = plus(L, times(b.m, cross(arm, cross(w, arm))))
+    v = rolling.vector_of_angles(e, s, z, b)
+    x = gliding.turning(v)
+    k = contact.kinematics(x, contact.axis_rate(x, b), b)
+    w, arm = contact.angular_velocity(x, b), contact.arm(x.u, b)
+    M = plus(x.L, times(b.m, cross(arm, cross(w, arm))))
     D, lam = tippe_top.routh(k, b), contact.jellett(k, b)
-    return ContactState(u.x, u.y, u.z, M.x, M.y, D, lam)
+    return ContactState(x.u.x, x.u.y, x.u.z, M.x, M.y, D, lam)
 
 
 @formula
@@ -145,7 +144,7 @@ def angles_of_contact(q, carried, b):
 
     They are 0/0 exactly at a pole, where phi is undefined.
     """
-    return rolling_vector.angles_of_vector(vectors(q, b), carried, b)
+    return rolling.angles_of_vector(vectors(q, b), carried, b)
 
 
 CONTACT = Form(

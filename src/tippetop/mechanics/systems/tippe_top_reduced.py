@@ -9,10 +9,10 @@ import math
 from typing import NamedTuple
 
 from ..contact import body as contact
+from ..contact import rolling
 from ..contact.body_axes import by_angles
-from ..contact.gliding.gliding_chart import AWAY_FROM_POLE
+from ..contact.gliding import AWAY_FROM_POLE
 from ..contact.integrals import integral, place
-from ..contact.rolling import reaction, rolling_euler
 from ..operand import Operand, atan2, cos, formula, sin, sqrt
 from ..system import Form
 from ..theory.spinning import d
@@ -62,13 +62,13 @@ def reduced_kinematics(q, b):
 @formula
 def reduced_scalars(q, b):
     """Return the scalars of a reduced state."""
-    return reaction.scalars_by_kinematics(reduced_kinematics(q, b), b)
+    return rolling.scalars_by_kinematics(reduced_kinematics(q, b), b)
 
 
 @formula
 def reduced_rates(q, b):
     """Return z'' of the rolling top; D and lambda stay. [T 4.2, 4.8]"""
-    return ReducedState(q.z_dot, reaction.z_dot2(reduced_kinematics(q, b), b), 0 * q.D, 0 * q.lam)
+    return ReducedState(q.z_dot, rolling.z_dot2(reduced_kinematics(q, b), b), 0 * q.D, 0 * q.lam)
 
 
 @formula
@@ -106,7 +106,7 @@ def velocity(q, carried, b):
 @formula
 def reduced_of_angles(e, s, z, b):
     """Return the reduced state of the angles."""
-    c = rolling_euler.euler_scalars(e, b)
+    c = rolling.euler_scalars(e, b)
     return ReducedState(z, -(e.theta_dot * s), tippe_top.routh(c, b), contact.jellett(c, b))
 
 
@@ -117,7 +117,7 @@ def angles_of_reduced(q, carried, b):
     s = sqrt(c.s2)
     phi = atan2(sin(carried.phi), cos(carried.phi))
     rates = (-(q.z_dot / s), c.phi_dot_s2 / c.s2, c.L3 / b.I3)
-    return rolling_euler.Angles(atan2(s, q.z), *rates, phi, carried.x, carried.y, carried.impulse)
+    return rolling.Angles(atan2(s, q.z), *rates, phi, carried.x, carried.y, carried.impulse)
 
 
 REDUCED = Form(
@@ -131,7 +131,7 @@ REDUCED = Form(
         integral("phi", phi_rate),
         *place(velocity),
         integral(
-            "impulse", lambda q, carried, b: reaction.normal_force(reduced_kinematics(q, b), b)
+            "impulse", lambda q, carried, b: rolling.normal_force(reduced_kinematics(q, b), b)
         ),
     ),
     orientation=by_angles(sine_and_cosine, psi_rate),

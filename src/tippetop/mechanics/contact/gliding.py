@@ -1,0 +1,510 @@
+"""A body that glides: initial data, forms, events, quantities.
+
+The vector form is regular everywhere; Euler angles are singular at the poles. [T 3.12, 3.17,
+3.20-3.22, 3.29-3.34, 5.2, 5.14-5.18; section 3.4 of the derivation]
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from ..event import Event, Kept
+from ..friction import slip_coefficient
+from ..operand import Vector, atan2, cos, formula, sin, sqrt
+from ..system import Alternative, Domain, Form, Integral, Number, Quantity
+from ..units import (
+    ANGULAR_MOMENTUM,
+    JELLETT,
+    JOULE,
+    METRE,
+    METRE_PER_SECOND,
+    NEWTON,
+    NEWTON_SECOND,
+    RADIAN,
+    RADIAN_PER_SECOND,
+    WATT,
+    Unit,
+)
+from . import body as contact
+from .body import (
+    Scalars,
+    Touch,
+    Turning,
+    contact_mobility,
+    energy,
+    filled,
+    friction_loss,
+    friction_power,
+    g_n,
+    height,
+    jellett,
+    kinematics,
+    kinematics_of_angles,
+    modified_energy,
+    modified_energy_rate,
+    of_azimuth,
+    push_across,
+    push_along,
+    push_n,
+    push_u,
+    rolling_velocity,
+    state,
+)
+from .body_axes import by_angles, carried_along
+from .integrals import integral, place
+
+
+# --- vector form: regular everywhere --------------------------------------------------------------
+
+
+VECTOR_UNITS = state(L3=ANGULAR_MOMENTUM, rx_dot=METRE_PER_SECOND, ry_dot=METRE_PER_SECOND)
+"""3hat, L and L_3 = L.3hat about the centre of mass, velocity of the centre of mass.
+
+L_3 is carried because L_3' and L_z' are one product: it saves three.
+"""
+
+VectorState = type(VECTOR_UNITS)
+
+
+@formula
+def axis(q):
+    """Return 3hat, unit vector along the axis of the body, (3,), space frame."""
+    return Vector(q.ux, q.uy, q.uz)
+
+
+@formula
+def turning(q):
+    """Return 3hat and L, the angular momentum about the centre of mass, space frame [kg m^2/s]."""
+    return Turning(axis(q), Vector(q.Lx, q.Ly, q.Lz))
+
+
+@formula
+def axis_rate(q, b):
+    """Return 3hat' = L x 3hat/I1 [1/s]. [T 3.17]"""
+    return contact.axis_rate(turning(q), b)
+
+
+@formula
+def sliding_velocity(q, b):
+    """Return v_A = r' + omega x a, horizontal, (3,) [m/s]. [T 3.3]
+
+    `body.contact_velocity` with the carried L_3, summed from the left.
+    """
+    u_dot, w = axis_rate(q, b), contact.angular_velocity_of(turning(q), q.L3, b)
+    return Vector(q.rx_dot + b.c * u_dot.x - b.R * w.y, q.ry_dot + b.c * u_dot.y + b.R * w.x, 0.0)
+
+
+@formula
+def vector_scalars(q, b):
+    """Return the scalars of a vector state.
+
+    L_3 is L.3hat, so that the carried L_3 is under control too.
+    """
+    u, v = axis(q), sliding_velocity(q, b)
+    return Scalars(
+        *kinematics(turning(q), axis_rate(q, b), b),
+        u.x * v.x + u.y * v.y,
+        u.x * v.y - u.y * v.x,
+        v.x * v.x + v.y * v.y,
+        q.rx_dot**2 + q.ry_dot**2,
+    )
+
+
+@formula
+def reaction(q, b):
+    """Return F = N (zhat - k v_A), (3,) [N]. [T 3.16; contact 2.1]"""
+    s, v = vector_scalars(q, b), sliding_velocity(q, b)
+    N = contact.g_n(s, b)
+    k = -(slip_coefficient(s.v2, s.z, b.friction) * N)
+    return Vector(k * v.x, k * v.y, N)
+
+
+@formula
+def vector_rates(q, b):
+    """Return 3hat' = L x 3hat/I1, L' = a x F, m r'' = F_h. [T 3.12, 3.17; 5.2]"""
+    u, F = axis(q), reaction(q, b)
+    L3_rate = b.R * (u.x * F.y - u.y * F.x)
+    return VectorState(*axis_rate(q, b), *contact.moment(u, F, b), L3_rate, F.x / b.m, F.y / b.m)
+
+
+# --- Euler angles: singular at the poles ----------------------------------------------------------
+
+
+EULER_UNITS = filled(
+    theta=RADIAN,
+    theta_dot=RADIAN_PER_SECOND,
+    phi_dot=RADIAN_PER_SECOND,
+    omega3=RADIAN_PER_SECOND,
+    nu_x=METRE_PER_SECOND,
+    nu_y=METRE_PER_SECOND,
+)
+"""theta, theta', phi', omega_3, v_A = nu_x e + nu_y 2hat."""
+
+ANGLES = filled(
+    **EULER_UNITS._asdict(), phi=RADIAN, x=METRE, y=METRE, work=JOULE, impulse=NEWTON_SECOND
+)
+"""Public variables: the state, phi, and the integrals."""
+
+EulerState, Angles = type(EULER_UNITS), type(ANGLES)
+
+
+@formula
+def centre_velocity(e, s, z, b):
+    """Return the components of the velocity of the centre of mass along e and 2hat [m/s].
+
+    [section 3.2]
+    """
+    along_e, along_2 = rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
+    return e.nu_x + along_e, e.nu_y + along_2
+
+
+@formula
+def euler_scalars(e, b):
+    """Return the scalars of an Euler-angle state."""
+    s, z = sin(e.theta), cos(e.theta)
+    along_e, along_2 = centre_velocity(e, s, z, b)
+    speeds2 = e.nu_x**2 + e.nu_y**2, along_e**2 + along_2**2
+    return Scalars(*kinematics_of_angles(e, s, z, b), e.nu_x * s, e.nu_y * s, *speeds2)
+
+
+@formula
+def euler_rates(e, b):
+    """Return the solved equations in Euler angles.
+
+    [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]
+    """
+    s, z = sin(e.theta), cos(e.theta)
+    c = euler_scalars(e, b)
+    N, h, q = g_n(c, b), height(z, b), b.c - b.R * z
+    k = slip_coefficient(c.v2, z, b.friction) * N
+    Fx, Fy = -(k * e.nu_x), -(k * e.nu_y)  # along e and 2hat
+    theta_dot2 = (
+        s / b.I1 * (b.I1 * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.c * N) - h * Fx / b.I1
+    )
+    phi_dot2 = (b.I3 * e.theta_dot * e.omega3 - 2 * b.I1 * e.theta_dot * e.phi_dot * z + Fy * q) / (
+        b.I1 * s
+    )
+    return EulerState(
+        e.theta_dot,
+        theta_dot2,
+        phi_dot2,
+        b.R * s * Fy / b.I3,
+        push_along(e.omega3 * (e.phi_dot * s), s, Fx, N, c.axis_speed2, z, b) + e.phi_dot * e.nu_y,
+        push_across(e.omega3 * e.theta_dot, Fy, s**2, z, b) - e.phi_dot * e.nu_x,
+    )
+
+
+@formula
+def sine_and_cosine(q):
+    """Return sin(theta), cos(theta)."""
+    return sin(q.theta), cos(q.theta)
+
+
+@formula
+def psi_rate(q, carried, b):
+    """Return psi' = omega_3 - phi' cos(theta) [rad/s]. [T 3.22]"""
+    return q.omega3 - q.phi_dot * cos(q.theta)
+
+
+@formula
+def velocity(q, carried, b):
+    """Return x', y' of the centre of mass [m/s]."""
+    along_e, along_2 = centre_velocity(q, sin(q.theta), cos(q.theta), b)
+    return of_azimuth(along_e, along_2, carried.phi)
+
+
+# --- the chart between them -----------------------------------------------------------------------
+
+
+@formula
+def axis_and_momentum(e, s, z, I1, I3):
+    """Return 3hat and L of a body with the transverse moment I1 and the axial moment I3.
+
+    [section 1]
+    """
+    ex, ey = cos(e.phi), sin(e.phi)
+    L3, transverse, nodal = I3 * e.omega3, -(I1 * e.phi_dot * s), I1 * e.theta_dot
+    lean = transverse * z + L3 * s  # L along e; 1hat = z e - s zhat
+    L = Vector(lean * ex - nodal * ey, lean * ey + nodal * ex, L3 * z - transverse * s)
+    return Turning(Vector(s * ex, s * ey, z), L)
+
+
+@formula
+def vector_of_angles(e, s, z, b):
+    """Return the vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
+
+    [section 1]
+    """
+    u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
+    along_e, along_2 = centre_velocity(e, s, z, b)
+    velocity = of_azimuth(along_e, along_2, e.phi)
+    return VectorState(*u, *L, b.I3 * e.omega3, *velocity)
+
+
+def angles_by(units: Any, scalars: Callable) -> Callable:
+    """Return to_angles(q, carried, b) of a form whose state has the axis.
+
+    The angles are 0/0 exactly at a pole, where phi is undefined. theta is atan2(sin, cos): no
+    digits are lost near the poles. [section 3.4]
+
+    Parameters
+    ----------
+    units
+        The record of the angles; fields that the scalars do not give are integrals.
+    scalars
+        scalars(q, b) of the form.
+    """
+
+    def to_angles(q: Any, carried: Any, b: Any) -> Any:
+        c, u = scalars(q, b), axis(q)
+        s = sqrt(c.s2)
+        known = {
+            "theta": atan2(s, c.z),
+            "theta_dot": -c.z_dot / s,
+            "phi_dot": c.phi_dot_s2 / c.s2,
+            "omega3": c.L3 / b.I3,
+            "phi": atan2(u.y, u.x),
+        }
+        if hasattr(c, "v_u"):
+            known |= {"nu_x": c.v_u / s, "nu_y": c.v_n / s}
+        if hasattr(c, "rise"):
+            known |= {"nu_z": c.rise, "gap": c.gap}
+        return type(units)(
+            *(known[name] if name in known else getattr(carried, name) for name in units._fields)
+        )
+
+    return to_angles
+
+
+angles_of_vector = angles_by(ANGLES, vector_scalars)
+
+AWAY_FROM_POLE = Domain(
+    formula(lambda s, b: s.s2),
+    'this form is singular where sin(theta) = 0: use form = "vector"',
+)
+
+
+def in_euler_angles(
+    vector: Form,
+    angles: Any,
+    units: Any,
+    rates: Callable,
+    scalars: Callable,
+    integrals: tuple[Integral, ...],
+    *domains: Domain,
+) -> Form:
+    """Return the form of a body in Euler angles, in addition to its vector form.
+
+    Parameters
+    ----------
+    vector
+        The vector form: by way of it theta is brought to [0, pi], and phi to (-pi, pi].
+    angles
+        The record of the angles.
+    units
+        The state: the first of the angles.
+    rates, scalars, integrals, domains
+        As of a `Form`, without phi.
+    """
+
+    def to_angles(q: Any, carried: Any, b: Any) -> Any:
+        sources = (q if name in q._fields else carried for name in angles._fields)
+        e = type(angles)(*map(getattr, sources, angles._fields))
+        state = vector.of_angles(e, sin(e.theta), cos(e.theta), b)
+        return vector.to_angles(state, carried, b)
+
+    return Form(
+        "euler",
+        units,
+        rates,
+        scalars,
+        lambda e, s, z, b: type(units)(*e[: len(units)]),
+        to_angles,
+        integrals=(integral("phi", lambda q, carried, b: q.phi_dot), *integrals),
+        orientation=by_angles(sine_and_cosine, psi_rate),
+        domains=(*domains, AWAY_FROM_POLE),
+    )
+
+
+# --- the catalogue --------------------------------------------------------------------------------
+
+
+INITIAL = {
+    "theta": Number(
+        RADIAN, "inclination theta of the axis", least=0, most=3.141592653589793, symbol=r"\theta"
+    ),
+    "theta_dot": Number(RADIAN_PER_SECOND, "theta'", symbol=r"\theta'"),
+    "phi": Number(RADIAN, "azimuth phi of the horizontal projection of the axis", symbol=r"\phi"),
+    "phi_dot": Number(RADIAN_PER_SECOND, "phi'", symbol=r"\phi'"),
+    "omega3": Number(
+        RADIAN_PER_SECOND, "angular velocity omega_3 about the axis", symbol=r"\omega_3"
+    ),
+    "nu_x": Number(METRE_PER_SECOND, "contact velocity along e", symbol=r"\nu_x"),
+    "nu_y": Number(METRE_PER_SECOND, "contact velocity along 2hat", symbol=r"\nu_y"),
+    "x": Number(METRE, "x of the centre of mass"),
+    "y": Number(METRE, "y of the centre of mass"),
+    "psi_dot": Number(RADIAN_PER_SECOND, "psi', instead of omega3", symbol=r"\psi'"),
+    "psi": Number(RADIAN, "turn psi of the body about its axis", symbol=r"\psi"),
+}
+BY_PSI_DOT = Alternative("psi_dot", ("omega3",))
+ALTERNATIVES = (BY_PSI_DOT, Alternative("centre_at_rest", ("nu_x", "nu_y"), flag=True))
+
+
+def start_of(angles: Any) -> Callable:
+    """Return `start` of a system with these angles: what the user gave, the rest zero.
+
+    psi_dot may be given instead of omega3, and centre_at_rest instead of nu_x and nu_y.
+    """
+
+    def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
+        e = type(angles)(*(data.get(name, 0) for name in angles._fields))
+        if "psi_dot" in data:
+            e = e._replace(omega3=data["psi_dot"] + e.phi_dot * z)
+        if data.get("centre_at_rest"):
+            along_e, along_2 = centre_velocity(e, s, z, b)
+            e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
+        return e
+
+    return start
+
+
+NOT_JAMMED = Domain(
+    contact_mobility,
+    "the friction jams the contact (denominator of g_n not positive): no solution of the model",
+)
+
+
+def work_and_impulse(scalars: Any) -> tuple[Integral, Integral]:
+    """Return the integrals of friction power and normal force of a form with these scalars."""
+    return (
+        integral("work", lambda q, carried, b: friction_power(scalars(q, b), b)),
+        integral("impulse", lambda q, carried, b: g_n(scalars(q, b), b)),
+    )
+
+
+VECTOR = Form(
+    "vector",
+    VECTOR_UNITS,
+    vector_rates,
+    vector_scalars,
+    vector_of_angles,
+    angles_of_vector,
+    integrals=(
+        *place(lambda q, carried, b: (q.rx_dot, q.ry_dot)),
+        *work_and_impulse(vector_scalars),
+    ),
+    orientation=carried_along(axis, axis_rate, lambda q, b: q.L3 / b.I3),
+    domains=(NOT_JAMMED,),
+)
+EULER = in_euler_angles(
+    VECTOR,
+    ANGLES,
+    EULER_UNITS,
+    euler_rates,
+    euler_scalars,
+    (*place(velocity), *work_and_impulse(euler_scalars)),
+    NOT_JAMMED,
+)
+FORMS = {form.name: form for form in (VECTOR, EULER)}
+UNDEFINED_AT_POLES = ("phi", "phi_dot", "nu_x", "nu_y")
+VECTORS = {"axis": ("ux", "uy", "uz"), "L": ("Lx", "Ly", "Lz")}
+LONG_NAMES = {
+    **{name: parameter.long_name for name, parameter in INITIAL.items()},
+    "phi": "azimuth phi of the horizontal projection of the axis, in (-pi, pi]; undefined (NaN) "
+    "exactly at a pole",
+    "phi_dot": "phi'; undefined (NaN) exactly at a pole",
+    "nu_x": "contact velocity along e; undefined (NaN) exactly at a pole",
+    "nu_y": "contact velocity along 2hat; undefined (NaN) exactly at a pole",
+    "work": "energy taken by friction since the start",
+    "impulse": "integral of the normal force since the start",
+    "axis": "unit vector 3hat along the axis, space frame",
+    "L": "angular momentum about the centre of mass, space frame",
+}
+
+
+@formula
+def theta_turns(s, b):
+    """Return z' = -theta' sin(theta): zero at the turning angles, and at a pole."""
+    return s.z_dot
+
+
+@formula
+def equator(s, b):
+    """Return z = cos(theta): zero where the axis is horizontal."""
+    return s.z
+
+
+@formula
+def near_inversion(s, b):
+    """Return z + cos(0.1): falls through zero where theta rises through pi - 0.1."""
+    return s.z + COS_INVERTED
+
+
+@formula
+def sliding(s, b):
+    """Return the friction loss less 1e-12, in internal units.
+
+    Below it the motion is settled, because a solution without sliding is a spinning or a tumbling
+    one. [T Theorem 3.3.1]
+    """
+    return friction_loss(s, b) - 1e-12
+
+
+COS_INVERTED = 0.9950041652780258  # cos(0.1)
+
+TURNING = Event("turning", "turning angle, theta' = 0", theta_turns, sense=-1)
+LIFTOFF = Event(
+    "liftoff",
+    "normal force g_n falls to zero: beyond it the model is not valid",
+    g_n,
+    direction=-1,
+    ends="liftoff",
+    extremes="normal_force",
+    kept=(Kept("lifted_at", "first", "the normal force first falls to zero; NaN: never"),),
+)
+EQUATOR = Event(
+    "equator",
+    "theta = pi/2",
+    equator,
+    kept=(
+        Kept("first_equator", "first", "first passage of theta = pi/2; NaN: none"),
+        Kept("last_equator", "last", "last passage of theta = pi/2; NaN: none"),
+        Kept("equators", "count", "passages of theta = pi/2"),
+    ),
+)
+FALLEN = replace(EQUATOR, long_name="theta = pi/2: the body has fallen to the plane", ends="fallen")
+INVERTED = Event(
+    "inverted",
+    "theta rises through pi - 0.1",
+    near_inversion,
+    direction=-1,
+    kept=(Kept("inverted_at", "first", "theta first rises through pi - 0.1; NaN: never"),),
+)
+SETTLED = Event(
+    "settled",
+    "sliding dies out: friction loss below 1e-12 sqrt(gR)",
+    sliding,
+    direction=-1,
+    lasting=True,
+    kept=(Kept("settled_at", "last", "sliding last died out; NaN: never"),),
+)
+EVENTS = (TURNING, LIFTOFF, EQUATOR, INVERTED, SETTLED)
+
+ENERGIES = (
+    Quantity("energy", "E", JOULE, "energy", energy),
+    Quantity("modified_energy", "E~", JOULE, "modified (rolling) energy", modified_energy),
+)
+QUANTITIES = (
+    *ENERGIES,
+    Quantity("normal_force", "g_n", NEWTON, "normal force", g_n),
+    Quantity("friction_power", "-E'", WATT, "power dissipated by friction", friction_power),
+)
+TORQUE = Unit("kg m2 s-2")
+MODIFIED_ENERGY_RATE = Quantity(
+    "modified_energy_rate",
+    "E~'",
+    WATT,
+    "rate of the modified energy",
+    lambda s, b: modified_energy_rate(push_u(s, b), push_n(s, b), s, b),
+)
+JELLETT_QUANTITY = Quantity("jellett", "lambda", JELLETT, "Jellett's integral", jellett)

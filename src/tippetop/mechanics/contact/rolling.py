@@ -1,0 +1,284 @@
+"""A body of revolution whose contact point is at rest, v_A = 0: contact arm a = c*3hat - R*zhat as
+in `gliding`.
+
+The vector form is regular everywhere; Euler angles are singular at the poles.
+
+c = alpha*R is the rolling tippe top; R = 0, c = -l a top with its tip fixed. The reaction F = m s''
++ m g zhat at the contact follows from the motion, and is not vertical. Every formula takes its
+parameters as a `contact.body.Touch`.
+"""
+
+from dataclasses import replace
+
+from ..operand import cos, dot, formula, sin, sqrt, times
+from ..system import Form, Quantity
+from ..units import METRE, NEWTON, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
+from . import body as contact
+from . import gliding
+from .body import arm_velocity, filled, kinematics_of_angles, moment, of_azimuth, state
+from .body_axes import carried_along
+from .gliding import angles_by, axis, axis_and_momentum, axis_rate, in_euler_angles, turning
+from .integrals import integral, place
+from .response import bias_vector, mobility_inverse_times
+
+
+FIELDS = (*contact.Kinematics._fields, "speed2", "friction_force2")
+Scalars = type(contact.filled(**dict.fromkeys(FIELDS)))
+"""The kinematics, |r'|^2 of the horizontal velocity of the centre of mass, and |F_h|^2 of the
+horizontal part of the reaction.
+"""
+
+
+# --- the reaction -------------------------------------------------------------------------------
+
+
+@formula
+def motion_terms(s, b):
+    """Return q |3hat'|^2 + R omega_3 phi' sin(theta)^2, q = c - R z [m/s^2].
+
+    v_A = 0 requires it of F.3hat, beyond z''.
+    """
+    return (b.c - b.R * s.z) * s.axis_speed2 + b.R * (s.L3 / b.I3) * s.phi_dot_s2
+
+
+@formula
+def z_dot2(s, b):
+    """Return z'' [1/s^2], from v_A = 0. [equal to T 4.2]"""
+    h = contact.height(s.z, b)
+    drive = b.c * (b.g * s.s2) + h * motion_terms(s, b)
+    return (b.I1 * s.z_ddot_free + b.m * drive) / (b.I1 + b.m * contact.arm2(s.z, b))
+
+
+@formula
+def normal_force(s, b):
+    """Return the normal force F_z = m (g - c z'') [N]."""
+    return b.m * (b.g - b.c * z_dot2(s, b))
+
+
+@formula
+def push_along(s, b):
+    """Return F_h.3hat [N]: horizontal reaction along the lean of the axis, times sin(theta)."""
+    return b.m * (motion_terms(s, b) - contact.height(s.z, b) * z_dot2(s, b))
+
+
+@formula
+def push_across(s, b):
+    """Return (3hat x F).zhat [N]: horizontal reaction across the lean, times sin(theta)."""
+    slope = b.I1 * (b.R * s.z) + b.I3 * (b.c - b.R * s.z)
+    return b.m * (s.L3 * s.z_dot) * slope / spin_determinant(s.z, b)
+
+
+@formula
+def spin_determinant(z, b):
+    """Return I3^2 d(z) = I1 I3 + m R^2 I1 sin(theta)^2 + m I3 (c - R z)^2 [kg^2 m^4]. [T 4.2]"""
+    return b.I1 * b.I3 + b.m * (b.R**2 * b.I1 * ((1 - z) * (1 + z)) + b.I3 * (b.c - b.R * z) ** 2)
+
+
+@formula
+def horizontal_force(s, b):
+    """Return the size of the horizontal part of the reaction, |F_h| [N]."""
+    return sqrt(s.friction_force2)
+
+
+@formula
+def friction_needed(s, b):
+    """Return the coefficient of Coulomb friction that pure rolling needs, |F_h|/F_z."""
+    return sqrt(s.friction_force2) / normal_force(s, b)
+
+
+@formula
+def reaction(x, b):
+    """Return the reaction F = m s'' + m g zhat at a contact at rest, (3,), space frame [N]."""
+    return times(-1, mobility_inverse_times(x.u, bias_vector(x, b), b))
+
+
+@formula
+def scalars(x, u_dot, v, b):
+    """Return the scalars; u_dot is 3hat', v is the velocity of the centre of mass."""
+    F = reaction(x, b)
+    return Scalars(*contact.kinematics(x, u_dot, b), v.x**2 + v.y**2, F.x**2 + F.y**2)
+
+
+@formula
+def scalars_by_kinematics(s, b):
+    """Return the scalars, 0/0 at a pole: the reaction has parts along and across the lean."""
+    speed2 = contact.arm_speed2(s, b) - (b.c * s.z_dot) ** 2
+    return Scalars(*s, speed2, (push_along(s, b) ** 2 + push_across(s, b) ** 2) / s.s2)
+
+
+# --- Euler angles: singular at the poles ----------------------------------------------------------
+
+
+EULER_UNITS = filled(
+    theta=RADIAN, theta_dot=RADIAN_PER_SECOND, phi_dot=RADIAN_PER_SECOND, omega3=RADIAN_PER_SECOND
+)
+"""Variables theta, theta', phi', omega_3."""
+
+ANGLES = filled(**EULER_UNITS._asdict(), phi=RADIAN, x=METRE, y=METRE, impulse=NEWTON_SECOND)
+"""Public variables: the state, phi, and the integrals."""
+
+EulerState, Angles = type(EULER_UNITS), type(ANGLES)
+
+
+@formula
+def euler_accelerations(e, s, z, b):
+    """Return theta'', phi'', omega_3' in Euler angles. [T 4.2-4.4]"""
+    h, q = contact.height(z, b), b.c - b.R * z
+    determinant = spin_determinant(z, b)
+    theta_dot2 = (
+        s
+        * (
+            e.phi_dot**2 * (b.I1 * z - b.m * q * h)
+            - e.phi_dot * e.omega3 * (b.m * b.R * h + b.I3)
+            - b.m * b.c * (b.R * e.theta_dot**2 + b.g)
+        )
+        / (b.I1 + b.m * contact.arm2(z, b))
+    )
+    phi_dot2 = (
+        e.theta_dot
+        / s
+        * (e.omega3 * b.I3 * (b.I3 + b.m * b.R * h) / determinant - 2 * e.phi_dot * z)
+    )
+    omega3_dot = (
+        -(b.m * b.R * (e.omega3 * e.theta_dot * s)) * (b.I1 * b.R * z + b.I3 * q) / determinant
+    )
+    return theta_dot2, phi_dot2, omega3_dot
+
+
+@formula
+def euler_scalars(e, b):
+    """Return the scalars of an Euler-angle state."""
+    s, z = sin(e.theta), cos(e.theta)
+    return scalars_by_kinematics(kinematics_of_angles(e, s, z, b), b)
+
+
+@formula
+def euler_rates(e, b):
+    """Return the equations in Euler angles. [T 4.2-4.4]"""
+    s, z = sin(e.theta), cos(e.theta)
+    return EulerState(e.theta_dot, *euler_accelerations(e, s, z, b))
+
+
+@formula
+def euler_velocity(q, carried, b):
+    """Return x', y' of the centre of mass [m/s]."""
+    along_e, along_2 = contact.rolling_velocity(
+        q.theta_dot, q.phi_dot, q.omega3, sin(q.theta), cos(q.theta), b
+    )
+    return of_azimuth(along_e, along_2, carried.phi)
+
+
+@formula
+def vertical_force(q, carried, b):
+    """Return the normal force m (g + c (theta'' sin(theta) + theta'^2 cos(theta))) [N]."""
+    s, z = sin(q.theta), cos(q.theta)
+    theta_dot2, _, _ = euler_accelerations(q, s, z, b)
+    return b.m * (b.g + b.c * (theta_dot2 * s + q.theta_dot**2 * z))
+
+
+# --- vector form: regular everywhere --------------------------------------------------------------
+
+
+VECTOR_UNITS = state()
+"""3hat, and L about the centre of mass. The velocity of the centre of mass is -omega x a."""
+
+VectorState = type(VECTOR_UNITS)
+
+
+@formula
+def velocity(q, carried, b):
+    """Return the velocity of the centre of mass, -(omega x a), (3,) [m/s]."""
+    return times(-1, arm_velocity(turning(q), b))
+
+
+@formula
+def vector_scalars(q, b):
+    """Return the scalars of a vector state."""
+    return scalars(turning(q), axis_rate(q, b), velocity(q, None, b), b)
+
+
+@formula
+def force(q, b):
+    """Return the reaction, (3,) [N]."""
+    return reaction(turning(q), b)
+
+
+@formula
+def vector_rates(q, b):
+    """Return 3hat' = L x 3hat/I1, L' = a x F. [section 4]"""
+    return VectorState(*axis_rate(q, b), *moment(axis(q), force(q, b), b))
+
+
+@formula
+def spin(q, b):
+    """Return omega_3 = L.3hat/I3 [rad/s].
+
+    L is about the centre of mass or about a point of the axis.
+    """
+    x = turning(q)
+    return dot(x.L, x.u) / b.I3
+
+
+@formula
+def vector_of_angles(e, s, z, b):
+    """Return the vector state of angles; s, z are their sin(theta), cos(theta), exact at the poles.
+
+    [section 1]
+    """
+    u, L = axis_and_momentum(e, s, z, b.I1, b.I3)
+    return VectorState(*u, *L)
+
+
+angles_of_vector = angles_by(ANGLES, vector_scalars)
+
+
+# --- the catalogue --------------------------------------------------------------------------------
+
+
+INITIAL = {name: p for name, p in gliding.INITIAL.items() if not name.startswith("nu_")}
+
+
+VECTOR = Form(
+    "vector",
+    VECTOR_UNITS,
+    vector_rates,
+    vector_scalars,
+    vector_of_angles,
+    angles_of_vector,
+    integrals=(
+        *place(velocity),
+        integral("impulse", lambda q, carried, b: force(q, b).z),
+    ),
+    orientation=carried_along(axis, axis_rate, spin),
+)
+EULER = in_euler_angles(
+    VECTOR,
+    ANGLES,
+    EULER_UNITS,
+    euler_rates,
+    euler_scalars,
+    (*place(euler_velocity), integral("impulse", vertical_force)),
+)
+UNDEFINED_AT_POLES = ("phi", "phi_dot")
+FORMS = {form.name: form for form in (VECTOR, EULER)}
+
+LIFTOFF = replace(
+    gliding.LIFTOFF,
+    long_name="normal force falls to zero: beyond it the model is not valid",
+    formula=normal_force,
+)
+EVENTS = (gliding.TURNING, LIFTOFF, gliding.EQUATOR, gliding.INVERTED)
+
+REACTION = (
+    Quantity("normal_force", "F_z", NEWTON, "normal force", normal_force),
+    Quantity(
+        "horizontal_force", "|F_h|", NEWTON, "horizontal part of the reaction", horizontal_force
+    ),
+    Quantity(
+        "friction_needed",
+        "|F_h|/F_z",
+        ONE,
+        "Coulomb friction coefficient that rolling needs",
+        friction_needed,
+    ),
+)
