@@ -180,14 +180,13 @@ class Jump:
             x = x._replace(carried=carried)
         try:
             return self._next(x, carried, world._replace(phase=self.phase))
+        except InputError:
+            raise
         except Exception as error:
-            is_known, is_arithmetic = (
-                type(error) in (ArithmeticError, InputError),
-                isinstance(error, ArithmeticError),
-            )
-            message = f"{self.where} fails: {type(error).__name__}: {error}"
-            message = str(error) if is_known else message
-            if not (is_arithmetic and (is_known or world.rules)):
+            message, is_told = str(error), type(error) is ArithmeticError
+            if not is_told:
+                message = f"{self.where} fails: {type(error).__name__}: {error}"
+            if not is_told and not (world.rules and isinstance(error, ArithmeticError)):
                 raise InputError(message) from error
             return Next("", x, ends=Status.STALLED.value, message=message), (), ()
 

@@ -459,18 +459,18 @@ def begin_slip(x: Moving, world: Any) -> Next:
     return Next(name, x, "slip", delay, series, ("slip",))
 
 
-def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Next:
+def go_on(x: Moving, world: Any, to: str, passed: str, side: int) -> Next:
     """Return the same motion in other words, or in the same.
 
     The event function `passed` has its root here, and goes to this side of it.
     """
     sides = {passed: side} if side else {}
-    return on_disc(Next(to, x, "", zeros={passed: 1} if passed else {}, sides=sides), world)
+    return on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
 
 
 def come_to_rest(x: Moving, world: Any, slides: str) -> Next:
     """Return the phase after a sliding disc neither slides nor turns any more."""
-    n = on_disc(Next(slides, x, "", zeros={RESTS.name: 1}, sides={RESTS.name: -1}), world)
+    n = go_on(x, world, slides, RESTS.name, -1)
     n.logged = ("stick",) if world.phases[n.phase].label == "rest" else ()
     return n
 
@@ -486,7 +486,7 @@ def roll_on_both(x: Moving, world: Any) -> Next:
     if size(F) < b.friction.mu * F.z:
         return Next(name, rolls, "rests", logged=("stick",))
     name = phase_name("both", 0, *regions_of(x, *world.body))
-    return Next(name, x, "", zeros={STANDS.name: 1}, sides={STANDS.name: -1})
+    return go_on(x, world, name, STANDS.name, -1)
 
 
 def give_way(x: Moving, world: Any) -> Next:

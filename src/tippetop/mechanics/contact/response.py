@@ -26,7 +26,6 @@ from .body import (
     arm2,
     axis_rate,
     gained,
-    height,
     velocities,
 )
 
@@ -109,23 +108,14 @@ def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
 
 
 @formula
-def response(u, push, b):
-    """Return zhat.K(zhat - push) [1/kg].
-
-    It is the upward acceleration of the contact point for N = 1 and the horizontal force -push.
-    """
-    lever = b.c * (u.x * u.x + u.y * u.y) - height(u.z, b) * (u.x * push.x + u.y * push.y)
-    return 1 / b.m + b.c * lever / b.I1
-
-
-@formula
 def sliding(x, push, per_force, b):
     """Return the force and torque (3,) on a body that slides.
 
     Its contact acts by the horizontal friction -N push and the torque N per_force.
     """
-    N = -bias_vector(x, b).z / (response(x.u, push, b) + torque_acceleration(x.u, per_force, b).z)
-    return Vector(-(N * push.x), -(N * push.y), N), times(N, per_force)
+    per = Vector(-push.x, -push.y, 1 + 0 * x.u.z)
+    N = -bias_vector(x, b).z / mobility_times(x.u, per, per_force, b).z
+    return times(N, per), times(N, per_force)
 
 
 @formula
