@@ -330,6 +330,7 @@ class HybridDriver(Driver):
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
         body, phases = _assembled(problem)
+        body = refill(body, map(number, leaves(body)))
         self.phases = {name: completed(one, problem.variables) for name, one in phases.items()}
         self.variables = len(problem.variables.names)
         self.at_start = np.ones(len(system.events))  # the phase of the start is chosen

@@ -265,11 +265,11 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
     The other one strikes too, should it be pressed into the plane.
     """
     hits: list[Any] = []
-    bounces = makes_energy = False
+    makes_energy = False
     pressed = [ball] if rise(x, world.body[ball]) < -least and not both_rest(x, world) else []
     while pressed and not makes_energy and len(hits) < MOST_STRIKES:
         ball = pressed[0]
-        x, hit, bounces, makes_energy = struck(x, world, ball)
+        x, hit, makes_energy = struck(x, world, ball)
         hits.append(hit)
         others = (k for k, b in enumerate(world.body) if k != ball and rise(x, b) < -CLOSES_AT)
         pressed = [k for k in others if k in touching(x, world)]
@@ -277,7 +277,7 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
         n = ended(x, ball, cause, "ended", MAKES_ENERGY)
     elif pressed:
         n = ended(x, ball, cause, "stalled", NO_WAY)
-    elif bounces:
+    elif hits and hits[-1].v_n_after > 0:
         n = fly(x, world, ball, 1, cause)
     elif both_rest(x, world):
         n = rest_on_both(x, world, cause)
@@ -287,11 +287,10 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
     return first_touch(n, world)
 
 
-def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
+def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
     """Return the body after an impact of a ball, and the row of the impact.
 
-    Return also whether the ball leaves the plane, and whether the impact made energy. Raises
-    ArithmeticError if it has no solution.
+    Return also whether the impact made energy. Raises ArithmeticError if it has no solution.
     """
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
@@ -304,7 +303,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
         after = after._replace(z=0.0)
     slides, mode = (size(v), size(after)), IMPACT.mode.index(impact.mode)
     hit = Impact(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
-    return x, hit, e_n != 0, impact.makes_energy
+    return x, hit, impact.makes_energy
 
 
 # --- slides that begin and end ------------------------------------------------------------------

@@ -11,7 +11,7 @@ from ..event import Event
 from ..form import CLOCK, Exit, Form, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
 from ..number import Number
-from ..operand import formula, leaves, refill
+from ..operand import formula
 from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from . import gliding
@@ -180,21 +180,13 @@ def opened(system: System, law: Any, balls: int) -> System:
         internal(value, unit) converts SI values.
         """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
-
-        def bodies(b: Touch) -> tuple[Touch, ...]:
-            seen = seen_from_balls(b, stem)
-            if not isinstance(0 * b.I1, float):
-                return seen
-            return tuple(
-                refill(one, map(float, leaves(one))) for one in seen
-            )  # faster than numbers of NumPy
-
         of_disc = bool(law.regions) and not is_frictionless(b.friction)
         if not (law.set_valued or law.regions) or b.friction.mu != 0 or of_disc:
-            return bodies(b), phases
+            return seen_from_balls(b, stem), phases
         none = LAWS["none"].given(PARTS if has_parts(b.friction) else ())
         free = none._make(getattr(b.friction, name) for name in none.parameters)
-        return bodies(b._replace(friction=free)), opened(system, none, balls).phases
+        seen = seen_from_balls(b._replace(friction=free), stem)
+        return seen, opened(system, none, balls).phases
 
     return replace(
         system,

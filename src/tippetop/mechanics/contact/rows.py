@@ -187,7 +187,7 @@ ROW = Form(
     row_of_angles,
     angles_by(ANGLES, row_scalars),
     integrals=carried("x", "y", "work", "impulse"),
-    orientation=carried_along(axis, axis_rate, spin),
+    orientation=carried_along(axis_rate, spin),
 )
 DISC_ROW = replace(
     ROW,
