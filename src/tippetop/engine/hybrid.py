@@ -121,11 +121,9 @@ class World(NamedTuple):
     phase: Any = None
     left: Any = None
 
-    def rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
-        """Return the rates of the integrals of the run in a state of a phase. `b` is the body in
-        the numbers of the state, if they are others.
-        """
-        b = b or phase.parameters(self.body)
+    def rates(self, phase: Phase, q: Any, carried: Any) -> list:
+        """Return the rates of the integrals of the run in a state of a phase."""
+        b = phase.parameters(self.body)
         return [integral.rate(q, carried, b) for integral in phase.form.integrals]
 
 

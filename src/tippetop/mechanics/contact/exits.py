@@ -373,7 +373,8 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
 
     It gives states and integrals of times (n,). Wider numbers are rounded to 80 bits.
     """
-    x, b = rounded(x), rounded(world.body[phase.ball])
+    x, world = rounded(x), world._replace(body=rounded(world.body))
+    b = world.body[phase.ball]
 
     def read(state: np.ndarray, beta: Any) -> tuple[Any, Any]:
         *moved, w = state
@@ -382,7 +383,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
         q, carried = read(state, beta)
         by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
-        every = (*by[:6], *world.rates(phase, q, carried, b), by.w)
+        every = (*by[:6], *world.rates(phase, q, carried), by.w)
         return np.array([np.broadcast_to(rate, beta.shape) for rate in every]), by.beta
 
     F = sticking(x, b)[0]

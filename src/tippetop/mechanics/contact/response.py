@@ -140,15 +140,16 @@ def across_and_along(G, n):
 @formula
 def sticking(x, b):
     """Return the force and torque (3,) on a body whose contact point stays at rest."""
-    return held_point(x.u, bias_vector(x, b), load(angular_velocity(x, b), b.friction), b)
+    return held_point(x.u, bias_vector(x, b), angular_velocity(x, b), b)
 
 
 @formula
-def held_point(u, bias, per_force, b):
-    """Return the force and torque (3,) that cancel the acceleration `bias` of the contact point.
+def held_point(u, bias, omega, b):
+    """Return the force and torque (3,) that keep a contact point at rest while it turns with omega.
 
-    The torque per normal force is given.
+    Without them, its acceleration would be `bias`.
     """
+    per_force = load(omega, b.friction)
     F = held(u, bias, torque_acceleration(u, per_force, b), excess(b), b)
     return F, times(F.z, per_force)
 
