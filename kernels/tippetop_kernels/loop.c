@@ -45,12 +45,6 @@ static const real TINY = 1e-10;
 /* Codes of `engine.status.Status`. */
 enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
 
-/* The state of an event function: its sign, +1 or -1; its least and greatest values; 1 if the
-   run starts on a zero of it, -k if its first k Taylor coefficients vanish where the next step
-   begins; in the present step its bounds, and 1 if it is monotone; the times of its least and
-   greatest values. */
-enum { SIGN, LEAST, GREATEST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_GREATEST };
-
 /* The number that an event keeps of its passages: the time of the first or the last one, or their number. */
 enum { FIRST, LAST, COUNT };
 
@@ -96,9 +90,17 @@ typedef struct {
     real theta_min, theta_max, lasts_since, doubted;
 } Tally;
 
+/* The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
+   its first k Taylor coefficients vanish where the next step begins; in the present step its bounds,
+   and 1 if it is monotone; its least and greatest values, and their times. */
+typedef struct {
+    real sign, on_zero, low, high, steady, extremes[2], times[2];
+} Function;
+
 typedef struct {
     Tally *lane;
-    real *functions, *kept;
+    Function *functions;
+    real *kept;
 } Tallies;
 
 typedef struct {
@@ -344,13 +346,24 @@ void loop_extremes(const real *p, integer n, real *values, real *places) {
 
 /* --- bounds of the event functions over a step, in all lanes --- */
 
-INLINED real *known(const Loop *l, integer what, integer event) {
-    return l->tallies.functions + (what * l->sizes.events + event) * l->sizes.lanes;
+INLINED Function *function(const Loop *l, integer event, integer lane) {
+    return l->tallies.functions + event * l->sizes.lanes + lane;
 }
 
-/* Bound an event function. The Bernstein coefficients of the cubic part, plus or minus the sum of
-   the other coefficients, bound a polynomial; those of its slope show whether it is monotone: then
-   it lies between its ends. */
+typedef struct {
+    real low, high, end;
+} Cubic;
+
+/* The bounds of a cubic polynomial on [0, 1], by its Bernstein coefficients, and its end. */
+INLINED Cubic cubic(real p0, real p1, real p2, real p3) {
+    real b1 = p0 + p1 / 3, b2 = p0 + (2 * p1 + p2) / 3, b3 = p0 + p1 + p2 + p3;
+    real low1 = MIN(p0, b1), low2 = MIN(b2, b3), high1 = MAX(p0, b1), high2 = MAX(b2, b3);
+    return (Cubic){MIN(low1, low2), MAX(high1, high2), b3};
+}
+
+/* Bound an event function. The bounds of the cubic part, plus or minus the sum of the other
+   coefficients, bound a polynomial; those of its slope show whether it is monotone: then it lies
+   between its ends. */
 INLINED void bound(const Loop *l, integer n, integer e) {
     const Event *event = l->rows.events + e;
     integer size = l->sizes.size, shift = event->shift;
@@ -369,21 +382,19 @@ INLINED void bound(const Loop *l, integer n, integer e) {
     for (integer i = 0; i < n; i++) {
         real p0 = c[i], p1 = c[n + i] * factor[n + i], p2 = c[2 * n + i] * factor[2 * n + i];
         real p3 = c[3 * n + i] * factor[3 * n + i], p4 = c[4 * n + i] * factor[4 * n + i];
-        real b1 = p0 + p1 / 3, b2 = p0 + (2 * p1 + p2) / 3, b3 = p0 + p1 + p2 + p3;
-        real s1 = p1 + 2 * p2 / 3, s2 = p1 + (4 * p2 + 3 * p3) / 3;
-        real s3 = p1 + 2 * p2 + 3 * p3 + 4 * p4;
-        real slow1 = MIN(p1, s1), slow2 = MIN(s2, s3), slow = MIN(slow1, slow2);
-        real fast1 = MAX(p1, s1), fast2 = MAX(s2, s3), fast = MAX(fast1, fast2);
-        bool monotone = (slow > bend[i]) | (fast < -bend[i]);
-        real last = b3 + p4 + end[i], beyond = fabs(p4) + rest[i];
-        real low1 = MIN(p0, b1), low2 = MIN(b2, b3), high1 = MAX(p0, b1), high2 = MAX(b2, b3);
+        Cubic value = cubic(p0, p1, p2, p3), slope = cubic(p1, 2 * p2, 3 * p3, 4 * p4);
+        bool monotone = (slope.low > bend[i]) | (slope.high < -bend[i]);
+        real last = value.end + p4 + end[i], beyond = fabs(p4) + rest[i];
         steady[i] = monotone ? 1.0 : 0.0;
-        low[i] = (monotone ? MIN(p0, last) : MIN(low1, low2) - beyond) + event->offset;
-        high[i] = (monotone ? MAX(p0, last) : MAX(high1, high2) + beyond) + event->offset;
+        low[i] = (monotone ? MIN(p0, last) : value.low - beyond) + event->offset;
+        high[i] = (monotone ? MAX(p0, last) : value.high + beyond) + event->offset;
     }
-    copy(n, low, 1, known(l, LOW, e), 1);
-    copy(n, high, 1, known(l, HIGH, e), 1);
-    copy(n, steady, 1, known(l, STEADY, e), 1);
+    for (integer i = 0; i < n; i++) {
+        Function *f = function(l, e, i);
+        f->low = low[i];
+        f->high = high[i];
+        f->steady = steady[i];
+    }
 }
 
 /* Bound the event functions that count over the step. */
@@ -412,25 +423,19 @@ INLINED void bound_functions(const Loop *l, integer n) {
 
 /* The multiplicity of the zero of an event function where the step begins, which is divided out.
    Only the first step has one. */
-INLINED integer roots(const Loop *l, integer e, integer lane) {
-    real on_zero = known(l, ON_ZERO, e)[lane];
-    return on_zero < 0 ? -(integer)on_zero : 0;
+INLINED integer roots(const Function *f) {
+    return f->on_zero < 0 ? -(integer)f->on_zero : 0;
 }
 
-INLINED bool keeps_sign(const Loop *l, integer e, integer lane) {
-    return roots(l, e, lane) == 0 &&
-           (known(l, SIGN, e)[lane] > 0 ? known(l, LOW, e)[lane] : -known(l, HIGH, e)[lane]) > 0;
-}
-
-INLINED bool keeps_range(const Loop *l, integer e, integer lane) {
-    return known(l, LOW, e)[lane] >= known(l, LEAST, e)[lane] &&
-           known(l, HIGH, e)[lane] <= known(l, GREATEST, e)[lane];
+INLINED bool keeps_sign(const Function *f) {
+    return roots(f) == 0 && (f->sign > 0 ? f->low : -f->high) > 0;
 }
 
 /* Write the coefficients of an event function over a step, in time over h, and its sign changes.
    Return their number. */
 static integer search(const Loop *l, integer e, integer lane, real *p, real *zeros) {
     const Event *event = l->rows.events + e;
+    const Function *f = function(l, e, lane);
     integer size = l->sizes.size, lanes = l->sizes.lanes, shift = event->shift;
     const real *c = l->motion.tc + (event->row * size + shift) * lanes + lane;
     const real *factors = l->factors + shift * size * lanes + lane;
@@ -438,19 +443,17 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
     for (integer k = 0; k < size - shift; k++)
         p[k] = c[k * lanes] * factors[k * lanes];
     p[0] += event->offset;
-    if (!event->watched || keeps_sign(l, e, lane))
+    if (!event->watched || keeps_sign(f))
         return 0;
-    integer k = roots(l, e, lane);
-    bool monotone = k == 0 && known(l, STEADY, e)[lane] > 0;
-    return loop_crossings(p + k, size - k, known(l, SIGN, e)[lane] > 0, monotone, l->halves,
-                          zeros);
+    integer k = roots(f);
+    bool monotone = k == 0 && f->steady > 0;
+    return loop_crossings(p + k, size - k, f->sign > 0, monotone, l->halves, zeros);
 }
 
 /* Whether a zero is that of the start. A function that must not fall below zero is let through
    there too. */
-INLINED bool of_start(const Loop *l, integer e, real when, integer lane) {
-    return known(l, ON_ZERO, e)[lane] > 0 && when <= l->thresholds.on_zero_for &&
-           !l->rows.events[e].extremes;
+INLINED bool of_start(const Loop *l, const Event *event, const Function *f, real when) {
+    return f->on_zero > 0 && when <= l->thresholds.on_zero_for && !event->extremes;
 }
 
 /* Count a turning of theta (sign +1: a minimum, -1: a maximum) once theta has come back from it by
@@ -466,8 +469,8 @@ static integer take_turning(Tally *tally, real noise_floor, integer sign, real t
     if (confirmed) {
         real at = tally->waits_at;
         tally->turnings++;
-        tally->theta_min = isnan(tally->theta_min) ? at : MIN(at, tally->theta_min);
-        tally->theta_max = isnan(tally->theta_max) ? at : MAX(at, tally->theta_max);
+        tally->theta_min = MIN(at, tally->theta_min);
+        tally->theta_max = MAX(at, tally->theta_max);
         tally->waiting = 0;
     }
     if (waits) {
@@ -517,9 +520,9 @@ void loop_keep(const Loop *l, integer first, integer last, integer lane, real wh
 static void take_passage(const Loop *l, integer e, integer lane, real t, real h, real x) {
     const Event *event = l->rows.events + e;
     Tally *tally = l->tallies.lane + lane;
-    real when = t + x * h, sign = -known(l, SIGN, e)[lane];
-    known(l, SIGN, e)[lane] = sign;
-    if (of_start(l, e, when, lane))
+    Function *f = function(l, e, lane);
+    real when = t + x * h, sign = f->sign = -f->sign;
+    if (of_start(l, event, f, when))
         return;
     if (event->lasting)
         tally->lasts_since = (real)event->direction * sign > 0 ? when : NAN;
@@ -546,13 +549,14 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
 
     for (integer e = 0; e < l->sizes.events; e++) { /* first: all events end with the step */
         const Event *event = l->rows.events + e;
-        if (event->ends == 0 || keeps_sign(l, e, lane))
+        const Function *f = function(l, e, lane);
+        if (event->ends == 0 || keeps_sign(f))
             continue;
-        real sign = known(l, SIGN, e)[lane];
+        real sign = f->sign;
         integer count = search(l, e, lane, p, zeros);
         for (integer k = 0; k < count && zeros[k] < upto; k++) {
             sign = -sign;
-            if ((real)event->direction * sign >= 0 && !of_start(l, e, t + zeros[k] * h, lane)) {
+            if ((real)event->direction * sign >= 0 && !of_start(l, event, f, t + zeros[k] * h)) {
                 l->tallies.lane[lane].status = event->ends;
                 upto = zeros[k];
             }
@@ -561,8 +565,9 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
 
     for (integer e = 0; e < l->sizes.events; e++) {
         const Event *event = l->rows.events + e;
-        if ((!event->watched || keeps_sign(l, e, lane)) &&
-            (!event->ranged || keeps_range(l, e, lane)))
+        Function *f = function(l, e, lane);
+        bool keeps_range = f->low >= f->extremes[0] && f->high <= f->extremes[1];
+        if ((!event->watched || keeps_sign(f)) && (!event->ranged || keeps_range))
             continue;
         integer count = search(l, e, lane, p, zeros);
         for (integer k = 0; k < count && !(zeros[k] > upto); k++)
@@ -574,17 +579,16 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
             p[k] *= power;
             power *= upto;
         }
-        real values[] = {known(l, LEAST, e)[lane], known(l, GREATEST, e)[lane]}, places[2];
-        loop_extremes(p, size, values, places);
-        for (int side = 0; side < 2; side++) {
-            known(l, LEAST + side, e)[lane] = values[side];
+        real places[2];
+        loop_extremes(p, size, f->extremes, places);
+        for (int side = 0; side < 2; side++)
             if (places[side] >= 0)
-                known(l, T_LEAST + side, e)[lane] = t + places[side] * upto * h;
-        }
+                f->times[side] = t + places[side] * upto * h;
     }
-    for (integer e = 0; e < l->sizes.events; e++)
-        if (roots(l, e, lane) > 0)
-            known(l, ON_ZERO, e)[lane] = 0;
+    for (integer e = 0; e < l->sizes.events; e++) {
+        Function *f = function(l, e, lane);
+        f->on_zero = MAX(0.0, f->on_zero); /* the roots are behind */
+    }
     return upto;
 }
 
@@ -886,17 +890,19 @@ typedef struct {
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Sizes *n = &l->sizes;
     Tally *tally = l->tallies.lane;
+    const real *signs = in + 2, *zeros = signs + n->events, *state = zeros + n->events;
     l->motion.end[0] = in[0];
-    real most = in[1];
-    memcpy(known(l, SIGN, 0), in += 2, n->events * sizeof(real));
-    memcpy(known(l, ON_ZERO, 0), in += n->events, n->events * sizeof(real));
-    memcpy(l->motion.state, in += n->events, n->variables * sizeof(real));
-    memcpy(l->motion.pars, in + n->variables, n->parameters * sizeof(real));
+    for (integer e = 0; e < n->events; e++) {
+        function(l, e, 0)->sign = signs[e];
+        function(l, e, 0)->on_zero = zeros[e];
+    }
+    memcpy(l->motion.state, state, n->variables * sizeof(real));
+    memcpy(l->motion.pars, state + n->variables, n->parameters * sizeof(real));
     l->motion.high[0] = l->motion.low[0] = 0;
     tally->status = RUNNING;
     tally->upto = 1;
     tally->steps = tally->tiny = l->log.filled[0] = l->samples.filled[0] = 0;
-    results[1] = (real)loop_drive(l, (integer)most);
+    results[1] = (real)loop_drive(l, (integer)in[1]);
     bool within = tally->upto < 1;
     integer last = l->log.filled[0] - 1;
     results[0] = (real)tally->status;
@@ -958,10 +964,11 @@ static bool change_phase(Phases *p) {
     if (c->length == 0)
         return false;
     real *r = p->registers, *results = r + n + 1 + events + p->numbers + c->count;
-    real *signs = known(l, SIGN, 0), finite = 0;
+    real finite = 0;
     copy(n, log->states + at * l->sizes.width, 1, r, 1);
     r[n] = p->end - when;
-    copy(events, signs, 1, r + n + 1, 1);
+    for (integer e = 0; e < events; e++)
+        r[n + 1 + e] = function(l, e, 0)->sign;
     copy(p->numbers, p->body, 1, r + n + 1 + events, 1);
     copy(c->count, c->constants, 1, results - c->count, 1);
     if (!execute(c, r, results, p->loops))
@@ -987,8 +994,9 @@ static bool change_phase(Phases *p) {
     m->low[0] = 0;
     m->end[0] = p->clock < p->end ? p->clock : p->end;
     for (integer e = 0; e < events; e++) {
-        signs[e] = c->sides[e] != 0 ? c->sides[e] : signs[e];
-        known(l, ON_ZERO, e)[0] = c->sides[events + e];
+        Function *f = function(l, e, 0);
+        f->sign = c->sides[e] != 0 ? c->sides[e] : f->sign;
+        f->on_zero = c->sides[events + e];
     }
     tally->status = RUNNING;
     tally->upto = 1;

@@ -177,6 +177,9 @@ def dotted_keys(names: Iterable[str], known: Iterable[str]) -> list[str]:
     return keys
 
 
+IN_TABLES = " Numbers are given by table, such as start=dict(omega3=155.0), friction=dict(mu=0.3)."
+
+
 def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F]:
     """Replace the **keywords of a function by the keyword arguments of another: a decorator.
 
@@ -199,7 +202,7 @@ def takes(source: Callable, options: Callable[[], str] = str) -> Callable[[F], F
 
         @functools.wraps(function)
         def called(*arguments: Any, **named: Any) -> Any:
-            refuse_unknown(function.__name__, named, known)
+            refuse_unknown(function.__name__, named, known, IN_TABLES)
             return function(*arguments, **named)
 
         called.__signature__ = own.replace(parameters=[*kept.values(), *added])  # type: ignore[attr-defined]

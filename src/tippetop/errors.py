@@ -42,11 +42,17 @@ def sentence(key: str, must: str, given: Any) -> str:
     return f"`{key}` {must}, but is {words if len(words) <= 60 else words[:57] + '...'}."
 
 
-def refuse_unknown(function: str, named: Collection[str], known: Collection[str]) -> None:
-    """Raise TypeError for a keyword that a function does not have."""
+def refuse_unknown(
+    function: str, named: Collection[str], known: Collection[str], hint: str = ""
+) -> None:
+    """Raise TypeError for a keyword that a function does not have.
+
+    `hint` follows if no known keyword is near.
+    """
     for name in named:
         if name not in known:
-            raise TypeError(f"{function}() has no argument `{name}`.{suggestion(name, known)}")
+            hint = suggestion(name, known) or hint
+            raise TypeError(f"{function}() has no argument `{name}`.{hint}")
 
 
 def unknown_key(

@@ -15,7 +15,7 @@ FIT = "fit film.csv inverting --free friction.mu"
 COMMANDS: list[tuple[str, int, str]] = [
     # any command
     ("rum inverting", 2, 'Unknown command "rum". Did you mean "run"?'),
-    ("run", 2, "SCENARIO must be given, with a value. See tippetop run --help."),
+    ("run", 2, "SCENARIO must be given. See tippetop run --help."),
     ("run inverting --until 1 --until 2", 2, "--until specified multiple times."),
     ("run inverting --figur x.png", 2, "Unknown option: --figur. Did you mean --figure?"),
     ("check inverting 0.4", 2, "argument `0.4`. Numbers of a scenario are changed by --set"),
@@ -44,7 +44,7 @@ COMMANDS: list[tuple[str, int, str]] = [
         2,
         "`run.orientation` must be true where `run.columns` has 'psi', but is false.",
     ),
-    ("run inverting --until '2 m'", 2, 'in s or what can be converted to it, but is "2 m".'),
+    ("run inverting --until '2 m'", 2, 'in s or a unit of the same kind, but is "2 m".'),
     ("run inverting --until --json", 2, "`--until` must be a number"),
     ("run PLAN.toml", 2, "this must be a scenario, but is the plan of a sweep"),
     ("check inverting --set system=rolling-tippe-top", 2, "remove the table (--set friction=)"),

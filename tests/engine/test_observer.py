@@ -12,11 +12,6 @@ from polynomials import Given
 from tippetop.engine.loop import Loop, new_motion
 from tippetop.engine.status import Status
 from tippetop.engine.tallies import (
-    LEAST,
-    MOST,
-    ON_ZERO,
-    T_LEAST,
-    T_MOST,
     EventRows,
     PassageLog,
     StopRules,
@@ -189,8 +184,8 @@ def test_extremes_are_those_of_the_function_until_the_top_ends(rng: np.random.Ge
         for lane, (f, s) in enumerate(zip(functions, slopes, strict=True)):
             values = f(np.concatenate([[0.0, final], s[s < final]]))
             expected = pytest.approx([values.min(), values.max()], abs=1e-12)
-            places = found[[T_LEAST, T_MOST], 0, lane]
-            assert found[[LEAST, MOST], 0, lane].tolist() == expected
+            places = found["times"][0, lane]
+            assert found["extremes"][0, lane].tolist() == expected
             assert f(places).tolist() == expected
             assert np.all((places >= 0) & (places <= final + 1e-12))
 
@@ -234,7 +229,7 @@ def passages_of(
         for f, (_, shift, offset) in zip(functions, sources, strict=True)
     ]
     tallies = new_tallies(rows, np.where(np.array(at_start) > 0, 1.0, -1.0)[:, None])
-    tallies.functions[ON_ZERO] = on_zero
+    tallies.functions["on_zero"] = on_zero
     tcs = coefficients(functions, times)[..., None]
     continued(tallies, rows, times[:, None], tcs, log=log)
     return tallies, log
@@ -285,8 +280,8 @@ def test_a_force_that_grazes_zero_ends_the_run_beyond_rounding(least: float) -> 
         assert lane["t"] == pytest.approx(0.77 - np.sqrt(-least), abs=1e-10)
     else:
         assert (lane["status"], log.filled[0]) == (Status.RUNNING.code, 0)
-        assert functions[LEAST, 0, 0] == pytest.approx(least, abs=1e-13)
-        assert functions[T_LEAST, 0, 0] == pytest.approx(0.77, abs=1e-7)
+        assert functions["extremes"][0, 0, 0] == pytest.approx(least, abs=1e-13)
+        assert functions["times"][0, 0, 0] == pytest.approx(0.77, abs=1e-7)
 
 
 def test_a_force_that_is_zero_at_the_start_and_falls_ends_the_run_there() -> None:
@@ -307,7 +302,7 @@ def test_roots_at_the_start_are_divided_out(k: int, noise: float, rng: np.random
     exact = [Polynomial([0.0] * k + [a, -1.0]) for a in zeros]
     times, tcs = slice_of([[p + Polynomial([noise] * k)] for p in exact], rng)
     tallies = new_tallies(rows, np.ones((len(rows.events), LANES)))
-    tallies.functions[ON_ZERO] = -k
+    tallies.functions["on_zero"] = -k
     continued(tallies, rows, times, tcs)
     np.testing.assert_allclose(tallies.kept[0], zeros, rtol=1e-9)
     np.testing.assert_array_equal(tallies.kept[2], 1)

@@ -10,9 +10,6 @@ import numpy as np
 from tippetop.engine.loop import HALVES, Loop, Motion, library, new_motion
 from tippetop.engine.stepper import Called
 from tippetop.engine.tallies import (
-    HIGH,
-    LOW,
-    STEADY,
     StopRules,
     event_rows,
     new_log,
@@ -33,8 +30,8 @@ class Given(Called):
         motion.high[:], motion.start_high[:], motion.tc[:] = start, start, tc
         motion.h[:] = np.where(motion.limit > 0, h, 0.0)
 
-    def state_at(self, inside: np.ndarray) -> np.ndarray:
-        return np.zeros((1, len(inside)))
+    def state_at(self, inside: np.ndarray, out: np.ndarray) -> None:
+        out[:] = 0.0
 
 
 def crossings(p: np.ndarray, positive: bool, monotone: bool = False) -> tuple[np.ndarray, bool]:
@@ -75,7 +72,7 @@ def ranges(c: np.ndarray, shift: int, h: np.ndarray) -> np.ndarray:
         Given([(0.0 * h, h, c[None])]),
     )
     loop.drive(1)
-    return tallies.functions[[LOW, HIGH, STEADY], 0]
+    return np.array([tallies.functions[name][0] for name in ("low", "high", "steady")])
 
 
 def _data(array: np.ndarray) -> ctypes.c_void_p:

@@ -112,6 +112,7 @@ CALLS: list[tuple[Call, str]] = [
     (lambda: run(tt.friction.Viscous), r"a record such as Viscous\(...\), but is the class"),
     (lambda: run(until=-1.0), "^`until` must be greater than 0"),
     (lambda: run(until=1e308, output_step=1e307), r"`until` must be at most 1e\+16"),
+    (lambda: run(mu=0.2), r"no argument `mu`. Numbers are given by table, .*friction=dict\(mu=0.3"),
     (lambda: run(untill=3), r"run\(\) has no argument `untill`. Did you mean `until`\?"),
     (lambda: run(events=["landing"]), "^`events` must be of turning"),
     (lambda: run(events=5), "`events` must be"),

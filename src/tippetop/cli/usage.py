@@ -20,9 +20,10 @@ def sentences(error: CycloptsError) -> list[str]:
     command, found = " ".join(["tippetop", *(error.command_chain or ())]), str(error)
     if isinstance(error, MissingArgumentError) and error.argument is not None:
         name = error.argument.name
-        if error.argument.index is not None:
-            name = name.lstrip("-").upper()
-        found = f"{name} must be given, with a value."
+        if error.argument.index is None:
+            found = f"{name} must be given, with a value."
+        else:
+            found = f"{name.lstrip('-').upper()} must be given."
     elif isinstance(error, UnusedCliTokensError):
         found = f"unexpected argument `{' '.join(error.unused_tokens or [])}`."
     if command in ("tippetop run", "tippetop check") and isinstance(

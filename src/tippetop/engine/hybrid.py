@@ -47,11 +47,7 @@ from .loop import Rows
 from .phase_tables import PhaseTables
 from .python_events import Sampler, zero_of
 from .status import Status
-from .tallies import (
-    ON_ZERO,
-    SIGN,
-    event_rows,
-)
+from .tallies import event_rows
 from .taylor import code_for, internal_end
 from .wide import WideDriver
 
@@ -341,8 +337,8 @@ class HybridDriver(Driver):
         self.all_events, self.width = rows, max(widths) + len(self.events)
         self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
         functions = self.shared.tallies.functions
-        functions[SIGN] = 0.0  # not known
-        self.signs, self.zeros = (view(functions[kind, :, 0]) for kind in (SIGN, ON_ZERO))
+        functions["sign"] = 0.0  # not known
+        self.signs, self.zeros = (view(functions[of][:, 0]) for of in ("sign", "on_zero"))
         width = self.width - len(self.events)
         self.wanted, self.tables = Wanted(width, number), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
@@ -466,7 +462,7 @@ class HybridDriver(Driver):
             jump = track.exits.get(ending)
             if jump:
                 if self.upto[0] < 1.0:
-                    self.drop()  # the jump logs it
+                    self.logged[0] -= 1  # the jump logs it
                 status = self._change(jump, when)
             is_full = self.changes >= PER_SLICE or not (jump or track.sampler)
             if status is not None or steps >= most or is_full:
@@ -535,10 +531,13 @@ class HybridDriver(Driver):
 
     def _note(self, number: int, time: Any, sign: int, track: Track, state: np.ndarray) -> None:
         """Log an event that no step has logged, in a state of a phase."""
-        self.note(time, number, sign, track.at, state)
+        at, when = self.logged[0], float(time)
+        self.log.rows[at] = when, number, sign, track.at, False
+        self.exact.times[at], self.exact.states[at, : len(state)] = time, state
+        self.logged[0] += 1
         if self.events[number].lasting:
-            self.tally["lasts_since"] = float(time)
-        self.loop.keep(self.all_events.events[number], float(time), sign)
+            self.tally["lasts_since"] = when
+        self.loop.keep(self.all_events.events[number], when, sign)
 
     def _series(self, n: Next, *times: Any) -> np.ndarray:
         """Return states at times since the beginning of a jump that takes time."""

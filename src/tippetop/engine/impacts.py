@@ -19,7 +19,6 @@ from ..problem import PRECISIONS, ROUNDING, Problem
 from .driver import NO_ROWS, Driver
 from .expressions import Formulas
 from .status import Status
-from .tallies import ON_ZERO, SIGN
 from .taylor import compiled_when
 from .wide import WideDriver
 
@@ -149,7 +148,7 @@ class ImpactMotions:
         """
         driver = self.driver(region)
         known, none = driver.tallies.functions, driver.number(0)
-        known[SIGN, :, 0], known[ON_ZERO, :, 0] = signs, zeros
+        known["sign"][:, 0], known["on_zero"][:, 0] = signs, zeros
         driver.take(driver.place, pars)
         driver.begin()
         driver.put(state, (none, none))

@@ -1,6 +1,5 @@
 """Integrated states become named columns: Euler angles, quantities and their drift, in SI units."""
 
-import contextlib
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -34,10 +33,6 @@ class Observables:
         self.body = refill(
             body, (_widened(np.array(leaf), self._wide)[()] for leaf in leaves(body))
         )
-        self._last: tuple[bytes, dict[str, np.ndarray]] = (
-            b"",
-            {},
-        )  # the row that was read last, and its values
 
     def __reduce__(self) -> tuple:
         """Pickle the problem alone: formulas of a form have no names."""
@@ -53,18 +48,8 @@ class Observables:
 
     def evaluate(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """Return all values of the rows by name, internal units; NaN where an angle is undefined,
-        exactly at a pole. Not to be changed: a single row, the start or the end of a run, is read
-        several times, and kept.
+        exactly at a pole.
         """
-        if len(rows) != 1:
-            return self._evaluated(rows)
-        row = np.asarray(rows).tobytes()
-        last = self._last  # at once: another thread may read rows too
-        if row != last[0]:
-            self._last = last = row, self._evaluated(rows)
-        return dict(last[1])
-
-    def _evaluated(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         return _at_poles(self.system, self._computed(observed, rows))
 
     def _computed(self, formulas: Callable, rows: np.ndarray) -> dict[str, np.ndarray]:
@@ -289,20 +274,12 @@ def _widened(values: np.ndarray, number: Any) -> np.ndarray:
 def event_functions(problems: Problems) -> np.ndarray:
     """Return the event functions of every run at its start, (n, events), internal units."""
     start, pars = problems.start.astype(float), problems.pars.astype(float)
-    if (
-        problems.n == 1
-    ):  # numbers take a fifth of the time of arrays, but raise where those have infinities
-        with contextlib.suppress(ArithmeticError, ValueError):
-            return _event_functions(problems, start[:, 0].tolist(), pars[:, 0].tolist())
-    return _event_functions(problems, start, pars)
-
-
-def _event_functions(problems: Problems, start: Any, pars: Any) -> np.ndarray:
+    if problems.n == 1:  # numbers take half the time of arrays
+        start, pars = start[:, 0], pars[:, 0]
     body = problems.body_of_pars(pars)
-    moment = problems.moment(start, body)
-    functions = np.empty((problems.n, len(problems.base.system.events)))
-    for e, event in enumerate(problems.base.system.events):
-        functions[:, e] = (
-            1.0 if event.formula is None else np.asarray(event.formula(moment, body), float)
-        )
+    moment, events = problems.moment(start, body), problems.base.system.events
+    functions = np.ones((problems.n, len(events)))
+    for e, event in enumerate(events):
+        if event.formula is not None:
+            functions[:, e] = event.formula(moment, body)
     return functions

@@ -61,11 +61,12 @@ _LANE: dict[str, Any] = {
 """Initial values of a lane; times are internal, NaN if the event did not happen."""
 
 
-SIGN, LEAST, MOST, ON_ZERO, LOW, HIGH, STEADY, T_LEAST, T_MOST = range(9)
-"""Rows of `Tallies.functions`, for each event function: its sign, +1 or -1; its least and
-greatest values, as it stands in the coefficients; 1 if the run starts on a zero of it, -k
-if its first k Taylor coefficients vanish where the next step begins; of the present step
-bounds, and 1 if it is monotone there; and when it was least and greatest.
+_FUNCTION = [(name, float) for name in ("sign", "on_zero", "low", "high", "steady")]
+FUNCTION_RECORD = np.dtype([*_FUNCTION, ("extremes", float, 2), ("times", float, 2)])
+"""The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
+its first k Taylor coefficients vanish where the next step begins; of the present step its bounds,
+and 1 if it is monotone there; its least and greatest values, as it stands in the coefficients, and
+when it had them.
 """
 
 
@@ -73,7 +74,7 @@ class Tallies(NamedTuple):
     """Tallies of the tops in the lanes; times are internal."""
 
     lane: np.ndarray  # (lanes,) records: how far each has come, and its turnings
-    functions: np.ndarray  # (9, events, lanes) event functions: SIGN to T_MOST
+    functions: np.ndarray  # (events, lanes) records of event functions
     kept: np.ndarray  # (numbers, lanes) times, NaN: did not happen; or counts
 
 
@@ -128,12 +129,11 @@ def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
     """Return the tallies of runs that start with these event functions, (events, lanes)."""
     lanes = functions.shape[1]
-    lane, known = np.empty(lanes, LANE_RECORD), np.zeros((9, *functions.shape))
+    lane, known = np.empty(lanes, LANE_RECORD), np.zeros(functions.shape, FUNCTION_RECORD)
     lane[:] = tuple(_LANE.values())
-    known[SIGN], known[ON_ZERO] = signs_of(functions)
-    known[LEAST] = np.where(rows.events["extremes"], np.inf, -np.inf)[:, None]
-    known[MOST] = -known[LEAST]
-    known[T_LEAST], known[T_MOST] = np.nan, np.nan
+    known["sign"], known["on_zero"] = signs_of(functions)
+    least = np.where(rows.events["extremes"], np.inf, -np.inf)[:, None]
+    known["extremes"], known["times"] = np.stack([least, -least], axis=-1), np.nan
     kept = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
     return Tallies(lane, known, np.repeat(kept[:, None], lanes, axis=1))
 

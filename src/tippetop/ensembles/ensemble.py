@@ -16,7 +16,7 @@ from ..engine.invariants import invariants, sizes
 from ..engine.observables import event_functions, values_of
 from ..engine.settling import slides
 from ..engine.status import Status
-from ..engine.tallies import LEAST, MOST, SIGN, EventRows, Tallies, new_tallies
+from ..engine.tallies import EventRows, Tallies, new_tallies
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults
 from ..progress import Report, reporting
@@ -140,11 +140,10 @@ def _run(
     lock, counted, queue = threading.Lock(), itertools.count(1), iter(numbers.tolist())
     n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
 
-    def ended(count: int) -> None:
+    def ended() -> None:
         if progress is not None:
             with lock:
-                for _ in range(count):
-                    progress(next(counted), len(numbers))
+                progress(next(counted), len(numbers))
 
     def work(worker: Lanes) -> float:
         """Run tops from the queue until none is left. Return the processor time."""
@@ -176,7 +175,7 @@ def _run(
 def _write(measured: Outcomes, numbers: np.ndarray, tallies: Tallies, rows: EventRows) -> None:
     """Write the rows of tops that ran in lanes."""
     columns, lane, kept = measured.columns, tallies.lane[numbers], iter(tallies.kept[:, numbers])
-    sign, least, most = tallies.functions[[SIGN, LEAST, MOST]][:, :, numbers]
+    functions = tallies.functions[:, numbers]
     measured.status[numbers] = lane["status"]
     for name in ("t_end", "steps", *SWINGS):
         columns[name][numbers] = lane["t" if name == "t_end" else name]
@@ -185,7 +184,7 @@ def _write(measured: Outcomes, numbers: np.ndarray, tallies: Tallies, rows: Even
         lasts = np.ones(len(numbers), bool)
         if event.lasting:
             lasts = measured.settled[numbers] = measured.settled[numbers] & (
-                event.direction * sign[e] > 0
+                event.direction * functions["sign"][e] > 0
             )
         for number in event.kept:  # NaN for the time of an event that did not last to the end
             values = next(kept)
@@ -193,8 +192,8 @@ def _write(measured: Outcomes, numbers: np.ndarray, tallies: Tallies, rows: Even
                 values if number.what == "count" else np.where(lasts, values, np.nan)
             )
         if event.extremes:
-            columns[f"{event.extremes}_min"][numbers] = least[e] / rows.events["scale"][e]
-            columns[f"{event.extremes}_max"][numbers] = most[e] / rows.events["scale"][e]
+            for end, values in zip(("min", "max"), functions["extremes"][e].T, strict=True):
+                columns[f"{event.extremes}_{end}"][numbers] = values / rows.events["scale"][e]
 
 
 @QUIET

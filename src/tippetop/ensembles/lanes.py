@@ -82,7 +82,7 @@ class Lanes:
         final: np.ndarray,
         queue: Iterator[int],
         look: Callable[[np.ndarray, np.ndarray], None],
-        ended: Callable[[int], None],
+        ended: Callable[[], None],
     ) -> None:
         """Run tops to their ends.
 
@@ -98,9 +98,9 @@ class Lanes:
             look(states, tops) takes states (variables, k) that were sampled on the way, and whose
             they are, (k,).
         ended
-            ended(count): `count` more tops have ended.
+            Called whenever a top has ended.
         """
-        samples, status, done = self.samples, self.tallies.lane["status"], 0
+        samples, status = self.samples, self.tallies.lane["status"]
         while True:
             for lane in np.flatnonzero(status != Status.RUNNING.code).tolist():
                 top, self.top[lane] = int(self.top[lane]), next(queue, -1)
@@ -108,15 +108,13 @@ class Lanes:
                     final[:, top] = self.loop.end(lane)[: len(final)]
                     for mine, of_tops in zip(self.tallies, tallies, strict=True):
                         of_tops.T[top] = mine.T[lane]
-                    done += 1
+                    ended()
                 if self.top[lane] >= 0:
                     self._take(tallies, lane)
             idle, count = bool((self.top < 0).all()), int(samples.filled[0])
             if count and (idle or count + self.lanes > len(samples.top)):
                 look(samples.states[:count].T, samples.top[:count])
                 samples.filled[0] = 0
-            ended(done)
-            done = 0
             if idle:
                 return
             self.steps_possible += self.loop.drive(MOST_DRIVEN) * self.lanes

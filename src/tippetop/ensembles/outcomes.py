@@ -111,20 +111,18 @@ def _conclude(outcomes: Outcomes) -> None:
         if dtype is np.float64:
             columns[name] *= tops.unit(unit)
             columns[name][~np.isfinite(columns[name])] = np.nan
-    ended = np.isfinite(outcomes.final).all(axis=0)
+    ended = np.flatnonzero(np.isfinite(outcomes.final).all(axis=0))
+    final, kind = outcomes.final[:, ended], np.full(tops.n, CLASSES.index("under-way"))
     if tops.orientation:
-        turns, psi = orientations_of(tops, outcomes.final[:, ended], np.flatnonzero(ended))
-        turned = [*turns.T, *([] if psi is None else [psi])]
-        for name, value in zip(ORIENTATION, turned, strict=False):
-            columns[name][ended] = value
-    kind = np.full(tops.n, CLASSES.index("under-way"))
-    which = np.flatnonzero(ended)
-    if len(which):
-        values = values_of(tops, outcomes.final[:, ended], which)
+        turns, psi = orientations_of(tops, final, ended)
+        for name, value in zip(ORIENTATION, [*turns.T, psi], strict=True):
+            if value is not None:
+                columns[name][ended] = value
+    if len(ended):
+        values = values_of(tops, final, ended)
         columns["theta_end"][ended] = values["theta"]
-        second = np.broadcast_to(tops.unit(SECOND), (tops.n,))[ended]
         body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
-        settled = outcomes.settled[ended]
+        second, settled = tops.unit(SECOND)[ended], outcomes.settled[ended]
         kind[ended] = classes_of(tops.base.system, values, second, settled, body)
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")

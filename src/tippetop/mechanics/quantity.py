@@ -199,14 +199,14 @@ class _Reading:
         import pint
 
         symbol = self.unit.symbol
-        must = "have no unit" if symbol == "1" else f"be in {symbol} or what can be converted to it"
+        must = "have no unit" if symbol == "1" else f"be in {symbol} or a unit of the same kind"
         if self.unit == RADIAN_PER_SECOND and HERTZ.search(given):
             self.refuse(
                 "be in rad/s, deg/s or rpm", f'"{self.text}" could be turns or radians per second'
             )
         measured, wanted = _powers(given), "" if symbol == "1" else _powers(symbol)
         if UNIT.sub("", measured):
-            self.refuse(must, f'"{given}" is no unit')
+            self.refuse(must, f'"{given}" is not a unit')
         registry = _registry()
         try:
             number = Fraction(
@@ -219,7 +219,7 @@ class _Reading:
         except pint.DimensionalityError:
             self.refuse(must)
         except pint.UndefinedUnitError:
-            self.refuse(must, f'"{given}" is no unit')
+            self.refuse(must, f'"{given}" is not a unit')
         except (
             pint.PintError,
             ValueError,

@@ -12,7 +12,6 @@ from tippetop.engine.driver import NO_ROWS, RUNNING, Driver
 from tippetop.engine.hybrid import formulas_of_phase
 from tippetop.engine.integrator import compiled_from
 from tippetop.engine.status import Status
-from tippetop.engine.tallies import ON_ZERO, SIGN
 from tippetop.mechanics.contact.body import Moving, Touch, Turning, axis_rate, height
 from tippetop.mechanics.contact.exits import gap_rate, longest_flight
 from tippetop.mechanics.contact.opening import opened
@@ -49,8 +48,8 @@ class Flights:
         driver.put(driver.state, (0.0, 0.0))
         driver.end_at(longest_flight(x, b))
         functions = driver.tallies.functions
-        functions[SIGN], functions[ON_ZERO] = 1, 0
-        functions[ON_ZERO, NAMES.index("land"), 0] = -zeros
+        functions["sign"], functions["on_zero"] = 1, 0
+        functions["on_zero"][NAMES.index("land")] = -zeros
         tally["status"], tally["upto"], tally["steps"] = Status.RUNNING.code, 1.0, 0
         driver.forget()
         while driver.status[0] == RUNNING:
