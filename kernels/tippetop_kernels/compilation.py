@@ -141,7 +141,7 @@ def code_folder() -> Path | None:
     if folder is not None:
         with contextlib.suppress(OSError):
             os.utime(folder)
-        for old in sorted(base.glob("numba-*"), key=lambda path: path.stat().st_mtime)[:-KEPT]:
+        for old in sorted(base.glob("numba-*"), key=os.path.getmtime)[:-KEPT]:
             shutil.rmtree(old, ignore_errors=True)
     return folder
 

@@ -89,17 +89,16 @@ def test_the_least_recently_used_files_are_removed(
     cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     is_found(1.0)
-    (first,) = cache.iterdir()
-    (cache / "older").write_bytes(bytes(5000))
-    os.utime(first, (2, 2))
-    os.utime(cache / "older", (1, 1))
-    monkeypatch.setattr(code_cache, "LARGEST", 5000)
     is_found(2.0)
+    for used, file in enumerate(cache.iterdir()):
+        os.utime(file, (used, used))
+    assert is_found(1.0)  # and is used now
+    monkeypatch.setattr(code_cache, "KEPT", 2)
+    is_found(3.0)
     assert len([*cache.iterdir()]) == 2
     assert is_found(1.0)
-    monkeypatch.setattr(code_cache, "LARGEST", 0)
-    is_found(3.0)
-    assert not [*cache.iterdir()]
+    assert is_found(3.0)
+    assert not is_found(2.0)
 
 
 @pytest.mark.parametrize("precision", ["double", "longdouble"])

@@ -26,8 +26,8 @@ import llvmlite.binding as llvm
 from tippetop_kernels.compilation import cache_folder, private_folder
 
 
-LARGEST = 256 * 2**20
-"""Bytes of all files together; those not used for longest are removed first."""
+KEPT = 1000
+"""Files, of some 0.2 MB each; the most recently used are kept."""
 
 _compiling = threading.Lock()
 
@@ -67,7 +67,8 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
     if file:
         with suppress(OSError):
             _write(file, zlib.compress(pickle.dumps(result), level=1))
-            _remove_oldest(file.parent)
+            for old in sorted(file.parent.glob("*.z"), key=os.path.getmtime)[:-KEPT]:
+                old.unlink()
     return result
 
 
@@ -79,18 +80,3 @@ def _write(file: Path, content: bytes) -> None:
         scratch.replace(file)
     finally:
         scratch.unlink(missing_ok=True)
-
-
-def _remove_oldest(folder: Path) -> None:
-    """Remove the files that were not used for longest, until the others are small
-    enough together.
-    """
-    files = sorted(
-        (path for path in folder.iterdir() if path.is_file()),
-        key=lambda path: path.stat().st_mtime_ns,
-    )
-    total = sum(path.stat().st_size for path in files)
-    while files and total > LARGEST:
-        oldest = files.pop(0)
-        total -= oldest.stat().st_size
-        oldest.unlink()

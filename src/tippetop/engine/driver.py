@@ -155,12 +155,6 @@ class Wanted:
         self.rows = Rows(times, states, phases, filled, request.steps)
         self.states, self.made = in_precision(states, self.number), view(filled)
 
-    def give(self) -> slice:
-        """Return the numbers of rows that exist and were not given; they are given from now on."""
-        made = slice(self.given, self.made[0])
-        self.given = made.stop
-        return made
-
 
 class Place:
     """The arrays of a run in one phase, and the loop that is bound to their addresses.
@@ -177,7 +171,7 @@ class Place:
         Arrays that its other phases have too.
     """
 
-    def __init__(self, compiled: Compiled, stepper: Stepper, rows: EventRows, shared: Shared):
+    def __init__(self, compiled: Compiled, stepper: Any, rows: EventRows, shared: Shared):
         made = compiled.integrator
         self.compiled, self.stepper, self.rows, self.shared = compiled, stepper, rows, shared
         self.motion = new_motion(len(made.state), len(made.pars), made.order + 1, 1)
@@ -234,7 +228,7 @@ class Driver:
     def work_in(self, place: Place) -> None:
         """Make the next steps in a place."""
         self.place, self.compiled, self.rows = place, place.compiled, place.rows
-        self.motion, self.loop = place.motion, place.loop
+        self.motion, self.loop, self.stepper = place.motion, place.loop, place.stepper
         self.tallies, self.log, self.samples, self.exact = place.shared
         names = "status", "steps", "upto", "tiny", "t"
         self.status, self.steps, self.upto, self.tiny, self.time = (
@@ -254,14 +248,15 @@ class Driver:
         self.request = weakref.proxy(request)  # no cycle: arrays are free when the run is gone
         self.forget()
         steps, when, last, ended = self.run(most)
-        *columns, logged = self.passages()
-        samples = self.sampled()
-        logged, samples, last = self.give(
-            (self.log.rows["phase"][: len(logged)], logged),
-            (self.samples.top[: len(samples)], samples),
+        logged, sampled = slice(self.logged[0]), slice(self.sampled_so_far[0])
+        events = self.log.rows[logged]
+        states, samples, last = self.give(
+            (events["phase"], self.exact.states[logged]),
+            (self.samples.top[sampled], self.exact.samples[sampled]),
             (self.samples.in_lane, last[None]),
         )
-        passages = Passages._make([*(column.copy() for column in columns), logged])
+        columns = self.exact.times[logged], events["event"], events["sign"], events["at_pole"]
+        passages = Passages._make([*(column.copy() for column in columns), states])
         return Slice(steps, when, last, samples, passages, ended)
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
@@ -301,10 +296,12 @@ class Driver:
         """Give the rows that were made since the last time, and return those of other states: see
         `rows_of`.
         """
-        made, wanted = self.wanted.give(), self.wanted.rows
-        rows, *rest = self.rows_of((wanted.phases[made], self.states_of(made)), *others)
+        wanted = self.wanted
+        made = slice(wanted.given, wanted.made[0])
+        rows, *rest = self.rows_of((wanted.rows.phases[made], wanted.states[:, made].T), *others)
+        wanted.given = made.stop
         if len(rows):
-            self.request.take(wanted.times[made], rows)
+            self.request.take(wanted.rows.times[made], rows)
         return rest
 
     def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
@@ -322,37 +319,12 @@ class Driver:
         self.loop.fill(rows)
         return self.loop.drive(most)
 
-    def states_of(self, rows: slice) -> np.ndarray:
-        """Return the states of rows, (k, variables): as wide as the widest phase."""
-        return self.wanted.states[:, rows].T
-
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
         """Add rows that no step makes: times, and states of the present phase (k, variables)."""
         rows, made = self.wanted.rows, self.wanted.made
         part = slice(made[0], made[0] + len(times))
         rows.times[part], rows.phases[part], made[0] = times, self.samples.in_lane, part.stop
         self.wanted.states[: states.shape[1], part] = states[:, : self.wanted.variables].T
-
-    def sampled(self) -> np.ndarray:
-        """Return the states that were sampled, where they are: as wide as the widest phase."""
-        return self.exact.samples[: self.sampled_so_far[0]]
-
-    def passages(self) -> Passages:
-        """Return the passages of the log, where they are."""
-        logged = slice(self.logged[0])
-        columns = (self.log.rows[name][logged] for name in ("event", "sign", "at_pole"))
-        return Passages._make([self.exact.times[logged], *columns, self.exact.states[logged]])
-
-    def drop(self) -> None:
-        """Remove the last passage."""
-        self.logged[0] -= 1
-
-    def note(self, time: Any, number: int, sign: int, phase: int, state: np.ndarray) -> None:
-        """Add a passage that no step has, with a state of a phase."""
-        at = self.logged[0]
-        self.log.rows[at] = float(time), number, sign, phase, False
-        self.exact.times[at], self.exact.states[at, : len(state)] = time, state
-        self.logged[0] += 1
 
     def reached(self) -> tuple[Any, np.ndarray]:
         """Return the internal time reached, and the state: of the last passage, if it ended the run

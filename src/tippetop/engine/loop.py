@@ -8,7 +8,7 @@ hold them.
 import ctypes
 import hashlib
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from math import comb
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -138,16 +138,11 @@ def library() -> ctypes.CDLL:
     """
     folder = Path(tippetop_kernels.__file__).parent
     built, source = folder / "loop.so", folder / "loop.c"
-    if lacking := [file for file in (built, source) if not file.exists()]:
-        raise BuildError(
-            f"`{lacking[0]}` must exist, but is missing: install tippetop again (pip install -e .)."
-        )
     try:
-        loaded = ctypes.CDLL(str(built))
+        loaded, text = ctypes.CDLL(str(built)), source.read_bytes()
     except OSError as error:
         raise BuildError(f"{error}: install tippetop again (pip install -e .).") from None
-    loaded.loop_digest.restype = ctypes.c_char_p
-    expected = hashlib.sha256(source.read_bytes()).hexdigest()
+    loaded.loop_digest.restype, expected = ctypes.c_char_p, hashlib.sha256(text).hexdigest()
     if loaded.loop_digest().decode() != expected:
         raise BuildError(
             f"`{built}` must be compiled from `{source.name}` as it is, but is older or newer: "
@@ -247,9 +242,6 @@ def _callbacks(
     An error, which cannot pass through C, ends the runs: their next step is NaN.
     """
 
-    def state_at() -> None:
-        out[:] = stepper.state_at(motion.limit)
-
     def called(work: Callable[[], None], count: int) -> Any:
         def function(*_: int) -> None:
             try:
@@ -262,7 +254,8 @@ def _callbacks(
 
         return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * count)(function)
 
-    return [called(lambda: stepper.step(motion), 5), called(state_at, 3)]
+    step, state_at = partial(stepper.step, motion), partial(stepper.state_at, motion.limit, out)
+    return [called(step, 5), called(state_at, 3)]
 
 
 def count_turnings(

@@ -60,9 +60,9 @@ class Called:
         """
         raise NotImplementedError
 
-    def state_at(self, inside: np.ndarray) -> np.ndarray:
-        """Return the states (variables, lanes) at times `inside` (lanes,) since the start of the
-        present step.
+    def state_at(self, inside: np.ndarray, out: np.ndarray) -> None:
+        """Write the states at times `inside` (lanes,) since the start of the present step to `out`
+        (variables, lanes).
         """
         raise NotImplementedError
 

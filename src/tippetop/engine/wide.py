@@ -8,7 +8,7 @@ then refined in the working precision.
 import copy
 import weakref
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any
 
 import heyoka as hy
 import numpy as np
@@ -79,8 +79,8 @@ class WideSteps(Called):
         """Return to the start of the last step."""
         self.integrator.state[:], self.integrator.dtime = self.before
 
-    def state_at(self, inside: np.ndarray) -> np.ndarray:
-        """Keep the next zero of the log, which is refined, or else the next row, and return its
+    def state_at(self, inside: np.ndarray, out: np.ndarray) -> None:
+        """Keep the next zero of the log, which is refined, or else the next row, and write its
         state.
         """
         ta, run, n = self.integrator, self.run, len(self.integrator.state)
@@ -96,7 +96,7 @@ class WideSteps(Called):
             wanted, row = run.wanted, run.wanted.made[0]
             state = ta.update_d_output(run.number(wanted.rows.times[row]))
             wanted.states[:n, row] = state[: len(wanted.states)]
-        return ta.d_output.astype(float)[:, None]
+        out[:, 0] = ta.d_output.astype(float)
 
 
 class WideDriver(Driver):
@@ -111,13 +111,8 @@ class WideDriver(Driver):
         self.stepper.run = weakref.proxy(self)
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
-        pars = cast(WideSteps, place.stepper).integrator.pars
+        pars = place.stepper.integrator.pars
         pars[:] = [self.number(number) for number in body[: len(pars)]]
-
-    @property
-    def stepper(self) -> WideSteps:
-        """The steps of the run."""
-        return cast(WideSteps, self.place.stepper)
 
     def make(self, rows: Rows, most: int) -> int:
         self.stepper.refined = self.logged[0]
