@@ -117,11 +117,9 @@ class World(NamedTuple):
     phase: Any = None
     left: Any = None
 
-    def rates(self, phase: Phase, q: Any, carried: Any, b: Any = None) -> list:
-        """Return the rates of the integrals of the run in a state of a phase. `b` is the body in
-        the numbers of the state, if they are others.
-        """
-        b = b or phase.parameters(self.body)
+    def rates(self, phase: Phase, q: Any, carried: Any) -> list:
+        """Return the rates of the integrals of the run in a state of a phase."""
+        b = phase.parameters(self.body)
         return [integral.rate(q, carried, b) for integral in phase.form.integrals]
 
 
@@ -176,14 +174,13 @@ class Jump:
             x = x._replace(carried=carried)
         try:
             return self._next(x, carried, world._replace(phase=self.phase))
+        except InputError:
+            raise
         except Exception as error:
-            is_known, is_arithmetic = (
-                type(error) in (ArithmeticError, InputError),
-                isinstance(error, ArithmeticError),
-            )
-            message = f"{self.where} fails: {type(error).__name__}: {error}"
-            message = str(error) if is_known else message
-            if not (is_arithmetic and (is_known or world.rules)):
+            message, is_told = str(error), type(error) is ArithmeticError
+            if not is_told:
+                message = f"{self.where} fails: {type(error).__name__}: {error}"
+            if not is_told and not (world.rules and isinstance(error, ArithmeticError)):
                 raise InputError(message) from error
             return Next("", x, ends=Status.STALLED.value, message=message), (), ()
 
@@ -327,6 +324,7 @@ class HybridDriver(Driver):
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
         body, phases = _assembled(problem)
+        body = refill(body, map(number, leaves(body)))
         self.phases = {name: completed(one, problem.variables) for name, one in phases.items()}
         self.variables = len(problem.variables.names)
         self.at_start = np.ones(len(system.events))  # the phase of the start is chosen

@@ -115,6 +115,18 @@ class Turning(NamedTuple):
     L: Vector  # about the centre of mass
 
 
+@formula
+def axis(q):
+    """Return 3hat, unit vector along the axis of the body, (3,), space frame."""
+    return Vector(q.ux, q.uy, q.uz)
+
+
+@formula
+def turning(q):
+    """Return 3hat and L, the angular momentum about the centre of mass, space frame [kg m^2/s]."""
+    return Turning(axis(q), Vector(q.Lx, q.Ly, q.Lz))
+
+
 class Moving(NamedTuple):
     """The common state: how a body lies and moves."""
 

@@ -17,6 +17,7 @@ from typing import Any
 from ..operand import Vector, atan2, cos, cross, dot, formula, plus, sin, sqrt, times
 from ..system import Integral, Orientation
 from ..units import ONE, RADIAN
+from .body import axis
 
 
 @formula
@@ -67,13 +68,13 @@ def _psi(data: dict[str, Any], s: Any, z: Any) -> Any:
     return data.get("psi", 0 * z)
 
 
-def carried_along(axis: Callable, axis_rate: Callable, spin: Callable) -> Orientation:
-    """Return the orientation in a form that passes the poles.
+def carried_along(axis_rate: Callable, spin: Callable) -> Orientation:
+    """Return the orientation in a form that passes the poles, whose state has 3hat.
 
     Parameters
     ----------
-    axis, axis_rate
-        axis(q) -> 3hat and axis_rate(q, b) -> 3hat' [1/s].
+    axis_rate
+        axis_rate(q, b) -> 3hat' [1/s].
     spin
         spin(q, b) -> omega_3 [rad/s].
     """

@@ -265,11 +265,11 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
     The other one strikes too, should it be pressed into the plane.
     """
     hits: list[Any] = []
-    bounces = makes_energy = False
+    makes_energy = False
     pressed = [ball] if rise(x, world.body[ball]) < -least and not both_rest(x, world) else []
     while pressed and not makes_energy and len(hits) < MOST_STRIKES:
         ball = pressed[0]
-        x, hit, bounces, makes_energy = struck(x, world, ball)
+        x, hit, makes_energy = struck(x, world, ball)
         hits.append(hit)
         others = (k for k, b in enumerate(world.body) if k != ball and rise(x, b) < -CLOSES_AT)
         pressed = [k for k in others if k in touching(x, world)]
@@ -277,7 +277,7 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
         n = ended(x, ball, cause, "ended", MAKES_ENERGY)
     elif pressed:
         n = ended(x, ball, cause, "stalled", NO_WAY)
-    elif bounces:
+    elif hits and hits[-1].v_n_after > 0:
         n = fly(x, world, ball, 1, cause)
     elif both_rest(x, world):
         n = rest_on_both(x, world, cause)
@@ -287,11 +287,10 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
     return first_touch(n, world)
 
 
-def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
+def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
     """Return the body after an impact of a ball, and the row of the impact.
 
-    Return also whether the ball leaves the plane, and whether the impact made energy. Raises
-    ArithmeticError if it has no solution.
+    Return also whether the impact made energy. Raises ArithmeticError if it has no solution.
     """
     b = world.body[ball]
     e_n = 0.0 if abs(rise(x, b)) < CLOSES_AT else world.rules.e_n
@@ -304,7 +303,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool, bool]:
         after = after._replace(z=0.0)
     slides, mode = (size(v), size(after)), IMPACT.mode.index(impact.mode)
     hit = Impact(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
-    return x, hit, e_n != 0, impact.makes_energy
+    return x, hit, impact.makes_energy
 
 
 # --- slides that begin and end ------------------------------------------------------------------
@@ -374,7 +373,8 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
 
     It gives states and integrals of times (n,). Wider numbers are rounded to 80 bits.
     """
-    x, b = rounded(x), rounded(world.body[phase.ball])
+    x, world = rounded(x), world._replace(body=rounded(world.body))
+    b = world.body[phase.ball]
 
     def read(state: np.ndarray, beta: Any) -> tuple[Any, Any]:
         *moved, w = state
@@ -383,7 +383,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
         q, carried = read(state, beta)
         by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
-        every = (*by[:6], *world.rates(phase, q, carried, b), by.w)
+        every = (*by[:6], *world.rates(phase, q, carried), by.w)
         return np.array([np.broadcast_to(rate, beta.shape) for rate in every]), by.beta
 
     F = sticking(x, b)[0]
@@ -459,18 +459,18 @@ def begin_slip(x: Moving, world: Any) -> Next:
     return Next(name, x, "slip", delay, series, ("slip",))
 
 
-def go_on(x: Moving, world: Any, to: str, passed: str = "", side: int = 0) -> Next:
+def go_on(x: Moving, world: Any, to: str, passed: str, side: int) -> Next:
     """Return the same motion in other words, or in the same.
 
     The event function `passed` has its root here, and goes to this side of it.
     """
     sides = {passed: side} if side else {}
-    return on_disc(Next(to, x, "", zeros={passed: 1} if passed else {}, sides=sides), world)
+    return on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
 
 
 def come_to_rest(x: Moving, world: Any, slides: str) -> Next:
     """Return the phase after a sliding disc neither slides nor turns any more."""
-    n = on_disc(Next(slides, x, "", zeros={RESTS.name: 1}, sides={RESTS.name: -1}), world)
+    n = go_on(x, world, slides, RESTS.name, -1)
     n.logged = ("stick",) if world.phases[n.phase].label == "rest" else ()
     return n
 
@@ -486,7 +486,7 @@ def roll_on_both(x: Moving, world: Any) -> Next:
     if size(F) < b.friction.mu * F.z:
         return Next(name, rolls, "rests", logged=("stick",))
     name = phase_name("both", 0, *regions_of(x, *world.body))
-    return Next(name, x, "", zeros={STANDS.name: 1}, sides={STANDS.name: -1})
+    return go_on(x, world, name, STANDS.name, -1)
 
 
 def give_way(x: Moving, world: Any) -> Next:

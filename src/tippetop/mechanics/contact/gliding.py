@@ -30,6 +30,7 @@ from .body import (
     Scalars,
     Touch,
     Turning,
+    axis,
     contact_mobility,
     energy,
     filled,
@@ -49,6 +50,7 @@ from .body import (
     push_u,
     rolling_velocity,
     state,
+    turning,
 )
 from .body_axes import by_angles, carried_along
 from .integrals import integral, place
@@ -64,18 +66,6 @@ L_3 is carried because L_3' and L_z' are one product: it saves three.
 """
 
 VectorState = type(VECTOR_UNITS)
-
-
-@formula
-def axis(q):
-    """Return 3hat, unit vector along the axis of the body, (3,), space frame."""
-    return Vector(q.ux, q.uy, q.uz)
-
-
-@formula
-def turning(q):
-    """Return 3hat and L, the angular momentum about the centre of mass, space frame [kg m^2/s]."""
-    return Turning(axis(q), Vector(q.Lx, q.Ly, q.Lz))
 
 
 @formula
@@ -393,7 +383,7 @@ VECTOR = Form(
         *place(lambda q, carried, b: (q.rx_dot, q.ry_dot)),
         *work_and_impulse(vector_scalars),
     ),
-    orientation=carried_along(axis, axis_rate, lambda q, b: q.L3 / b.I3),
+    orientation=carried_along(axis_rate, lambda q, b: q.L3 / b.I3),
     domains=(NOT_JAMMED,),
 )
 EULER = in_euler_angles(

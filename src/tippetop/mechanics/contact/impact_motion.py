@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 from ..disc_friction import Drag
 from ..event import Event
 from ..form import Form
-from ..friction import load
 from ..operand import Vector, cross, dot, exp, log, plus, sqrt, times
 from ..units import ONE
 from .body import Turning, angular_velocity, arm
@@ -133,7 +132,7 @@ def held(law: Any, u: Vector, omega: Vector, b: Any) -> tuple[Vector, Vector]:
     """Return force and torque at rest, per rise of v_n."""
     if law.regions:
         return held_disc(u, FLAT_BIAS, 0.0, omega, b)
-    return held_point(u, FLAT_BIAS, load(omega, b.friction), b)
+    return held_point(u, FLAT_BIAS, omega, b)
 
 
 @cache

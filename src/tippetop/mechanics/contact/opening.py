@@ -1,10 +1,9 @@
 """Systems whose contact may open and close: the phases of their body, and the exits that lead from
 one to another."""
 
-from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache, lru_cache, partial
+from functools import cache, partial
 from operator import itemgetter
 from typing import Any
 
@@ -12,7 +11,7 @@ from ..event import Event
 from ..form import CLOCK, Exit, Form, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
 from ..number import Number
-from ..operand import formula, leaves, refill
+from ..operand import formula
 from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from . import gliding
@@ -98,26 +97,11 @@ def row_of(planar: bool, law: Any) -> Form:
     return PLANAR_ROW if planar else DISC_ROW if law.torque else ROW
 
 
-@lru_cache
-def with_theta_dot(record: Any) -> Any:
-    """Return the type of a record of scalars with one more, theta'."""
-    return namedtuple("PlanarScalars", (*record._fields, "theta_dot"))
-
-
 def in_plane(phase: Phase) -> Phase:
-    """Return a phase that integrates theta too, and whose scalars have theta'."""
-    form = phase.form
-
-    def scalars(q, b):
-        s = form.scalars(q, b)
-        record: Any = type(s)
-        return with_theta_dot(record)(*s, planar_theta_dot(q, b))
-
+    """Return a phase that integrates theta too."""
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
-    integrals = (theta, *form.integrals)
-    turn = PLANAR_ROW.orientation
-    changed = replace(form, scalars=scalars, integrals=integrals, orientation=turn)
-    return replace(phase, forms=changed)
+    integrals, turn = (theta, *phase.form.integrals), PLANAR_ROW.orientation
+    return replace(phase, forms=replace(phase.form, integrals=integrals, orientation=turn))
 
 
 # --- phases and exits ---------------------------------------------------------------------------
@@ -179,8 +163,10 @@ def opened(system: System, law: Any, balls: int) -> System:
     quantities = columns(opening.planar, opening.routh, balls > 1)
     known = {*opening.without, *(quantity.name for quantity in quantities)}
     quantities += tuple(one for one in system.quantities if one.name not in known)
-    phases = {
-        name: phase if phase.axis_stays else replace(phase, events=(*of_axis, *phase.events))
+    phases = {  # events of the axis, by the few scalars of a phase if these are enough
+        name: phase
+        if phase.axis_stays or opening.planar
+        else replace(phase, events=(*of_axis, *phase.events))
         for name, phase in phases_of(opening.planar, law, balls).items()
     }
 
@@ -194,21 +180,13 @@ def opened(system: System, law: Any, balls: int) -> System:
         internal(value, unit) converts SI values.
         """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
-
-        def bodies(b: Touch) -> tuple[Touch, ...]:
-            seen = seen_from_balls(b, stem)
-            if not isinstance(0 * b.I1, float):
-                return seen
-            return tuple(
-                refill(one, map(float, leaves(one))) for one in seen
-            )  # faster than numbers of NumPy
-
         of_disc = bool(law.regions) and not is_frictionless(b.friction)
         if not (law.set_valued or law.regions) or b.friction.mu != 0 or of_disc:
-            return bodies(b), phases
+            return seen_from_balls(b, stem), phases
         none = LAWS["none"].given(PARTS if has_parts(b.friction) else ())
         free = none._make(getattr(b.friction, name) for name in none.parameters)
-        return bodies(b._replace(friction=free)), opened(system, none, balls).phases
+        seen = seen_from_balls(b._replace(friction=free), stem)
+        return seen, opened(system, none, balls).phases
 
     return replace(
         system,

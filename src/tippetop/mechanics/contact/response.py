@@ -26,7 +26,6 @@ from .body import (
     arm2,
     axis_rate,
     gained,
-    height,
     velocities,
 )
 
@@ -109,23 +108,14 @@ def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
 
 
 @formula
-def response(u, push, b):
-    """Return zhat.K(zhat - push) [1/kg].
-
-    It is the upward acceleration of the contact point for N = 1 and the horizontal force -push.
-    """
-    lever = b.c * (u.x * u.x + u.y * u.y) - height(u.z, b) * (u.x * push.x + u.y * push.y)
-    return 1 / b.m + b.c * lever / b.I1
-
-
-@formula
 def sliding(x, push, per_force, b):
     """Return the force and torque (3,) on a body that slides.
 
     Its contact acts by the horizontal friction -N push and the torque N per_force.
     """
-    N = -bias_vector(x, b).z / (response(x.u, push, b) + torque_acceleration(x.u, per_force, b).z)
-    return Vector(-(N * push.x), -(N * push.y), N), times(N, per_force)
+    per = Vector(-push.x, -push.y, 1 + 0 * x.u.z)
+    N = -bias_vector(x, b).z / mobility_times(x.u, per, per_force, b).z
+    return times(N, per), times(N, per_force)
 
 
 @formula
@@ -150,15 +140,16 @@ def across_and_along(G, n):
 @formula
 def sticking(x, b):
     """Return the force and torque (3,) on a body whose contact point stays at rest."""
-    return held_point(x.u, bias_vector(x, b), load(angular_velocity(x, b), b.friction), b)
+    return held_point(x.u, bias_vector(x, b), angular_velocity(x, b), b)
 
 
 @formula
-def held_point(u, bias, per_force, b):
-    """Return the force and torque (3,) that cancel the acceleration `bias` of the contact point.
+def held_point(u, bias, omega, b):
+    """Return the force and torque (3,) that keep a contact point at rest while it turns with omega.
 
-    The torque per normal force is given.
+    Without them, its acceleration would be `bias`.
     """
+    per_force = load(omega, b.friction)
     F = held(u, bias, torque_acceleration(u, per_force, b), excess(b), b)
     return F, times(F.z, per_force)
 

@@ -249,7 +249,7 @@ VECTOR = Form(
         *place(velocity),
         integral("impulse", lambda q, carried, b: force(q, b).z),
     ),
-    orientation=carried_along(axis, axis_rate, spin),
+    orientation=carried_along(axis_rate, spin),
 )
 EULER = in_euler_angles(
     VECTOR,

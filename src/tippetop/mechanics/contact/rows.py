@@ -162,6 +162,14 @@ def planar_theta_dot(q, b):
     return q.Ly / b.I1
 
 
+PlanarScalars = type(filled(**dict.fromkeys((*FIELDS, "theta_dot"))))
+
+
+def planar_scalars(q, b):
+    """Return the scalars of a row of a motion in a plane."""
+    return PlanarScalars(*row_scalars(q, b), planar_theta_dot(q, b))
+
+
 # --- the forms of rows --------------------------------------------------------------------------
 
 
@@ -179,7 +187,7 @@ ROW = Form(
     row_of_angles,
     angles_by(ANGLES, row_scalars),
     integrals=carried("x", "y", "work", "impulse"),
-    orientation=carried_along(axis, axis_rate, spin),
+    orientation=carried_along(axis_rate, spin),
 )
 DISC_ROW = replace(
     ROW,
@@ -189,6 +197,7 @@ DISC_ROW = replace(
 PLANAR_ROW = replace(
     ROW,
     name="angle",
+    scalars=planar_scalars,
     to_angles=planar_angles_of_row,
     integrals=carried("theta", "x", "work", "impulse"),
     orientation=planar(lambda q: (q.ux, q.uz)),
@@ -222,11 +231,7 @@ def columns(planar: bool, routh: Callable | None, stem: bool) -> tuple[Quantity,
         "normal_force": lambda s, b: s.force,
         "friction_power": lambda s, b: s.power,
     }
-    quantities = [
-        replace(one, formula=formulas[one.name])
-        for one in gliding.QUANTITIES
-        if one.name in formulas
-    ]
+    quantities = [replace(one, formula=formulas[one.name]) for one in gliding.QUANTITIES]
     if routh is not None:
         text = "Routh's function of the ball in contact"
         quantities.insert(0, Quantity("routh", "D", ANGULAR_MOMENTUM, text, of_ball(routh)))

@@ -53,7 +53,7 @@ def phase_of(units: Any, events: tuple, formulas: tuple, **rates: Callable) -> P
         *place(lambda q, carried, b: leave(q, b).velocity),
         *(integral(name, rate) for name, rate in rates.items()),
     )
-    turn = carried_along(axis, axis_rate, spin)
+    turn = carried_along(axis_rate, spin)
     form = Form("vector", units, moved, scalars, integrals=integrals, orientation=turn)
     return Phase(form, (), events, (), enter, leave, reaction)
 

@@ -201,7 +201,7 @@ FIXED_VECTOR = Form(
     vector_of_angles,
     angles_of_vector,
     integrals=(integral("impulse", vertical_reaction),),
-    orientation=carried_along(axis, tip_axis_rate, rolling.spin),
+    orientation=carried_along(tip_axis_rate, rolling.spin),
 )
 FIXED_EULER = gliding.in_euler_angles(
     FIXED_VECTOR,

@@ -160,5 +160,5 @@ CONTACT = Form(
         integral("y", lambda q, carried, b: centre_velocity(q, b).y),
         integral("impulse", vertical_force),
     ),
-    orientation=carried_along(axis, axis_rate, spin),
+    orientation=carried_along(axis_rate, spin),
 )
