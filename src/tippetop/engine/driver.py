@@ -239,7 +239,7 @@ class Driver:
     def take(self, place: Place, body: Sequence[Any]) -> None:
         """Take the parameters of an integrator, perhaps with others behind."""
         pars = place.motion.pars[:, 0]
-        pars[:] = [float(number) for number in body[: len(pars)]]
+        pars[:] = body[: len(pars)]
 
     # --- steps -----------------------------------------------------------------------------------
 
