@@ -40,12 +40,14 @@ enum {
 /* Internal time of a step that goes nowhere. */
 static const real TINY = 1e-10;
 
-/* --- structures of the caller: `tippetop.engine.loop` makes the same --- */
+/* --- structures of the caller: `tippetop.engine.loop` makes the same, the groups of a loop as named
+   tuples --- */
 
 /* Codes of `engine.status.Status`. */
 enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
 
-/* The number that an event keeps of its passages: the time of the first or the last one, or their number. */
+/* The number that an event keeps of its passages: the time of the first or the last one, or their
+   number. */
 enum { FIRST, LAST, COUNT };
 
 /* Effects of a passage on the turning of theta that waits to be counted. */
@@ -53,15 +55,6 @@ enum { CONFIRMS = 1, WAITS = 2 };
 
 typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc);
 typedef void (*Dense)(real *out, const real *tc, const real *h);
-
-typedef struct {
-    integer variables, parameters, size, lanes, events, axis, log, samples;
-    integer width; /* numbers from one state to the next in the log and among the samples */
-} Sizes;
-
-typedef struct {
-    real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
-} Motion;
 
 typedef struct {
     integer row, shift, direction, ends, sense, first, last;
@@ -91,17 +84,11 @@ typedef struct {
 } Tally;
 
 /* The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
-   its first k Taylor coefficients vanish where the next step begins; in the present step its bounds,
-   and 1 if it is monotone; its least and greatest values, and their times. */
+   its first k Taylor coefficients vanish where the next step begins; in the present step its
+   bounds, and 1 if it is monotone; its least and greatest values, and their times. */
 typedef struct {
     real sign, on_zero, low, high, steady, extremes[2], times[2];
 } Function;
-
-typedef struct {
-    Tally *lane;
-    Function *functions;
-    real *kept;
-} Tallies;
 
 typedef struct {
     real time;
@@ -121,12 +108,6 @@ typedef struct {
 } Samples;
 
 typedef struct {
-    real settled_for;
-    integer most_steps, every, first;
-    real noise_floor, at_pole, near_pole, on_zero_for;
-} Rules;
-
-typedef struct {
     real *times, *states;
     integer *phases, *filled;
     integer steps, count, variables;
@@ -136,15 +117,28 @@ typedef struct {
     Step step;
     Dense dense;
     integer fused; /* whether `dense` rounds a product and the difference that takes it once */
-    Sizes sizes;
-    Motion motion;
+    struct {
+        integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
+        integer width; /* numbers from one state to the next in the log and among the samples */
+    };
+    struct {
+        real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
+    };
     EventRows rows;
-    Tallies tallies;
+    struct {
+        Tally *tallies; /* of the lanes */
+        Function *functions;
+        real *kept;
+    };
     Log log;
     Samples samples;
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
     const real *halves;  /* (MOST, MOST) row j: the coefficients of (1/2 + x/2)^j */
-    Rules rules;
+    struct {
+        real settled_for;
+        integer most_steps, sampled_every, sampled_first;
+        real noise_floor, at_pole, near_pole, on_zero_for;
+    };
     Rows output;
 } Loop;
 
@@ -308,9 +302,9 @@ integer loop_crossings(const real *p, integer n, bool positive, bool monotone, c
     }
 }
 
-/* Extend the least and the greatest of two values by those of p on [0, 1]: Newton's rule on the slope
-   from the least and the greatest of some points. Write their places, NaN for a value that is the
-   old one. */
+/* Extend the least and the greatest of two values by those of p on [0, 1]: Newton's rule on the
+   slope from the least and the greatest of some points. Write their places, NaN for a value that is
+   the old one. */
 void loop_extremes(const real *p, integer n, real *values, real *places) {
     real points[NODES] = {0};
     for (integer k = n - 1; k >= 0; k--)
@@ -343,7 +337,7 @@ void loop_extremes(const real *p, integer n, real *values, real *places) {
 /* --- bounds of the event functions over a step, in all lanes --- */
 
 INLINED Function *function(const Loop *l, integer event, integer lane) {
-    return l->tallies.functions + event * l->sizes.lanes + lane;
+    return l->functions + event * l->lanes + lane;
 }
 
 typedef struct {
@@ -362,8 +356,8 @@ INLINED Cubic cubic(real p0, real p1, real p2, real p3) {
    between its ends. */
 INLINED void bound(const Loop *l, integer n, integer e) {
     const Event *event = l->rows.events + e;
-    integer size = l->sizes.size, shift = event->shift;
-    const real *c = l->motion.tc + (event->row * size + shift) * n;
+    integer size = l->size, shift = event->shift;
+    const real *c = l->tc + (event->row * size + shift) * n;
     const real *factor = l->factors + shift * size * n;
     real rest[WIDEST], end[WIDEST], bend[WIDEST], low[WIDEST], high[WIDEST], steady[WIDEST];
     for (integer i = 0; i < n; i++)
@@ -395,11 +389,10 @@ INLINED void bound(const Loop *l, integer n, integer e) {
 
 /* Bound the event functions that count over the step. */
 INLINED void bound_functions(const Loop *l, integer n) {
-    const Motion *m = &l->motion;
-    integer size = l->sizes.size;
+    integer size = l->size;
     real h[WIDEST], power[WIDEST];
     for (integer i = 0; i < n; i++) {
-        h[i] = m->high[i] - m->start_high[i];
+        h[i] = l->high[i] - l->start_high[i];
         power[i] = 1;
     }
     for (integer k = 0; k < size; k++) /* from time to time over h: of variables, then of rates */
@@ -408,7 +401,7 @@ INLINED void bound_functions(const Loop *l, integer n) {
             l->factors[(size + k) * n + i] = (real)(k + 1) * power[i];
             power[i] *= h[i];
         }
-    for (integer e = 0; e < l->sizes.events; e++) {
+    for (integer e = 0; e < l->events; e++) {
         const Event *event = l->rows.events + e;
         if (event->watched || event->ranged || event->ends != 0)
             bound(l, n, e);
@@ -432,8 +425,8 @@ INLINED bool keeps_sign(const Function *f) {
 static integer search(const Loop *l, integer e, integer lane, real *p, real *zeros) {
     const Event *event = l->rows.events + e;
     const Function *f = function(l, e, lane);
-    integer size = l->sizes.size, lanes = l->sizes.lanes, shift = event->shift;
-    const real *c = l->motion.tc + (event->row * size + shift) * lanes + lane;
+    integer size = l->size, lanes = l->lanes, shift = event->shift;
+    const real *c = l->tc + (event->row * size + shift) * lanes + lane;
     const real *factors = l->factors + shift * size * lanes + lane;
     p[size - 1] = 0;
     for (integer k = 0; k < size - shift; k++)
@@ -449,7 +442,7 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
 /* Whether a zero is that of the start. A function that must not fall below zero is let through
    there too. */
 INLINED bool of_start(const Loop *l, const Event *event, const Function *f, real when) {
-    return f->on_zero > 0 && when <= l->rules.on_zero_for && !event->extremes;
+    return f->on_zero > 0 && when <= l->on_zero_for && !event->extremes;
 }
 
 /* Count a turning of theta (sign +1: a minimum, -1: a maximum) once theta has come back from it by
@@ -483,18 +476,18 @@ INLINED real theta_of(const real *axis) {
 /* theta at the time x of a step, and whether the axis passes through a pole there, rather than near
    it. */
 static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
-    integer size = l->sizes.size, lanes = l->sizes.lanes;
+    integer size = l->size, lanes = l->lanes;
     real u[3] = {0}, rate[3] = {0};
     for (integer k = size - 1; k >= 0; k--)
         for (int i = 0; i < 3; i++) {
             rate[i] = rate[i] * x + u[i];
-            u[i] = u[i] * x + l->motion.tc[(l->rows.axis[i] * size + k) * lanes + lane];
+            u[i] = u[i] * x + l->tc[(l->rows.axis[i] * size + k) * lanes + lane];
         }
-    real speed = rate[0] * rate[0] + rate[1] * rate[1], near = l->rules.near_pole;
+    real speed = rate[0] * rate[0] + rate[1] * rate[1], near = l->near_pole;
     /* closest approach times speed, however well x is known */
     real across = fabs(u[0] * rate[1] - u[1] * rate[0]);
     *at_pole =
-        across < l->rules.at_pole * speed && u[0] * u[0] + u[1] * u[1] < near * near * speed;
+        across < l->at_pole * speed && u[0] * u[0] + u[1] * u[1] < near * near * speed;
     return theta_of(u);
 }
 
@@ -502,7 +495,7 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
 void loop_keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
     for (integer m = first; m < last; m++) {
         const Number *number = l->rows.numbers + m;
-        real *kept = l->tallies.kept + m * l->sizes.lanes + lane;
+        real *kept = l->kept + m * l->lanes + lane;
         if ((real)number->direction * sign < 0)
             continue;
         if (number->what == COUNT)
@@ -515,7 +508,7 @@ void loop_keep(const Loop *l, integer first, integer last, integer lane, real wh
 /* Keep the numbers of an event at its zero, the time x of a step, and log it. */
 static void take_passage(const Loop *l, integer e, integer lane, real t, real h, real x) {
     const Event *event = l->rows.events + e;
-    Tally *tally = l->tallies.lane + lane;
+    Tally *tally = l->tallies + lane;
     Function *f = function(l, e, lane);
     real when = t + x * h, sign = f->sign = -f->sign;
     if (of_start(l, event, f, when))
@@ -523,27 +516,28 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     if (event->lasting)
         tally->lasts_since = (real)event->direction * sign > 0 ? when : NAN;
     bool at_pole = false;
-    if (event->sense != 0 && l->sizes.axis > 0) {
+    if (event->sense != 0 && l->axis > 0) {
         real theta = theta_at(l, x * h, lane, &at_pole);
         integer turn = at_pole ? 0 : (integer)((real)event->sense * sign);
-        if (l->sizes.log == 0) /* of a logged run the caller counts them, from logged states */
-            take_turning(tally, l->rules.noise_floor, turn, theta);
+        if (l->log_room == 0) /* of a logged run the caller counts them, from logged states */
+            take_turning(tally, l->noise_floor, turn, theta);
     }
     if ((real)event->direction * sign < 0)
         return;
     loop_keep(l, event->first, event->last, lane, when, sign);
     const Log *log = &l->log;
-    if (log->filled[0] < l->sizes.log)
-        log->rows[log->filled[0]++] = (Passage){when, e, (integer)sign, *l->samples.in_lane, at_pole};
+    if (log->filled[0] < l->log_room)
+        log->rows[log->filled[0]++] =
+            (Passage){when, e, (integer)sign, *l->samples.in_lane, at_pole};
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
    run. */
 static real take_events(const Loop *l, integer lane, real t, real h) {
-    integer size = l->sizes.size;
+    integer size = l->size;
     real upto = 1, p[MOST], zeros[MOST];
 
-    for (integer e = 0; e < l->sizes.events; e++) { /* first: all events end with the step */
+    for (integer e = 0; e < l->events; e++) { /* first: all events end with the step */
         const Event *event = l->rows.events + e;
         const Function *f = function(l, e, lane);
         if (event->ends == 0 || keeps_sign(f))
@@ -553,13 +547,13 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
         for (integer k = 0; k < count && zeros[k] < upto; k++) {
             sign = -sign;
             if ((real)event->direction * sign >= 0 && !of_start(l, event, f, t + zeros[k] * h)) {
-                l->tallies.lane[lane].status = event->ends;
+                l->tallies[lane].status = event->ends;
                 upto = zeros[k];
             }
         }
     }
 
-    for (integer e = 0; e < l->sizes.events; e++) {
+    for (integer e = 0; e < l->events; e++) {
         const Event *event = l->rows.events + e;
         Function *f = function(l, e, lane);
         bool keeps_range = f->low >= f->extremes[0] && f->high <= f->extremes[1];
@@ -581,7 +575,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
             if (places[side] >= 0)
                 f->times[side] = t + places[side] * upto * h;
     }
-    for (integer e = 0; e < l->sizes.events; e++) {
+    for (integer e = 0; e < l->events; e++) {
         Function *f = function(l, e, lane);
         f->on_zero = MAX(0.0, f->on_zero); /* the roots are behind */
     }
@@ -592,9 +586,8 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
 
 /* Write the state of a lane at a time within the step to `out`. */
 static void state_at(const Loop *l, integer lane, real time) {
-    const Motion *m = &l->motion;
-    m->limit[lane] = (time - m->start_high[lane]) - m->start_low[lane];
-    l->dense(l->out, m->tc, m->limit);
+    l->limit[lane] = (time - l->start_high[lane]) - l->start_low[lane];
+    l->dense(l->out, l->tc, l->limit);
 }
 
 /* A step that fuses was compiled for this processor, which therefore can do it. */
@@ -610,14 +603,14 @@ typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
    the step to out (variables, TIMES). The sums are compensated, and have the bits of those that a
    compiled step that fuses makes of one time. */
 FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
-    integer size = l->sizes.size, last = l->output.variables - 1;
+    integer size = l->size, last = l->output.variables - 1;
     for (integer first = 0; first <= last; first += TOGETHER) {
         const real *c[TOGETHER];
         Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
         memcpy(&h, when, sizeof h);
         power = h;
         for (int i = 0; i < TOGETHER; i++) {
-            c[i] = l->motion.tc + MIN(last, first + i) * size;
+            c[i] = l->tc + MIN(last, first + i) * size;
             sums[i] = zero + c[i][0];
             rests[i] = zero;
         }
@@ -647,14 +640,14 @@ static void write_rows(const Loop *l, integer count) {
     if (count <= FEW || !l->fused) {
         for (integer k = at; k < at + count; k++) {
             state_at(l, 0, rows->times[k]);
-            copy(rows->variables, l->out, l->sizes.lanes, rows->states + k, rows->count);
+            copy(rows->variables, l->out, l->lanes, rows->states + k, rows->count);
             ++*rows->filled; /* a stepper in Python sees which row it makes */
         }
         return;
     }
     for (integer k = 0; k < TIMES; k++) {
         real time = rows->times[at + (k < count ? k : count - 1)];
-        when[k] = (time - l->motion.start_high[0]) - l->motion.start_low[0];
+        when[k] = (time - l->start_high[0]) - l->start_low[0];
     }
     sum_rows(l, when, out);
     for (integer i = 0; i < rows->variables; i++)
@@ -666,13 +659,13 @@ static void write_rows(const Loop *l, integer count) {
    `moved`: this call has made a step; the end of one that was made before it has its row. */
 static bool take_rows(const Loop *l, bool moved) {
     const Rows *rows = &l->output;
-    const Tally *tally = l->tallies.lane;
+    const Tally *tally = l->tallies;
     if (rows->count == 0)
         return false;
     integer *filled = rows->filled, count = TIMES;
     if (rows->steps && moved && tally->upto == 1 && tally->status != NON_FINITE) {
-        rows->times[*filled] = l->motion.high[0];
-        copy(rows->variables, l->motion.state, l->sizes.lanes, rows->states + *filled, rows->count);
+        rows->times[*filled] = l->high[0];
+        copy(rows->variables, l->state, l->lanes, rows->states + *filled, rows->count);
         rows->phases[(*filled)++] = *l->samples.in_lane;
     }
     if (rows->steps || tally->status == NON_FINITE || tally->steps == 0)
@@ -692,37 +685,35 @@ static bool take_rows(const Loop *l, bool moved) {
 
 /* Allow the next step up to the end of each run; 0 in a lane that has ended. */
 static void begin_step(const Loop *l) {
-    const Motion *m = &l->motion;
-    memcpy(m->before, m->state, l->sizes.variables * l->sizes.lanes * sizeof(real));
-    for (integer lane = 0; lane < l->sizes.lanes; lane++) {
-        bool runs = l->tallies.lane[lane].status == RUNNING;
-        m->start_high[lane] = m->high[lane];
-        m->start_low[lane] = m->low[lane];
-        m->limit[lane] = runs ? (m->end[lane] - m->high[lane]) - m->low[lane] : 0;
-        m->h[lane] = m->limit[lane];
+    memcpy(l->before, l->state, l->variables * l->lanes * sizeof(real));
+    for (integer lane = 0; lane < l->lanes; lane++) {
+        bool runs = l->tallies[lane].status == RUNNING;
+        l->start_high[lane] = l->high[lane];
+        l->start_low[lane] = l->low[lane];
+        l->limit[lane] = runs ? (l->end[lane] - l->high[lane]) - l->low[lane] : 0;
+        l->h[lane] = l->limit[lane];
     }
 }
 
-/* Add the step to the time, in double length. A step that is not finite, or leads to such a state, is
-   taken back, and ends the run. */
+/* Add the step to the time, in double length. A step that is not finite, or leads to such a state,
+   is taken back, and ends the run. */
 static void move(const Loop *l) {
-    const Motion *m = &l->motion;
-    integer n = l->sizes.lanes, variables = l->sizes.variables;
+    integer n = l->lanes, variables = l->variables;
     real finite[WIDEST]; /* 0, otherwise NaN */
     for (integer lane = 0; lane < n; lane++)
-        finite[lane] = 0.0 * m->h[lane];
+        finite[lane] = 0.0 * l->h[lane];
     for (integer i = 0; i < variables; i++)
         for (integer lane = 0; lane < n; lane++)
-            finite[lane] += 0.0 * m->state[i * n + lane];
+            finite[lane] += 0.0 * l->state[i * n + lane];
     for (integer lane = 0; lane < n; lane++) {
-        real a = m->high[lane], b = m->h[lane], sum = a + b, part = sum - a;
-        real rest = m->low[lane] + ((a - (sum - part)) + (b - part));
+        real a = l->high[lane], b = l->h[lane], sum = a + b, part = sum - a;
+        real rest = l->low[lane] + ((a - (sum - part)) + (b - part));
         if (finite[lane] == 0) {
-            m->high[lane] = sum + rest;
-            m->low[lane] = rest - (m->high[lane] - sum);
+            l->high[lane] = sum + rest;
+            l->low[lane] = rest - (l->high[lane] - sum);
         } else {
-            l->tallies.lane[lane].status = NON_FINITE;
-            copy(variables, m->before + lane, n, m->state + lane, n);
+            l->tallies[lane].status = NON_FINITE;
+            copy(variables, l->before + lane, n, l->state + lane, n);
         }
     }
 }
@@ -730,13 +721,10 @@ static void move(const Loop *l) {
 /* Find what happens in the step of a lane, and sample its end. End a run that goes nowhere, has
    settled, or is at its end. Return whether the run has ended. */
 static bool take_step(const Loop *l, integer lane) {
-    const Motion *m = &l->motion;
-    const Sizes *n = &l->sizes;
     const Samples *samples = &l->samples;
-    const Rules *rules = &l->rules;
-    Tally *tally = l->tallies.lane + lane;
-    real t = m->start_high[lane], h = m->high[lane] - t;
-    if (!(m->limit[lane] > 0))
+    Tally *tally = l->tallies + lane;
+    real t = l->start_high[lane], h = l->high[lane] - t;
+    if (!(l->limit[lane] > 0))
         return false;
     if (tally->status != RUNNING) /* it is not finite */
         return true;
@@ -744,25 +732,26 @@ static bool take_step(const Loop *l, integer lane) {
     if (h > 0) { /* the step moves a double */
         real upto = take_events(l, lane, t, h);
         tally->upto = upto;
-        tally->t = upto < 1 ? t + upto * h : m->high[lane];
+        tally->t = upto < 1 ? t + upto * h : l->high[lane];
         tally->steps++;
-        bool sampled = tally->steps <= rules->first || (tally->steps & (rules->every - 1)) == 0;
-        if (n->samples > 0 && upto == 1 && sampled) {
+        bool at_start = tally->steps <= l->sampled_first;
+        bool sampled = at_start || (tally->steps & (l->sampled_every - 1)) == 0;
+        if (l->sample_room > 0 && upto == 1 && sampled) {
             integer at = samples->filled[0]++;
             samples->top[at] = samples->in_lane[lane];
-            copy(n->variables, m->state + lane, n->lanes, samples->states + at * n->width, 1);
+            copy(l->variables, l->state + lane, l->lanes, samples->states + at * l->width, 1);
         }
     }
     if (tally->status != RUNNING)
         return true;
-    if (tally->steps >= rules->most_steps || tally->tiny >= PATIENCE)
+    if (tally->steps >= l->most_steps || tally->tiny >= PATIENCE)
         tally->status = STALLED;
-    else if (t + h - tally->lasts_since > rules->settled_for &&
+    else if (t + h - tally->lasts_since > l->settled_for &&
              tally->lasts_since != tally->doubted)
         tally->status = SETTLED;
-    else if (m->h[lane] == m->limit[lane]) {
+    else if (l->h[lane] == l->limit[lane]) {
         tally->status = FINISHED;
-        tally->t = m->end[lane];
+        tally->t = l->end[lane];
     }
     return tally->status != RUNNING;
 }
@@ -771,9 +760,8 @@ static bool take_step(const Loop *l, integer lane) {
 
 /* Whether there may be no room for what the next step finds. */
 static bool is_full(const Loop *l) {
-    const Sizes *n = &l->sizes;
-    return (n->log > 0 && l->log.filled[0] + n->events * n->size > n->log) ||
-           (n->samples > 0 && l->samples.filled[0] + n->lanes > n->samples);
+    return (l->log_room > 0 && l->log.filled[0] + l->events * l->size > l->log_room) ||
+           (l->sample_room > 0 && l->samples.filled[0] + l->lanes > l->sample_room);
 }
 
 /* Put the events of a step, from number `first` of the log on, in the order of their times. */
@@ -789,7 +777,7 @@ static void sort_log(const Log *log, integer first) {
 
 /* Take in the step that was made. Return whether a run has ended. */
 static bool end_step(const Loop *l) {
-    integer lanes = l->sizes.lanes, variables = l->sizes.variables, first = l->log.filled[0];
+    integer lanes = l->lanes, variables = l->variables, first = l->log.filled[0];
     bool ended = false;
     move(l);
     if (lanes == 1)
@@ -803,7 +791,7 @@ static bool end_step(const Loop *l) {
     sort_log(&l->log, first);
     for (integer k = first; k < l->log.filled[0]; k++) {
         state_at(l, 0, l->log.rows[k].time);
-        copy(variables, l->out, lanes, l->log.states + k * l->sizes.width, 1);
+        copy(variables, l->out, lanes, l->log.states + k * l->width, 1);
     }
     return ended;
 }
@@ -811,17 +799,16 @@ static bool end_step(const Loop *l) {
 /* Make at most `most` steps of all lanes, until the caller must look: a run has ended, all rows are
    written, or there is no room. Return their number. */
 integer loop_drive(const Loop *l, integer most) {
-    const Motion *m = &l->motion;
     /* The integrator keeps vectors on the stack: lanes are slower where it is not aligned. */
     _Alignas(64) volatile bool runs = false;
-    for (integer lane = 0; lane < l->sizes.lanes; lane++)
-        runs = runs || l->tallies.lane[lane].status == RUNNING;
+    for (integer lane = 0; lane < l->lanes; lane++)
+        runs = runs || l->tallies[lane].status == RUNNING;
     for (integer steps = 0;; steps++) {
         bool stops = !runs || is_full(l) || steps >= most;
         if (take_rows(l, steps > 0) || stops)
             return steps;
         begin_step(l);
-        l->step(m->state, m->pars, m->start_high, m->h, m->tc);
+        l->step(l->state, l->pars, l->start_high, l->h, l->tc);
         runs = !end_step(l);
     }
 }
@@ -858,10 +845,11 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the numbers of the body, the time
-   left, the signs of event functions, the state and the constants; the results of lines follow. From
-   line `out` on these are the state in which phase `next` begins, the time that it lasts (NaN: it has
-   no clock), the numbers of tables, the signs of event functions, and minus their numbers of roots. */
+/* What follows where a phase ends by an event. Registers begin with the numbers of the body, the
+   time left, the signs of event functions, the state and the constants; the results of lines
+   follow. From line `out` on these are the state in which phase `next` begins, the time that it
+   lasts (NaN: it has no clock), the numbers of tables, the signs of event functions, and minus
+   their numbers of roots. */
 typedef struct {
     const Line *lines;
     const real *constants;
@@ -880,37 +868,35 @@ typedef struct {
 /* Begin a phase or a motion, with signs and zeros of its event functions. */
 static void begin_motion(const Loop *l, real when, real end, const real *signs, const real *zeros,
                          const real *state) {
-    const Motion *m = &l->motion;
-    Tally *tally = l->tallies.lane;
-    for (integer e = 0; e < l->sizes.events; e++) {
+    Tally *tally = l->tallies;
+    for (integer e = 0; e < l->events; e++) {
         function(l, e, 0)->sign = signs[e];
         function(l, e, 0)->on_zero = zeros[e];
     }
-    copy(l->sizes.variables, state, 1, m->state, 1);
-    m->high[0] = when;
-    m->low[0] = 0;
-    m->end[0] = end;
+    copy(l->variables, state, 1, l->state, 1);
+    l->high[0] = when;
+    l->low[0] = 0;
+    l->end[0] = end;
     tally->status = RUNNING;
     tally->upto = 1;
     tally->steps = tally->tiny = 0;
 }
 
-/* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
-   of its event functions, state and parameters; its results: status, steps, event, state. */
+/* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and
+   zeros of its event functions, state and parameters; its results: status, steps, event, state. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
-    const Sizes *n = &l->sizes;
-    const Tally *tally = l->tallies.lane;
-    const real *signs = in + 2, *zeros = signs + n->events, *state = zeros + n->events;
+    const Tally *tally = l->tallies;
+    const real *signs = in + 2, *zeros = signs + l->events, *state = zeros + l->events;
     begin_motion(l, 0, in[0], signs, zeros, state);
-    memcpy(l->motion.pars, state + n->variables, n->parameters * sizeof(real));
+    memcpy(l->pars, state + l->variables, l->parameters * sizeof(real));
     l->log.filled[0] = l->samples.filled[0] = 0;
     results[1] = (real)loop_drive(l, (integer)in[1]);
     bool within = tally->upto < 1;
     integer last = l->log.filled[0] - 1;
     results[0] = (real)tally->status;
     results[2] = within ? (real)l->log.rows[last].event : -1;
-    memcpy(results + 3, within ? l->log.states + last * n->width : l->motion.state,
-           n->variables * sizeof(real));
+    memcpy(results + 3, within ? l->log.states + last * l->width : l->state,
+           l->variables * sizeof(real));
 }
 
 /* Execute a program, whose results begin at `to`. Return whether every comparison is as expected. */
@@ -956,8 +942,8 @@ static bool execute(const Change *c, real *r, real *to, const Loop *const *loops
 static bool change_phase(Phases *p) {
     const Loop *l = p->loops[p->present];
     const Log *log = &l->log;
-    const Tally *tally = l->tallies.lane;
-    integer at = log->filled[0] - 1, events = l->sizes.events, n = l->sizes.variables;
+    const Tally *tally = l->tallies;
+    integer at = log->filled[0] - 1, events = l->events, n = l->variables;
     bool full = l->output.count > 0 && l->output.filled[0] == l->output.count;
     real when = tally->t;
     if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
@@ -970,12 +956,12 @@ static bool change_phase(Phases *p) {
     *left = p->end - when;
     for (integer e = 0; e < events; e++)
         signs[e] = function(l, e, 0)->sign;
-    copy(n, log->states + at * l->sizes.width, 1, state, 1);
+    copy(n, log->states + at * l->width, 1, state, 1);
     copy(c->count, c->constants, 1, state + n, 1);
     if (!execute(c, p->registers, results, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
-    const real *out = results + c->out, *others = out + next->sizes.variables;
+    const real *out = results + c->out, *others = out + next->variables;
     for (const real *number = out; number < others; number++)
         finite += 0.0 * *number;
     if (finite != 0)
@@ -1011,15 +997,15 @@ integer loop_run(Phases *p, integer most) {
    waits. */
 void loop_end(const Loop *l, integer lane) {
     const integer *rows = l->rows.axis;
-    Tally *tally = l->tallies.lane + lane;
-    integer n = l->sizes.lanes;
+    Tally *tally = l->tallies + lane;
+    integer n = l->lanes;
     real *last = l->out + lane;
     if (tally->upto < 1)
         state_at(l, lane, tally->t);
     else
-        copy(l->sizes.variables, l->motion.state + lane, n, last, n);
+        copy(l->variables, l->state + lane, n, last, n);
     real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};
-    take_turning(tally, l->rules.noise_floor, 0, theta_of(axis));
+    take_turning(tally, l->noise_floor, 0, theta_of(axis));
 }
 
 /* Count turnings, and write what each does: CONFIRMS, WAITS or their sum. */
