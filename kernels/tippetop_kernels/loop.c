@@ -40,8 +40,7 @@ enum {
 /* Internal time of a step that goes nowhere. */
 static const real TINY = 1e-10;
 
-/* --- structures of the caller: `tippetop.engine.loop` makes the same, the groups of a loop as named
-   tuples --- */
+/* --- structures of the caller: `tippetop.engine.loop` makes the same, groups as named tuples --- */
 
 /* Codes of `engine.status.Status`. */
 enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
@@ -65,12 +64,6 @@ typedef struct {
 typedef struct {
     integer what, direction;
 } Number;
-
-typedef struct {
-    const Event *events;
-    const Number *numbers;
-    const integer *axis;
-} EventRows;
 
 typedef struct {
     integer status;
@@ -97,23 +90,6 @@ typedef struct {
 } Passage;
 
 typedef struct {
-    integer *filled;
-    Passage *rows;
-    real *states;
-} Log;
-
-typedef struct {
-    integer *filled, *in_lane, *top;
-    real *states;
-} Samples;
-
-typedef struct {
-    real *times, *states;
-    integer *phases, *filled;
-    integer steps, count, variables;
-} Rows;
-
-typedef struct {
     Step step;
     Dense dense;
     integer fused; /* whether `dense` rounds a product and the difference that takes it once */
@@ -124,14 +100,25 @@ typedef struct {
     struct {
         real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
     };
-    EventRows rows;
+    struct {
+        const Event *event_rows;
+        const Number *numbers;
+        const integer *axis_rows;
+    };
     struct {
         Tally *tallies; /* of the lanes */
         Function *functions;
         real *kept;
     };
-    Log log;
-    Samples samples;
+    struct {
+        integer *logged;
+        Passage *passages;
+        real *logged_states;
+    };
+    struct {
+        integer *sampled, *in_lane, *sampled_tops;
+        real *sampled_states;
+    };
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
     const real *halves;  /* (MOST, MOST) row j: the coefficients of (1/2 + x/2)^j */
     struct {
@@ -139,7 +126,11 @@ typedef struct {
         integer most_steps, sampled_every, sampled_first;
         real noise_floor, at_pole, near_pole, on_zero_for;
     };
-    Rows output;
+    struct {
+        real *row_times, *row_states;
+        integer *row_phases, *rows_made;
+        integer rows_at_steps, row_count, row_variables;
+    };
 } Loop;
 
 INLINED void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
@@ -355,7 +346,7 @@ INLINED Cubic cubic(real p0, real p1, real p2, real p3) {
    coefficients, bound a polynomial; those of its slope show whether it is monotone: then it lies
    between its ends. */
 INLINED void bound(const Loop *l, integer n, integer e) {
-    const Event *event = l->rows.events + e;
+    const Event *event = l->event_rows + e;
     integer size = l->size, shift = event->shift;
     const real *c = l->tc + (event->row * size + shift) * n;
     const real *factor = l->factors + shift * size * n;
@@ -402,7 +393,7 @@ INLINED void bound_functions(const Loop *l, integer n) {
             power[i] *= h[i];
         }
     for (integer e = 0; e < l->events; e++) {
-        const Event *event = l->rows.events + e;
+        const Event *event = l->event_rows + e;
         if (event->watched || event->ranged || event->ends != 0)
             bound(l, n, e);
     }
@@ -423,7 +414,7 @@ INLINED bool keeps_sign(const Function *f) {
 /* Write the coefficients of an event function over a step, in time over h, and its sign changes.
    Return their number. */
 static integer search(const Loop *l, integer e, integer lane, real *p, real *zeros) {
-    const Event *event = l->rows.events + e;
+    const Event *event = l->event_rows + e;
     const Function *f = function(l, e, lane);
     integer size = l->size, lanes = l->lanes, shift = event->shift;
     const real *c = l->tc + (event->row * size + shift) * lanes + lane;
@@ -481,7 +472,7 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
     for (integer k = size - 1; k >= 0; k--)
         for (int i = 0; i < 3; i++) {
             rate[i] = rate[i] * x + u[i];
-            u[i] = u[i] * x + l->tc[(l->rows.axis[i] * size + k) * lanes + lane];
+            u[i] = u[i] * x + l->tc[(l->axis_rows[i] * size + k) * lanes + lane];
         }
     real speed = rate[0] * rate[0] + rate[1] * rate[1], near = l->near_pole;
     /* closest approach times speed, however well x is known */
@@ -494,7 +485,7 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
 /* Keep the numbers `first` to `last` of an event that happens. */
 void loop_keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
     for (integer m = first; m < last; m++) {
-        const Number *number = l->rows.numbers + m;
+        const Number *number = l->numbers + m;
         real *kept = l->kept + m * l->lanes + lane;
         if ((real)number->direction * sign < 0)
             continue;
@@ -507,7 +498,7 @@ void loop_keep(const Loop *l, integer first, integer last, integer lane, real wh
 
 /* Keep the numbers of an event at its zero, the time x of a step, and log it. */
 static void take_passage(const Loop *l, integer e, integer lane, real t, real h, real x) {
-    const Event *event = l->rows.events + e;
+    const Event *event = l->event_rows + e;
     Tally *tally = l->tallies + lane;
     Function *f = function(l, e, lane);
     real when = t + x * h, sign = f->sign = -f->sign;
@@ -525,10 +516,9 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     if ((real)event->direction * sign < 0)
         return;
     loop_keep(l, event->first, event->last, lane, when, sign);
-    const Log *log = &l->log;
-    if (log->filled[0] < l->log_room)
-        log->rows[log->filled[0]++] =
-            (Passage){when, e, (integer)sign, *l->samples.in_lane, at_pole};
+    if (l->logged[0] < l->log_room)
+        l->passages[l->logged[0]++] =
+            (Passage){when, e, (integer)sign, *l->in_lane, at_pole};
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
@@ -538,7 +528,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
     real upto = 1, p[MOST], zeros[MOST];
 
     for (integer e = 0; e < l->events; e++) { /* first: all events end with the step */
-        const Event *event = l->rows.events + e;
+        const Event *event = l->event_rows + e;
         const Function *f = function(l, e, lane);
         if (event->ends == 0 || keeps_sign(f))
             continue;
@@ -554,7 +544,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
     }
 
     for (integer e = 0; e < l->events; e++) {
-        const Event *event = l->rows.events + e;
+        const Event *event = l->event_rows + e;
         Function *f = function(l, e, lane);
         bool keeps_range = f->low >= f->extremes[0] && f->high <= f->extremes[1];
         if ((!event->watched || keeps_sign(f)) && (!event->ranged || keeps_range))
@@ -603,7 +593,7 @@ typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
    the step to out (variables, TIMES). The sums are compensated, and have the bits of those that a
    compiled step that fuses makes of one time. */
 FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
-    integer size = l->size, last = l->output.variables - 1;
+    integer size = l->size, last = l->row_variables - 1;
     for (integer first = 0; first <= last; first += TOGETHER) {
         const real *c[TOGETHER];
         Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
@@ -632,53 +622,51 @@ FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
 
 /* Write the next `count` rows of the present step. */
 static void write_rows(const Loop *l, integer count) {
-    const Rows *rows = &l->output;
-    integer at = *rows->filled;
-    real when[TIMES], out[rows->variables * TIMES];
+    integer at = *l->rows_made;
+    real when[TIMES], out[l->row_variables * TIMES];
     for (integer k = at; k < at + count; k++)
-        rows->phases[k] = *l->samples.in_lane;
+        l->row_phases[k] = *l->in_lane;
     if (count <= FEW || !l->fused) {
         for (integer k = at; k < at + count; k++) {
-            state_at(l, 0, rows->times[k]);
-            copy(rows->variables, l->out, l->lanes, rows->states + k, rows->count);
-            ++*rows->filled; /* a stepper in Python sees which row it makes */
+            state_at(l, 0, l->row_times[k]);
+            copy(l->row_variables, l->out, l->lanes, l->row_states + k, l->row_count);
+            ++*l->rows_made; /* a stepper in Python sees which row it makes */
         }
         return;
     }
     for (integer k = 0; k < TIMES; k++) {
-        real time = rows->times[at + (k < count ? k : count - 1)];
+        real time = l->row_times[at + (k < count ? k : count - 1)];
         when[k] = (time - l->start_high[0]) - l->start_low[0];
     }
     sum_rows(l, when, out);
-    for (integer i = 0; i < rows->variables; i++)
-        memcpy(rows->states + i * rows->count + at, out + i * TIMES, count * sizeof(real));
-    *rows->filled += count;
+    for (integer i = 0; i < l->row_variables; i++)
+        memcpy(l->row_states + i * l->row_count + at, out + i * TIMES, count * sizeof(real));
+    *l->rows_made += count;
 }
 
 /* Write the rows that lie in the present step of the first lane. Return whether all are written.
    `moved`: this call has made a step; the end of one that was made before it has its row. */
 static bool take_rows(const Loop *l, bool moved) {
-    const Rows *rows = &l->output;
     const Tally *tally = l->tallies;
-    if (rows->count == 0)
+    if (l->row_count == 0)
         return false;
-    integer *filled = rows->filled, count = TIMES;
-    if (rows->steps && moved && tally->upto == 1 && tally->status != NON_FINITE) {
-        rows->times[*filled] = l->high[0];
-        copy(rows->variables, l->state, l->lanes, rows->states + *filled, rows->count);
-        rows->phases[(*filled)++] = *l->samples.in_lane;
+    integer *filled = l->rows_made, count = TIMES;
+    if (l->rows_at_steps && moved && tally->upto == 1 && tally->status != NON_FINITE) {
+        l->row_times[*filled] = l->high[0];
+        copy(l->row_variables, l->state, l->lanes, l->row_states + *filled, l->row_count);
+        l->row_phases[(*filled)++] = *l->in_lane;
     }
-    if (rows->steps || tally->status == NON_FINITE || tally->steps == 0)
-        return *filled == rows->count;
+    if (l->rows_at_steps || tally->status == NON_FINITE || tally->steps == 0)
+        return *filled == l->row_count;
     while (count == TIMES) {
-        for (count = 0; count < TIMES && *filled + count < rows->count; count++) {
-            real time = rows->times[*filled + count];
+        for (count = 0; count < TIMES && *filled + count < l->row_count; count++) {
+            real time = l->row_times[*filled + count];
             if (!(time < tally->t || (tally->status != RUNNING && time <= tally->t)))
                 break;
         }
         write_rows(l, count);
     }
-    return *filled == rows->count;
+    return *filled == l->row_count;
 }
 
 /* --- steps --- */
@@ -721,7 +709,6 @@ static void move(const Loop *l) {
 /* Find what happens in the step of a lane, and sample its end. End a run that goes nowhere, has
    settled, or is at its end. Return whether the run has ended. */
 static bool take_step(const Loop *l, integer lane) {
-    const Samples *samples = &l->samples;
     Tally *tally = l->tallies + lane;
     real t = l->start_high[lane], h = l->high[lane] - t;
     if (!(l->limit[lane] > 0))
@@ -737,9 +724,9 @@ static bool take_step(const Loop *l, integer lane) {
         bool at_start = tally->steps <= l->sampled_first;
         bool sampled = at_start || (tally->steps & (l->sampled_every - 1)) == 0;
         if (l->sample_room > 0 && upto == 1 && sampled) {
-            integer at = samples->filled[0]++;
-            samples->top[at] = samples->in_lane[lane];
-            copy(l->variables, l->state + lane, l->lanes, samples->states + at * l->width, 1);
+            integer at = l->sampled[0]++;
+            l->sampled_tops[at] = l->in_lane[lane];
+            copy(l->variables, l->state + lane, l->lanes, l->sampled_states + at * l->width, 1);
         }
     }
     if (tally->status != RUNNING)
@@ -760,24 +747,24 @@ static bool take_step(const Loop *l, integer lane) {
 
 /* Whether there may be no room for what the next step finds. */
 static bool is_full(const Loop *l) {
-    return (l->log_room > 0 && l->log.filled[0] + l->events * l->size > l->log_room) ||
-           (l->sample_room > 0 && l->samples.filled[0] + l->lanes > l->sample_room);
+    return (l->log_room > 0 && l->logged[0] + l->events * l->size > l->log_room) ||
+           (l->sample_room > 0 && l->sampled[0] + l->lanes > l->sample_room);
 }
 
 /* Put the events of a step, from number `first` of the log on, in the order of their times. */
-static void sort_log(const Log *log, integer first) {
-    for (integer k = first + 1; k < log->filled[0]; k++) {
-        Passage row = log->rows[k];
+static void sort_log(const Loop *l, integer first) {
+    for (integer k = first + 1; k < l->logged[0]; k++) {
+        Passage row = l->passages[k];
         integer at = k;
-        for (; at > first && log->rows[at - 1].time > row.time; at--)
-            log->rows[at] = log->rows[at - 1];
-        log->rows[at] = row;
+        for (; at > first && l->passages[at - 1].time > row.time; at--)
+            l->passages[at] = l->passages[at - 1];
+        l->passages[at] = row;
     }
 }
 
 /* Take in the step that was made. Return whether a run has ended. */
 static bool end_step(const Loop *l) {
-    integer lanes = l->lanes, variables = l->variables, first = l->log.filled[0];
+    integer lanes = l->lanes, variables = l->variables, first = l->logged[0];
     bool ended = false;
     move(l);
     if (lanes == 1)
@@ -788,10 +775,10 @@ static bool end_step(const Loop *l) {
         bound_functions(l, lanes);
     for (integer lane = 0; lane < lanes; lane++)
         ended = take_step(l, lane) || ended;
-    sort_log(&l->log, first);
-    for (integer k = first; k < l->log.filled[0]; k++) {
-        state_at(l, 0, l->log.rows[k].time);
-        copy(variables, l->out, lanes, l->log.states + k * l->width, 1);
+    sort_log(l, first);
+    for (integer k = first; k < l->logged[0]; k++) {
+        state_at(l, 0, l->passages[k].time);
+        copy(variables, l->out, lanes, l->logged_states + k * l->width, 1);
     }
     return ended;
 }
@@ -889,13 +876,13 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
     const real *signs = in + 2, *zeros = signs + l->events, *state = zeros + l->events;
     begin_motion(l, 0, in[0], signs, zeros, state);
     memcpy(l->pars, state + l->variables, l->parameters * sizeof(real));
-    l->log.filled[0] = l->samples.filled[0] = 0;
+    l->logged[0] = l->sampled[0] = 0;
     results[1] = (real)loop_drive(l, (integer)in[1]);
     bool within = tally->upto < 1;
-    integer last = l->log.filled[0] - 1;
+    integer last = l->logged[0] - 1;
     results[0] = (real)tally->status;
-    results[2] = within ? (real)l->log.rows[last].event : -1;
-    memcpy(results + 3, within ? l->log.states + last * l->width : l->state,
+    results[2] = within ? (real)l->passages[last].event : -1;
+    memcpy(results + 3, within ? l->logged_states + last * l->width : l->state,
            l->variables * sizeof(real));
 }
 
@@ -941,14 +928,13 @@ static bool execute(const Change *c, real *r, real *to, const Loop *const *loops
 /* Change the phase where its event has ended it. Return false if the caller must do it. */
 static bool change_phase(Phases *p) {
     const Loop *l = p->loops[p->present];
-    const Log *log = &l->log;
     const Tally *tally = l->tallies;
-    integer at = log->filled[0] - 1, events = l->events, n = l->variables;
-    bool full = l->output.count > 0 && l->output.filled[0] == l->output.count;
+    integer at = l->logged[0] - 1, events = l->events, n = l->variables;
+    bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
     real when = tally->t;
     if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
         return false;
-    const Change *c = p->changes + p->present * events + log->rows[at].event;
+    const Change *c = p->changes + p->present * events + l->passages[at].event;
     if (c->length == 0)
         return false;
     real *left = p->registers + p->numbers, *signs = left + 1, *state = signs + events;
@@ -956,7 +942,7 @@ static bool change_phase(Phases *p) {
     *left = p->end - when;
     for (integer e = 0; e < events; e++)
         signs[e] = function(l, e, 0)->sign;
-    copy(n, log->states + at * l->width, 1, state, 1);
+    copy(n, l->logged_states + at * l->width, 1, state, 1);
     copy(c->count, c->constants, 1, state + n, 1);
     if (!execute(c, p->registers, results, p->loops))
         return false;
@@ -967,7 +953,7 @@ static bool change_phase(Phases *p) {
     if (finite != 0)
         return false;
 
-    log->rows[at] = (Passage){when, c->logged, 1, p->present, false};
+    l->passages[at] = (Passage){when, c->logged, 1, p->present, false};
     loop_keep(l, c->first, c->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
     made[0] = when;
@@ -996,7 +982,7 @@ integer loop_run(Phases *p, integer most) {
 /* Write the last state of a lane whose run has ended to `out`. The end may confirm the turning that
    waits. */
 void loop_end(const Loop *l, integer lane) {
-    const integer *rows = l->rows.axis;
+    const integer *rows = l->axis_rows;
     Tally *tally = l->tallies + lane;
     integer n = l->lanes;
     real *last = l->out + lane;
