@@ -221,8 +221,9 @@ class Run:
         Record
             `against` (the wider precision), `window` [s], the largest difference of `theta`
             [rad] if the system has it, whether both end the same way, the largest differences of
-            the times of shared turnings [s], of every column (`columns`), and of shared `phases`
-            and `impacts`, in SI units. It joins the summary.
+            every column (`columns`), of the times of `turnings` [s], and of `phases` and
+            `impacts`, in SI units; only their `counts` where the two runs have different numbers
+            of them. It joins the summary.
         """
         result = certificate(self.problem, seconds("window", window))
         self.attributes["certificate"] = root.finite(result)

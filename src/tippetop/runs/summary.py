@@ -185,5 +185,9 @@ def _certificate(result: Info) -> str:
     text = f"against {result['against']} over {result['window'][1]:g} s: {error}"
     for name, words, time in COMPARED:
         if name in result:
-            text += f", {result[name]['compared']} {words} by {result[name][time]:.1e} s"
+            rows, expected = result[name]["counts"]
+            if rows == expected:
+                text += f", {rows} {words} by {result[name][time]:.1e} s"
+            else:
+                text += f", {rows} {words}, but {expected} in {result['against']}"
     return text
