@@ -236,8 +236,10 @@ static void shift(const real *restrict p, integer n, real middle, real radius, c
 integer loop_crossings(const real *p, integer n, bool positive, bool monotone, const real *halves,
                        real *zeros) {
     if (monotone) {
+        if ((value_at(p, n, 1) > 0) == positive)
+            return 0;
         zeros[0] = zero_of(p, n, 0, 1);
-        return (value_at(p, n, 1) > 0) != positive;
+        return 1;
     }
     real part[MOST], total = 0;
     for (integer k = 0; k < n; k++)
