@@ -927,7 +927,7 @@ static bool change_phase(Phases *p) {
     integer at = l->logged[0] - 1, events = l->events, n = l->variables;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
     real when = tally->t;
-    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
+    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter * fmax(p->began, 1))
         return false;
     const Change *c = p->changes + p->present * events + l->passages[at].event;
     if (c->length == 0)
