@@ -93,44 +93,37 @@ typedef struct {
     Step step;
     Dense dense;
     integer fused; /* whether `dense` rounds a product and the difference that takes it once */
-    struct {
-        integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
-        integer width; /* numbers from one state to the next in the log and among the samples */
-    };
-    struct {
-        real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
-    };
-    struct {
-        const Event *event_rows;
-        const Number *numbers;
-        const integer *axis_rows;
-    };
-    struct {
-        Tally *tallies; /* of the lanes */
-        Function *functions;
-        real *kept;
-    };
-    struct {
-        integer *logged;
-        Passage *passages;
-        real *logged_states;
-    };
-    struct {
-        integer *sampled, *in_lane, *sampled_tops;
-        real *sampled_states;
-    };
+
+    integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
+    integer width; /* numbers from one state to the next in the log and among the samples */
+
+    real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
+
+    const Event *event_rows;
+    const Number *numbers;
+    const integer *axis_rows;
+
+    Tally *tallies; /* of the lanes */
+    Function *functions;
+    real *kept;
+
+    integer *logged;
+    Passage *passages;
+    real *logged_states;
+
+    integer *sampled, *in_lane, *sampled_tops;
+    real *sampled_states;
+
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
     const real *halves;  /* (MOST, MOST) row j: the coefficients of (1/2 + x/2)^j */
-    struct {
-        real settled_for;
-        integer most_steps, sampled_every, sampled_first;
-        real noise_floor, at_pole, near_pole, on_zero_for;
-    };
-    struct {
-        real *row_times, *row_states;
-        integer *row_phases, *rows_made;
-        integer rows_at_steps, row_count, row_variables;
-    };
+
+    real settled_for;
+    integer most_steps, sampled_every, sampled_first;
+    real noise_floor, at_pole, near_pole, on_zero_for;
+
+    real *row_times, *row_states;
+    integer *row_phases, *rows_made;
+    integer rows_at_steps, row_count, row_variables;
 } Loop;
 
 INLINED void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
@@ -243,8 +236,10 @@ static void shift(const real *restrict p, integer n, real middle, real radius, c
 integer loop_crossings(const real *p, integer n, bool positive, bool monotone, const real *halves,
                        real *zeros) {
     if (monotone) {
+        if ((value_at(p, n, 1) > 0) == positive)
+            return 0;
         zeros[0] = zero_of(p, n, 0, 1);
-        return (value_at(p, n, 1) > 0) != positive;
+        return 1;
     }
     real part[MOST], total = 0;
     for (integer k = 0; k < n; k++)
@@ -932,7 +927,7 @@ static bool change_phase(Phases *p) {
     integer at = l->logged[0] - 1, events = l->events, n = l->variables;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
     real when = tally->t;
-    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
+    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter * fmax(p->began, 1))
         return false;
     const Change *c = p->changes + p->present * events + l->passages[at].event;
     if (c->length == 0)
