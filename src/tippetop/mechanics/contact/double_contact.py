@@ -42,39 +42,28 @@ from .single_contact import (
 
 
 def shared(x, v, frictions, total, swing, b):
-    """Return the actions on sphere and stem under friction(omega, v, z, b) of each.
+    """Return the force of both balls, the torque with which it acts at the contact of the sphere,
+    and the actions on sphere and stem under friction(omega, v, z, b) of each.
 
     The sum of the normal forces is `total`, and (L' x 3hat)_z is `swing`; or the same of impulses.
     v is the velocity of the sphere's contact point.
     """
-    u, omega, sides = x.u, angular_velocity(x, b), []
-    none = 0 * u.z
-    for friction, ball in zip(frictions, (b, seen_from_other(b)), strict=True):
-        slip = plus(v, cross(omega, apart(u, ball, b)))._replace(z=none)
+    u, omega, other, sides = x.u, angular_velocity(x, b), seen_from_other(b), []
+    apart = plus(arm(u, other), times(-1, arm(u, b)))
+    slips = v, plus(v, cross(omega, apart))
+    for friction, slip, ball in zip(frictions, slips, (b, other), strict=True):
         push, torque = friction(omega, slip, u.z, ball)
-        force = Vector(-push.x, -push.y, 1 + none)
+        force = Vector(-push.x, -push.y, 1 + 0 * u.z)
         lean = cross(plus(cross(arm(u, ball), force), torque), u).z
         sides.append((Acts(force, torque, slip, omega), lean))
-    (one, lean), (two, other) = sides
-    N = (swing - total * lean) / (other - lean)
-    return times_normal_force(total - N, one), times_normal_force(N, two)
-
-
-def apart(u, ball, b):
-    """Return the way from the contact point of b to that of another ball, (3,) [m]."""
-    return plus(arm(u, ball), times(-1, arm(u, b)))
-
-
-def times_normal_force(N, by):
-    """Return an action that is given per normal force."""
-    return by._replace(force=times(N, by.force), torque=times(N, by.torque))
-
-
-def joined(sides, u, b):
-    """Return the force of both, and the torque with which it acts at the sphere's contact."""
-    one, two = sides
-    turn = cross(apart(u, seen_from_other(b), b), two.force)
-    return plus(one.force, two.force), plus(plus(one.torque, two.torque), turn)
+    (_, lean), (_, other_lean) = sides
+    N = (swing - total * lean) / (other_lean - lean)
+    one, two = (
+        by._replace(force=times(load, by.force), torque=times(load, by.torque))
+        for load, (by, _) in zip((total - N, N), sides, strict=True)
+    )
+    torque = plus(plus(one.torque, two.torque), cross(apart, two.force))
+    return plus(one.force, two.force), torque, one, two
 
 
 def leaving(side: int, name: str, other: str) -> Event:
@@ -107,8 +96,7 @@ def slide_on_both(law: Any, *names: str) -> Phase:
 
     def pushed(x, v, b):
         swing = -cross(x.L, axis_rate(x, b)).z  # z'' is zero
-        sides = shared(x, v, frictions, b.m * b.g, swing, b)
-        return *joined(sides, x.u, b), *sides
+        return shared(x, v, frictions, b.m * b.g, swing, b)
 
     ends = [*LEAVES, STANDS] if names else [*LEAVES]
     for side, name in enumerate(names):
@@ -138,7 +126,8 @@ def rolled(x, b):
 
     L_dot, V_dot = rate(x.L), rate(velocity)
     acts = times(-1 / b.g, V_dot), times(moves * share, rolls)
-    sides = shared(x, still, [lambda *of: acts] * 2, b.m * b.g, cross(L_dot, u).z, b)
+    frictions, swing = [lambda *of: acts] * 2, cross(L_dot, u).z
+    _, _, *sides = shared(x, still, frictions, b.m * b.g, swing, b)
     force = times(b.m, V_dot)._replace(z=b.m * b.g + 0 * slows)
     return force, plus(L_dot, times(-1, cross(arm(u, b), force))), *sides
 
@@ -176,8 +165,8 @@ def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Movin
 
     The endless hops from one to the other would do so.
     """
-    v, none = contact_velocity(x, b), 0 * x.height
-    sides = shared(x, v, frictions, -(b.m * x.velocity.z), -cross(x.L, x.u).z, b)
-    after, lies = kicked(x, b, *joined(sides, x.u, b)), height(x.u.z, b)
-    after = after._replace(velocity=after.velocity._replace(z=none), height=lies)
+    v, sinks = contact_velocity(x, b), -(b.m * x.velocity.z)
+    p, twist, *_ = shared(x, v, frictions, sinks, -cross(x.L, x.u).z, b)
+    after, lies = kicked(x, b, p, twist), height(x.u.z, b)
+    after = after._replace(velocity=after.velocity._replace(z=0 * sinks), height=lies)
     return gained(after, work=b.m * b.g * (x.height - lies))
