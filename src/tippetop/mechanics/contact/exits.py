@@ -210,16 +210,16 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
         phase = world.phases[name]
         if phase.reaction(phase.enter(x, b), b).force.z > 0:
             return on_disc(Next(name, x, cause, zeros=roots), world)
-        return fly(x, world, ball, 2, "opens-at-once")
-    x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
-    F = sticking(x, b)[0]
-    if F.z > 0 and cone(F, b) >= 0:
-        return Next(phase_name("roll", ball), x, cause, zeros=roots)
-    beta = first_directions(lambda beta: pushed(x, beta, b))
-    if not len(beta):
-        return fly(x, world, ball, 2, "opens-at-once")
-    x, delay = run_in(x, world, ball, beta[0])
-    return Next(phase_name("slip", ball), x, cause, delay, zeros=roots)
+    else:
+        x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
+        F = sticking(x, b)[0]
+        if F.z > 0 and cone(F, b) >= 0:
+            return Next(phase_name("roll", ball), x, cause, zeros=roots)
+        beta = first_directions(partial(pushed, x, b))
+        if len(beta):
+            x, delay = run_in(x, world, ball, beta[0])
+            return Next(phase_name("slip", ball), x, cause, delay, zeros=roots)
+    return fly(x, world, ball, 2, "opens-at-once")
 
 
 def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
@@ -314,7 +314,7 @@ def directed(x: Moving, beta: Any) -> Any:
     return type(DIRECTED)(*x.u, *x.L, beta, 1 + 0 * beta)
 
 
-def pushed(x: Moving, beta: Any, b: Touch) -> tuple[Any, Any, Any]:
+def pushed(x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]:
     """Return P, Q and the normal force of sliding in the direction beta.
 
     P is the rate of the speed, and Q the speed times the turn of the direction.

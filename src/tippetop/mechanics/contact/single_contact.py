@@ -375,11 +375,6 @@ def slip_under(friction: Callable, *events: Event) -> Phase:
     return with_slip((LIFTOFF, TOUCH, *events), pushed)
 
 
-def disc_slip(region: Region, torque: Callable) -> Phase:
-    """Return the phase of sliding in a region of a law."""
-    return slip_under(disc_friction(region.drag, torque), RESTS, *borders(region))
-
-
 def regions_of(x: Moving, *bodies: Touch) -> tuple[str, ...]:
     """Return the regions of a body's sliding on balls; empty under a law that has none."""
     names = []
@@ -421,7 +416,10 @@ LOADED_SLIP = slip_under(smooth_friction)
 def slides(law: Any) -> dict[tuple[str, ...], Phase]:
     """Return the phases of sliding under a law, by the regions of the law."""
     if law.regions:
-        return {(name,): disc_slip(region, law.torque) for name, region in law.regions.items()}
+        return {
+            (name,): slip_under(disc_friction(region.drag, law.torque), RESTS, *borders(region))
+            for name, region in law.regions.items()
+        }
     if law.set_valued:
         return {(): DIRECTED_SLIP}
     return {(): LOADED_SLIP if law.torque else SLIP}
