@@ -864,44 +864,52 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the state, the time left, the
-   signs of event functions, the numbers of the body and the constants; the results of lines follow.
-   From line `out` on these are the state in which phase `next` begins, the time that it lasts (NaN:
-   it has no clock), and the numbers of tables. `sides` are the signs of event functions, of which 0
-   stays, then minus their numbers of roots. */
+/* What follows where a phase ends by an event. Registers begin with the numbers of the body, the time
+   left, the signs of event functions, the state and the constants; the results of lines follow. From
+   line `out` on these are the state in which phase `next` begins, the time that it lasts (NaN: it has
+   no clock), the numbers of tables, the signs of event functions, and minus their numbers of roots. */
 typedef struct {
     const Line *lines;
-    const real *constants, *sides;
+    const real *constants;
     integer length, count, out, next, logged, first, last;
 } Change;
 
 typedef struct {
     const Loop *const *loops; /* of phases, then of motions */
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
-    const real *body;
-    real *registers;
+    real *registers;          /* `numbers` of the body are there */
     real *made; /* of each change: time, phase and event, then the last registers */
     real began, end, clock, chatter;
     integer present, count, most, numbers, width;
 } Phases;
 
+/* Begin a phase or a motion, with signs and zeros of its event functions. */
+static void begin_motion(const Loop *l, real when, real end, const real *signs, const real *zeros,
+                         const real *state) {
+    const Motion *m = &l->motion;
+    Tally *tally = l->tallies.lane;
+    for (integer e = 0; e < l->sizes.events; e++) {
+        function(l, e, 0)->sign = signs[e];
+        function(l, e, 0)->on_zero = zeros[e];
+    }
+    copy(l->sizes.variables, state, 1, m->state, 1);
+    m->high[0] = when;
+    m->low[0] = 0;
+    m->end[0] = end;
+    tally->status = RUNNING;
+    tally->upto = 1;
+    tally->steps = tally->tiny = 0;
+}
+
 /* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
    of its event functions, state and parameters; its results: status, steps, event, state. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Sizes *n = &l->sizes;
-    Tally *tally = l->tallies.lane;
+    const Tally *tally = l->tallies.lane;
     const real *signs = in + 2, *zeros = signs + n->events, *state = zeros + n->events;
-    l->motion.end[0] = in[0];
-    for (integer e = 0; e < n->events; e++) {
-        function(l, e, 0)->sign = signs[e];
-        function(l, e, 0)->on_zero = zeros[e];
-    }
-    memcpy(l->motion.state, state, n->variables * sizeof(real));
+    begin_motion(l, 0, in[0], signs, zeros, state);
     memcpy(l->motion.pars, state + n->variables, n->parameters * sizeof(real));
-    l->motion.high[0] = l->motion.low[0] = 0;
-    tally->status = RUNNING;
-    tally->upto = 1;
-    tally->steps = tally->tiny = l->log.filled[0] = l->samples.filled[0] = 0;
+    l->log.filled[0] = l->samples.filled[0] = 0;
     results[1] = (real)loop_drive(l, (integer)in[1]);
     bool within = tally->upto < 1;
     integer last = l->log.filled[0] - 1;
@@ -954,7 +962,7 @@ static bool execute(const Change *c, real *r, real *to, const Loop *const *loops
 static bool change_phase(Phases *p) {
     const Loop *l = p->loops[p->present];
     const Log *log = &l->log;
-    Tally *tally = l->tallies.lane;
+    const Tally *tally = l->tallies.lane;
     integer at = log->filled[0] - 1, events = l->sizes.events, n = l->sizes.variables;
     bool full = l->output.count > 0 && l->output.filled[0] == l->output.count;
     real when = tally->t;
@@ -963,18 +971,16 @@ static bool change_phase(Phases *p) {
     const Change *c = p->changes + p->present * events + log->rows[at].event;
     if (c->length == 0)
         return false;
-    real *r = p->registers, *results = r + n + 1 + events + p->numbers + c->count;
-    real finite = 0;
-    copy(n, log->states + at * l->sizes.width, 1, r, 1);
-    r[n] = p->end - when;
+    real *left = p->registers + p->numbers, *signs = left + 1, *state = signs + events;
+    real *results = state + n + c->count, finite = 0;
+    *left = p->end - when;
     for (integer e = 0; e < events; e++)
-        r[n + 1 + e] = function(l, e, 0)->sign;
-    copy(p->numbers, p->body, 1, r + n + 1 + events, 1);
-    copy(c->count, c->constants, 1, results - c->count, 1);
-    if (!execute(c, r, results, p->loops))
+        signs[e] = function(l, e, 0)->sign;
+    copy(n, log->states + at * l->sizes.width, 1, state, 1);
+    copy(c->count, c->constants, 1, state + n, 1);
+    if (!execute(c, p->registers, results, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
-    const Motion *m = &next->motion;
     const real *out = results + c->out, *others = out + next->sizes.variables;
     for (const real *number = out; number < others; number++)
         finite += 0.0 * *number;
@@ -988,19 +994,9 @@ static bool change_phase(Phases *p) {
     made[1] = (real)(c - p->changes);
     copy(p->width - 2, others, 1, made + 2, 1);
 
-    copy(next->sizes.variables, out, 1, m->state, 1);
+    const real *sides = others + p->width - 2;
     p->clock = when + others[0];
-    m->high[0] = when;
-    m->low[0] = 0;
-    m->end[0] = p->clock < p->end ? p->clock : p->end;
-    for (integer e = 0; e < events; e++) {
-        Function *f = function(l, e, 0);
-        f->sign = c->sides[e] != 0 ? c->sides[e] : f->sign;
-        f->on_zero = c->sides[events + e];
-    }
-    tally->status = RUNNING;
-    tally->upto = 1;
-    tally->steps = tally->tiny = 0;
+    begin_motion(next, when, MIN(p->end, p->clock), sides, sides + events, out);
     p->present = c->next;
     p->began = when;
     return true;

@@ -46,7 +46,7 @@ def make(kind: str, store: Path, progress: Any = None) -> None:
     elif kind == "sweep":
         plan = store.with_name("PLAN.toml")
         plan.write_text(PLAN)
-        sweep.sweep(plan, store, workers=1, progress=progress)
+        sweep.sweep(plan, store, workers=1, progress=progress or False)
     else:
         axes = np.linspace(-6e-4, 8e-4, 37), np.linspace(0, 7e-6, 53)
         surfaces.write(store, surfaces.Surface(CANONICAL, *axes, chunk=16), progress=progress)

@@ -26,7 +26,6 @@ program.
 class _Change(NamedTuple):
     lines: np.ndarray
     constants: np.ndarray
-    sides: np.ndarray
     length: int
     n_constants: int
     out: int
@@ -39,7 +38,6 @@ class _Change(NamedTuple):
 class _Phases(NamedTuple):
     loops: np.ndarray
     changes: int
-    body: np.ndarray
     registers: np.ndarray
     made: np.ndarray
     began: float
@@ -87,10 +85,11 @@ class Changes:
         self.loops = np.zeros(len(run.phases) + MOTIONS, np.uint64)
         self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
         self.made = np.zeros((most, 3 + NUMBERS))
-        self.numbers = np.array(leaves(run.world.body)), np.zeros(REGISTERS)
-        arrays = self.loops, ctypes.addressof(self.table), *self.numbers, self.made
+        body, self.registers = leaves(run.world.body), np.zeros(REGISTERS)
+        self.registers[: len(body)] = body
+        arrays = self.loops, ctypes.addressof(self.table), self.registers, self.made
         times = 0.0, float(run.end), 0.0, chatter
-        sizes = 0, 0, most, len(self.numbers[0]), self.made.shape[1]
+        sizes = 0, 0, most, len(body), self.made.shape[1]
         self.record: Any = filled(_Phases(*arrays, *times, *sizes))
 
     def learn(self, jump: Any, *given: Any) -> None:
@@ -127,13 +126,13 @@ class Changes:
         run, regions = self.run, list[str]()
         track = run.track
         state += (0.0,) * (len(run.state) - len(state))
-        program = Program(state, (world.left,), tuple(run.signs.tolist()), world.body)
+        program = Program(world.body, (world.left,), tuple(run.signs.tolist()), state)
 
         def followed(region: str, *given: Any) -> list:
             regions.append(region)
             return program.call(self._place(region), partial(run.impacts.piece, region), *given)
 
-        state, (left,), signs, body = program.inputs
+        body, (left,), signs, state = program.inputs
         struck = partial(world.struck, piece=followed)
         try:
             n, state, values = jump(state, world._replace(body=body, left=left, struck=struck))
@@ -154,21 +153,21 @@ class Changes:
         )
         if not is_plain:
             return None
-        sides = np.zeros((2, self.events))  # and minus the number of roots
+        sides, zeros = [*signs], [0.0] * self.events
         for k, side in to.sides(n).items():
-            sides[:, k] = side
+            sides[k], zeros[k] = side
         pad, none = (
             [0.0] * size
             for size in (len(to.place.motion.state) - len(state), NUMBERS - len(numbers))
         )
         lasts = math.nan if n.lasts is None else n.lasts
-        first = program.joined([*state, *pad, lasts, *numbers, *none])
+        first = program.joined([*state, *pad, lasts, *numbers, *none, *sides, *zeros])
         lines, constants = program.code(), np.array([*program.constants.values()])
         logged = run.numbers[n.logged[0]]
         kept = run.all_events.events[logged][["first", "last"]].item()
         sizes = len(lines), len(constants), first.place - program.count
         return Written(
-            _Change(lines, constants, sides, *sizes, to.at, logged, *kept),
+            _Change(lines, constants, *sizes, to.at, logged, *kept),
             tuple(regions),
             n.phase,
             run.tables.row_of(n.phase, to.phase, n.cause),
