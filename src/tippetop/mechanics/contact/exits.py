@@ -16,11 +16,21 @@ from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
 from .body import BALLS, Moving, Touch, contact_velocity
-from .double_contact import (
+from .contact_phases import (
+    DIRECTED,
+    DIRECTED_SLIP,
+    FLIGHT,
+    REST,
+    RESTS,
+    ROLL,
     STANDS,
+    STOPS_AT,
     brought_to_rest,
     frictions_of,
     on_both,
+    regions_of,
+    rest_speed2,
+    slides,
     without_slip_on_both,
 )
 from .first_slip import FirstSlip, first_directions, first_slip
@@ -35,18 +45,6 @@ from .response import (
     sticking,
     stopping,
     turning,
-)
-from .single_contact import (
-    DIRECTED,
-    DIRECTED_SLIP,
-    FLIGHT,
-    REST,
-    RESTS,
-    ROLL,
-    STOPS_AT,
-    regions_of,
-    rest_speed2,
-    slides,
 )
 
 

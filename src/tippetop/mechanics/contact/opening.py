@@ -16,6 +16,7 @@ from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from . import gliding
 from .body import BALLS, Touch, seen_from_balls
+from .contact_phases import CONE, RESTS, STICK
 from .exits import IMPACT, KINDS, PHASES, REASONS, begin, come_to_rest, go_on, phase_name
 from .integrals import NAMED, integral
 from .rows import (
@@ -30,7 +31,6 @@ from .rows import (
     planar_theta_dot,
     row,
 )
-from .single_contact import CONE, RESTS, STICK
 
 
 ABOVE = {
