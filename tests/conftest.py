@@ -90,6 +90,16 @@ def short_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.fixture(scope="session")
+def inversion(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The store of a run in which the top turns over, by the command; not to be changed."""
+    from typed import typed
+
+    path = tmp_path_factory.mktemp("inversion") / "run.zarr"
+    assert typed(f"run inverting --until 7 --out {path}") == 0
+    return path
+
+
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Keep compiled code in a folder of the test."""

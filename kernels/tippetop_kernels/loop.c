@@ -707,29 +707,27 @@ static void begin_step(const Loop *l) {
     }
 }
 
-/* Add the step to the time, in double length. A step to a state or a time that is not finite is
+/* Add the step to the time, in double length. A step that is not finite, or leads to such a state, is
    taken back, and ends the run. */
 static void move(const Loop *l) {
     const Motion *m = &l->motion;
     integer n = l->sizes.lanes, variables = l->sizes.variables;
     real finite[WIDEST]; /* 0, otherwise NaN */
-    for (integer lane = 0; lane < n; lane++) {
-        real a = m->high[lane], b = m->h[lane], sum = a + b, part = sum - a;
-        real rest = m->low[lane] + ((a - (sum - part)) + (b - part));
-        m->high[lane] = sum + rest;
-        m->low[lane] = rest - (m->high[lane] - sum);
-        finite[lane] = 0.0 * m->high[lane];
-    }
+    for (integer lane = 0; lane < n; lane++)
+        finite[lane] = 0.0 * m->h[lane];
     for (integer i = 0; i < variables; i++)
         for (integer lane = 0; lane < n; lane++)
             finite[lane] += 0.0 * m->state[i * n + lane];
     for (integer lane = 0; lane < n; lane++) {
-        if (finite[lane] == 0)
-            continue;
-        l->tallies.lane[lane].status = NON_FINITE;
-        copy(variables, m->before + lane, n, m->state + lane, n);
-        m->high[lane] = m->start_high[lane];
-        m->low[lane] = m->start_low[lane];
+        real a = m->high[lane], b = m->h[lane], sum = a + b, part = sum - a;
+        real rest = m->low[lane] + ((a - (sum - part)) + (b - part));
+        if (finite[lane] == 0) {
+            m->high[lane] = sum + rest;
+            m->low[lane] = rest - (m->high[lane] - sum);
+        } else {
+            l->tallies.lane[lane].status = NON_FINITE;
+            copy(variables, m->before + lane, n, m->state + lane, n);
+        }
     }
 }
 

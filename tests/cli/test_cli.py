@@ -9,18 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from typed import typed
 
 
-@pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("stores") / "run.zarr"
-    assert typed(f"run inverting --until 7 --out {path} --json") == 0
-    return path
-
-
-def test_run_writes_the_store_of_the_contract(store: Path) -> None:
-    trajectory = xr.open_zarr(store, group="trajectory", consolidated=False)
+def test_run_writes_the_store_of_the_contract(inversion: Path) -> None:
+    trajectory = xr.open_zarr(inversion, group="trajectory", consolidated=False)
     names = (
         "theta theta_dot phi phi_dot omega3 nu_x nu_y axis L x y jellett routh energy "
         "modified_energy normal_force"
@@ -31,18 +23,20 @@ def test_run_writes_the_store_of_the_contract(store: Path) -> None:
         assert np.all(np.isfinite(trajectory[name])), name
     assert trajectory["axis"].dims == ("time", "xyz")
     assert trajectory.sizes["time"] == 7001
-    events = xr.open_zarr(store, group="events", consolidated=False)
+    events = xr.open_zarr(inversion, group="events", consolidated=False)
     names = "time kind theta theta_dot_sign amplitude significant"
     assert set(events.variables) >= set(names.split())
     assert events["kind"].attrs["flag_meanings"].split()[:3] == ["turning", "liftoff", "equator"]
-    root = xr.open_zarr(store).attrs
+    root = xr.open_zarr(inversion).attrs
     names = "status parameters friction initial tolerance precision versions cpu"
     assert set(names.split()) <= set(root)
     assert root["format_version"] == 2
 
 
-def test_info_is_one_json_object_with_the_keys_of_the_contract(store: Path, said: Callable) -> None:
-    info = json.loads(said(f"info {store} --json")[0])
+def test_info_is_one_json_object_with_the_keys_of_the_contract(
+    inversion: Path, said: Callable
+) -> None:
+    info = json.loads(said(f"info {inversion} --json")[0])
     keys = "status t_end steps event_counts inversion nutational_band drift normal_force versions"
     assert set(keys.split()) <= set(info)
     assert set(info["inversion"]) == {"first_equator", "last_equator", "inverted_at"}

@@ -114,7 +114,7 @@ def test_the_number_of_lanes_changes_no_bit(
     mixed: dict[str, np.ndarray], found: xr.Dataset
 ) -> None:
     measured = measure(vary(starting.load("inverting"), mixed), threads=1, lanes=4)
-    assert same(outcomes.dataset(measured, []), found)
+    assert same(outcomes.dataset(measured), found)
 
 
 def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: xr.Dataset) -> None:
@@ -123,7 +123,7 @@ def test_a_broken_neighbour_changes_no_bit(mixed: dict[str, np.ndarray], found: 
     assert tops.valid.all()
     spoilt = np.arange(40) % 3 == 1
     tops.pars[3, spoilt] = np.where(np.arange(spoilt.sum()) % 2, np.nan, 1e-280)
-    other = outcomes.dataset(measure(tops, threads=1), [])
+    other = outcomes.dataset(measure(tops, threads=1))
     status = kinds(other, "status")
     assert set(status[spoilt]) <= {"non-finite", "stalled", "liftoff"}
     assert "non-finite" in status[spoilt]

@@ -14,16 +14,9 @@ from typed import typed
 
 from tippetop.errors import InputError
 from tippetop.problem import ROUNDING
-from tippetop.runs import certificate, recording, starting
+from tippetop.runs import certificate, starting
 from tippetop.runs.run import solve
 from tippetop.store import chunks
-
-
-@pytest.fixture(scope="module")
-def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("long") / "run.zarr"
-    recording.record(starting.load("inverting", until=7.0), path)
-    return path
 
 
 @pytest.mark.parametrize(("precision", "bits"), [("longdouble", 63), ("quad", 105)])
@@ -48,10 +41,10 @@ def test_wide_rows_are_stored_without_losing_digits(precision: str, bits: int) -
 
 
 @pytest.mark.parametrize("to", ["netcdf", "csv", "parquet"])
-def test_an_export_says_the_same_as_the_store(store: Path, tmp_path: Path, to: str) -> None:
+def test_an_export_says_the_same_as_the_store(inversion: Path, tmp_path: Path, to: str) -> None:
     out = tmp_path / f"run.{to}"
-    assert typed(f"export {store} --to {to} --out {out}") == 0
-    mine = xr.open_zarr(store, group="trajectory", consolidated=False)
+    assert typed(f"export {inversion} --to {to} --out {out}") == 0
+    mine = xr.open_zarr(inversion, group="trajectory", consolidated=False)
     if to == "netcdf":
         theirs = xr.open_dataset(out, group="trajectory", engine="h5netcdf")
         assert theirs["theta"].attrs["units"] == "rad"
@@ -69,9 +62,9 @@ def test_an_export_says_the_same_as_the_store(store: Path, tmp_path: Path, to: s
         theirs.close()
 
 
-def test_an_export_of_events_names_their_kinds(store: Path, tmp_path: Path) -> None:
+def test_an_export_of_events_names_their_kinds(inversion: Path, tmp_path: Path) -> None:
     out = tmp_path / "events.csv"
-    assert typed(f"export {store} --to csv --group events --out {out}") == 0
+    assert typed(f"export {inversion} --to csv --group events --out {out}") == 0
     assert set(pd.read_csv(out)["kind"]) == {"turning", "equator", "inverted"}
 
 
@@ -89,9 +82,9 @@ def test_a_run_without_rows_is_exported_by_its_other_tables(
     assert "L_x [kg m2 s-1],L_y [kg m2 s-1],L_z [kg m2 s-1]" in rows.read_text()
 
 
-def test_a_thin_reading_loses_no_peak(store: Path) -> None:
-    whole = chunks.digest(store, "trajectory", "theta")
-    thin = chunks.digest(store, "trajectory", "theta", most=200)
+def test_a_thin_reading_loses_no_peak(inversion: Path) -> None:
+    whole = chunks.digest(inversion, "trajectory", "theta")
+    thin = chunks.digest(inversion, "trajectory", "theta", most=200)
     assert len(whole["theta"].values) == 7001
     assert len(thin["theta"].values) <= 210
     for extreme in (np.min, np.max):

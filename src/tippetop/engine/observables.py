@@ -59,9 +59,9 @@ class Observables:
             values = formulas(self.system, self.form, *self.state(rows), self.body)
         return {name: np.broadcast_to(value, len(rows)).copy() for name, value in values.items()}
 
-    def orientation(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-        """Return the unit quaternions (n, 4) that turn body axes into space axes, and psi (n,)
-        [rad], NaN exactly at a pole; None where the motion is planar. Only of a problem with
+    def orientation(self, rows: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the unit quaternions that turn body axes into space axes, by QUATERNION, and `psi`
+        [rad], NaN exactly at a pole, unless the motion is planar; (n,) each. Only of a problem with
         orientation.
         """
         return _turned(self._computed(orientation_of, rows))
@@ -81,9 +81,7 @@ class Observables:
         """
         problem, values = self.problem, self.evaluate(rows)
         if not set(TURN).isdisjoint(problem.kept_columns):
-            turns, psi = self.orientation(rows)
-            values |= dict(zip(QUATERNION, turns.T, strict=True))
-            values |= {} if psi is None else {"psi": psi}
+            values |= self.orientation(rows)
         columns = {"time": column(times, SECOND, "time")}
         for name, source in sources(problem).items():
             if source.flags:
@@ -197,7 +195,7 @@ def _at_poles(system: System, values: dict[str, np.ndarray]) -> dict[str, np.nda
 
 def orientations_of(
     problems: Problems, states: np.ndarray, which: np.ndarray
-) -> tuple[np.ndarray, np.ndarray | None]:
+) -> dict[str, np.ndarray]:
     """Return the orientation in states (variables, k) of the runs `which` (k,), as
     `Observables.orientation` has it.
 
@@ -212,10 +210,8 @@ def orientations_of(
 
     Returns
     -------
-    quaternions
-        (k, 4): w, x, y, z, w >= 0.
-    psi
-        (k,) [rad], NaN exactly at a pole; None of a planar motion.
+    dict
+        (k,) each, by name.
     """
     return _turned(_computed(orientation_of, problems, states, which))
 
@@ -252,13 +248,12 @@ def _repeated(columns: np.ndarray, n: int) -> np.ndarray:
     return whole
 
 
-def _turned(values: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray | None]:
-    """Return quaternions (n, 4), and psi (n,) if the form has it, of values of `orientation_of`."""
-    first, third = (np.array([values[name] for name in axis]) for axis in (AXES[:3], AXES[3:]))
-    psi = values.get("psi")
-    if psi is not None:
-        psi[(third[0] == 0) & (third[1] == 0)] = np.nan
-    return quaternion(first, third), psi
+def _turned(values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return quaternions, and psi if the form has it, of values of `orientation_of`."""
+    first, third = (np.array([values.pop(name) for name in axis]) for axis in (AXES[:3], AXES[3:]))
+    if "psi" in values:
+        values["psi"][(third[0] == 0) & (third[1] == 0)] = np.nan
+    return values | dict(zip(QUATERNION, quaternion(first, third).T, strict=True))
 
 
 def _widened(values: np.ndarray, number: Any) -> np.ndarray:

@@ -3,6 +3,7 @@ along directions.
 """
 
 import threading
+from dataclasses import dataclass
 from typing import Any
 
 import heyoka as hy
@@ -17,6 +18,7 @@ MOST_LANES = 4
 _one_at_a_time = threading.Lock()  # integrators are shared, and have a state
 
 
+@dataclass(frozen=True)
 class Tangents:
     """Motions with their derivatives along directions.
 
@@ -31,8 +33,9 @@ class Tangents:
         integrated; 0: any number.
     """
 
-    def __init__(self, kind: Kind, tolerance: float = 0.0, most: float = 0.0):
-        self.kind, self.tolerance, self.most = kind, tolerance, most
+    kind: Kind
+    tolerance: float
+    most: float = 0.0
 
     def states(self, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Return states with derivatives at given times.
@@ -133,10 +136,10 @@ def _followed(
     integrator.set_time(0.0)
     integrator.state[:] = begin
     integrator.pars[:] = pars[: len(integrator.pars)]
-    limit = {"max_steps": int(most * float(np.abs(times).max()) + 100)} if most else {}
-    if np.any(times[0] != 0.0):
-        integrator.propagate_until(np.ascontiguousarray(times[0]), **limit)
-        if any(outcome != hy.taylor_outcome.time_limit for outcome, *_ in integrator.propagate_res):
-            return np.full((len(times), *begin.shape), np.nan)
-    _, rows = integrator.propagate_grid(np.ascontiguousarray(times), **limit)
+    times, limit = np.ascontiguousarray(times), int(most * float(np.abs(times).max()) + 100)
+    limits = {"max_steps": limit if most else 0}
+    integrator.propagate_until(times[0], **limits)
+    if any(outcome != hy.taylor_outcome.time_limit for outcome, *_ in integrator.propagate_res):
+        return np.full((len(times), *begin.shape), np.nan)
+    _, rows = integrator.propagate_grid(times, **limits)
     return np.array(rows)

@@ -309,4 +309,4 @@ def of_problem(
     tops = vary(base, variations, orientation=orientation)
     with reporting(progress, "tops") as tell:
         measured = measure(tops, threads=threads, progress=tell, lyapunov=lyapunov)
-        return dataset(measured, [*tops.checked[1], *measured.faults])
+        return dataset(measured)

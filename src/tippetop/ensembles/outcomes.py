@@ -114,10 +114,8 @@ def _conclude(outcomes: Outcomes) -> None:
     ended = np.flatnonzero(np.isfinite(outcomes.final).all(axis=0))
     final, kind = outcomes.final[:, ended], np.full(tops.n, CLASSES.index("under-way"))
     if tops.orientation:
-        turns, psi = orientations_of(tops, final, ended)
-        for name, value in zip(ORIENTATION, [*turns.T, psi], strict=True):
-            if value is not None:
-                columns[name][ended] = value
+        for name, value in orientations_of(tops, final, ended).items():
+            columns[f"{name}_end"][ended] = value
     if len(ended):
         values = values_of(tops, final, ended)
         columns["theta_end"][ended] = values["theta"]
@@ -133,11 +131,12 @@ def _conclude(outcomes: Outcomes) -> None:
     outcomes.kind[:] = np.where(sound, kind, CLASSES.index("none"))
 
 
-def dataset(outcomes: Outcomes, faults: list[tuple[int, str]]) -> "xr.Dataset":
+def dataset(outcomes: Outcomes) -> "xr.Dataset":
     """Return the rows as a labelled Dataset, dimension `top`."""
     import xarray as xr
 
     columns, tops = table(outcomes), outcomes.tops
+    faults = [*tops.checked[1], *outcomes.faults]
     rules = tops.base.rules
     coords = {
         key: ("top", column, {"units": rules[key].unit.symbol, "long_name": rules[key].long_name})

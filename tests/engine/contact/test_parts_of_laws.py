@@ -5,7 +5,7 @@ Euler by DOP853.
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from touching import LEINE_GLOCKER
+from touching import LEINE_GLOCKER, inertia
 
 import tippetop as tt
 from tippetop.runs import forecast
@@ -14,6 +14,7 @@ from tippetop.scenario.build import problem
 
 
 MU_R, MU_D = 2e-4, 1e-4
+TOP = tt.TippeTop(**LEINE_GLOCKER)
 LAWS = {
     "viscous": {"law": "viscous", "mu": 0.3},
     "coulomb": {"law": "coulomb", "mu": 0.3},
@@ -43,9 +44,7 @@ def test_an_upright_spin_falls_linearly(law):
     """I3 omega3' = -mu_d m g."""
     done = solve(scenario(LAWS[law], initial={"omega3": 50.0}))
     c = columns_of(done)
-    expected = (
-        50.0 - MU_D * LEINE_GLOCKER["m"] * LEINE_GLOCKER["g"] / LEINE_GLOCKER["I3"] * c["time"]
-    )
+    expected = 50.0 - MU_D * TOP.m * TOP.g / TOP.I3 * c["time"]
     np.testing.assert_allclose(c["omega3"], expected, rtol=1e-13)
 
 
@@ -54,21 +53,21 @@ def newton_euler(push, start, until, times):
     from linear equations: `push(v)` gives the friction of sliding per normal force; "roll" means
     v_A' = 0; "rest" means v_A' = 0 and Omega_z' = 0.
     """
-    m, R, I1, I3, g = (LEINE_GLOCKER[name] for name in ("m", "R", "I1", "I3", "g"))
-    offset, still = LEINE_GLOCKER["alpha"] * R, 1e-6 * np.sqrt(g / R)
+    m, R, g = TOP.m, TOP.R, TOP.g
+    offset, still = TOP.alpha * R, 1e-6 * np.sqrt(g / R)
     z = np.array([0.0, 0.0, 1.0])
 
     def rates(t, y):
         u, omega, V = y[:3], y[3:6], y[6:]
-        inertia = I1 * np.eye(3) + (I3 - I1) * np.outer(u, u)
+        tensor = inertia(u, TOP)
         a, a_rate = offset * u - R * z, offset * np.cross(omega, u)
         rolling = -MU_R / np.sqrt(omega[0] ** 2 + omega[1] ** 2 + still**2)
         drilling = -MU_D / np.hypot(omega[2], still)
         tau = omega * [rolling, rolling, drilling]
 
         def motion(x):
-            torque = np.cross(a, x[:3]) + x[2] * tau + x[3] * z - np.cross(omega, inertia @ omega)
-            turn, centre = np.linalg.solve(inertia, torque), x[:3] / m - g * z
+            torque = np.cross(a, x[:3]) + x[2] * tau + x[3] * z - np.cross(omega, tensor @ omega)
+            turn, centre = np.linalg.solve(tensor, torque), x[:3] / m - g * z
             contact = centre + np.cross(turn, a) + np.cross(omega, a_rate)
             return np.append(contact, turn[2]), turn, centre
 
@@ -149,9 +148,8 @@ def test_parts_that_cannot_act_are_refused(law, parts, tables, message):
 
 
 def test_records_take_parts_by_name():
-    top = tt.TippeTop(**LEINE_GLOCKER)
     law = tt.friction.Viscous(0.3, mu_r="0.2 mm", mu_d=MU_D)
-    run = tt.run(top, law, start=SLIDING, until=0.01)
+    run = tt.run(TOP, law, start=SLIDING, until=0.01)
     table = solve(scenario(LAWS["viscous"], 0.01, initial=SLIDING))
     assert run.trajectory.theta.values[-1] == columns_of(table)["theta"][-1]
     assert run.summary.friction.to_dict() == {
@@ -177,9 +175,8 @@ def test_no_statement_about_lasting_spins_is_made():
     assert "thresholds" not in found
     assert "no state is known to attract" in found["regime"]
     assert solve(made, keep=False).report["outcome"] == "under-way"
-    top = tt.TippeTop(**LEINE_GLOCKER)
     with pytest.raises(tt.InputError, match="no spin lasts"):
-        tt.theory.linear_modes(top, omega3=100.0, law=tt.friction.Viscous(0.3, mu_r=1e-5))
+        tt.theory.linear_modes(TOP, omega3=100.0, law=tt.friction.Viscous(0.3, mu_r=1e-5))
     run = tt.run("inverting", tt.friction.Viscous(0.3, mu_r=1e-5), until=0.01)
     with pytest.raises(tt.InputError, match=r"none does under `friction.mu_r`"):
         run.plot("states")
