@@ -158,11 +158,6 @@ def ending(name: str, long_name: str, function: Callable, direction: int = -1) -
     return Event(name, long_name, function, direction, name)
 
 
-def force_of(s, b):
-    """Return the normal force [N]."""
-    return s.force
-
-
 def other_gap(s, b):
     """Return the height of the other ball above the plane, that of this one being zero.
 
@@ -172,7 +167,7 @@ def other_gap(s, b):
 
 
 TOUCH = ending("touch", "the other ball touches the plane", other_gap)
-LIFTOFF = replace(gliding.LIFTOFF, formula=force_of)
+LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.force)
 
 
 # --- free flight --------------------------------------------------------------------------------
@@ -405,14 +400,14 @@ def region_of(s: Any, b: Touch) -> str:
 # --- a disc at rest, which rolls without turning ------------------------------------------------
 
 
-GIVES = ending(
+GIVES = Event(
     "gives",
     "friction can no longer hold the contact's disc: it slides and turns",
     lambda s, b: margin(s.by.force, s.by.torque.z, b.friction),
+    -1,
+    "gives",
+    sampled=True,
 )
-GIVES = replace(GIVES, sampled=True)
-
-
 REST = without_slip((LIFTOFF, TOUCH, GIVES), resting)
 
 
