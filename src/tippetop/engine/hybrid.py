@@ -130,6 +130,8 @@ class Jump:
     ----------
     system, phases
         The system, and its phases by name.
+    kind
+        The contact and the kind of its impacts, for which a program is made.
     name, phase
         The phase that ends; "" at the start.
     exit
@@ -143,7 +145,9 @@ class Jump:
 
     calls, program = 0, None
 
-    def __init__(self, system: System, phases: tuple, name: str, phase: Phase, exit: Exit):
+    def __init__(
+        self, system: System, phases: tuple, kind: tuple, name: str, phase: Phase, exit: Exit
+    ):
         self.phase, self.exit, self.variables = phase, exit, Variables(phase.form)
         self.events = events_of(system, dict(phases))
         of_phase = f" from phase `{name}`" if name else ""
@@ -206,10 +210,8 @@ class Jump:
         return n, Variables(to.form).join(q, carried), values
 
 
-@lru_cache(maxsize=256)
-def jump_of(system: System, phases: tuple, contact: Any, impacts: Any, *given: Any) -> Jump:
-    """Return the jump with these arguments; its program is that for impacts of this kind."""
-    return Jump(system, phases, *given)
+jump_of = lru_cache(maxsize=256)(Jump)
+"""Returns the same `Jump` for the same exit: runs share its program."""
 
 
 def begin_in_first(x: Any, world: World) -> Next:
@@ -349,7 +351,7 @@ class HybridDriver(Driver):
             kind = kind_of(problem, body[0].friction)
             self.impacts = ImpactMotions(*kind, stop)
             struck = self.impacts.struck
-        self.key = system, tuple(self.phases.items()), contact, kind
+        self.key = system, tuple(self.phases.items()), (contact, kind)
         self.world = World(body, system, contact, self.phases, struck)
         is_plain = contact is None or number is not float
         self.copies = None if is_plain else Changes(self, CHATTER, PER_SLICE)

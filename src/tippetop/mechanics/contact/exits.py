@@ -103,7 +103,7 @@ Impact = type(IMPACT)
 # --- the balls ----------------------------------------------------------------------------------
 
 
-def phase_name(label: str, ball: int = 0, *regions: str) -> str:
+def phase_name(label: str, ball: int, *regions: str) -> str:
     """Return the name of a phase on a ball, in regions of the law on each ball in contact."""
     return "-".join((*("stem",) * ball, label, *regions))
 
