@@ -156,7 +156,7 @@ class InputError(_Sentences, ValueError):
 class Unfinished(_Sentences):
     """A sweep ended without some of its chunks; `sentences` names them.
 
-    Begun again, it tries them again.
+    The same call computes the missing chunks.
     """
 
 

@@ -239,7 +239,7 @@ class Driver:
     def take(self, place: Place, body: Sequence[Any]) -> None:
         """Take the parameters of an integrator, perhaps with others behind."""
         pars = place.motion.pars[:, 0]
-        pars[:] = [float(number) for number in body[: len(pars)]]
+        pars[:] = body[: len(pars)]
 
     # --- steps -----------------------------------------------------------------------------------
 
@@ -330,10 +330,17 @@ class Driver:
         """Return the internal time reached, and the state: of the last passage, if it ended the run
         within a step.
         """
-        state = self.exact.states[self.logged[0] - 1] if self.upto[0] < 1.0 else self.state
-        return self.time[0], state
+        if self.upto[0] < 1.0:
+            last = self.logged[0] - 1
+            return self.exact.times[last], self.exact.states[last]
+        return self.now, self.state
 
     # --- where the run is ------------------------------------------------------------------------
+
+    @property
+    def now(self) -> Any:
+        """Internal time reached."""
+        return self.time[0]
 
     @property
     def tally(self) -> Any:
@@ -402,13 +409,9 @@ def extremes_of(records: np.ndarray, tallies: Tallies) -> Extremes:
     """Return the extremes of the event functions whose extremes are kept; empty where there is
     none.
     """
-    found = Extremes()
-    for k in np.flatnonzero(records["extremes"]):
-        known = tallies.functions[k, 0]
-        least, most = (known["extremes"] / records["scale"][k]).tolist()
-        t_least, t_most = known["times"].tolist()
-        if least < found.least:
-            found = found._replace(least=least, t_least=t_least)
-        if most > found.most:
-            found = found._replace(most=most, t_most=t_most)
-    return found
+    kept, functions = records["extremes"], tallies.functions[:, 0]
+    values = functions["extremes"][kept] / records["scale"][kept, None]
+    pairs = np.stack([values, functions["times"][kept]], axis=-1)
+    least = min(pairs[:, 0].tolist(), default=(np.inf, np.nan))
+    most = max(pairs[:, 1].tolist(), default=(-np.inf, np.nan))
+    return Extremes(*least, *most)

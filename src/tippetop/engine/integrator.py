@@ -130,17 +130,12 @@ def compiled_from(
     level = (
         opt_level() if sum(len(hy.expression(0.0) + rate) for _, rate in equations) < HUGE else 0
     )
+    kind: Any = float if number is np.float64 else number
     options: dict[str, Any] = {"high_accuracy": True, "compact_mode": compact, "opt_level": level}
-    if lanes:
-        zero = np.zeros((len(equations), lanes))
-        integrator = compiled_once(
-            hy.taylor_adaptive_batch, equations, zero, tol=tolerance, **options
-        )
-    else:
-        kind = float if number is np.float64 else number
-        options |= {"tol": kind(tolerance), "fp_type": kind}
-        zero = np.zeros(len(equations), dtype=number)
-        integrator = compiled_once(hy.taylor_adaptive, equations, zero, **options)
+    options |= {"tol": kind(tolerance), "fp_type": kind}
+    maker = hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive
+    zero = np.zeros((len(equations), lanes) if lanes else len(equations), number)
+    integrator = compiled_once(maker, equations, zero, **options)
     machine = None if compact else load(integrator.llvm_state.object_code, level)
     rows = event_rows(formulas.events, sources, axis)
     return Compiled(integrator, rows, machine)

@@ -14,19 +14,19 @@ class Status(Enum):
     TODO
         A top of a sweep that is not yet computed.
     FINISHED
-        It came to `until`.
+        The run reached `until`.
     LIFTOFF, FALLEN
-        The normal force fell to zero; theta reached pi/2 where the plane is in the way.
+        The normal force fell to zero; theta reached pi/2, where the body would enter the plane.
     SETTLED
-        Sliding has died, and `stop_when` is "settled".
+        Sliding has ended, and `stop_when` is "settled".
     NON_FINITE, STALLED
-        The state, or the step, could not be continued: `summary.reason` says why.
+        The state is not finite; the steps became too short. `summary.reason` has the details.
     INVALID
         A top of an ensemble whose numbers allow no motion, or whose formulas fail.
     ENDED
-        An event ended it whose `ends` is not the name of another status.
+        A user-defined event ended the run, and its `ends` is not the name of another status.
     RUNNING
-        A store that is being written, or waits for `resume`.
+        The store is being written, or was interrupted and can be resumed.
     """
 
     TODO = "todo"

@@ -43,7 +43,8 @@ class Tangents:
         Parameters
         ----------
         numbers, ways
-            The user's numbers in internal units, and the direction: (numbers, lanes) each.
+            The user's numbers in internal units, (numbers, 1 or lanes), and the directions,
+            (numbers, lanes).
         times
             Internal, (rows,) or (rows, lanes), ascending; the start is at 0.
 
@@ -53,7 +54,7 @@ class Tangents:
             (rows, order + 1, variables, lanes); NaN from where a motion cannot be integrated
             further.
         """
-        kind, total = self.kind, numbers.shape[1]
+        kind, total = self.kind, ways.shape[1]
         lanes = 1 << min(total - 1, MOST_LANES - 1).bit_length()
         times = np.broadcast_to(times[:, None] if times.ndim == 1 else times, (len(times), total))
         starts = awaited_once(compiled_starts, (kind,), "the start is being compiled")
@@ -126,7 +127,8 @@ class Tangents:
 
 def _parameters(numbers: np.ndarray, ways: np.ndarray) -> np.ndarray:
     """Return the parameters of compiled functions: zero for `along`, numbers, directions."""
-    return np.concatenate([np.zeros((1, numbers.shape[1])), numbers, ways])
+    along = np.zeros((1, ways.shape[1]))
+    return np.concatenate([along, np.broadcast_to(numbers, ways.shape), ways])
 
 
 def _followed(

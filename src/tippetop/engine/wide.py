@@ -67,17 +67,11 @@ class WideSteps(Called):
         motion.limit[0] = motion.h[0] if is_last else np.inf
         with np.errstate(over="ignore"):
             motion.state[:, 0] = ta.state.astype(float)
-            motion.tc[:, :, 0] = ta.tc
-            if not np.abs(motion.tc).max() < LARGEST:
-                motion.tc[:] = np.clip(motion.tc, -LARGEST, LARGEST)
+            motion.tc[:, :, 0] = np.clip(ta.tc.astype(float), -LARGEST, LARGEST)
         # where the loop puts the end of the step, if it keeps it as a sample or as a row
         rows, row = run.wanted.states, run.wanted.made[0]
         run.exact.samples[run.sampled_so_far[0], : len(ta.state)] = ta.state
         rows[: len(ta.state), row : row + 1] = ta.state[: len(rows), None]
-
-    def undo(self) -> None:
-        """Return to the start of the last step."""
-        self.integrator.state[:], self.integrator.dtime = self.before
 
     def state_at(self, inside: np.ndarray, out: np.ndarray) -> None:
         """Keep the next zero of the log, which is refined, or else the next row, and write its
@@ -118,13 +112,13 @@ class WideDriver(Driver):
         self.stepper.refined = self.logged[0]
         steps = super().make(rows, most)
         if self.status[0] == Status.NON_FINITE.code:
-            self.stepper.undo()
+            ta = self.stepper.integrator
+            ta.state[:], ta.dtime = self.stepper.before
         return steps
 
-    def reached(self) -> tuple[Any, np.ndarray]:
-        within, ta = self.upto[0] < 1.0, self.stepper.integrator
-        time = self.exact.times[self.logged[0] - 1] if within else ta.time
-        return time, super().reached()[1]
+    @property
+    def now(self) -> Any:
+        return self.stepper.integrator.time
 
     @property
     def clock(self) -> tuple[Any, Any]:

@@ -110,7 +110,7 @@ class Observation:
                 [*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]
             )
         )
-        self.ways = self.numbers.directions(self.own)
+        self.ways = self.numbers.directions
 
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""

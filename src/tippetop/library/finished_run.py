@@ -31,7 +31,7 @@ SHOWN = 20_000  # rows of a run whose page a notebook keeps with its table: some
 
 
 class Run:
-    """A finished run. `tippetop.run` makes one, `tippetop.open` opens one that was stored.
+    """A finished run: the result of `tippetop.run`, or of `tippetop.open` for a stored one.
 
     Attributes
     ----------
@@ -41,9 +41,9 @@ class Run:
         The event log along `event`: time [s], kind, theta [rad], amplitude [rad], whether it is
         significant.
     phases, impacts : xarray.Dataset
-        Of a run whose contact may change its phase: each phase's start and end [s], the ball, why
-        it began; each impact's time [s], velocities before and after [m/s], impulses [N s], work
-        [J].
+        Only if the contact may change its phase. Of each phase: start and end [s], the ball, and
+        the reason why it began. Of each impact: time [s], velocities before and after [m/s],
+        impulses [N s], work [J].
     summary : Summary
         The summary of the run, as `tippetop info --json` prints it.
     drift : Record
@@ -53,7 +53,7 @@ class Run:
     attributes : dict
         The root attributes of its store.
     solution : Solution
-        The rows and events as the integrator gave them, in internal units.
+        The rows and events as the integrator returned them, in internal units.
 
     Examples
     --------
@@ -162,7 +162,7 @@ class Run:
 
     @property
     def plot(self) -> "Plots":
-        """Return what draws the figures: `run.plot("theta")`; `help(run.plot)` has its options."""
+        """Draw a figure: `run.plot("theta")`; `help(run.plot)` lists the kinds and options."""
         from .plots import Plots
 
         return Plots(self)
@@ -172,13 +172,13 @@ class Run:
         return self._datasets
 
     def view(self, start: float | str | None = None, until: float | str | None = None) -> "Page":
-        """Return the run in motion: an HTML file without network, which a notebook shows.
+        """Return an HTML page in which the top moves; a notebook shows it, also without a network.
 
         Parameters
         ----------
         start, until : float or str, optional
-            The part that is shown [s], or texts with a unit; by default all of it, as far as one
-            file can hold it.
+            The part that is shown [s], or texts with a unit; by default the whole run, if its rows
+            fit into one page.
 
         Returns
         -------
@@ -209,7 +209,7 @@ class Run:
         return page(iter([rows]), self._datasets, self.attributes, start, until)
 
     def certify(self, window: float | str | None = None) -> Record:
-        """Repeat the run in this and in wider numbers, and compare the two.
+        """Repeat the run in this and in a higher precision, and compare the two.
 
         Parameters
         ----------

@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 class StoredRun(Run):
     """A run in a store, finished or not: a `Run` whose tables are read when needed.
 
-    `tippetop.open` makes it.
+    `tippetop.open` returns it.
 
     Attributes
     ----------
     path : Path
         The store.
     trajectory, events, phases, impacts, summary, problem
-        As of a `Run`, which has a `solution` too.
+        As of a `Run`; there is no `solution`.
     """
 
     def __init__(self, path: str | Path, own: "System | None" = None):
@@ -42,7 +42,7 @@ class StoredRun(Run):
 
     @cached_property
     def problem(self) -> Problem:
-        """Return the problem, built again. Raises InputError if its records are not known here."""
+        """Return the problem. Raises InputError if user-defined records of the run are missing."""
         return build.stored(self.attributes, known=self._own)
 
     @cached_property
@@ -71,7 +71,7 @@ class StoredRun(Run):
         step : float
             Time between two rows [s].
         accept_other_version : bool
-            Whether to replay what other versions or another processor made: bits may differ.
+            Whether to replay a run of other versions or another processor: bits may differ.
 
         Returns
         -------

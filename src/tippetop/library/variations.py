@@ -46,18 +46,18 @@ def ensemble(
         `["1000 rpm", "1200 rpm"]`. Write a name that occurs in several tables with its table,
         `"friction.mu"`; `"until"` varies the end of the run.
     threads : int, optional
-        How many threads compute; by default one per usable core.
+        Number of threads; by default one per usable core.
     progress : callable or bool
         `progress(done, of)` counts tops; True draws a bar.
     orientation : bool
-        Whether the orientation of each body at its end is wanted: columns orientation_w_end,
+        Whether to add the orientation of each body at the end, as columns orientation_w_end,
         orientation_x_end, orientation_y_end, orientation_z_end (the unit quaternion that turns body
         axes into space axes) and psi_end [rad]. It changes no other column.
     lyapunov : bool
-        Whether the finite-time Lyapunov exponent of each run is wanted: a column lyapunov [1/s],
+        Whether to add the finite-time Lyapunov exponent of each run, a column lyapunov [1/s],
         that of `tippetop.derivatives.lyapunov` at the end. Each takes several times its run.
     {names}
-        Common to all tops, as for `run`, but for options about rows, which ensembles do not have.
+        Common to all tops, as for `run`; ensembles have no options for rows.
 
     Returns
     -------

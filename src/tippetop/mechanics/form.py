@@ -43,7 +43,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Integral:
-    """A variable that the equations of motion do not read.
+    """A quadrature: a variable that does not occur in the equations of motion.
 
     It is integrated together with them and must not control the step.
 

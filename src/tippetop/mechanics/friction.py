@@ -81,10 +81,10 @@ def load(omega: Vector, law: Any) -> Vector:
 class FrictionLaw(Record, abstract=True):
     """A friction law F_h = -k g_n v_A, named by `[friction] law`.
 
-    Its records are what formulas take.
+    An instance contains the numbers of the law and is an argument of its formulas.
 
-    The class attributes of a law of the user are `key` and `coefficient`; the others are for laws
-    of the package.
+    A user-defined law has the class attributes `key` and `coefficient`; the others are for laws of
+    the package.
     """
 
     table = "friction"
@@ -103,7 +103,7 @@ class FrictionLaw(Record, abstract=True):
     bounded_by: ClassVar[tuple[str, ...]] = ()
     """Numbers of which the greatest bounds |F_h|/g_n; empty: no bound is known."""
     set_valued: ClassVar[bool] = False
-    """Whether a contact at rest bears any |F_h| <= mu g_n: it slips, rolls, and slips again."""
+    """Whether a contact at rest can sustain any |F_h| <= mu g_n, so that it can stick."""
     regions: ClassVar[Mapping[str, Region]] = {}
     """The formulas of a law that has several, by the name of the region of w/U where each is valid.
     """

@@ -68,13 +68,19 @@ def option(
 class RunOptions:
     """The end of a run, its accuracy, and the rows and columns that are kept."""
 
-    until: float = option("end of the run", SECOND, above=0, most=1e16, note="a preset has an end")
+    until: float = option(
+        "end of the run",
+        SECOND,
+        above=0,
+        most=1e16,
+        note="required, except if the source has an end, as every preset has",
+    )
     output_step: float | None = option(
-        "time between two rows, or output_times instead",
+        "time between two rows; not together with output_times",
         SECOND,
         default=None,
         above=0,
-        note="by default a thousandth of the run",
+        note="by default that of the source, or else a thousandth of the run",
     )
     output_times: tuple[float, ...] | None = option(
         "the times of the rows, instead of output_step",
@@ -86,10 +92,10 @@ class RunOptions:
         example=(0.0, 1.0),
     )
     output: Literal["times", "events", "steps", "keyframes"] = option(
-        "rows at times, at events, at the steps of the integrator, or none: only exact states, "
-        "from which rows can be computed",
+        "where the rows are: at times, at events, at the steps of the integrator; keyframes: no "
+        "rows, but exact states from which rows can be computed later",
         default="times",
-        note='"keyframes" needs `out`: `StoredRun.replay` makes the rows of any part',
+        note='"keyframes" requires `out`; `StoredRun.replay` computes the rows of any part',
     )
     keyframe_steps: int | None = option(
         "steps between two keyframes; by default 8192",
@@ -118,19 +124,17 @@ class RunOptions:
         "precision of all numbers: 53, 64 or 113 bits", default="double"
     )
     tolerance: float = option(
-        "relative error of a step; 0: the rounding error of the precision",
+        "largest relative error of a step; 0 means the rounding error of the precision",
         default=0.0,
         least=0,
         below=1,
     )
     columns: tuple[str, ...] | None = option(
-        "the columns that rows have in addition to the time; by default all",
+        "the columns of the rows, in addition to the time; by default all",
         default=None,
-        note="columns that are left out are not stored, and the turn of the body is only "
-        "integrated for them. "
-        "User-defined columns are Quantity records, functions of the scalars of a state, under "
-        "new names; they are "
-        "kept in addition to those that are named",
+        note="other columns are not stored; the turn of the body is integrated only if psi or "
+        "orientation is among them. User-defined columns are Quantity records with new names; a "
+        "list that contains only such records adds them to all columns",
         given="Iterable[str | Quantity] | str | Quantity",
         example=("theta",),
     )

@@ -64,19 +64,19 @@ class Summary(Record):
         Number of logged events of each kind, and of the turnings that are more than rounding.
     inversion : Record
         `first_equator`, `last_equator`, `inverted_at` [s]: passages of theta = pi/2 and pi - 0.1,
-        None for none.
+        None if there are none.
     nutational_band : Record
         `theta_min`, `theta_max` [rad] of all significant turnings.
     theta_end : float
         Inclination at the end [rad].
     outcome : str
-        Of a top that can turn over: upright, inverted (near a pole whose spin is stable), tumbling,
-        lifted-off or under-way; where its contact changes its phase also rolling, on-stem,
-        bouncing or at-rest.
+        Only for a top that can turn over: upright or inverted (near a pole whose spin is stable),
+        tumbling, lifted-off, under-way; if its contact can change its phase also rolling, on-stem,
+        bouncing, at-rest.
     system, form, parameters, friction, initial, run
-        The scenario as it was understood, in SI units; `friction` only where there is a law.
+        The scenario with all defaults, in SI units; `friction` only if there is a law.
     certificate : Record
-        The comparison with a run in wider numbers, if there was one.
+        The comparison with a run in higher precision, if `certify` was called.
     tolerance, precision
         Of the integrator.
     final_state : Record
@@ -84,7 +84,7 @@ class Summary(Record):
     versions, cpu
         Versions of the packages, and the processor.
     motion
-        The name of a heavy top's motion, only of such a top.
+        Only for a heavy top: the name of its kind of motion.
     """
 
     def __repr__(self) -> str:

@@ -91,12 +91,11 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     numbers = Numbers(given, wrt)
     kind = numbers.kind(1, orientation=False)
     kind = kind._replace(form_name="vector") if "vector" in system.forms else kind
-    ways = numbers.directions(wrt)
-    point = np.repeat(numbers.internal()[:, None], len(wrt), axis=1)
     moving = kind.variables.names[: kind.variables.moving]
     counted = [i for i, name in enumerate(moving) if name != "L3"]  # L.3hat is counted with L
     second = float(problem.scales.of(SECOND))
-    states = Tangents(kind, problem.tolerance).states(point, ways, times / second)
+    point, tangents = numbers.internal()[:, None], Tangents(kind, problem.tolerance)
+    states = tangents.states(point, numbers.directions, times / second)
     moves = states[:, 1, counted]  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]

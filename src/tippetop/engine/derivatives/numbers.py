@@ -1,6 +1,6 @@
 """The numbers of a problem that a derivative can be taken by: their names, values and units."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -24,11 +24,17 @@ class Numbers:
     ------
     InputError
         If the problem has no number of a name, or the run has no derivatives.
+
+    Attributes
+    ----------
+    values, names
+        The numbers by name, SI, and their names.
+    directions
+        One internal unit of each of `wrt`, (numbers, directions).
     """
 
-    def __init__(self, problem: Problem, wrt: Iterable[str] = ()):
+    def __init__(self, problem: Problem, wrt: Sequence[str]):
         self.problem = problem
-        wrt = tuple(wrt)
         refuse(problem, wrt)
         asked = {name.partition(".")[2] for name in wrt if name.startswith("initial.")}
         given = {
@@ -45,6 +51,7 @@ class Numbers:
             f"{table}.{name}": float(v) for table, of in tables.items() for name, v in of.items()
         }
         self.names = tuple(self.values)
+        self.directions = np.array([[float(name == one) for one in wrt] for name in self.names])
 
     def rule(self, name: str) -> Number:
         """Unit and interval of a number."""
@@ -64,21 +71,8 @@ class Numbers:
         ]
         return np.array(np.broadcast_arrays(*rows))
 
-    def directions(self, wrt: Sequence[str]) -> np.ndarray:
-        """One internal unit of each of these, (numbers, directions)."""
-        return np.array([[float(name == other) for other in wrt] for name in self.names])
-
-    def kind(self, order: int = 1, orientation: bool | None = None) -> Kind:
+    def kind(self, order: int, *, orientation: bool) -> Kind:
         """Key of the compiled tangents of the problem."""
-        problem = self.problem
-        turning = problem.orientation if orientation is None else orientation
-        names = tuple(self.initial)
-        return Kind(
-            problem.system,
-            problem.form.name,
-            type(problem.friction),
-            turning,
-            names,
-            self.flags,
-            order,
-        )
+        problem, names = self.problem, tuple(self.initial)
+        equations = problem.system, problem.form.name, type(problem.friction), orientation
+        return Kind(*equations, names, self.flags, order)

@@ -72,14 +72,14 @@ def differentiate(
         )
     numbers, n, second = Numbers(problem, wrt), len(wrt), float(problem.scales.of(SECOND))
     sizes = np.array([numbers.scale(name) for name in wrt])
-    ways = numbers.directions(wrt)
+    ways = numbers.directions
     if order == 2:  # along sums of two directions too
         i, j = np.tril_indices(n, -1)
         ways = np.concatenate([ways, ways[:, i] + ways[:, j]], axis=1)
-    point = np.repeat(numbers.internal()[:, None], ways.shape[1], axis=1)
     every = np.unique(np.concatenate([[0.0], times, events.time]))
     timed = ("theta", *(f"event {event.name}" for event in problem.system.events))
-    tangents = Tangents(numbers.kind(order), problem.tolerance)
+    kind, point = numbers.kind(order, orientation=problem.orientation), numbers.internal()[:, None]
+    tangents = Tangents(kind, problem.tolerance)
     values, rates = tangents.read(point, ways, every / second, None, timed)
 
     rows = np.searchsorted(every, times)
