@@ -123,11 +123,8 @@ typedef struct {
 typedef struct {
     real settled_for;
     integer most_steps, every, first;
-} StopRules;
-
-typedef struct {
     real noise_floor, at_pole, near_pole, on_zero_for;
-} Thresholds;
+} Rules;
 
 typedef struct {
     real *times, *states;
@@ -147,8 +144,7 @@ typedef struct {
     Samples samples;
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
     const real *halves;  /* (MOST, MOST) row j: the coefficients of (1/2 + x/2)^j */
-    StopRules rules;
-    Thresholds thresholds;
+    Rules rules;
     Rows output;
 } Loop;
 
@@ -453,7 +449,7 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
 /* Whether a zero is that of the start. A function that must not fall below zero is let through
    there too. */
 INLINED bool of_start(const Loop *l, const Event *event, const Function *f, real when) {
-    return f->on_zero > 0 && when <= l->thresholds.on_zero_for && !event->extremes;
+    return f->on_zero > 0 && when <= l->rules.on_zero_for && !event->extremes;
 }
 
 /* Count a turning of theta (sign +1: a minimum, -1: a maximum) once theta has come back from it by
@@ -494,11 +490,11 @@ static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
             rate[i] = rate[i] * x + u[i];
             u[i] = u[i] * x + l->motion.tc[(l->rows.axis[i] * size + k) * lanes + lane];
         }
-    real speed = rate[0] * rate[0] + rate[1] * rate[1], near = l->thresholds.near_pole;
+    real speed = rate[0] * rate[0] + rate[1] * rate[1], near = l->rules.near_pole;
     /* closest approach times speed, however well x is known */
     real across = fabs(u[0] * rate[1] - u[1] * rate[0]);
     *at_pole =
-        across < l->thresholds.at_pole * speed && u[0] * u[0] + u[1] * u[1] < near * near * speed;
+        across < l->rules.at_pole * speed && u[0] * u[0] + u[1] * u[1] < near * near * speed;
     return theta_of(u);
 }
 
@@ -531,7 +527,7 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
         real theta = theta_at(l, x * h, lane, &at_pole);
         integer turn = at_pole ? 0 : (integer)((real)event->sense * sign);
         if (l->sizes.log == 0) /* of a logged run the caller counts them, from logged states */
-            take_turning(tally, l->thresholds.noise_floor, turn, theta);
+            take_turning(tally, l->rules.noise_floor, turn, theta);
     }
     if ((real)event->direction * sign < 0)
         return;
@@ -737,7 +733,7 @@ static bool take_step(const Loop *l, integer lane) {
     const Motion *m = &l->motion;
     const Sizes *n = &l->sizes;
     const Samples *samples = &l->samples;
-    const StopRules *rules = &l->rules;
+    const Rules *rules = &l->rules;
     Tally *tally = l->tallies.lane + lane;
     real t = m->start_high[lane], h = m->high[lane] - t;
     if (!(m->limit[lane] > 0))
@@ -1023,7 +1019,7 @@ void loop_end(const Loop *l, integer lane) {
     else
         copy(l->sizes.variables, l->motion.state + lane, n, last, n);
     real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};
-    take_turning(tally, l->thresholds.noise_floor, 0, theta_of(axis));
+    take_turning(tally, l->rules.noise_floor, 0, theta_of(axis));
 }
 
 /* Count turnings, and write what each does: CONFIRMS, WAITS or their sum. */

@@ -14,7 +14,7 @@ from tippetop.engine.status import Status
 from tippetop.engine.tallies import (
     EventRows,
     PassageLog,
-    StopRules,
+    Rules,
     Tallies,
     event_rows,
     new_log,
@@ -33,7 +33,7 @@ KEPT = (
 )
 UNTIL = 2.0
 PATIENCE, TINY = 64, 1e-10  # as in loop.c
-NO_RULES = StopRules(settled_for=np.inf, most_steps=10**6, every=8, first=0)
+NO_RULES = Rules(settled_for=np.inf, most_steps=10**6, every=8, first=0)
 
 
 def event(name: str, **options: object) -> Event:
@@ -76,7 +76,7 @@ def followed(
     times: np.ndarray,
     tcs: np.ndarray,
     signs: np.ndarray,
-    rules: StopRules = NO_RULES,
+    rules: Rules = NO_RULES,
     log: PassageLog | None = None,
 ) -> Tallies:
     """The tallies after these steps, of tops whose functions have these signs at the start,
@@ -92,7 +92,7 @@ def continued(
     rows: EventRows,
     times: np.ndarray,
     tcs: np.ndarray,
-    rules: StopRules = NO_RULES,
+    rules: Rules = NO_RULES,
     log: PassageLog | None = None,
 ) -> None:
     """Takes more steps in."""

@@ -10,7 +10,7 @@ import numpy as np
 from tippetop.engine.loop import HALVES, Loop, Motion, library, new_motion
 from tippetop.engine.stepper import Called
 from tippetop.engine.tallies import (
-    StopRules,
+    Rules,
     event_rows,
     new_log,
     new_samples,
@@ -61,7 +61,7 @@ def ranges(c: np.ndarray, shift: int, h: np.ndarray) -> np.ndarray:
     rows = event_rows([Event("", "", lambda s, b: None)], [(0, shift, 1.0, 0.0)], [])
     motion, tallies = new_motion(1, 0, *c.shape), new_tallies(rows, np.ones((1, c.shape[1])))
     motion.end[:] = np.inf
-    rules = StopRules(np.inf, 1 << 62, 8, 0)
+    rules = Rules(np.inf, 1 << 62, 8, 0)
     loop = Loop(
         motion,
         rows,

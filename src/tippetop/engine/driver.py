@@ -14,8 +14,8 @@ from .stepper import Stepper
 from .tallies import (
     EventRows,
     PassageLog,
+    Rules,
     Samples,
-    StopRules,
     Tallies,
     new_log,
     new_samples,
@@ -117,7 +117,7 @@ def in_precision(array: np.ndarray, number: Any) -> np.ndarray:
     return array if number in (float, np.float64) else np.zeros(array.shape, number)
 
 
-RULES = StopRules(np.inf, ENDLESS, EVERY, FIRST)
+RULES = Rules(np.inf, ENDLESS, EVERY, FIRST)
 """Of a single run: only an event ends it before its time."""
 
 

@@ -18,9 +18,9 @@ import numpy as np
 import tippetop_kernels
 
 from ..errors import BuildError
-from ..mechanics.event import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO_FOR
+from ..mechanics.event import NOISE_FLOOR
 from .stepper import Called, Loaded, Stepper
-from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Samples, StopRules, Tallies
+from .tallies import CONFIRMS, WAITS, EventRows, PassageLog, Rules, Samples, Tallies
 
 
 MOST_COEFFICIENTS = 64
@@ -70,13 +70,6 @@ class _Sizes(NamedTuple):
     width: int
 
 
-class _Thresholds(NamedTuple):
-    noise_floor: float = float(NOISE_FLOOR)
-    at_pole: float = AT_POLE
-    near_pole: float = NEAR_POLE
-    on_zero_for: float = ON_ZERO_FOR
-
-
 class _Loop(NamedTuple):
     step: int
     dense: int
@@ -92,8 +85,7 @@ class _Loop(NamedTuple):
     )  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
     out: np.ndarray  # (variables, lanes) a state
     halves: np.ndarray
-    rules: StopRules
-    thresholds: _Thresholds
+    rules: Rules
     output: Rows
 
 
@@ -187,7 +179,7 @@ class Loop:
         tallies: Tallies,
         log: PassageLog,
         samples: Samples,
-        rules: StopRules,
+        rules: Rules,
         stepper: Stepper,
     ):
         variables, size, lanes = motion.tc.shape
@@ -200,7 +192,7 @@ class Loop:
         lengths = rows.events, rows.axis, log.rows, samples.top, log.states[:1].T
         sizes = _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths))
         arrays = np.empty((2, size, lanes)), self.out, HALVES
-        parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, _Thresholds(), NO_ROWS
+        parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS
         self.record = _Loop._make([*code, *parts])  # keeps the arrays
         self.structure: Any = filled(self.record)
         self.place, self.output = ctypes.byref(self.structure), NO_ROWS

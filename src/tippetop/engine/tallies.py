@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..mechanics.event import ON_ZERO as ON_ZERO_BELOW
-from ..mechanics.event import Event
+from ..mechanics.event import AT_POLE, NEAR_POLE, NOISE_FLOOR, ON_ZERO, ON_ZERO_FOR, Event
 from .status import Status
 
 
@@ -33,15 +32,19 @@ class EventRows(NamedTuple):
     axis: np.ndarray  # (3,) rows of 3hat; (0,) where it is not integrated
 
 
-class StopRules(NamedTuple):
-    """When a run ends before its time, other than by an event; and how often its state
-    is sampled.
+class Rules(NamedTuple):
+    """When a run ends before its time, other than by an event; how often its state is sampled; and
+    thresholds of events.
     """
 
     settled_for: float  # internal time that the lasting event must have lasted
     most_steps: int
     every: int  # steps between two samples, a power of two
     first: int  # number of steps at the start that are all sampled
+    noise_floor: float = float(NOISE_FLOOR)
+    at_pole: float = AT_POLE
+    near_pole: float = NEAR_POLE
+    on_zero_for: float = ON_ZERO_FOR
 
 
 _LANE: dict[str, Any] = {
@@ -123,7 +126,7 @@ def looked_for(
 
 def signs_of(functions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the signs of event functions at a start, and which of them are on their zero."""
-    return np.where(functions > 0, 1.0, -1.0), np.abs(functions) < ON_ZERO_BELOW
+    return np.where(functions > 0, 1.0, -1.0), np.abs(functions) < ON_ZERO
 
 
 def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:

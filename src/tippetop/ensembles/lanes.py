@@ -14,7 +14,7 @@ from ..engine.settling import SETTLED_FOR, slides, stays
 from ..engine.status import Status
 from ..engine.tallies import (
     EventRows,
-    StopRules,
+    Rules,
     Tallies,
     looked_for,
     new_log,
@@ -71,7 +71,7 @@ class Lanes:
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
-        rules = StopRules(settled_for, MOST_STEPS, every, 0)
+        rules = Rules(settled_for, MOST_STEPS, every, 0)
         self.loop = Loop(
             self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, code.machine
         )
