@@ -151,7 +151,9 @@ class Jump:
         self.phase, self.exit, self.variables = phase, exit, Variables(phase.form)
         tables, names = dict(system.tables), events_of(system, dict(phases))
         self.words = {
-            **dict.fromkeys(("logged", "zeros", "sides"), names),
+            "logged": names,
+            "zeros": names,
+            "sides": names,
             "cause": tables.pop("phases").get("reason", ()),
             "rows": tables,
             "ends": ENDS,
