@@ -128,7 +128,7 @@ def on_threads(work: Callable[[slice], None], rows: int, threads: int | None = N
     numba's prange does not take records of records, and compiles three times as long.
     """
     threads = threads or os.cpu_count() or 1
-    size = rows if threads == 1 else -(-rows // (8 * threads))
+    size = -(-rows // (8 * threads))
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(work, (slice(k, k + size) for k in range(0, rows, size))))
 

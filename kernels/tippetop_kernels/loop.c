@@ -40,12 +40,13 @@ enum {
 /* Internal time of a step that goes nowhere. */
 static const real TINY = 1e-10;
 
-/* --- structures of the caller: `tippetop.engine.loop` makes the same --- */
+/* --- structures of the caller: `tippetop.engine.loop` makes the same; groups are tuples --- */
 
 /* Codes of `engine.status.Status`. */
 enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
 
-/* The number that an event keeps of its passages: the time of the first or the last one, or their number. */
+/* The number that an event keeps of its passages: the time of the first or the last one, or their
+   number. */
 enum { FIRST, LAST, COUNT };
 
 /* Effects of a passage on the turning of theta that waits to be counted. */
@@ -53,15 +54,6 @@ enum { CONFIRMS = 1, WAITS = 2 };
 
 typedef void (*Step)(real *state, const real *pars, const real *time, real *h, real *tc);
 typedef void (*Dense)(real *out, const real *tc, const real *h);
-
-typedef struct {
-    integer variables, parameters, size, lanes, events, axis, log, samples;
-    integer width; /* numbers from one state to the next in the log and among the samples */
-} Sizes;
-
-typedef struct {
-    real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
-} Motion;
 
 typedef struct {
     integer row, shift, direction, ends, sense, first, last;
@@ -72,12 +64,6 @@ typedef struct {
 typedef struct {
     integer what, direction;
 } Number;
-
-typedef struct {
-    const Event *events;
-    const Number *numbers;
-    const integer *axis;
-} EventRows;
 
 typedef struct {
     integer status;
@@ -91,17 +77,11 @@ typedef struct {
 } Tally;
 
 /* The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
-   its first k Taylor coefficients vanish where the next step begins; in the present step its bounds,
-   and 1 if it is monotone; its least and greatest values, and their times. */
+   its first k Taylor coefficients vanish where the next step begins; in the present step its
+   bounds, and 1 if it is monotone; its least and greatest values, and their times. */
 typedef struct {
     real sign, on_zero, low, high, steady, extremes[2], times[2];
 } Function;
-
-typedef struct {
-    Tally *lane;
-    Function *functions;
-    real *kept;
-} Tallies;
 
 typedef struct {
     real time;
@@ -110,42 +90,40 @@ typedef struct {
 } Passage;
 
 typedef struct {
-    integer *filled;
-    Passage *rows;
-    real *states;
-} Log;
-
-typedef struct {
-    integer *filled, *in_lane, *top;
-    real *states;
-} Samples;
-
-typedef struct {
-    real settled_for;
-    integer most_steps, every, first;
-    real noise_floor, at_pole, near_pole, on_zero_for;
-} Rules;
-
-typedef struct {
-    real *times, *states;
-    integer *phases, *filled;
-    integer steps, count, variables;
-} Rows;
-
-typedef struct {
     Step step;
     Dense dense;
     integer fused; /* whether `dense` rounds a product and the difference that takes it once */
-    Sizes sizes;
-    Motion motion;
-    EventRows rows;
-    Tallies tallies;
-    Log log;
-    Samples samples;
+
+    integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
+    integer width; /* numbers from one state to the next in the log and among the samples */
+
+    real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
+
+    const Event *event_rows;
+    const Number *numbers;
+    const integer *axis_rows;
+
+    Tally *tallies; /* of the lanes */
+    Function *functions;
+    real *kept;
+
+    integer *logged;
+    Passage *passages;
+    real *logged_states;
+
+    integer *sampled, *in_lane, *sampled_tops;
+    real *sampled_states;
+
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
     const real *halves;  /* (MOST, MOST) row j: the coefficients of (1/2 + x/2)^j */
-    Rules rules;
-    Rows output;
+
+    real settled_for;
+    integer most_steps, sampled_every, sampled_first;
+    real noise_floor, at_pole, near_pole, on_zero_for;
+
+    real *row_times, *row_states;
+    integer *row_phases, *rows_made;
+    integer rows_at_steps, row_count, row_variables;
 } Loop;
 
 INLINED void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
@@ -258,8 +236,10 @@ static void shift(const real *restrict p, integer n, real middle, real radius, c
 integer loop_crossings(const real *p, integer n, bool positive, bool monotone, const real *halves,
                        real *zeros) {
     if (monotone) {
+        if ((value_at(p, n, 1) > 0) == positive)
+            return 0;
         zeros[0] = zero_of(p, n, 0, 1);
-        return (value_at(p, n, 1) > 0) != positive;
+        return 1;
     }
     real part[MOST], total = 0;
     for (integer k = 0; k < n; k++)
@@ -308,9 +288,9 @@ integer loop_crossings(const real *p, integer n, bool positive, bool monotone, c
     }
 }
 
-/* Extend the least and the greatest of two values by those of p on [0, 1]: Newton's rule on the slope
-   from the least and the greatest of some points. Write their places, NaN for a value that is the
-   old one. */
+/* Extend the least and the greatest of two values by those of p on [0, 1]: Newton's rule on the
+   slope from the least and the greatest of some points. Write their places, NaN for a value that is
+   the old one. */
 void loop_extremes(const real *p, integer n, real *values, real *places) {
     real points[NODES] = {0};
     for (integer k = n - 1; k >= 0; k--)
@@ -343,7 +323,7 @@ void loop_extremes(const real *p, integer n, real *values, real *places) {
 /* --- bounds of the event functions over a step, in all lanes --- */
 
 INLINED Function *function(const Loop *l, integer event, integer lane) {
-    return l->tallies.functions + event * l->sizes.lanes + lane;
+    return l->functions + event * l->lanes + lane;
 }
 
 typedef struct {
@@ -361,9 +341,9 @@ INLINED Cubic cubic(real p0, real p1, real p2, real p3) {
    coefficients, bound a polynomial; those of its slope show whether it is monotone: then it lies
    between its ends. */
 INLINED void bound(const Loop *l, integer n, integer e) {
-    const Event *event = l->rows.events + e;
-    integer size = l->sizes.size, shift = event->shift;
-    const real *c = l->motion.tc + (event->row * size + shift) * n;
+    const Event *event = l->event_rows + e;
+    integer size = l->size, shift = event->shift;
+    const real *c = l->tc + (event->row * size + shift) * n;
     const real *factor = l->factors + shift * size * n;
     real rest[WIDEST], end[WIDEST], bend[WIDEST], low[WIDEST], high[WIDEST], steady[WIDEST];
     for (integer i = 0; i < n; i++)
@@ -395,11 +375,10 @@ INLINED void bound(const Loop *l, integer n, integer e) {
 
 /* Bound the event functions that count over the step. */
 INLINED void bound_functions(const Loop *l, integer n) {
-    const Motion *m = &l->motion;
-    integer size = l->sizes.size;
+    integer size = l->size;
     real h[WIDEST], power[WIDEST];
     for (integer i = 0; i < n; i++) {
-        h[i] = m->high[i] - m->start_high[i];
+        h[i] = l->high[i] - l->start_high[i];
         power[i] = 1;
     }
     for (integer k = 0; k < size; k++) /* from time to time over h: of variables, then of rates */
@@ -408,8 +387,8 @@ INLINED void bound_functions(const Loop *l, integer n) {
             l->factors[(size + k) * n + i] = (real)(k + 1) * power[i];
             power[i] *= h[i];
         }
-    for (integer e = 0; e < l->sizes.events; e++) {
-        const Event *event = l->rows.events + e;
+    for (integer e = 0; e < l->events; e++) {
+        const Event *event = l->event_rows + e;
         if (event->watched || event->ranged || event->ends != 0)
             bound(l, n, e);
     }
@@ -430,10 +409,10 @@ INLINED bool keeps_sign(const Function *f) {
 /* Write the coefficients of an event function over a step, in time over h, and its sign changes.
    Return their number. */
 static integer search(const Loop *l, integer e, integer lane, real *p, real *zeros) {
-    const Event *event = l->rows.events + e;
+    const Event *event = l->event_rows + e;
     const Function *f = function(l, e, lane);
-    integer size = l->sizes.size, lanes = l->sizes.lanes, shift = event->shift;
-    const real *c = l->motion.tc + (event->row * size + shift) * lanes + lane;
+    integer size = l->size, lanes = l->lanes, shift = event->shift;
+    const real *c = l->tc + (event->row * size + shift) * lanes + lane;
     const real *factors = l->factors + shift * size * lanes + lane;
     p[size - 1] = 0;
     for (integer k = 0; k < size - shift; k++)
@@ -449,7 +428,7 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
 /* Whether a zero is that of the start. A function that must not fall below zero is let through
    there too. */
 INLINED bool of_start(const Loop *l, const Event *event, const Function *f, real when) {
-    return f->on_zero > 0 && when <= l->rules.on_zero_for && !event->extremes;
+    return f->on_zero > 0 && when <= l->on_zero_for && !event->extremes;
 }
 
 /* Count a turning of theta (sign +1: a minimum, -1: a maximum) once theta has come back from it by
@@ -483,26 +462,26 @@ INLINED real theta_of(const real *axis) {
 /* theta at the time x of a step, and whether the axis passes through a pole there, rather than near
    it. */
 static real theta_at(const Loop *l, real x, integer lane, bool *at_pole) {
-    integer size = l->sizes.size, lanes = l->sizes.lanes;
+    integer size = l->size, lanes = l->lanes;
     real u[3] = {0}, rate[3] = {0};
     for (integer k = size - 1; k >= 0; k--)
         for (int i = 0; i < 3; i++) {
             rate[i] = rate[i] * x + u[i];
-            u[i] = u[i] * x + l->motion.tc[(l->rows.axis[i] * size + k) * lanes + lane];
+            u[i] = u[i] * x + l->tc[(l->axis_rows[i] * size + k) * lanes + lane];
         }
-    real speed = rate[0] * rate[0] + rate[1] * rate[1], near = l->rules.near_pole;
+    real speed = rate[0] * rate[0] + rate[1] * rate[1], near = l->near_pole;
     /* closest approach times speed, however well x is known */
     real across = fabs(u[0] * rate[1] - u[1] * rate[0]);
     *at_pole =
-        across < l->rules.at_pole * speed && u[0] * u[0] + u[1] * u[1] < near * near * speed;
+        across < l->at_pole * speed && u[0] * u[0] + u[1] * u[1] < near * near * speed;
     return theta_of(u);
 }
 
 /* Keep the numbers `first` to `last` of an event that happens. */
 void loop_keep(const Loop *l, integer first, integer last, integer lane, real when, real sign) {
     for (integer m = first; m < last; m++) {
-        const Number *number = l->rows.numbers + m;
-        real *kept = l->tallies.kept + m * l->sizes.lanes + lane;
+        const Number *number = l->numbers + m;
+        real *kept = l->kept + m * l->lanes + lane;
         if ((real)number->direction * sign < 0)
             continue;
         if (number->what == COUNT)
@@ -514,8 +493,8 @@ void loop_keep(const Loop *l, integer first, integer last, integer lane, real wh
 
 /* Keep the numbers of an event at its zero, the time x of a step, and log it. */
 static void take_passage(const Loop *l, integer e, integer lane, real t, real h, real x) {
-    const Event *event = l->rows.events + e;
-    Tally *tally = l->tallies.lane + lane;
+    const Event *event = l->event_rows + e;
+    Tally *tally = l->tallies + lane;
     Function *f = function(l, e, lane);
     real when = t + x * h, sign = f->sign = -f->sign;
     if (of_start(l, event, f, when))
@@ -523,28 +502,28 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     if (event->lasting)
         tally->lasts_since = (real)event->direction * sign > 0 ? when : NAN;
     bool at_pole = false;
-    if (event->sense != 0 && l->sizes.axis > 0) {
+    if (event->sense != 0 && l->axis > 0) {
         real theta = theta_at(l, x * h, lane, &at_pole);
         integer turn = at_pole ? 0 : (integer)((real)event->sense * sign);
-        if (l->sizes.log == 0) /* of a logged run the caller counts them, from logged states */
-            take_turning(tally, l->rules.noise_floor, turn, theta);
+        if (l->log_room == 0) /* of a logged run the caller counts them, from logged states */
+            take_turning(tally, l->noise_floor, turn, theta);
     }
     if ((real)event->direction * sign < 0)
         return;
     loop_keep(l, event->first, event->last, lane, when, sign);
-    const Log *log = &l->log;
-    if (log->filled[0] < l->sizes.log)
-        log->rows[log->filled[0]++] = (Passage){when, e, (integer)sign, *l->samples.in_lane, at_pole};
+    if (l->logged[0] < l->log_room)
+        l->passages[l->logged[0]++] =
+            (Passage){when, e, (integer)sign, *l->in_lane, at_pole};
 }
 
 /* Find the events of a lane in a step. Return how far the step goes: 1 unless an event ends the
    run. */
 static real take_events(const Loop *l, integer lane, real t, real h) {
-    integer size = l->sizes.size;
+    integer size = l->size;
     real upto = 1, p[MOST], zeros[MOST];
 
-    for (integer e = 0; e < l->sizes.events; e++) { /* first: all events end with the step */
-        const Event *event = l->rows.events + e;
+    for (integer e = 0; e < l->events; e++) { /* first: all events end with the step */
+        const Event *event = l->event_rows + e;
         const Function *f = function(l, e, lane);
         if (event->ends == 0 || keeps_sign(f))
             continue;
@@ -553,14 +532,14 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
         for (integer k = 0; k < count && zeros[k] < upto; k++) {
             sign = -sign;
             if ((real)event->direction * sign >= 0 && !of_start(l, event, f, t + zeros[k] * h)) {
-                l->tallies.lane[lane].status = event->ends;
+                l->tallies[lane].status = event->ends;
                 upto = zeros[k];
             }
         }
     }
 
-    for (integer e = 0; e < l->sizes.events; e++) {
-        const Event *event = l->rows.events + e;
+    for (integer e = 0; e < l->events; e++) {
+        const Event *event = l->event_rows + e;
         Function *f = function(l, e, lane);
         bool keeps_range = f->low >= f->extremes[0] && f->high <= f->extremes[1];
         if ((!event->watched || keeps_sign(f)) && (!event->ranged || keeps_range))
@@ -581,7 +560,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
             if (places[side] >= 0)
                 f->times[side] = t + places[side] * upto * h;
     }
-    for (integer e = 0; e < l->sizes.events; e++) {
+    for (integer e = 0; e < l->events; e++) {
         Function *f = function(l, e, lane);
         f->on_zero = MAX(0.0, f->on_zero); /* the roots are behind */
     }
@@ -592,9 +571,8 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
 
 /* Write the state of a lane at a time within the step to `out`. */
 static void state_at(const Loop *l, integer lane, real time) {
-    const Motion *m = &l->motion;
-    m->limit[lane] = (time - m->start_high[lane]) - m->start_low[lane];
-    l->dense(l->out, m->tc, m->limit);
+    l->limit[lane] = (time - l->start_high[lane]) - l->start_low[lane];
+    l->dense(l->out, l->tc, l->limit);
 }
 
 /* A step that fuses was compiled for this processor, which therefore can do it. */
@@ -610,14 +588,14 @@ typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
    the step to out (variables, TIMES). The sums are compensated, and have the bits of those that a
    compiled step that fuses makes of one time. */
 FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
-    integer size = l->sizes.size, last = l->output.variables - 1;
+    integer size = l->size, last = l->row_variables - 1;
     for (integer first = 0; first <= last; first += TOGETHER) {
         const real *c[TOGETHER];
         Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
         memcpy(&h, when, sizeof h);
         power = h;
         for (int i = 0; i < TOGETHER; i++) {
-            c[i] = l->motion.tc + MIN(last, first + i) * size;
+            c[i] = l->tc + MIN(last, first + i) * size;
             sums[i] = zero + c[i][0];
             rests[i] = zero;
         }
@@ -639,90 +617,86 @@ FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
 
 /* Write the next `count` rows of the present step. */
 static void write_rows(const Loop *l, integer count) {
-    const Rows *rows = &l->output;
-    integer at = *rows->filled;
-    real when[TIMES], out[rows->variables * TIMES];
+    integer at = *l->rows_made;
+    real when[TIMES], out[l->row_variables * TIMES];
     for (integer k = at; k < at + count; k++)
-        rows->phases[k] = *l->samples.in_lane;
+        l->row_phases[k] = *l->in_lane;
     if (count <= FEW || !l->fused) {
         for (integer k = at; k < at + count; k++) {
-            state_at(l, 0, rows->times[k]);
-            copy(rows->variables, l->out, l->sizes.lanes, rows->states + k, rows->count);
-            ++*rows->filled; /* a stepper in Python sees which row it makes */
+            state_at(l, 0, l->row_times[k]);
+            copy(l->row_variables, l->out, l->lanes, l->row_states + k, l->row_count);
+            ++*l->rows_made; /* a stepper in Python sees which row it makes */
         }
         return;
     }
     for (integer k = 0; k < TIMES; k++) {
-        real time = rows->times[at + (k < count ? k : count - 1)];
-        when[k] = (time - l->motion.start_high[0]) - l->motion.start_low[0];
+        real time = l->row_times[at + (k < count ? k : count - 1)];
+        when[k] = (time - l->start_high[0]) - l->start_low[0];
     }
     sum_rows(l, when, out);
-    for (integer i = 0; i < rows->variables; i++)
-        memcpy(rows->states + i * rows->count + at, out + i * TIMES, count * sizeof(real));
-    *rows->filled += count;
+    for (integer i = 0; i < l->row_variables; i++)
+        memcpy(l->row_states + i * l->row_count + at, out + i * TIMES, count * sizeof(real));
+    *l->rows_made += count;
 }
 
 /* Write the rows that lie in the present step of the first lane. Return whether all are written.
    `moved`: this call has made a step; the end of one that was made before it has its row. */
 static bool take_rows(const Loop *l, bool moved) {
-    const Rows *rows = &l->output;
-    const Tally *tally = l->tallies.lane;
-    if (rows->count == 0)
+    const Tally *tally = l->tallies;
+    if (l->row_count == 0)
         return false;
-    integer *filled = rows->filled, count = TIMES;
-    if (rows->steps && moved && tally->upto == 1 && tally->status != NON_FINITE) {
-        rows->times[*filled] = l->motion.high[0];
-        copy(rows->variables, l->motion.state, l->sizes.lanes, rows->states + *filled, rows->count);
-        rows->phases[(*filled)++] = *l->samples.in_lane;
+    integer *filled = l->rows_made, count = TIMES;
+    if (l->rows_at_steps && moved && tally->upto == 1 && tally->status != NON_FINITE) {
+        l->row_times[*filled] = l->high[0];
+        copy(l->row_variables, l->state, l->lanes, l->row_states + *filled, l->row_count);
+        l->row_phases[(*filled)++] = *l->in_lane;
     }
-    if (rows->steps || tally->status == NON_FINITE || tally->steps == 0)
-        return *filled == rows->count;
+    if (l->rows_at_steps || tally->status == NON_FINITE || tally->steps == 0)
+        return *filled == l->row_count;
     while (count == TIMES) {
-        for (count = 0; count < TIMES && *filled + count < rows->count; count++) {
-            real time = rows->times[*filled + count];
+        for (count = 0; count < TIMES && *filled + count < l->row_count; count++) {
+            real time = l->row_times[*filled + count];
             if (!(time < tally->t || (tally->status != RUNNING && time <= tally->t)))
                 break;
         }
         write_rows(l, count);
     }
-    return *filled == rows->count;
+    return *filled == l->row_count;
 }
 
 /* --- steps --- */
 
 /* Allow the next step up to the end of each run; 0 in a lane that has ended. */
 static void begin_step(const Loop *l) {
-    const Motion *m = &l->motion;
-    memcpy(m->before, m->state, l->sizes.variables * l->sizes.lanes * sizeof(real));
-    for (integer lane = 0; lane < l->sizes.lanes; lane++) {
-        bool runs = l->tallies.lane[lane].status == RUNNING;
-        m->start_high[lane] = m->high[lane];
-        m->start_low[lane] = m->low[lane];
-        m->limit[lane] = runs ? (m->end[lane] - m->high[lane]) - m->low[lane] : 0;
-        m->h[lane] = m->limit[lane];
+    memcpy(l->before, l->state, l->variables * l->lanes * sizeof(real));
+    for (integer lane = 0; lane < l->lanes; lane++) {
+        bool runs = l->tallies[lane].status == RUNNING;
+        l->start_high[lane] = l->high[lane];
+        l->start_low[lane] = l->low[lane];
+        l->limit[lane] = runs ? (l->end[lane] - l->high[lane]) - l->low[lane] : 0;
+        l->h[lane] = l->limit[lane];
     }
 }
 
-/* Add the step to the time, in double length. A step that is not finite, or leads to such a state, is
-   taken back, and ends the run. */
+/* Add the step to the time, in double length. A step that is not finite, or leads to such a state,
+   is taken back, and ends the run. */
 static void move(const Loop *l) {
-    const Motion *m = &l->motion;
-    integer n = l->sizes.lanes, variables = l->sizes.variables;
+    integer n = l->lanes, variables = l->variables;
     real finite[WIDEST]; /* 0, otherwise NaN */
     for (integer lane = 0; lane < n; lane++)
-        finite[lane] = 0.0 * m->h[lane];
+        finite[lane] = 0.0 * l->h[lane];
     for (integer i = 0; i < variables; i++)
         for (integer lane = 0; lane < n; lane++)
-            finite[lane] += 0.0 * m->state[i * n + lane];
+            finite[lane] += 0.0 * l->state[i * n + lane];
     for (integer lane = 0; lane < n; lane++) {
-        real a = m->high[lane], b = m->h[lane], sum = a + b, part = sum - a;
-        real rest = m->low[lane] + ((a - (sum - part)) + (b - part));
+        real a = l->high[lane], b = l->h[lane], sum = a + b, part = sum - a;
+        real rest = l->low[lane] + ((a - (sum - part)) + (b - part));
         if (finite[lane] == 0) {
-            m->high[lane] = sum + rest;
-            m->low[lane] = rest - (m->high[lane] - sum);
+            l->high[lane] = sum + rest;
+            l->low[lane] = rest - (l->high[lane] - sum);
         } else {
-            l->tallies.lane[lane].status = NON_FINITE;
-            copy(variables, m->before + lane, n, m->state + lane, n);
+            l->tallies[lane].status = NON_FINITE;
+            copy(variables, l->before + lane, n, l->state + lane, n);
         }
     }
 }
@@ -730,13 +704,9 @@ static void move(const Loop *l) {
 /* Find what happens in the step of a lane, and sample its end. End a run that goes nowhere, has
    settled, or is at its end. Return whether the run has ended. */
 static bool take_step(const Loop *l, integer lane) {
-    const Motion *m = &l->motion;
-    const Sizes *n = &l->sizes;
-    const Samples *samples = &l->samples;
-    const Rules *rules = &l->rules;
-    Tally *tally = l->tallies.lane + lane;
-    real t = m->start_high[lane], h = m->high[lane] - t;
-    if (!(m->limit[lane] > 0))
+    Tally *tally = l->tallies + lane;
+    real t = l->start_high[lane], h = l->high[lane] - t;
+    if (!(l->limit[lane] > 0))
         return false;
     if (tally->status != RUNNING) /* it is not finite */
         return true;
@@ -744,25 +714,26 @@ static bool take_step(const Loop *l, integer lane) {
     if (h > 0) { /* the step moves a double */
         real upto = take_events(l, lane, t, h);
         tally->upto = upto;
-        tally->t = upto < 1 ? t + upto * h : m->high[lane];
+        tally->t = upto < 1 ? t + upto * h : l->high[lane];
         tally->steps++;
-        bool sampled = tally->steps <= rules->first || (tally->steps & (rules->every - 1)) == 0;
-        if (n->samples > 0 && upto == 1 && sampled) {
-            integer at = samples->filled[0]++;
-            samples->top[at] = samples->in_lane[lane];
-            copy(n->variables, m->state + lane, n->lanes, samples->states + at * n->width, 1);
+        bool at_start = tally->steps <= l->sampled_first;
+        bool sampled = at_start || (tally->steps & (l->sampled_every - 1)) == 0;
+        if (l->sample_room > 0 && upto == 1 && sampled) {
+            integer at = l->sampled[0]++;
+            l->sampled_tops[at] = l->in_lane[lane];
+            copy(l->variables, l->state + lane, l->lanes, l->sampled_states + at * l->width, 1);
         }
     }
     if (tally->status != RUNNING)
         return true;
-    if (tally->steps >= rules->most_steps || tally->tiny >= PATIENCE)
+    if (tally->steps >= l->most_steps || tally->tiny >= PATIENCE)
         tally->status = STALLED;
-    else if (t + h - tally->lasts_since > rules->settled_for &&
+    else if (t + h - tally->lasts_since > l->settled_for &&
              tally->lasts_since != tally->doubted)
         tally->status = SETTLED;
-    else if (m->h[lane] == m->limit[lane]) {
+    else if (l->h[lane] == l->limit[lane]) {
         tally->status = FINISHED;
-        tally->t = m->end[lane];
+        tally->t = l->end[lane];
     }
     return tally->status != RUNNING;
 }
@@ -771,25 +742,24 @@ static bool take_step(const Loop *l, integer lane) {
 
 /* Whether there may be no room for what the next step finds. */
 static bool is_full(const Loop *l) {
-    const Sizes *n = &l->sizes;
-    return (n->log > 0 && l->log.filled[0] + n->events * n->size > n->log) ||
-           (n->samples > 0 && l->samples.filled[0] + n->lanes > n->samples);
+    return (l->log_room > 0 && l->logged[0] + l->events * l->size > l->log_room) ||
+           (l->sample_room > 0 && l->sampled[0] + l->lanes > l->sample_room);
 }
 
 /* Put the events of a step, from number `first` of the log on, in the order of their times. */
-static void sort_log(const Log *log, integer first) {
-    for (integer k = first + 1; k < log->filled[0]; k++) {
-        Passage row = log->rows[k];
+static void sort_log(const Loop *l, integer first) {
+    for (integer k = first + 1; k < l->logged[0]; k++) {
+        Passage row = l->passages[k];
         integer at = k;
-        for (; at > first && log->rows[at - 1].time > row.time; at--)
-            log->rows[at] = log->rows[at - 1];
-        log->rows[at] = row;
+        for (; at > first && l->passages[at - 1].time > row.time; at--)
+            l->passages[at] = l->passages[at - 1];
+        l->passages[at] = row;
     }
 }
 
 /* Take in the step that was made. Return whether a run has ended. */
 static bool end_step(const Loop *l) {
-    integer lanes = l->sizes.lanes, variables = l->sizes.variables, first = l->log.filled[0];
+    integer lanes = l->lanes, variables = l->variables, first = l->logged[0];
     bool ended = false;
     move(l);
     if (lanes == 1)
@@ -800,10 +770,10 @@ static bool end_step(const Loop *l) {
         bound_functions(l, lanes);
     for (integer lane = 0; lane < lanes; lane++)
         ended = take_step(l, lane) || ended;
-    sort_log(&l->log, first);
-    for (integer k = first; k < l->log.filled[0]; k++) {
-        state_at(l, 0, l->log.rows[k].time);
-        copy(variables, l->out, lanes, l->log.states + k * l->sizes.width, 1);
+    sort_log(l, first);
+    for (integer k = first; k < l->logged[0]; k++) {
+        state_at(l, 0, l->passages[k].time);
+        copy(variables, l->out, lanes, l->logged_states + k * l->width, 1);
     }
     return ended;
 }
@@ -811,17 +781,16 @@ static bool end_step(const Loop *l) {
 /* Make at most `most` steps of all lanes, until the caller must look: a run has ended, all rows are
    written, or there is no room. Return their number. */
 integer loop_drive(const Loop *l, integer most) {
-    const Motion *m = &l->motion;
     /* The integrator keeps vectors on the stack: lanes are slower where it is not aligned. */
     _Alignas(64) volatile bool runs = false;
-    for (integer lane = 0; lane < l->sizes.lanes; lane++)
-        runs = runs || l->tallies.lane[lane].status == RUNNING;
+    for (integer lane = 0; lane < l->lanes; lane++)
+        runs = runs || l->tallies[lane].status == RUNNING;
     for (integer steps = 0;; steps++) {
         bool stops = !runs || is_full(l) || steps >= most;
         if (take_rows(l, steps > 0) || stops)
             return steps;
         begin_step(l);
-        l->step(m->state, m->pars, m->start_high, m->h, m->tc);
+        l->step(l->state, l->pars, l->start_high, l->h, l->tc);
         runs = !end_step(l);
     }
 }
@@ -858,10 +827,11 @@ enum {
     RESULT
 };
 
-/* What follows where a phase ends by an event. Registers begin with the numbers of the body, the time
-   left, the signs of event functions, the state and the constants; the results of lines follow. From
-   line `out` on these are the state in which phase `next` begins, the time that it lasts (NaN: it has
-   no clock), the numbers of tables, the signs of event functions, and minus their numbers of roots. */
+/* What follows where a phase ends by an event. Registers begin with the numbers of the body, the
+   time left, the signs of event functions, the state and the constants; the results of lines
+   follow. From line `out` on these are the state in which phase `next` begins, the time that it
+   lasts (NaN: it has no clock), the numbers of tables, the signs of event functions, and minus
+   their numbers of roots. */
 typedef struct {
     const Line *lines;
     const real *constants;
@@ -880,40 +850,38 @@ typedef struct {
 /* Begin a phase or a motion, with signs and zeros of its event functions. */
 static void begin_motion(const Loop *l, real when, real end, const real *signs, const real *zeros,
                          const real *state) {
-    const Motion *m = &l->motion;
-    Tally *tally = l->tallies.lane;
-    for (integer e = 0; e < l->sizes.events; e++) {
+    Tally *tally = l->tallies;
+    for (integer e = 0; e < l->events; e++) {
         function(l, e, 0)->sign = signs[e];
         function(l, e, 0)->on_zero = zeros[e];
     }
-    copy(l->sizes.variables, state, 1, m->state, 1);
-    m->high[0] = when;
-    m->low[0] = 0;
-    m->end[0] = end;
+    copy(l->variables, state, 1, l->state, 1);
+    l->high[0] = when;
+    l->low[0] = 0;
+    l->end[0] = end;
     tally->status = RUNNING;
     tally->upto = 1;
     tally->steps = tally->tiny = 0;
 }
 
-/* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and zeros
-   of its event functions, state and parameters; its results: status, steps, event, state. */
+/* Follow a motion to its end or to an event. Its inputs are its end, the most steps, signs and
+   zeros of its event functions, state and parameters; its results: status, steps, event, state. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
-    const Sizes *n = &l->sizes;
-    const Tally *tally = l->tallies.lane;
-    const real *signs = in + 2, *zeros = signs + n->events, *state = zeros + n->events;
+    const Tally *tally = l->tallies;
+    const real *signs = in + 2, *zeros = signs + l->events, *state = zeros + l->events;
     begin_motion(l, 0, in[0], signs, zeros, state);
-    memcpy(l->motion.pars, state + n->variables, n->parameters * sizeof(real));
-    l->log.filled[0] = l->samples.filled[0] = 0;
+    memcpy(l->pars, state + l->variables, l->parameters * sizeof(real));
+    l->logged[0] = l->sampled[0] = 0;
     results[1] = (real)loop_drive(l, (integer)in[1]);
     bool within = tally->upto < 1;
-    integer last = l->log.filled[0] - 1;
+    integer last = l->logged[0] - 1;
     results[0] = (real)tally->status;
-    results[2] = within ? (real)l->log.rows[last].event : -1;
-    memcpy(results + 3, within ? l->log.states + last * n->width : l->motion.state,
-           n->variables * sizeof(real));
+    results[2] = within ? (real)l->passages[last].event : -1;
+    memcpy(results + 3, within ? l->logged_states + last * l->width : l->state,
+           l->variables * sizeof(real));
 }
 
-/* Execute a program, whose results begin at `to`. Return whether every comparison is as expected. */
+/* Execute a program, whose results begin at `to`. Return whether comparisons are as expected. */
 static bool execute(const Change *c, real *r, real *to, const Loop *const *loops) {
     for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
@@ -955,14 +923,13 @@ static bool execute(const Change *c, real *r, real *to, const Loop *const *loops
 /* Change the phase where its event has ended it. Return false if the caller must do it. */
 static bool change_phase(Phases *p) {
     const Loop *l = p->loops[p->present];
-    const Log *log = &l->log;
-    const Tally *tally = l->tallies.lane;
-    integer at = log->filled[0] - 1, events = l->sizes.events, n = l->sizes.variables;
-    bool full = l->output.count > 0 && l->output.filled[0] == l->output.count;
-    real when = tally->t;
-    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter)
+    const Tally *tally = l->tallies;
+    integer at = l->logged[0] - 1, events = l->events, n = l->variables;
+    bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
+    real when = tally->t, shortest = p->chatter * fmax(p->began, 1);
+    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < shortest)
         return false;
-    const Change *c = p->changes + p->present * events + log->rows[at].event;
+    const Change *c = p->changes + p->present * events + l->passages[at].event;
     if (c->length == 0)
         return false;
     real *left = p->registers + p->numbers, *signs = left + 1, *state = signs + events;
@@ -970,18 +937,18 @@ static bool change_phase(Phases *p) {
     *left = p->end - when;
     for (integer e = 0; e < events; e++)
         signs[e] = function(l, e, 0)->sign;
-    copy(n, log->states + at * l->sizes.width, 1, state, 1);
+    copy(n, l->logged_states + at * l->width, 1, state, 1);
     copy(c->count, c->constants, 1, state + n, 1);
     if (!execute(c, p->registers, results, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
-    const real *out = results + c->out, *others = out + next->sizes.variables;
+    const real *out = results + c->out, *others = out + next->variables;
     for (const real *number = out; number < others; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
 
-    log->rows[at] = (Passage){when, c->logged, 1, p->present, false};
+    l->passages[at] = (Passage){when, c->logged, 1, p->present, false};
     loop_keep(l, c->first, c->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
     made[0] = when;
@@ -1010,16 +977,16 @@ integer loop_run(Phases *p, integer most) {
 /* Write the last state of a lane whose run has ended to `out`. The end may confirm the turning that
    waits. */
 void loop_end(const Loop *l, integer lane) {
-    const integer *rows = l->rows.axis;
-    Tally *tally = l->tallies.lane + lane;
-    integer n = l->sizes.lanes;
+    const integer *rows = l->axis_rows;
+    Tally *tally = l->tallies + lane;
+    integer n = l->lanes;
     real *last = l->out + lane;
     if (tally->upto < 1)
         state_at(l, lane, tally->t);
     else
-        copy(l->sizes.variables, l->motion.state + lane, n, last, n);
+        copy(l->variables, l->state + lane, n, last, n);
     real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};
-    take_turning(tally, l->rules.noise_floor, 0, theta_of(axis));
+    take_turning(tally, l->noise_floor, 0, theta_of(axis));
 }
 
 /* Count turnings, and write what each does: CONFIRMS, WAITS or their sum. */

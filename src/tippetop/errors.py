@@ -112,18 +112,21 @@ def refuse_without(name: str) -> None:
     from importlib.util import find_spec
 
     if find_spec(name) is None:
-        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+        raise ModuleNotFoundError(_missing(name), name=name)
 
 
 def missing_extra(error: ImportError) -> str | None:
     """Return the sentence on an import of an extra that is not installed, or None."""
     # numba brings llvmlite
     name = (error.name or "").partition(".")[0].replace("llvmlite", "numba")
-    extra = EXTRAS.get(name)
+    return _missing(name) if name in EXTRAS else None
+
+
+def _missing(name: str) -> str:
+    extra = EXTRAS[name]
     return (
-        f"{name} is required, but not installed: pip install 'tippetop[{extra}]'."
-        if extra
-        else None
+        f"{name} is required, but not installed: pip install 'tippetop[{extra}]', "
+        f"or in a checkout '.[{extra}]'."
     )
 
 

@@ -137,6 +137,6 @@ def test_what_an_extra_brings_is_missed_before_anything_is_made(
     monkeypatch.setitem(sys.modules, missing, None)
     assert (
         said(words.format(store), code=2)[1] == f"tippetop: {missing} is required, but not "
-        f"installed: pip install 'tippetop[{extra}]'.\n"
+        f"installed: pip install 'tippetop[{extra}]', or in a checkout '.[{extra}]'.\n"
     )
     assert list(place.iterdir()) == []

@@ -200,3 +200,12 @@ def test_a_slide_that_begins_outside_the_friction_cone_has_its_row_at_once() -> 
     ).trajectory
     assert rows.omega3.values[0] == pytest.approx(start["omega3"], rel=1e-7)
     assert np.ptp(rows.normal_force.values) < 1e-3
+
+
+@pytest.mark.parametrize("precision", ["double", "longdouble"])
+def test_an_impact_that_ends_a_steady_flight_is_no_turning(precision: str) -> None:
+    """In the air the axis keeps its inclination to rounding: its theta' has no sign there."""
+    start = {"gap": 1e-3, "theta": 0.7, "omega3": 200.0}
+    law = tt.friction.Coulomb(0.3)
+    run = tt.run("flying", law, until=0.05, precision=precision, start=start)
+    assert run.impacts.time[0] < times(run, "turning")[0] - 1e-3

@@ -271,6 +271,21 @@ def test_a_run_ends_with_the_place_of_a_jump_without_an_end(
     assert words in summary.reason
 
 
+def test_bounces_that_double_precision_cannot_shorten_stall() -> None:
+    """Each takes 1 % of the speed; past some time, rounding gives more than that back."""
+
+    def jump(x: Any, world: Any) -> Next:
+        return Next("fall", x._replace(h=0, v=-0.99 * x.v), zeros={"ground": 1})
+
+    register("broken-point", left("ground", ("fall",), jump))
+    run = tt.run(POINT | {"system": "broken-point"}, until=200)
+    fall = float(run.phases.start[1])
+    assert run.summary.status == "stalled"
+    assert run.summary.t_end == pytest.approx(
+        199 * fall, rel=1e-9
+    )  # fall (1 + 2 (0.99 + 0.99^2 + ...))
+
+
 def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     State, state = page["State"], page["state"]
     other, both = (dataclasses.replace(page["ground"], direction=way) for way in (1, 0))

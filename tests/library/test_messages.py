@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import sys
 from collections import namedtuple
 from collections.abc import Callable
 from functools import cache, partial
@@ -432,3 +433,10 @@ def test_a_call_that_cannot_be_carried_out_says_why(
 )
 def test_a_law_that_is_smooth_is_not_refused(coefficient: Any) -> None:
     assert under(coefficient, v=1e-4)().summary.status == "finished"
+
+
+def test_a_figure_without_matplotlib_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    remedy = r"pip install 'tippetop\[figures\]', or in a checkout '\.\[figures\]'"
+    with pytest.raises(ModuleNotFoundError, match=f"^matplotlib is required, .*: {remedy}"):
+        made().plot("theta")

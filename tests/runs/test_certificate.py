@@ -136,6 +136,24 @@ def test_planted_errors_of_phases_and_impacts_are_measured(monkeypatch: pytest.M
     assert found["theta"] < 1e-12
 
 
+def test_turnings_of_which_the_wider_run_has_more_are_not_paired(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Paired by number, the turnings after a missing one would differ by half a swing."""
+    whole = certificate.certificate(problem)["turnings"]
+    assert whole["time"] < 1e-12
+    rows = whole["compared"]
+
+    def lose(made: Solution) -> Solution:
+        first = np.flatnonzero((made.events.kind == 0) & made.events.significant)[0]
+        made.events.significant[first] = False
+        return made
+
+    spoil(monkeypatch, lose)
+    found = certificate.certificate(problem)
+    assert found["turnings"] == {"compared": 0, "counts": [rows - 1, rows]}
+
+
 def test_another_end_is_seen(problem: Problem, monkeypatch: pytest.MonkeyPatch) -> None:
     spoil(
         monkeypatch,

@@ -123,10 +123,10 @@ def test_a_certificate_is_said_with_its_window() -> None:
     found: dict[str, Any] = {"against": "longdouble", "window": [0.0, 2.5], "theta": 3e-14}
     expected = "against longdouble over 2.5 s: theta differs by at most 3.0e-14 rad"
     assert text("certificate", certificate=found) == expected
-    found["turnings"] = {"compared": 12, "time": 4e-15}
+    found["turnings"] = {"counts": [12, 12], "time": 4e-15}
     assert text("certificate", certificate=found) == f"{expected}, 12 turning times by 4.0e-15 s"
-    found["impacts"] = {"compared": 7, "time": 5e-15}
-    further = "12 turning times by 4.0e-15 s, 7 impacts by 5.0e-15 s"
+    found["impacts"] = {"counts": [7, 8]}
+    further = "12 turning times by 4.0e-15 s, 7 impacts, but 8 in longdouble"
     assert text("certificate", certificate=found) == f"{expected}, {further}"
     assert (
         text("certificate", certificate={"against": None, "reason": "no wider one"})

@@ -69,7 +69,8 @@ class Changes:
     run
         A `HybridDriver`.
     chatter
-        Internal time: after a shorter phase Python makes the change.
+        After a shorter phase Python makes the change: a fraction of the internal time, which counts
+        as 1 at least.
     most
         Changes in a call.
 

@@ -54,7 +54,7 @@ from .wide import WideDriver
 
 # End a slice after this many changes. A fixed count, not a time limit, keeps stores reproducible.
 PER_SLICE = 256
-CHATTER = 1e-12  # internal time: phases so short, three in a row, lead nowhere
+CHATTER = 1e-12  # of the internal time, at least 1: phases so short, three in a row, lead nowhere
 ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
 """Least value of an event function, of order one, that is no root; least rate of one that has a
 multiple root; and the time over which the rate is taken.
@@ -315,6 +315,11 @@ class Track:
         ]
         return records
 
+    def value(self, number: int, state: Any) -> Any:
+        """Return an event function in a state."""
+        functions = self.formulas.functions(*self.variables.split(state), self.b)
+        return functions[[*self.events].index(number)]
+
     def sides(self, n: Next) -> dict[int, tuple[int, int]]:
         """Return the signs with which the events that end the phase begin, and minus the numbers of
         their roots there, by number.
@@ -427,10 +432,10 @@ class HybridDriver(Driver):
         passed = self._begin_events(n, values, before)
         if n.series is None:
             for number, sign in passed:
-                event = self.events[number]
-                if event.sense or (event.lasting and sign == event.direction):
-                    # of theta: it has a corner
-                    self._note(number, now, sign, cast(Track, before), self.last)
+                event, track = self.events[number], cast(Track, before)
+                is_corner = event.sense and abs(track.value(number, self.last)) > BELOW  # of theta
+                if is_corner or (event.lasting and sign == event.direction):
+                    self._note(number, now, sign, track, self.last)
         else:
             self._fill(lambda times: self._series(n, *(times.astype(self.number) - now)))
             for number, sign in passed:
@@ -517,7 +522,8 @@ class HybridDriver(Driver):
 
         Return how it ends the run, or None.
         """
-        self.short = self.short + 1 if float(when) - self.began < CHATTER else 0
+        shortest = CHATTER * max(self.began, 1.0)
+        self.short = self.short + 1 if float(when) - self.began < shortest else 0
         now, track, last = self.number(when), self.track, self.last
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
         begun = n, state, _ = jump(*given)
@@ -530,7 +536,7 @@ class HybridDriver(Driver):
             self.tables.add(float(when), n.rows)
             return Status.of_event(n.ends)
         if self.short > 2:
-            shortest = CHATTER * float(self.problem.scales.of(SECOND))
+            shortest *= float(self.problem.scales.of(SECOND))
             self.sentence = (
                 f"phases change more often than every {shortest:.1g} s, at last "
                 f"from `{track.name}` to `{n.phase}` by `{jump.exit.event}`"
@@ -582,11 +588,9 @@ class HybridDriver(Driver):
     def _note_along(self, n: Next, number: int, sign: int, now: Any) -> None:
         """Log an event that happens in a jump that takes time."""
         track = self.track
-        k = [*track.events].index(number)
 
         def function(t: Any) -> float:
-            state = track.variables.split(self._series(n, t)[0])
-            return -sign * float(track.formulas.functions(*state, track.b)[k])
+            return -sign * float(track.value(number, self._series(n, t)[0]))
 
         t = zero_of(function, 0 * n.delay, n.delay)
         self._note(number, now + t, sign, track, self._series(n, t)[0])

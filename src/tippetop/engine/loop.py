@@ -97,8 +97,8 @@ HALVES = np.array([[comb(j, k) * 0.5**j for k in _POWERS] for j in _POWERS])
 @cache
 def structure(record: type) -> type[ctypes.Structure]:
     """Return the structure of C whose fields are those of a named tuple: arrays are pointers."""
-    kinds: dict[type, Any] = {np.ndarray: ctypes.c_void_p, float: ctypes.c_double}
-    kinds |= dict.fromkeys((int, bool), ctypes.c_int64)
+    whole, number, pointer = ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
+    kinds: dict[type, Any] = {int: whole, bool: whole, float: number, np.ndarray: pointer}
     fields = [
         (name, kinds.get(kind) or structure(kind)) for name, kind in record.__annotations__.items()
     ]
@@ -144,8 +144,8 @@ def library() -> ctypes.CDLL:
     whole, array = ctypes.c_int64, ctypes.c_void_p
     loaded.loop_keep.argtypes = [array, *[whole] * 3, *[ctypes.c_double] * 2]
     loaded.loop_end.argtypes = [array, whole]
-    loaded.loop_drive.restype, loaded.loop_drive.argtypes = whole, [array, whole]
-    loaded.loop_run.restype, loaded.loop_run.argtypes = whole, [array, whole]
+    for function in (loaded.loop_drive, loaded.loop_run):
+        function.restype, function.argtypes = whole, [array, whole]
     loaded.loop_count_turnings.argtypes = [array, ctypes.c_double, whole, array, array, array]
     return loaded
 

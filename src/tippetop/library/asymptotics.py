@@ -23,7 +23,7 @@ def asymptotic_states(
     Parameters
     ----------
     top : TippeTop, Run, Problem or str
-        The body, or what has one: a run, a problem, the name of a preset, a TOML file.
+        A body, or a run, a problem, the name of a preset or a TOML file.
     lam : float or str
         Jellett's integral lambda [kg m^3/s]; a text has a unit: "7e-6 kg m^3/s".
 

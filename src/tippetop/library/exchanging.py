@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..arguments import in_python, instance, names_of, path_of, whole
-from ..errors import InputError
+from ..errors import InputError, refuse_without
 from ..exchange import fit_text, fitting, measurements
 from ..exchange.motion import convention_of
 from ..exchange.verdict import Verdict
@@ -39,6 +39,7 @@ class Comparison(Verdict):
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """Draw it as a figure, and save that where a path is given."""
+        refuse_without("matplotlib")
         from ..figures.motions import comparison
 
         return _saved(comparison(self.motions, self.title), path, overwrite)
@@ -133,6 +134,7 @@ class Fitted:
 
     def plot(self, path: str | Path | None = None, *, overwrite: bool = False) -> "Figure":
         """Draw it as a figure, and save that where a path is given."""
+        refuse_without("matplotlib")
         from ..figures.fit import fit as draw_fit
 
         figure = draw_fit(

@@ -11,7 +11,7 @@ from ..problem import Problem
 from ..runs import attributes, results
 from ..runs.certificate import certificate
 from ..runs.phases import tables_of
-from ..runs.results import Record, Summary
+from ..runs.results import Certificate, Record, Summary
 from ..runs.run import Solution
 from ..runs.summary import lines
 from ..store import root
@@ -208,7 +208,7 @@ class Run:
         }
         return page(iter([rows]), self._datasets, self.attributes, start, until)
 
-    def certify(self, window: float | str | None = None) -> Record:
+    def certify(self, window: float | str | None = None) -> Certificate:
         """Repeat the run in this and in a higher precision, and compare the two.
 
         Parameters
@@ -218,16 +218,17 @@ class Run:
 
         Returns
         -------
-        Record
+        Certificate
             `against` (the wider precision), `window` [s], the largest difference of `theta`
             [rad] if the system has it, whether both end the same way, the largest differences of
-            the times of shared turnings [s], of every column (`columns`), and of shared `phases`
-            and `impacts`, in SI units. It joins the summary.
+            every column (`columns`), of the times of `turnings` [s], and of `phases` and
+            `impacts`, in SI units; only their `counts` where the two runs have different numbers
+            of them. It joins the summary.
         """
         result = certificate(self.problem, seconds("window", window))
         self.attributes["certificate"] = root.finite(result)
         self.__dict__.pop("summary", None)
-        return self.summary.certificate
+        return Certificate(self.summary.certificate)
 
     def __repr__(self) -> str:
         attrs = self.attributes

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..arguments import finite, flag, in_python, instance, path_of, seconds
-from ..errors import InputError
+from ..errors import InputError, refuse_without
 from ..figures import catalogue, drawing
 from ..figures.catalogue import Look
 
@@ -87,6 +87,7 @@ class Plots:
         """
         from ..figures.window import in_window
 
+        refuse_without("matplotlib")
         flag("overwrite", overwrite)
         catalogue.check_kind(kind)
         file = None if path is None else catalogue.check_format(path_of("path", path))

@@ -42,20 +42,20 @@ def register(record: System | type[FrictionLaw]) -> Any:
     Returns
     -------
     System or FrictionLaw
-        The same.
+        The record itself.
 
     Raises
     ------
     InputError
         If the name is that of a system or a law of this package or of an entry point, or the
-        record cannot be a law or a system. A record of yours replaces one of the same name.
+        record cannot be a law or a system. A user-defined record of the same name is replaced.
 
     Notes
     -----
-    Other processes do not know it: not the command line, not the workers of a sweep, which then
-    runs in this process (`workers=1`, or none given). A package makes its records known everywhere
-    by entry points: the group `tippetop.systems` names System records, `tippetop.friction` names
-    laws.
+    The record is registered in this process only. The command line cannot use it, and a sweep
+    with it must run in this process (`workers=1`, the default then). A package registers its
+    records everywhere by entry points: System records in the group `tippetop.systems`, laws in
+    the group `tippetop.friction`.
     """
     if isinstance(record, System):
         systems.add(record)

@@ -211,8 +211,8 @@ def resume(
     InputError
         If the run already reaches `until`, or user-defined events or columns are missing.
     StoreError
-        If the run is finished and there is no `until`, or it ended before its time, or another
-        process writes it.
+        If the run is finished and `until` is missing, if it ended before its own `until`, or if
+        another process writes it.
     Interrupted
         If `stop` was set.
     """

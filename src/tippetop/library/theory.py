@@ -43,7 +43,7 @@ def thresholds(top: TippeTop | HeavyTop | Run | Problem | str) -> dict[str, Thre
     Parameters
     ----------
     top : TippeTop, HeavyTop, Run, Problem or str
-        The body, or what has one: a run, a problem, the name of a preset, a TOML file.
+        A body, or a run, a problem, the name of a preset or a TOML file.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def regime(top: TippeTop | Run | Problem | str, lam: float | str) -> Regime:
     Parameters
     ----------
     top : TippeTop, Run, Problem or str
-        The body, or what has one, as for `thresholds`.
+        A body or a source of one, as for `thresholds`.
     lam : float or str
         Jellett's integral lambda [kg m^3/s]; a text has a unit: "7e-6 kg m^3/s".
 
@@ -104,7 +104,7 @@ def linear_modes(
     Parameters
     ----------
     top : TippeTop, HeavyTop, Run, Problem or str
-        The body, or what has one, as for `thresholds`.
+        A body or a source of one, as for `thresholds`.
     law : friction law, optional
         A record such as `Viscous(mu=0.3)`. With one, the contact glides; without, it is at rest
         (pure rolling, or a fixed tip) - but a run, a problem or a preset has its own law.

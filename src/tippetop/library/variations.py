@@ -35,7 +35,7 @@ def ensemble(
     lyapunov: bool = False,
     **scenario: Any,
 ) -> "xr.Dataset":
-    """Integrate many tops that differ in numbers only: a row of results per top.
+    """Integrate many tops that differ in numbers only; return one row of results for each.
 
     Parameters
     ----------
@@ -63,14 +63,14 @@ def ensemble(
     -------
     xarray.Dataset
         Along `top`, (n,): status, class, t_end [s], times of passages [s], theta_min, theta_max
-        [rad], normal_force_min, normal_force_max [N], drift of the invariants; what varies is its
-        coordinates. Invalid tops have the status `invalid`; the fault of the first of them is in
-        the attributes.
+        [rad], normal_force_min, normal_force_max [N], drift of the invariants. The varied numbers
+        are coordinates. Invalid tops have the status `invalid`; the fault of the first of them is
+        in the attributes.
 
     Raises
     ------
     InputError
-        If the scenario, or a name or shape of what varies, is wrong.
+        If the scenario, or the name or shape of a varied number, is wrong.
 
     Examples
     --------

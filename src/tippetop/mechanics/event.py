@@ -53,7 +53,7 @@ class Kept(NamedTuple):
     long_name : str
         The meaning, in words.
     direction : int
-        The passages that are meant: +1 rising ones, -1 falling ones, 0 all that the event detects.
+        The passages that count: +1 rising ones, -1 falling ones, 0 all that the event detects.
     """
 
     name: str
@@ -69,7 +69,7 @@ class Event:
     Parameters
     ----------
     name : str
-        The kind, as the log and `run.events` have it.
+        The kind, as in the log and in `run.events`.
     long_name : str
         The meaning, in words.
     formula : callable

@@ -13,7 +13,7 @@ from .units import Unit
 
 @dataclass(frozen=True)
 class Quantity:
-    """A function of the scalars of a form, hence of no form in particular: formula(scalars, b).
+    """A function of the scalars, which every form has: formula(scalars, b).
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ class Quantity:
     formula
         formula(scalars, b), in any consistent units.
     meanings
-        The names that the numbers of a flag variable denote, by number.
+        Only for a flag variable: the meaning of each number.
     is_column
         Whether it is stored; otherwise it is used for comparisons only.
     """

@@ -221,7 +221,7 @@ Coulomb.without = SetValued
 class Contensou(FrictionLaw):
     """Coulomb's law at each point of a disc that slides and turns (Contensou, Zhuravlev, Hertz).
 
-    Friction that drills, of a tippe top, and rolling resistance. (Contensou 1963, Zhuravlev 1998)
+    Drilling friction and rolling resistance of a tippe top (Contensou 1963, Zhuravlev 1998).
     The contact slips and flies, and the tables `phases` and `impacts` list when.
     """
 

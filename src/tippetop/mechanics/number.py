@@ -22,7 +22,7 @@ from .units import Unit
 
 @dataclass(frozen=True)
 class Number:
-    """A number of the user: its unit, its meaning, and the open or closed interval that it lies in.
+    """A number that users pass: its unit, its meaning, and its open or closed interval.
 
     Parameters
     ----------
@@ -39,9 +39,9 @@ class Number:
     default : float, optional
         The value if the number is omitted; without a default it is required.
     symbol : str
-        How figures write it, in TeX.
+        Symbol in figures, in TeX.
     optional : bool
-        Whether a record may be made without it, and then is another record.
+        Whether the number may be omitted; the record is then of another class.
     kw_only : bool
         Whether type checkers accept it by name only.
 

@@ -31,7 +31,7 @@ class Unit:
     Parameters
     ----------
     symbol
-        Products of powers of kg, m, s, rad, Hz, N, J, W and Pa, such as "kg m2 s-1"; "1" for none.
+        Product of powers of kg, m, s, rad, Hz, N, J, W and Pa, such as "kg m2 s-1"; "1" for none.
     """
 
     symbol: str

@@ -68,9 +68,9 @@ def certificate(
     -------
     dict
         Largest differences of every column of the trajectory (`columns`), of the times of the
-        turnings and of each column of phases and impacts that both runs share, in SI units;
-        `theta` [rad] is that of theta again, if the system has it. `against` is None if there is no
-        wider precision.
+        significant turnings and of each column of phases and impacts, in SI units; if the two runs
+        have different numbers of them, only these `counts`. `theta` [rad] is that of theta again,
+        if the system has it. `against` is None if there is no wider precision.
     """
     if problem.precision not in NEXT_PRECISION:
         return {"against": None, "reason": "no wider precision than quad"}
@@ -93,7 +93,7 @@ def certificate(
     if "theta" in columns:
         result["theta"] = float(columns["theta"].max(initial=0.0))  # NaN is a violation
     compared = _compare(_turnings(run), _turnings(reference))
-    result |= {"turnings": compared} if compared["compared"] else {}
+    result |= {"turnings": compared} if any(compared["counts"]) else {}
     return result | {
         name: _compare(tables[name], expected[name]) for name in phases.DIMENSIONS if name in tables
     }
@@ -142,7 +142,9 @@ def _turnings(solution: Solution) -> dict[str, Column]:
 
 
 def _compare(table: Mapping[str, Column], reference: Mapping[str, Column]) -> dict[str, Any]:
-    """Compare the rows that both tables have, in order."""
-    counts = [len(next(iter(each.values())).values) for each in (table, reference)]
+    """Compare tables row by row; of tables with different numbers of rows, return the numbers."""
+    rows, expected = counts = [len(next(iter(each.values())).values) for each in (table, reference)]
+    if rows != expected:
+        return {"compared": 0, "counts": counts}
     largest = {name: _largest(d) for name, d in _differences(table, reference).items()}
-    return {"compared": min(counts), "counts": counts, **largest}
+    return {"compared": rows, "counts": counts, **largest}

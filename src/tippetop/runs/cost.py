@@ -22,15 +22,15 @@ STEPS_PER_RADIAN = 0.9
 MICROSECONDS_PER_STEP = {"double": 2.0, "longdouble": 35.0, "quad": 900.0}
 # Steps and, roughly, rows of a slice that is timed.
 STEPS, ROWS, FEWEST = 512, 100_000, 10
-# Computing [s] from which the rest is inferred.
-WORTH = 0.2
+# Slices from which the rest is inferred: a fixed count, so that every call finds as many steps.
+SLICES = 8
 
 
 def estimate(problem: Problem) -> dict[str, float]:
     """Return the order of magnitude of steps, seconds and megabytes of a run.
 
-    Under friction with a torque they are at least these: a spin that it stops becomes stiff, which
-    neither the start nor the first steps show.
+    Under friction with a torque there may be many more steps: a spin that it stops becomes stiff,
+    which neither the start nor the first steps show.
     """
     initial = problem.initial
     second = float(problem.scales.of(SECOND))
@@ -41,7 +41,6 @@ def estimate(problem: Problem) -> dict[str, float]:
         "steps": round(steps),
         "seconds": round(steps * MICROSECONDS_PER_STEP[problem.precision] * 1e-6, 4),
         "megabytes": round(len(problem.times) * 8 * 24 / 1e6, 3),
-        **({"at_least": True} if problem.law.torque else {}),
     }
 
 
@@ -64,8 +63,8 @@ def measured(problem: Problem, clock: Callable[[], float] = time.perf_counter) -
     size = max(FEWEST, min(STEPS, int(ROWS * expected / max(len(problem.times), 1))))
     if problem.system.is_hybrid:  # later phases would be compiled on the way
         driver_of(problem).codes()
-    _timed(problem, size, 0.0, clock)  # compiles
-    seconds, progress = _timed(problem, size, WORTH, clock)
+    _timed(problem, size, 1, clock)  # compiles
+    seconds, progress = _timed(problem, size, SLICES, clock)
     whole = 1.0
     if progress.status is None:
         whole = max(1.0, problem.until / progress.t_end)
@@ -86,14 +85,12 @@ class _Columns(Sink):
 
 
 def _timed(
-    problem: Problem, size: int, worth: float, clock: Callable[[], float]
+    problem: Problem, size: int, slices: int, clock: Callable[[], float]
 ) -> tuple[float, RunProgress]:
     """Return the time of the first slices of a run, rows as columns included, and its progress."""
     began, integration = clock(), Integration(problem)
     integration.part(
-        _Columns(integration.view),
-        size,
-        lambda: integration.fresh or clock() - began < worth,
+        _Columns(integration.view), size, lambda: integration.monitor.steps < slices * size
     )
     return clock() - began, integration.progress()
 

@@ -33,7 +33,8 @@ ROWS_PER_CHUNK = 1 << 16
 EVENTS_PER_CHUNK = 1 << 14
 # A column of events that may change in any row until the end of a run.
 SIGNIFICANT = "significant"
-# What an interruption can cost [s]; the times of commits do not show in the store.
+# A slice that ends later than this [s] after a commit is followed by the next one; the times of
+# commits do not show in the store.
 COMMIT_EVERY = 5.0
 # After this time [s] a stop does not wait for the end of a slice: its rows are made again.
 PATIENCE = 2.0

@@ -8,6 +8,7 @@ from ..problem import Problem
 from ..scenario import build
 from ..store.root import finite
 from . import attributes, forecast
+from .summary import certificate
 
 
 class Record(dict[str, Any]):
@@ -91,6 +92,16 @@ class Summary(Record):
         numbers = ", ".join(f"{k}={v!r}" for k, v in self.items() if isinstance(v, int | float))
         names = ", ".join(name for name in self if name != "reason")
         return f"<Summary: {self.reason}; {numbers}; {names}>"
+
+
+class Certificate(Record):
+    """The comparison of a run with one in higher precision, printed as a sentence.
+
+    Every name is an attribute and a key; `Run.certify` lists them.
+    """
+
+    def __repr__(self) -> str:
+        return f"<Certificate {certificate(self)}; {', '.join(self)}>"
 
 
 def summary_of(attrs: dict[str, Any], problem: Callable[[], Problem] | None = None) -> Summary:

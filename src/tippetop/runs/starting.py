@@ -47,9 +47,9 @@ def load(
     Raises
     ------
     InputError
-        With one sentence for everything that is wrong.
+        With one message for each fault.
     StoreError
-        If `initial.from` names no store that a run can start from.
+        If `initial.from` is not a store from which a run can start.
     """
     tables = reading.override(reading.read(str(path_of("source", source))), assignments)
     return problem(build.ending(tables, until), source)
@@ -77,7 +77,7 @@ def problem(tables: dict[str, Any], source: Any, known: System | None = None) ->
     Raises
     ------
     InputError
-        With one sentence for everything that is wrong.
+        With one message for each fault.
     StoreError
         There is no store of a run that has ended, or it is damaged.
     """

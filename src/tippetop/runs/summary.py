@@ -83,7 +83,7 @@ def lines(info: Info, seconds: dict[str, float] | None = None) -> list[tuple[str
         "motion": info.get("motion", ""),
         "start": START.format(**info["start"]) if "start" in info else "",
         "replay": REPLAY.format(**info["replay"]) if "replay" in info else "",
-        "certificate": _certificate(info["certificate"]) if "certificate" in info else "",
+        "certificate": certificate(info["certificate"]) if "certificate" in info else "",
     }
     return [(name, text) for name, text in rows.items() if text]
 
@@ -175,7 +175,8 @@ def _until(phase: Info) -> str:
     return f"{_does(phase)} until {phase['end']:.6g} s"
 
 
-def _certificate(result: Info) -> str:
+def certificate(result: Info) -> str:
+    """Return a certificate in one sentence."""
     if result["against"] is None:
         return result["reason"]
     if "theta" in result:
@@ -185,5 +186,9 @@ def _certificate(result: Info) -> str:
     text = f"against {result['against']} over {result['window'][1]:g} s: {error}"
     for name, words, time in COMPARED:
         if name in result:
-            text += f", {result[name]['compared']} {words} by {result[name][time]:.1e} s"
+            rows, expected = result[name]["counts"]
+            if rows == expected:
+                text += f", {rows} {words} by {result[name][time]:.1e} s"
+            else:
+                text += f", {rows} {words}, but {expected} in {result['against']}"
     return text

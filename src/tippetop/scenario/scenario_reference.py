@@ -141,7 +141,7 @@ def friction() -> list[Section]:
     return [
         Section(
             name,
-            f"{_meaning(law)} Of {', '.join(of) or 'no system'}.",
+            f"{_meaning(law)} For {', '.join(of) or 'no system'}.",
             KEYS,
             keys_of(number_table({**law.parameters} | (PARTS if rolling & {*of} else {}))),
         )

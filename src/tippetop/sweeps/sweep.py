@@ -60,7 +60,7 @@ def sweep(
     progress
         Called as progress(done, of), which count tops; True draws a bar.
     stop
-        Set it, from a signal handler or another thread, and the sweep stops after a chunk, or
+        Set it in a signal handler or another thread: the sweep then stops after a chunk, or
         before the first. An exception such as KeyboardInterrupt ends it at once and costs the
         chunks that are being computed. Either way the same call without `overwrite`
         continues it.
@@ -77,7 +77,7 @@ def sweep(
     InputError
         The plan or an argument is wrong; every fault is listed.
     StoreError
-        The store is another one's, or cannot be read or written.
+        The store is that of another plan, or cannot be read or written.
     Unfinished
         Some chunks failed.
     Interrupted
