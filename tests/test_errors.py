@@ -5,7 +5,7 @@ near.
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tippetop.errors import a_system, nearest, unknown_key
+from tippetop.errors import nearest, unknown_key
 
 
 @settings(max_examples=50, deadline=None)
@@ -39,8 +39,3 @@ def test_an_unknown_key_is_looked_for_everywhere() -> None:
     assert (
         unknown_key("zzzz", ["system", "form"]) == "unknown key `zzzz`. The keys are system, form."
     )
-
-
-def test_a_system_has_its_article() -> None:
-    assert a_system("gliding-heavy-top") == "a gliding heavy top"
-    assert a_system("ellipsoid") == "an ellipsoid"

@@ -40,7 +40,7 @@ enum {
 /* Internal time of a step that goes nowhere. */
 static const real TINY = 1e-10;
 
-/* --- structures of the caller: `tippetop.engine.loop` makes the same, groups as named tuples --- */
+/* --- structures of the caller: `tippetop.engine.loop` makes the same; groups are tuples --- */
 
 /* Codes of `engine.status.Status`. */
 enum { FINISHED = 1, SETTLED = 4, NON_FINITE, STALLED, RUNNING = 9 };
@@ -880,7 +880,7 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
            l->variables * sizeof(real));
 }
 
-/* Execute a program, whose results begin at `to`. Return whether every comparison is as expected. */
+/* Execute a program, whose results begin at `to`. Return whether comparisons are as expected. */
 static bool execute(const Change *c, real *r, real *to, const Loop *const *loops) {
     for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
@@ -925,8 +925,8 @@ static bool change_phase(Phases *p) {
     const Tally *tally = l->tallies;
     integer at = l->logged[0] - 1, events = l->events, n = l->variables;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
-    real when = tally->t;
-    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < p->chatter * fmax(p->began, 1))
+    real when = tally->t, shortest = p->chatter * fmax(p->began, 1);
+    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < shortest)
         return false;
     const Change *c = p->changes + p->present * events + l->passages[at].event;
     if (c->length == 0)

@@ -93,11 +93,6 @@ def first_sentences(faults: Sequence[Any], sentence: Callable[[Any], str]) -> li
     return [*sentences, f"{more} more faults were found."] if more > 0 else sentences
 
 
-def a_system(name: str) -> str:
-    """Return a system in a sentence: gliding-heavy-top -> a gliding heavy top."""
-    return f"a{'n' if name[0] in 'aeiou' else ''} {name.replace('-', ' ')}"
-
-
 class BuildError(ImportError):
     """The compiled part of the package is missing, damaged, or was compiled from another source."""
 

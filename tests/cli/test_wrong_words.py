@@ -85,7 +85,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     ("plot RUN.zarr --size big --out f.png", 2, "--size"),
     ("plot RUN.zarr --size 0x5 --out f.png", 2, "`size` must be between"),
     ("plot RUN.zarr --dpi 1 --out f.png", 2, "`dpi` must be between"),
-    ("plot BAR.zarr sphere --out f.png", 2, "for tops only; this is a rolling cylinder."),
+    ("plot BAR.zarr sphere --out f.png", 2, "for tops only; this is `rolling-cylinder`."),
     ("plot KEPT.zarr theta --out f.png", 2, "has none: replay a part"),
     # pages
     ("view RUN.zarr --out there.html", 5, "must not exist yet"),
@@ -99,7 +99,7 @@ COMMANDS: list[tuple[str, int, str]] = [
     # sweeps and landscapes
     ("sweep PLAN.toml --out x --workers 1.5", 2, "`--workers` must be a whole number, at least 1"),
     ("sweep inverting --out s.zarr", 2, "this is a scenario, not a plan"),
-    ("potential heavy-top --D 1 --lambda 2", 2, "tippe tops only; this is a heavy top"),
+    ("potential heavy-top --D 1 --lambda 2", 2, "tippe tops only; this is `heavy-top`"),
     ("potential inverting --D '1 kg' --lambda 0", 2, "`--D` must be in kg m2 s-1"),
     ("surface inverting --D -1:1:1000000000000 --out f.zarr", 2, "at most 10000000 points"),
     ("surface inverting --D 0:1e300:5 --out f.zarr", 2, "`--D` and `--lambda` must keep V finite"),

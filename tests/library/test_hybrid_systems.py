@@ -12,7 +12,7 @@ import pytest
 from test_contact_runs import times
 
 import tippetop as tt
-from tippetop.mechanics.form import Exit, Form, Integral, Next, Phase
+from tippetop.mechanics.form import Exit, Form, Integral, Next, Phase, Quantity
 from tippetop.mechanics.systems import SYSTEMS
 from tippetop.mechanics.units import METRE, METRE_PER_SECOND, ONE
 from tippetop.runs.certificate import certificate_violations
@@ -82,7 +82,7 @@ def test_a_certificate_compares_columns_and_phases_where_there_is_no_theta() -> 
 @pytest.mark.parametrize("kind", ["theta", "energy", "drift", "states"])
 def test_a_figure_of_what_is_not_there_is_refused(kind: str) -> None:
     with pytest.raises(
-        tt.InputError, match=f"`{kind}` is drawn for .* only; this is a bouncing point"
+        tt.InputError, match=f"`{kind}` is drawn for .* only; this is `bouncing-point`"
     ):
         bounces().plot(kind)
 
@@ -190,10 +190,11 @@ def left(event: str, to: Any, jump: Any = None) -> dict[str, Phase]:
     return changed("fall", exits=(Exit(event, to, jump),))
 
 
-def register(name: str, phases: dict[str, Phase]) -> None:
+def register(name: str, phases: Any, **fields: Any) -> None:
     """Register the point with other phases."""
     point = SYSTEMS["bouncing-point"]
-    tt.extending.register(dataclasses.replace(point, name=name, phases=point.phases | phases))
+    phases = point.phases | phases
+    tt.extending.register(dataclasses.replace(point, name=name, phases=phases, **fields))
 
 
 def broken(jump: Any) -> Any:
@@ -214,6 +215,17 @@ def broken(jump: Any) -> Any:
         (("fall", {}, {"ends": 5}), "have a str in `ends`, but has 5"),
         (("fall", {}, {"logged": "rests"}), "have a tuple in `logged`, but has 'rests'"),
         (("fall", {}, {"zeros": ("ground",)}), "have a dict in `zeros`, but has ('ground',)"),
+        (("fall", {}, {"cause": "weird"}), "have start or ground in `cause`, but has 'weird'"),
+        (("fall", {}, {"cause": 3}), "have start or ground in `cause`, but has 3"),
+        (("fall", {}, {"rows": {"tab": (1, 2)}}), "have nothing in `rows`, but has 'tab'"),
+        (("fall", {}, {"ends": "running"}), "or stalled in `ends`, but has 'running'"),
+        (("fall", {}, {"sides": {"ground": 7}}), "in `sides`, -1 or 1, but has {'ground': 7}"),
+        (("fall", {}, {"delay": 0.1, "series": 3}), "have a function in `series`, but has 3"),
+        (("fall", {}, {"delay": [1]}), "have a time of at least 0 in `delay`, but has [1]"),
+        (("fall", {}, {"delay": np.nan}), "have a time of at least 0 in `delay`, but has nan"),
+        (("fall", {}, {"logged_after": -1}), "at least 0 in `logged_after`, but has -1"),
+        (("fall", {}, {"lasts": -1}), "have a time of at least 0 in `lasts`, but has -1"),
+        (("fall", {}, {"lasts": 0}), "leave out `lasts`, as phase `fall` has no exit by 'clock'"),
         (lambda x: Next(x=x), "lead to fall, as its Exit declares, but leads to ''"),
         (lambda x: {}["fall"], "fails: KeyError: 'fall'"),
         (lambda x: 1 / 0, "fails: ZeroDivisionError: division by zero"),
@@ -248,7 +260,7 @@ def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(
             "must lead to a finite state",
         ),
         (lambda x, world: Next("fall", x), "stalled", "at last from `fall` to `fall` by `ground`"),
-        (lambda x, world: Next("fall", x, ends="broken"), "ended", "by `ground` from phase `fall`"),
+        (lambda x, world: Next("fall", x, ends="ended"), "ended", "by `ground` from phase `fall`"),
     ],
 )
 def test_a_run_ends_with_the_place_of_a_jump_without_an_end(
@@ -278,8 +290,28 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
     State, state = page["State"], page["state"]
     other, both = (dataclasses.replace(page["ground"], direction=way) for way in (1, 0))
 
+    text, strange, number, blank = (
+        (dataclasses.replace(page["ground"], **{field: value}), *page["words"])
+        for field, value in (("formula", "h"), ("direction", 2), ("name", 3), ("name", "a b"))
+    )
+    height = Quantity("h", "h", METRE, "height", lambda s, b: 3 * s.h)
     fallen = (Integral("fallen", METRE, "", lambda q, carried, b: q.v),)
     phases = {
+        "a function as `formula` and a `direction` of -1, 0 or 1, but has ground": changed(
+            "fall", events=text
+        ),
+        "a `direction` of -1, 0 or 1, but has ground": changed("fall", events=strange),
+        "names of one word, but has 3\\.": changed("fall", events=number),
+        "names of one word, but has 'a b'\\.": changed("fall", events=blank),
+        "`a\nb` of `broken` must have names of one word, but has 'a\\\\nb'": {
+            "a\nb": SYSTEMS["bouncing-point"].phases["rest"]
+        },
+        "phase `1` of `broken` must have names of one word, but has 1": {
+            1: SYSTEMS["bouncing-point"].phases["rest"]
+        },
+        "quantities with other names than the variables, but has h": changed(
+            "fall", quantities=(height,)
+        ),
         "phases of the system by a tuple of names, but leads to \\('nowhere',\\)": left(
             "ground", ("nowhere",)
         ),
@@ -317,10 +349,28 @@ def test_what_no_jump_could_mend_is_not_registered(page: dict) -> None:
         "`rates` of the form `plain` of phase `rest` of `broken` must give its 2": changed(
             "rest", forms=Form("plain", state, lambda q, b: (q.v,))
         ),
+        "must give its 2 rates as a State, but gives Other": changed(
+            "rest", forms=Form("plain", state, lambda q, b: Other(0, 0))
+        ),
+        "must keep the common state, but gives \\(Other": changed(
+            "rest", enter=lambda x, b: x, leave=lambda q, b: Other(*q)
+        ),
     }
     for words, those in phases.items():
         with pytest.raises(tt.InputError, match=words):
             register("broken", those)
+
+
+def test_fields_of_a_system_that_no_run_can_use_are_not_registered() -> None:
+    numbers = SYSTEMS["bouncing-point"].parameters
+    for words, fields in {
+        "other names than the law of friction, but have friction": {
+            "parameters": {**numbers, "friction": numbers["e"]}
+        },
+        "must have `phases` if they are given, but have t": {"tables": {"t": 3}},
+    }.items():
+        with pytest.raises(tt.InputError, match=words):
+            register("broken", {}, **fields)
 
 
 def scalar(q: Any, b: Any) -> Any:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tippetop.mechanics.contact.body import Touch
-from tippetop.mechanics.contact.single_contact import FLIGHT
+from tippetop.mechanics.contact.contact_phases import FLIGHT
 from tippetop.mechanics.friction import LAWS, Mixed
 from tippetop.mechanics.operand import atan2, exp, formula, leaves, sqrt
 from tippetop.mechanics.theory.thresholds import thresholds

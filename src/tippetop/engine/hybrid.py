@@ -16,10 +16,10 @@ from typing import Any, NamedTuple, cast
 import heyoka as hy
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, is_one_number
 from ..mechanics.event import ON_ZERO as BELOW
 from ..mechanics.event import Event
-from ..mechanics.form import CLOCK, Exit, Next, Phase
+from ..mechanics.form import CLOCK, ENDS, Exit, Next, Phase
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
@@ -130,6 +130,8 @@ class Jump:
     ----------
     system, phases
         The system, and its phases by name.
+    kind
+        The contact and the kind of its impacts, for which a program is made.
     name, phase
         The phase that ends; "" at the start.
     exit
@@ -143,9 +145,19 @@ class Jump:
 
     calls, program = 0, None
 
-    def __init__(self, system: System, phases: tuple, name: str, phase: Phase, exit: Exit):
+    def __init__(
+        self, system: System, phases: tuple, kind: tuple, name: str, phase: Phase, exit: Exit
+    ):
         self.phase, self.exit, self.variables = phase, exit, Variables(phase.form)
-        self.events = events_of(system, dict(phases))
+        tables, names = dict(system.tables), events_of(system, dict(phases))
+        self.words = {
+            "logged": names,
+            "zeros": names,
+            "sides": names,
+            "cause": tables.pop("phases").get("reason", ()),
+            "rows": tables,
+            "ends": ENDS,
+        }
         of_phase = f" from phase `{name}`" if name else ""
         self.where = f"the jump by `{exit.event}`{of_phase} of `{system.name}`"
 
@@ -186,7 +198,7 @@ class Jump:
 
     def _next(self, x: Any, carried: Any, world: World) -> tuple:
         n = self.exit.jump(x, world)
-        if fault := self.exit.fault(n, x, self.events):
+        if fault := self.exit.fault(n, x, self.words):
             raise InputError(f"{self.where} must {fault}.")
         if n.cause is None:
             n.cause = self.exit.event
@@ -198,18 +210,14 @@ class Jump:
         types: Any = type(b), type(b.friction)
         formulas = formulas_of_phase(world.system, to, *types)
         values = formulas.functions(q, carried, b)
-        if not world.rules and (name := wrong_root(n.zeros, formulas, q, carried, b)):
-            raise InputError(
-                f"{self.where} must give multiplicities of roots in `zeros`, but {name!r} has no "
-                f"root of multiplicity {n.zeros[name]} where phase `{n.phase}` begins."
-            )
+        fault = "" if world.rules else wrong_time(n, to) or wrong_root(n, formulas, q, carried, b)
+        if fault:
+            raise InputError(f"{self.where} must {fault}.")
         return n, Variables(to.form).join(q, carried), values
 
 
-@lru_cache(maxsize=256)
-def jump_of(system: System, phases: tuple, contact: Any, impacts: Any, *given: Any) -> Jump:
-    """Return the jump with these arguments; its program is that for impacts of this kind."""
-    return Jump(system, phases, *given)
+jump_of = lru_cache(maxsize=256)(Jump)
+"""Returns the same `Jump` for the same exit: runs share its program."""
 
 
 def begin_in_first(x: Any, world: World) -> Next:
@@ -223,19 +231,34 @@ def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
     return {event.name: event for event in (*system.events, *in_phases, *system.events)}
 
 
-def wrong_root(
-    zeros: Mapping[str, int], formulas: Formulas, q: Any, carried: Any, b: Any
-) -> str | None:
-    """Return the name of an event whose function has no root of the multiplicity that `zeros`
-    gives: its value, or its slope if there is more than one root, is not zero.
+def wrong_time(n: Next, to: Phase) -> str:
+    """Return what a time, or the motion in it, must be and is not; or ""."""
+    times = {"delay": n.delay, "logged_after": n.logged_after, "lasts": n.lasts or 0}
+    for what, time in times.items():
+        if not (is_one_number(time) and time >= 0):
+            return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
+    if not callable(n.series or len):
+        return f"have a function in `series`, but has {n.series!r:.60}"
+    if n.lasts is not None and CLOCK not in [way.event for way in to.exits]:
+        return f"leave out `lasts`, as phase `{n.phase}` has no exit by {CLOCK!r}"
+    return ""
+
+
+def wrong_root(n: Next, formulas: Formulas, q: Any, carried: Any, b: Any) -> str:
+    """Return which event has no root of the multiplicity that `zeros` gives, or "".
+
+    The value of its function, or its slope if there is more than one root, is not zero.
     """
     moved = (v + NEAR * rate for v, rate in zip(q, formulas.form.rates(q, b), strict=True))
     here, near = (formulas.functions(q, carried, b) for q in (q, type(q)(*moved)))
     for event, value, ahead in zip(formulas.events, here, near, strict=True):
-        count = zeros.get(event.name, 0)
+        count = n.zeros.get(event.name, 0)
         if (count > 0 and abs(value) >= ROOT) or (count > 1 and abs(ahead - value) >= SLOPE * NEAR):
-            return event.name
-    return None
+            return (
+                f"give multiplicities of roots in `zeros`, but {event.name!r} has no root of "
+                f"multiplicity {count} where phase `{n.phase}` begins"
+            )
+    return ""
 
 
 # --- runs ---------------------------------------------------------------------------------------
@@ -354,7 +377,7 @@ class HybridDriver(Driver):
             kind = kind_of(problem, body[0].friction)
             self.impacts = ImpactMotions(*kind, stop)
             struck = self.impacts.struck
-        self.key = system, tuple(self.phases.items()), contact, kind
+        self.key = system, tuple(self.phases.items()), (contact, kind)
         self.world = World(body, system, contact, self.phases, struck)
         is_plain = contact is None or number is not float
         self.copies = None if is_plain else Changes(self, CHATTER, PER_SLICE)

@@ -248,7 +248,7 @@ def base_faults(base: Problem) -> list[str]:
     forms = base.system.forms.items()
     able = [name for name, form in forms if {"ux", "uy", "uz"} <= set(form.units._fields)]
     if base.form.name not in able:
-        others = " or ".join(f'"{name}"' for name in able) or "none of this system"
+        others = " or ".join(f'"{name}"' for name in able) or "which no form of this system does"
         sentences.append(
             "`form` must integrate the axis (ux, uy, uz) in an ensemble: "
             f'{others}, but is "{base.form.name}".'

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..engine.observables import Observables
-from ..errors import InputError, a_system
+from ..errors import InputError
 from ..mechanics.contact import body as contact
 from ..mechanics.friction import is_frictionless
 from ..mechanics.operand import Vector
@@ -98,7 +98,7 @@ def text_of(problem: Problem, to: str) -> str:
     planar = "axis" not in problem.system.vectors and problem.contact is None
     if planar or not isinstance(problem.body(), contact.Touch):
         raise InputError(
-            f"a body for a simulator must be a top, but this is {a_system(problem.system.name)}."
+            f"a body for a simulator must be a top, but this is `{problem.system.name}`."
         )
     if not problem.orientation:
         raise InputError("`run.orientation` must be true for a simulator, but is false.")

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..columns import symbol
-from ..errors import InputError, a_system
+from ..errors import InputError
 from ..store.files import replacing, writing
 from .catalogue import COMPARED, FIGURES, PLAIN, Look, check_kind
 
@@ -97,7 +97,7 @@ def _refuse(kind: str, trajectory: Any, attrs: dict[str, Any]) -> None:
         require(sorted(uses & columns_of(attrs)), trajectory, f"the figure `{kind}`")
     if chosen.needs not in trajectory:
         raise InputError(
-            f"`{kind}` is drawn for {chosen.drawn_for} only; this is {a_system(attrs['system'])}."
+            f"`{kind}` is drawn for {chosen.drawn_for} only; this is `{attrs['system']}`."
         )
     if not trajectory["time"].size:
         raise InputError(

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from ..columns import capitalised, on_sphere, significant_turnings
-from ..errors import InputError, a_system
+from ..errors import InputError
 from ..mechanics.friction import PARTS, Frictionless
 from ..mechanics.system import System
 from ..mechanics.theory import thresholds, tumbling
@@ -118,7 +118,7 @@ def spinning_system(name: str) -> System:
     """Return a system of tippe tops. Raises InputError for another."""
     system, landscape = landscape_of(name)
     if landscape.symbols != SPINNING:
-        raise InputError(f"D and lambda belong to tippe tops only; this is {a_system(name)}.")
+        raise InputError(f"D and lambda belong to tippe tops only; this is `{name}`.")
     return system
 
 

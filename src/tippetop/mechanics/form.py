@@ -166,10 +166,11 @@ class Next:
     phase
         Its name; it may be empty where the run ends.
     x
-        The common state in which it begins. If it has a field `carried`, that is the record of the
-        integrals of the run; otherwise integrals continue.
+        The common state in which it begins, or in which the run ends: it must be given. If it has a
+        field `carried`, that is the record of the integrals of the run; otherwise integrals
+        continue.
     delay
-        Time that passes in the jump.
+        Time that passes in the jump, in internal units as `x`.
     series
         The motion in this time: series(t) -> states of the phase that follows, and integrals, of
         times (n,). None: it is too short for rows and events.
@@ -191,7 +192,7 @@ class Next:
     rows
         Rows for further tables of the run: records in internal units, by table.
     ends, message
-        The status with which the run ends, and why; empty: it continues.
+        The status with which the run ends, one of `ENDS`, and why; empty: it continues.
     """
 
     phase: str = ""
@@ -211,6 +212,12 @@ class Next:
 
 CLOCK = "clock"
 """The event by which a phase ends that lasts a time known at its beginning."""
+
+ENDS = ("ended", "liftoff", "fallen", "stalled")
+"""Statuses with which a jump may end a run."""
+
+KINDS = {"ends": str, "logged": tuple, "zeros": dict, "sides": dict, "rows": dict}
+"""Types of fields of a Next."""
 
 
 @dataclass(frozen=True)
@@ -235,13 +242,13 @@ class Exit:
     to: tuple[str, ...]
     jump: Callable
 
-    def fault(self, n: Any, x: Any, events: Collection[str]) -> str:
-        """Return what the result of the jump must be and is not, of a state `x` and with the names
-        of the events of the system; empty if it can follow.
+    def fault(self, n: Any, x: Any, known: Mapping[str, Collection[str]]) -> str:
+        """Return what the result of the jump must be and is not, of a state `x` and with the words
+        that its fields may have; empty if it can follow.
         """
         if not isinstance(n, Next):
             return f"return a Next, but returns {n!r:.60}"
-        for what, kind in {"ends": str, "logged": tuple, "zeros": dict, "sides": dict}.items():
+        for what, kind in KINDS.items():
             if not isinstance(value := getattr(n, what), kind):
                 return f"have a {kind.__name__} in `{what}`, but has {value!r:.60}"
         if n.phase not in self.to and not n.ends:
@@ -251,12 +258,15 @@ class Exit:
         for name, value in n.x._asdict().items():
             if not all(is_one_number(one) for one in leaves((value,))):
                 return f"return a number in `{name}` of the state, but returns {value!r:.60}"
-        for what, names in (("logged", n.logged), ("zeros", n.zeros), ("sides", n.sides)):
-            for name in names:
-                if name not in events:
-                    return f"have events of the system in `{what}`, but has {name!r}"
+        for what, words in known.items():
+            given = getattr(n, what) or ()
+            for word in given if isinstance(given, tuple | dict) else (given,):
+                if word not in words:
+                    return f"have {' or '.join(words) or 'nothing'} in `{what}`, but has {word!r}"
         if not all(type(count) is int and count > 0 for count in n.zeros.values()):
             return f"have multiplicities of roots in `zeros`, 1 at least, but has {dict(n.zeros)}"
+        if not {*n.sides.values()} <= {-1, 1}:
+            return f"have signs in `sides`, -1 or 1, but has {n.sides}"
         return ""
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, a_system
+from ..errors import InputError
 from ..mechanics.contact.body import Touch
 from ..mechanics.friction import Frictionless
 from ..mechanics.rotation import Quaternion, axes
@@ -33,7 +33,7 @@ def body_of(attrs: dict[str, Any]) -> Touch:
     missing = [name for name in needed if not hasattr(body, name)]
     if missing:
         what = f"a body that is shown must have {', '.join(needed)}"
-        raise InputError([f"{what}, but that of {a_system(attrs['system'])} has no {missing[0]}."])
+        raise InputError([f"{what}, but that of `{attrs['system']}` has no {missing[0]}."])
     return Touch(*(getattr(body, name) for name in needed))
 
 

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError
+from ..mechanics.contact.contact_phases import LEAST_PATCH
 from ..mechanics.contact.opening import ABOVE, SETTLED, kind_of, opened
 from ..mechanics.contact.restitution import ContactLaw, stem_faults
-from ..mechanics.contact.single_contact import LEAST_PATCH
 from ..mechanics.contact.uniqueness import most_rolling, painleve_bound
 from ..mechanics.friction import LAWS, PARTS, has_parts
 from ..mechanics.system import System

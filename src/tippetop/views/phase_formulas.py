@@ -9,15 +9,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..mechanics.contact.body import Touch, arm, axis_rate, kinematics, velocities
-from ..mechanics.contact.gliding import COS_INVERTED, axis, turning
-from ..mechanics.contact.response import mobility_inverse_times, sliding, sticking
-from ..mechanics.contact.rows import moving, row_of_angles
-from ..mechanics.contact.single_contact import (
+from ..mechanics.contact.contact_phases import (
     FLIGHT,
     disc_friction,
     patch_speed2,
     smooth_friction,
 )
+from ..mechanics.contact.gliding import COS_INVERTED, axis, turning
+from ..mechanics.contact.response import mobility_inverse_times, sliding, sticking
+from ..mechanics.contact.rows import moving, row_of_angles
 from ..mechanics.operand import Vector, atan2, cross, leaves, plus, refill, sqrt
 from ..mechanics.system import System
 from ..mechanics.systems import SYSTEMS

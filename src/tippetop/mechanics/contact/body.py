@@ -36,7 +36,7 @@ class Touch(NamedTuple):
     lever: Operand = ()
 
 
-def seen_from_balls(b: Touch, stem: tuple = ()) -> tuple[Touch, ...]:
+def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
     """Return a body seen from its sphere and from the ball of its stem, if it has one.
 
     `stem` is its radius and its distance from the centre of the sphere; offsets would be rounded.

@@ -16,11 +16,21 @@ from ..operand import Vector, cross, dot, leaves, plus, refill, sqrt, times
 from ..units import JOULE, METRE_PER_SECOND, NEWTON_SECOND
 from . import body as contact
 from .body import BALLS, Moving, Touch, contact_velocity
-from .double_contact import (
+from .contact_phases import (
+    DIRECTED,
+    DIRECTED_SLIP,
+    FLIGHT,
+    REST,
+    RESTS,
+    ROLL,
     STANDS,
+    STOPS_AT,
     brought_to_rest,
     frictions_of,
     on_both,
+    regions_of,
+    rest_speed2,
+    slides,
     without_slip_on_both,
 )
 from .first_slip import FirstSlip, first_directions, first_slip
@@ -35,18 +45,6 @@ from .response import (
     sticking,
     stopping,
     turning,
-)
-from .single_contact import (
-    DIRECTED,
-    DIRECTED_SLIP,
-    FLIGHT,
-    REST,
-    RESTS,
-    ROLL,
-    STOPS_AT,
-    regions_of,
-    rest_speed2,
-    slides,
 )
 
 
@@ -105,7 +103,7 @@ Impact = type(IMPACT)
 # --- the balls ----------------------------------------------------------------------------------
 
 
-def phase_name(label: str, ball: int = 0, *regions: str) -> str:
+def phase_name(label: str, ball: int, *regions: str) -> str:
     """Return the name of a phase on a ball, in regions of the law on each ball in contact."""
     return "-".join((*("stem",) * ball, label, *regions))
 
@@ -210,16 +208,16 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
         phase = world.phases[name]
         if phase.reaction(phase.enter(x, b), b).force.z > 0:
             return on_disc(Next(name, x, cause, zeros=roots), world)
-        return fly(x, world, ball, 2, "opens-at-once")
-    x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
-    F = sticking(x, b)[0]
-    if F.z > 0 and cone(F, b) >= 0:
-        return Next(phase_name("roll", ball), x, cause, zeros=roots)
-    beta = first_directions(lambda beta: pushed(x, beta, b))
-    if not len(beta):
-        return fly(x, world, ball, 2, "opens-at-once")
-    x, delay = run_in(x, world, ball, beta[0])
-    return Next(phase_name("slip", ball), x, cause, delay, zeros=roots)
+    else:
+        x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
+        F = sticking(x, b)[0]
+        if F.z > 0 and cone(F, b) >= 0:
+            return Next(phase_name("roll", ball), x, cause, zeros=roots)
+        beta = first_directions(partial(pushed, x, b))
+        if len(beta):
+            x, delay = run_in(x, world, ball, beta[0])
+            return Next(phase_name("slip", ball), x, cause, delay, zeros=roots)
+    return fly(x, world, ball, 2, "opens-at-once")
 
 
 def rest_on_both(x: Moving, world: Any, cause: str) -> Next:
@@ -314,7 +312,7 @@ def directed(x: Moving, beta: Any) -> Any:
     return type(DIRECTED)(*x.u, *x.L, beta, 1 + 0 * beta)
 
 
-def pushed(x: Moving, beta: Any, b: Touch) -> tuple[Any, Any, Any]:
+def pushed(x: Moving, b: Touch, beta: Any) -> tuple[Any, Any, Any]:
     """Return P, Q and the normal force of sliding in the direction beta.
 
     P is the rate of the speed, and Q the speed times the turn of the direction.

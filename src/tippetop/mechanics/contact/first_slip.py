@@ -121,4 +121,4 @@ def first_directions(law: Callable, count: int = 360) -> np.ndarray:
         same = (law(middle)[1] > 0) == above
         low, high = np.where(same, middle, low), np.where(same, high, middle)
     P, _, N = law(low)
-    return np.sort(low[(P > 0) & (N > 0)])
+    return low[(P > 0) & (N > 0)]

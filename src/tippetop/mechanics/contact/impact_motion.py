@@ -20,6 +20,7 @@ from ..form import Form
 from ..operand import Vector, cross, dot, exp, log, plus, sqrt, times
 from ..units import ONE
 from .body import Turning, angular_velocity, arm
+from .contact_phases import Acts, Speeds, disc_friction, region_of, smooth_friction
 from .response import (
     across_and_along,
     direction,
@@ -30,7 +31,6 @@ from .response import (
     mobility_inverse_times,
     mobility_times,
 )
-from .single_contact import Acts, Speeds, disc_friction, region_of, smooth_friction
 
 
 CLOCK_RATE = 2.0**10

@@ -21,7 +21,7 @@ NAMED = {
 }
 
 
-def integral(name: str, rate: Callable) -> Integral:
+def integral(name: str, rate: Callable | None) -> Integral:
     """Return the integral of this name with rate(q, carried, b)."""
     unit, long_name = NAMED[name]
     return Integral(name, unit, long_name, rate, of="normal_force" if name == "impulse" else "")

@@ -8,7 +8,7 @@ from operator import itemgetter
 from typing import Any
 
 from ..event import Event
-from ..form import CLOCK, Exit, Form, Phase
+from ..form import CLOCK, Exit, Phase
 from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
 from ..number import Number
 from ..operand import formula
@@ -16,6 +16,7 @@ from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from . import gliding
 from .body import BALLS, Touch, seen_from_balls
+from .contact_phases import CONE, RESTS, STICK
 from .exits import IMPACT, KINDS, PHASES, REASONS, begin, come_to_rest, go_on, phase_name
 from .integrals import NAMED, integral
 from .rows import (
@@ -30,7 +31,6 @@ from .rows import (
     planar_theta_dot,
     row,
 )
-from .single_contact import CONE, RESTS, STICK
 
 
 ABOVE = {
@@ -90,11 +90,6 @@ TABLES = {
 def kind_of(law: Any) -> tuple:
     """Return the attributes of a law that determine the phases of a contact."""
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
-
-
-def row_of(planar: bool, law: Any) -> Form:
-    """Return the form of the rows of runs."""
-    return PLANAR_ROW if planar else DISC_ROW if law.torque else ROW
 
 
 def in_plane(phase: Phase) -> Phase:
@@ -158,7 +153,7 @@ def opened(system: System, law: Any, balls: int) -> System:
     """
     opening: Any = system.opening
     angles: Any = DISC_ANGLES if law.torque else PLANAR_ANGLES if opening.planar else ANGLES
-    form = row_of(opening.planar, law)
+    form = PLANAR_ROW if opening.planar else DISC_ROW if law.torque else ROW
     of_axis = tuple(one for one in system.events if not one.lasting and one.ends != "liftoff")
     quantities = columns(opening.planar, opening.routh, balls > 1)
     known = {*opening.without, *(quantity.name for quantity in quantities)}

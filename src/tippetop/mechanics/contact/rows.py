@@ -29,7 +29,7 @@ from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, state
 from .body_axes import carried_along, planar
 from .exits import PHASES
 from .gliding import EULER_UNITS, angles_by, axis, axis_and_momentum, axis_rate, turning
-from .integrals import NAMED
+from .integrals import integral
 from .rolling import spin
 
 
@@ -175,8 +175,7 @@ def planar_scalars(q, b):
 
 def carried(*names: str) -> tuple[Integral, ...]:
     """Return the integrals of rows; a phase integrates some of them, the others stay."""
-    names = (*names, "jellett_reference")
-    return tuple(Integral(name, *NAMED[name], rate=None) for name in names)
+    return tuple(integral(name, None) for name in (*names, "jellett_reference"))
 
 
 ROW = Form(

@@ -55,6 +55,7 @@ def inconsistencies(system: System) -> list[str]:
     for name, phase in system.phases.items():
         where = f"phase `{name}` of `{system.name}`"
         variables = list(phase.form.units._asdict().items())
+        words = [name, *(event.name for event in phase.events)]
         detected = [CLOCK, *(event.name for event in phase.events if event.formula)]
         names = [
             *(f"event `{event.name}`" for event in phase.events),
@@ -65,6 +66,16 @@ def inconsistencies(system: System) -> list[str]:
             {
                 f"{where} must have each name once, but has twice":
                     [name for name, count in Counter(names).items() if count > 1],
+                f"{where} must have names of one word, but has":
+                    [repr(word) for word in words if str(word).split() != [word]],
+                f"{where} must have quantities with other names than the variables, but has":
+                    [one.name for one in phase.quantities if one.name in system.angles._fields],
+                f"{where} must have events with a function as `formula` and a `direction` of -1, "
+                "0 or 1, but has": [
+                    event.name
+                    for event in phase.events
+                    if event.direction not in (-1, 0, 1) or not callable(event.formula or len)
+                ],
                 f"{where} must have events with the directions of the phases before, but has": [
                     event.name
                     for event in phase.events
@@ -115,6 +126,10 @@ def unmet_requirements(system: System) -> list[str]:
     lifting = [event for event in phase.events if event.ends == "liftoff"]
     return named(
         {
+            f"`parameters` {of} must have other names than the law of friction, but have":
+                {"friction"} & {*system.parameters},
+            f"`tables` {of} must have `phases` if they are given, but have":
+                [] if "phases" in system.tables else system.tables,
             f"`angles` {of} must have the fields `theta` and `theta_dot`, unless a phase has exits,"
             " and `work` where a form integrates it, but lacks":
                 [name for name in needed if name not in angles],
@@ -222,19 +237,24 @@ def check_answers(system: System) -> None:
         lambda: system.start(data, math.sin(theta), math.cos(theta), body),
         lambda angles: getattr(angles, "_fields", ()) == system.angles._fields,
     )
+    common: Any = None
     for name, phase in system.phases.items():
         for form in phase.forms.values():
             answer(
                 f"`rates` of the form `{form.name}` of phase `{name}` {of} must give its "
-                f"{len(form.units)} rates",
+                f"{len(form.units)} rates as a {type(form.units).__name__}",
                 lambda form=form, phase=phase: form.rates(sample(form), phase.parameters(body)),
-                lambda rates, form=form: len(rates) == len(form.units),
+                lambda rates, form=form: type(rates) is type(form.units),
             )
-        answer(
+        common, _ = answer(
             f"`enter` and `leave` of phase `{name}` {of} must keep the common state",
             lambda phase=phase: common_states(phase, body),
-            lambda found: all(
-                math.isclose(*pair, rel_tol=KEEPS) for pair in zip(*map(leaves, found), strict=True)
+            lambda found, common=common: (
+                type(common or found[0]) is type(found[0])
+                and all(
+                    math.isclose(*pair, rel_tol=KEEPS)
+                    for pair in zip(*map(leaves, found), strict=True)
+                )
             ),
         )
         answer(
