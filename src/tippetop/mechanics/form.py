@@ -107,35 +107,37 @@ class Domain(NamedTuple):
 
 @dataclass(frozen=True, eq=False)  # a key of caches: compared by identity
 class Form:
-    """A way to write the state of a system.
+    """A choice of variables for the state of a system, such as Euler angles or vectors.
 
-    Law: `scalars` of two forms agree through the chart, and the chart commutes with the flow.
+    Two forms of a system must agree: a state that is converted from one form to the other by the
+    record of angles has the same `scalars`, also after both have moved for the same time.
 
     Parameters
     ----------
     name
         The name in a scenario: vector, euler, ...
     units
-        The record (a NamedTuple) of the state that moves, q, filled with the unit of each variable.
+        The type of the integrated state q: a NamedTuple that contains the unit of each variable.
     rates
-        rates(q, b) -> the same record: the time derivatives; None: a form of rows, which is not
-        integrated.
+        rates(q, b) -> the time derivatives, a record of the same type. None: rows can be written in
+        this form, but it cannot be integrated.
     scalars
-        scalars(q, b) -> what the quantities and events are written in; by default the state.
+        scalars(q, b) -> the record that quantities and events take; by default the state itself.
     of_angles, to_angles
-        of_angles(angles, sin_theta, cos_theta, b) -> q, and back: to_angles(q, carried, b) -> the
-        record of angles; By default the state is that record.
+        of_angles(angles, sin_theta, cos_theta, b) -> q converts the record of angles to the state;
+        to_angles(q, carried, b) -> angles converts it back. By default the state is that record.
     vectors
-        vectors(q, b) -> a record with the `vectors` of its system; None: they are made of the
+        vectors(q, b) -> a record of the `vectors` of the system. None: they are computed from the
         angles.
     integrals
         Variables that are integrated together with the state.
     orientation
         The orientation of the whole body; None if the form does not have it.
     domains
-        Where the form or the model breaks down.
+        Scalar functions that must stay positive for the form and the model to be valid.
     length_unit, not_normalised
-        The form's unit of length, in that of the system, and what of the body is then no longer 1.
+        The unit of length of the form, in units of the system; the fields of the body that are 1 in
+        the units of the system but not in those of the form.
     """
 
     name: str
@@ -159,40 +161,41 @@ def unchanged(x: Any, b: Any) -> Any:
 
 @dataclass
 class Next:
-    """Phase and state after the end of a phase, or at the start of a run.
+    """The result of a jump: the next phase, and the state in which it begins.
 
     Parameters
     ----------
     phase
-        Its name; it may be empty where the run ends.
+        The name of the next phase. It may be empty if the run ends.
     x
-        The common state in which it begins, or in which the run ends: it must be given. If it has a
-        field `carried`, that is the record of the integrals of the run; otherwise integrals
-        continue.
+        The common state in which the next phase begins, or in which the run ends. It is required.
+        If it has a field `carried`, that field is the new record of the integrals of the run;
+        otherwise the integrals keep their values.
     delay
-        Time that passes in the jump, in internal units as `x`.
+        Time that passes during the jump. Times and `x` are in internal units.
     series
-        The motion in this time: series(t) -> states of the phase that follows, and integrals, of
-        times (n,). None: it is too short for rows and events.
+        The motion during `delay`: series(t) -> the states of the next phase and the integrals at
+        times t, (n,). None: the jump is too short to contain rows and events.
     logged
-        Names of events that happen here, whose functions have no zero here or none at all.
+        Names of events that the jump adds to the event log, because no step finds their zeros.
     logged_after
-        The part of `delay` that passes before them.
+        The part of `delay` that passes before these events.
     zeros
-        The multiplicity of the roots that event functions of the next phase have here, by name.
+        The event functions of the next phase that are zero at its start: multiplicity of the root,
+        by name.
     sides
-        The signs of event functions of the next phase, by name. Without, an event with an exit
-        begins on the side from which it can happen.
+        The signs of event functions at the start of the next phase, by name. By default, the
+        function of an event with an exit has the sign from which it can reach its zero.
     lasts
-        Time after which the phase ends by the exit `CLOCK`, if no other one comes first; None: it
-        has none.
+        Time after which the next phase ends by its exit `CLOCK`, unless another exit comes first.
+        None: no such time.
     cause
-        Why the phase begins, as the table of phases has it; None: the event that ended the one
-        before; empty: the same phase continues in other words.
+        The reason in the table of phases. None: the event that ended the phase before. Empty: no
+        new row, because the same phase continues with other variables.
     rows
-        Rows for further tables of the run: records in internal units, by table.
+        Rows that the jump adds to further tables of the run: records in internal units, by table.
     ends, message
-        The status with which the run ends, one of `ENDS`, and why; empty: it continues.
+        If the jump ends the run: the status, one of `ENDS`, and the reason. Empty: it continues.
     """
 
     phase: str = ""
@@ -222,7 +225,7 @@ KINDS = {"ends": str, "logged": tuple, "zeros": dict, "sides": dict, "rows": dic
 
 @dataclass(frozen=True)
 class Exit:
-    """End of a phase: an event and a jump.
+    """A way in which a phase can end: an event, and the jump to the next phase.
 
     Parameters
     ----------
@@ -231,11 +234,12 @@ class Exit:
     to
         The names of the phases that may follow.
     jump
-        jump(x, world) -> Next, of numbers: `x` is the common state where the phase ended; `world`
-        has `body`, `system`, `rules` (of the contact), `phases` and the present `phase` by record,
-        `left` (time to the end of the run), and `rates(phase, q, carried)` of the integrals of the
-        run. An exception in a jump is an InputError that names it; ArithmeticError(message) itself
-        ends the run as `stalled`.
+        jump(x, world) -> Next. `x` is the common state, in numbers, in which the phase ended.
+        `world` has the attributes `body`, `system`, `rules` (of the contact), `phases` (all Phases
+        by name), `phase` (the Phase that ends), `left` (the time to the end of the run) and
+        `rates(phase, q, carried)` (the rates of the integrals of the run). If a jump raises
+        ArithmeticError(message), the run ends as `stalled`; any other exception becomes an
+        InputError that names the jump.
     """
 
     event: str
@@ -272,31 +276,31 @@ class Exit:
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """A state of the contact between two changes: slip, roll, flight, or contact of both balls.
+    """A period in which the contact does not change: slip, roll, flight, or contact of both balls.
 
     Parameters
     ----------
     forms
-        The ways to write the state, by name; the first is the default, and the one that a jump
-        enters. Or the only one.
+        One Form, or a dict of Forms by name. The first is the default, in which a phase begins
+        after a jump.
     quantities
         Functions of a state that become columns.
     events
         Events of the phase.
     exits
-        Which events end the phase, and how; none: only the end of the run does, or an event that
-        stops it.
+        The events that end the phase, with their jumps. If there are none, the phase lasts until
+        the run ends.
     enter, leave
-        enter(x, b) -> q, the state of the first form, of the common state x; and back: leave(q, b)
-        -> x.
+        enter(x, b) -> q converts the common state to the state of the first form;
+        leave(q, b) -> x converts it back.
     reaction
-        reaction(q, b) -> what the plane does to the body, for columns; None: nothing.
+        reaction(q, b) -> the force of the plane on the body, for columns. None: no force.
     parameters
         parameters(body) -> b, the argument of the formulas of this phase.
     label, ball
         The name in tables and figures; the number of the ball in contact, or last in contact.
     axis_stays
-        Whether theta is constant: its turnings are rounding.
+        Whether theta is constant, so that its turnings are rounding errors.
     """
 
     forms: Any

@@ -106,7 +106,7 @@ def _same(value: Any) -> Any:
 
 @dataclass(frozen=True, eq=False, repr=False)  # a key of caches: compared by identity
 class System:
-    """A mechanical system: its equations, and everything else that the package reads of it.
+    """A mechanical system: its body, equations, columns, events and theory.
 
     `replace` returns a changed copy. docs/how-to/a-system.md explains each field.
 
@@ -124,20 +124,20 @@ class System:
     normalised_to : dict of float
         Fields of `b` that are always 0 or 1 in these units.
     start : callable
-        start(data, sin_theta, cos_theta, b) -> the record of angles, SI; data: the initial numbers
-        that were given.
+        start(data, sin_theta, cos_theta, b) -> the record of angles, SI, of the initial numbers
+        `data` that the user gives.
     angles : NamedTuple
         The variables that users read, each field filled with its unit; `start` returns such a
         record.
     phases : dict of Phase
-        Forms of the equations, quantities and events, of each way of touching the plane. A run
-        starts in the first phase unless its start determines another.
+        The phases of the contact by name. A run starts in the first one, unless its initial data
+        determine another.
     integrals : tuple of str
-        The quantities that are conserved: their drift is reported.
+        Names of the conserved quantities, whose drift is reported.
     long_names : dict of str
         Words for the fields of `angles` and for `vectors`.
     vectors : dict of tuple of str
-        Vectors that users read: names of the variables of the form `vector` that they consist of.
+        Vectors that users read: the names of their components, variables of the form `vector`.
     undefined_at_poles : tuple of str
         Fields of `angles` that are undefined where sin(theta) = 0.
     checks : callable
@@ -161,11 +161,11 @@ class System:
     borders : callable
         borders(b) -> {label: |lambda|}, the limits of regimes in a map of many tops, SI.
     inverts : bool
-        Whether friction can turn it over: its inversion is then always reported.
+        Whether friction can turn the body over; its inversion is then always reported.
     on_request : tuple of Quantity
         Quantities that are columns only of runs that request them.
     classes : tuple of str
-        The names of its ends, of "tumbling", "upright", "inverted"; the last that fits counts.
+        Outcomes that apply, of "tumbling", "upright", "inverted"; if several fit, the last counts.
     tables : dict
         Further tables of a run: units or flag meanings by column.
     contact, opening
