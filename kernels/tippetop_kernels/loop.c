@@ -497,10 +497,10 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
     Tally *tally = l->tallies + lane;
     Function *f = function(l, e, lane);
     real when = t + x * h, sign = f->sign = -f->sign;
-    if (of_start(l, event, f, when))
-        return;
     if (event->lasting)
         tally->lasts_since = (real)event->direction * sign > 0 ? when : NAN;
+    if (of_start(l, event, f, when))
+        return;
     bool at_pole = false;
     if (event->sense != 0 && l->axis > 0) {
         real theta = theta_at(l, x * h, lane, &at_pole);
@@ -728,13 +728,12 @@ static bool take_step(const Loop *l, integer lane) {
         return true;
     if (tally->steps >= l->most_steps || tally->tiny >= PATIENCE)
         tally->status = STALLED;
-    else if (t + h - tally->lasts_since > l->settled_for &&
-             tally->lasts_since != tally->doubted)
-        tally->status = SETTLED;
     else if (l->h[lane] == l->limit[lane]) {
         tally->status = FINISHED;
         tally->t = l->end[lane];
-    }
+    } else if (t + h - tally->lasts_since > l->settled_for &&
+               tally->lasts_since != tally->doubted)
+        tally->status = SETTLED;
     return tally->status != RUNNING;
 }
 

@@ -12,8 +12,9 @@ from nightly import at_night
 from touching import DRILLING, LEINE_GLOCKER, TOSSED
 
 import tippetop as tt
+from tippetop.engine.status import Status
 from tippetop.mechanics.operand import formula
-from tippetop.mechanics.units import ONE, SECOND_PER_METRE
+from tippetop.mechanics.units import ONE, SECOND, SECOND_PER_METRE
 
 
 ROCKING = {"theta": 1.5, "theta_dot": 20.0, "phi_dot": -20.0, "omega3": 60.0}
@@ -101,6 +102,36 @@ def test_a_run_of_phases_ends_soon_after_it_has_settled() -> None:
     assert 200 * unit < run.summary.t_end - settled < 210 * unit
     assert [*run.phases.phase.values] == [0, 1]  # it slips, then rolls to the end
     assert run.phases.end.values[-1] == pytest.approx(run.summary.t_end, abs=1e-12)
+
+
+ROLLS = (tt.friction.Coulomb(0.3), 0.1, 155.0)
+RESTS = (tt.friction.Contensou(0.3, patch=2e-3), 1.2, 0.0)
+
+
+@pytest.mark.parametrize(("law", "theta", "omega3"), [ROLLS, RESTS])
+def test_what_does_not_slide_from_its_start_settles(law: Any, theta: float, omega3: float) -> None:
+    start = {"theta": theta, "omega3": omega3}
+    run = tt.run(tt.TippeTop(**BODY), law, start=start, until=30.0, stop_when="settled")
+    assert run.summary.status == "settled"
+    assert len(run.phases.phase) == 1
+    unit = float(run.problem.scales.of(SECOND))
+    assert 200 * unit < run.summary.t_end < 220 * unit
+    assert "nothing slid from the start" in run.summary.reason
+
+
+def test_what_slides_without_friction_has_not_settled() -> None:
+    start = {"theta": 0.5, "omega3": 100.0}
+    law = tt.friction.Coulomb(0.0)
+    run = tt.run(tt.TippeTop(**BODY), law, start=start, until=20.0, stop_when="settled")
+    assert run.summary.status == "finished"
+
+
+def test_an_unstable_spin_that_does_not_slide_yet_has_not_settled_in_a_lane() -> None:
+    """It spins at the pole, where its step is as long as the run."""
+    top, law, start = tt.TippeTop(**BODY), tt.friction.Viscous(0.3), {"theta": 0.0}
+    tops = tt.ensemble(top, {"omega3": [160.0]}, law, start=start, until=60.0, stop_when="settled")
+    assert tops.t_end.values == [60.0]
+    assert tops.status.values == [Status.FINISHED.code]
 
 
 def test_a_body_in_the_air_is_not_at_rest() -> None:

@@ -47,7 +47,7 @@ from .loop import Rows
 from .phase_tables import PhaseTables
 from .python_events import Sampler, zero_of
 from .status import Status
-from .tallies import event_rows
+from .tallies import begin_lasting, event_rows
 from .taylor import code_for, internal_end
 from .wide import WideDriver
 
@@ -395,6 +395,7 @@ class HybridDriver(Driver):
         if not n.phase:
             begun = self.jump("", phase, replace(begins, jump=begin_in_first))(state, world)
         self._enter(begun, self.number(0), None)
+        begin_lasting(self.shared.tallies, self.all_events)
 
     # --- phases ----------------------------------------------------------------------------------
 

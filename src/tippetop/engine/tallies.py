@@ -58,7 +58,8 @@ _LANE: dict[str, Any] = {
     "turnings": 0,  # that are more than rounding
     "theta_min": math.nan,  # their band
     "theta_max": math.nan,
-    "lasts_since": math.nan,  # when the lasting event last happened, while it lasts
+    # when the lasting event last happened, while it lasts; 0: it lasts from the start
+    "lasts_since": math.nan,
     "doubted": math.nan,  # a value of `lasts_since` that is known not to last
 }
 """Initial values of a lane; times are internal, NaN if the event did not happen."""
@@ -138,7 +139,16 @@ def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
     least = np.where(rows.events["extremes"], np.inf, -np.inf)[:, None]
     known["extremes"], known["times"] = np.stack([least, -least], axis=-1), np.nan
     kept = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
-    return Tallies(lane, known, np.repeat(kept[:, None], lanes, axis=1))
+    tallies = Tallies(lane, known, np.repeat(kept[:, None], lanes, axis=1))
+    begin_lasting(tallies, rows)
+    return tallies
+
+
+def begin_lasting(tallies: Tallies, rows: EventRows) -> None:
+    """Let lasting events last from the start, where their functions have the sign for it there."""
+    lasting, direction = (rows.events[name][:, None] for name in ("lasting", "direction"))
+    lasts = lasting & (tallies.functions["sign"] == direction)
+    tallies.lane["lasts_since"] = np.where(lasts.any(axis=0), 0.0, math.nan)
 
 
 CONFIRMS, WAITS = 1, 2

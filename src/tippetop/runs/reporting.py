@@ -131,8 +131,9 @@ def reason(progress: RunProgress) -> str:
     if status is Status.FINISHED:
         return f"finished at t = {t:.6g} s{_beyond(progress)}"
     if status is Status.SETTLED:
-        since = f"sliding died at t = {progress.settled_since:.6g} s"
-        return f"settled: {since}, stopped at t = {t:.6g} s{_beyond(progress)}"
+        since = progress.settled_since
+        died = f"sliding died at t = {since:.6g} s" if since else "nothing slid from the start"
+        return f"settled: {died}, stopped at t = {t:.6g} s{_beyond(progress)}"
     if status is Status.LIFTOFF and progress.problem.contact is not None:
         return f'the body lifted off {at}, where `run.on_liftoff = "stop"` ends the run'
     last = _ending(progress)
