@@ -294,7 +294,8 @@ class Phase:
         enter(x, b) -> q converts the common state to the state of the first form;
         leave(q, b) -> x converts it back.
     reaction
-        reaction(q, b) -> the force of the plane on the body, for columns. None: no force.
+        reaction(q, b) -> the force of the plane and the power of its torques, for columns. None:
+        the plane does not act on the body.
     parameters
         parameters(body) -> b, the argument of the formulas of this phase.
     label, ball
