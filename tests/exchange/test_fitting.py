@@ -232,7 +232,7 @@ def test_the_command_prints_json_and_writes_a_scenario(
     assert said["correlations"]["friction.mu"]["friction.mu"] == pytest.approx(1.0)
     assert out.is_file()
     assert figure.is_file()
-    assert typed(f"{words} --out {out}") == 5  # it stands already
+    assert typed(f"{words} --out {out}") == 5  # it exists already
 
 
 def test_a_wrong_model_leaves_no_noise(film: Path) -> None:

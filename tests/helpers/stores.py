@@ -46,7 +46,7 @@ def turning(until: float, *sets: str) -> Problem:
 
 
 def interrupted(store: Path, problem: Problem, slices: int = 1) -> Path:
-    """Interrupt a run after so many slices."""
+    """Interrupt a run after this number of slices."""
     stop = Mock(side_effect=[*[None] * (slices - 1), KeyboardInterrupt])
     with pytest.raises(KeyboardInterrupt):
         recording.record(problem, store, progress=stop)

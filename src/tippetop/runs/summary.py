@@ -12,7 +12,7 @@ WORDS = {
     "tumbling": "tumbling: nothing slides any more",
     "inverted": "inverted spin, which is stable",
     "lifted-off": "lifted off",
-    "under-way": "under way: still changing when the run ended",
+    "under-way": "under way: no final motion was recognised",
     "rolling": "rolling: nothing slides",
     "on-stem": "on its stem",
     "bouncing": "in the air",
