@@ -7,14 +7,12 @@ import numpy as np
 
 from ...columns import Column, flag_attributes
 from ...errors import InputError
-from ...mechanics.units import SECOND
 from ...problem import Problem
 from ..expressions import AXES
 from ..observables import Source, sources
 from ..orientation import quaternion
 from ..tangent import Tangents
 from ..variational import TURN
-from .numbers import Numbers
 
 
 PARAMETER, OTHER = "parameter", "parameter_2"
@@ -70,17 +68,14 @@ def differentiate(
         raise InputError(
             ["`sensitivities` must name at least one number, such as friction.mu, but names none."]
         )
-    numbers, n, second = Numbers(problem, wrt), len(wrt), float(problem.scales.of(SECOND))
-    sizes = np.array([numbers.scale(name) for name in wrt])
-    ways = numbers.directions
-    if order == 2:  # along sums of two directions too
-        i, j = np.tril_indices(n, -1)
-        ways = np.concatenate([ways, ways[:, i] + ways[:, j]], axis=1)
+    tangents, n = Tangents(problem, wrt), len(wrt)
+    sizes = np.array([tangents.scale(name) for name in wrt])
+    # second derivatives along sums of two directions too
+    i, j = np.tril_indices(n) if order == 2 else np.array([range(n)] * 2)
+    ways, own = tangents.directions, i == j
+    ways = (ways[:, i] + ways[:, j]) / 2
     every = np.unique(np.concatenate([[0.0], times, events.time]))
-    timed = ("theta", *(f"event {event.name}" for event in problem.system.events))
-    kind, point = numbers.kind(order, orientation=problem.orientation), numbers.internal()[:, None]
-    tangents = Tangents(kind, problem.tolerance)
-    values, rates = tangents.read(point, ways, every / second, None, timed)
+    values = tangents.read(order, tangents.internal(), ways, every[:, None])
 
     rows = np.searchsorted(every, times)
     time = Column(("time",), times, {"units": "s", "long_name": "time"})
@@ -93,10 +88,10 @@ def differentiate(
         else:
             whole = np.array([values[part] for part in source.parts])
         whole = whole[:, :, rows] * float(problem.scales.of(source.unit))
-        first = whole[:, 1, :, :n] / sizes
+        first = whole[:, 1][..., own] / sizes
         found.trajectory[name] = _column(name, source, first, PARAMETER)
         if order == 2:
-            mixed = _mixed(whole[:, 2], n) / np.outer(sizes, sizes)
+            mixed = _mixed(whole[:, 2], i, j) / np.outer(sizes, sizes)
             found.second[name] = _column(name, source, mixed, PARAMETER, OTHER)
 
     by_time, by_theta = np.full((2, len(events.time), n), np.nan)
@@ -104,9 +99,9 @@ def differentiate(
         of = np.flatnonzero(events.kind == events.kinds.index(event.name))
         at, name = np.searchsorted(every, events.time[of]), f"event {event.name}"
         with np.errstate(divide="ignore", invalid="ignore"):  # the function stays zero
-            shift = -values[name][1, at, :n] / rates[name][at, :n]
-        by_time[of] = shift * second / sizes
-        by_theta[of] = (values["theta"][1, at, :n] + rates["theta"][at, :n] * shift) / sizes
+            shift = -values[name][1, at] / values[name][-1, at]
+        theta = values["theta"][1, at] + values["theta"][-1, at] * shift
+        by_time[of], by_theta[of] = shift[:, own] / sizes, theta[:, own] / sizes
     found.events.update(
         kind=Column(("event",), events.kind, flag_attributes(events.kinds, "kind of event")),
         time=_of_events(by_time, "s", "the time"),
@@ -115,15 +110,15 @@ def differentiate(
     return found
 
 
-def _mixed(along: np.ndarray, n: int) -> np.ndarray:
-    """Return second derivatives by n numbers, (..., n, n), of those along the directions and along
-    sums of two, (..., lanes).
+def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+    """Return second derivatives by n numbers, (..., n, n), of those along the means of the
+    directions i and j, (..., lanes).
     """
-    own, sums, (i, j) = along[..., :n], along[..., n:], np.tril_indices(n, -1)
-    mixed = np.zeros((*along.shape[:-1], n, n))
-    mixed[..., range(n), range(n)] = own
-    mixed[..., i, j] = mixed[..., j, i] = (sums - own[..., i] - own[..., j]) / 2
-    return mixed
+    n = i[-1] + 1
+    means = np.empty((*along.shape[:-1], n, n))
+    means[..., i, j] = means[..., j, i] = along
+    own = along[..., i == j]
+    return 2 * means - (own[..., None] + own[..., None, :]) / 2
 
 
 def _column(name: str, source: Source, values: np.ndarray, *by: str) -> Column:
