@@ -5,17 +5,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...columns import Column, flag_attributes
-from ...errors import InputError
+from ...columns import Column, column, flag_attributes
+from ...mechanics.units import SECOND
 from ...problem import Problem
-from ..expressions import AXES
-from ..observables import Source, sources
+from ..observables import sources
 from ..orientation import quaternion
 from ..tangent import Tangents
 from ..variational import TURN
 
 
 PARAMETER, OTHER = "parameter", "parameter_2"
+OF_EVENT = "of the event, as the numbers change"
 
 
 class Derivatives(NamedTuple):
@@ -64,21 +64,17 @@ def differentiate(
     InputError
         If the run has no derivatives, or a name is wrong.
     """
-    if not wrt:
-        raise InputError(
-            ["`sensitivities` must name at least one number, such as friction.mu, but names none."]
-        )
     tangents, n = Tangents(problem, wrt), len(wrt)
     sizes = np.array([tangents.scale(name) for name in wrt])
-    # second derivatives along sums of two directions too
-    i, j = np.tril_indices(n) if order == 2 else np.array([range(n)] * 2)
-    ways, own = tangents.directions, i == j
-    ways = (ways[:, i] + ways[:, j]) / 2
+    i = j = np.arange(n)
+    if order == 2:
+        i, j = np.tril_indices(n)  # second derivatives along means of two directions too
+    own, ways = i == j, (tangents.directions[:, i] + tangents.directions[:, j]) / 2
     every = np.unique(np.concatenate([[0.0], times, events.time]))
     values = tangents.read(order, tangents.internal(), ways, every[:, None])
 
     rows = np.searchsorted(every, times)
-    time = Column(("time",), times, {"units": "s", "long_name": "time"})
+    time = column(times, SECOND, "time")
     found = Derivatives({"time": time}, {}, {"time": time} if order == 2 else {})
     for name, source in sources(problem).items():
         if source.flags:
@@ -89,10 +85,12 @@ def differentiate(
             whole = np.array([values[part] for part in source.parts])
         whole = whole[:, :, rows] * float(problem.scales.of(source.unit))
         first = whole[:, 1][..., own] / sizes
-        found.trajectory[name] = _column(name, source, first, PARAMETER)
+        symbol = source.unit.symbol
+        found.trajectory[name] = _column(first, symbol, name, ("time", PARAMETER), source.dims)
         if order == 2:
             mixed = _mixed(whole[:, 2], i, j) / np.outer(sizes, sizes)
-            found.second[name] = _column(name, source, mixed, PARAMETER, OTHER)
+            by = "time", PARAMETER, OTHER
+            found.second[name] = _column(mixed, symbol, name, by, source.dims)
 
     by_time, by_theta = np.full((2, len(events.time), n), np.nan)
     for event in problem.system.events:
@@ -104,8 +102,8 @@ def differentiate(
         by_time[of], by_theta[of] = shift[:, own] / sizes, theta[:, own] / sizes
     found.events.update(
         kind=Column(("event",), events.kind, flag_attributes(events.kinds, "kind of event")),
-        time=_of_events(by_time, "s", "the time"),
-        theta=_of_events(by_theta, "rad", "theta"),
+        time=_column(by_time[None], "s", f"the time {OF_EVENT}", ("event", PARAMETER)),
+        theta=_column(by_theta[None], "rad", f"theta {OF_EVENT}", ("event", PARAMETER)),
     )
     return found
 
@@ -121,23 +119,15 @@ def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
     return 2 * means - (own[..., None] + own[..., None, :]) / 2
 
 
-def _column(name: str, source: Source, values: np.ndarray, *by: str) -> Column:
-    """Return a column of derivatives (parts, rows, ...), SI per SI."""
-    about = {
-        "units": f"{source.unit.symbol} per unit of the parameter",
-        "long_name": f"derivative of {name}",
-    }
-    values = np.moveaxis(values, 0, -1) if source.dims else values[0]
-    return Column(("time", *by, *source.dims), values, about)
-
-
-def _of_events(values: np.ndarray, units: str, subject: str) -> Column:
-    """Return derivatives of events, SI per SI."""
-    about = {
+def _column(
+    values: np.ndarray, units: str, subject: str, by: tuple[str, ...], dims: tuple[str, ...] = ()
+) -> Column:
+    """Return a column of derivatives (parts, ...), SI per SI, along `by` and then `dims`."""
+    attributes = {
         "units": f"{units} per unit of the parameter",
-        "long_name": f"derivative of {subject} of the event, as the numbers change",
+        "long_name": f"derivative of {subject}",
     }
-    return Column(("event", PARAMETER), values, about)
+    return Column((*by, *dims), np.moveaxis(values, 0, -1) if dims else values[0], attributes)
 
 
 def _quaternions(values: dict[str, np.ndarray]) -> np.ndarray:
@@ -147,8 +137,7 @@ def _quaternions(values: dict[str, np.ndarray]) -> np.ndarray:
     """
     products = np.array([values[name] for name in TURN])
     products = products.reshape(4, 4, *products.shape[1:])
-    axes = np.array([values[name][0] for name in AXES])
-    q = quaternion(axes[:3].reshape(3, -1), axes[3:].reshape(3, -1)).T.reshape(4, *axes.shape[1:])
+    q = quaternion(products[:, :, 0])
     turns = np.einsum("ijk...,j...->ik...", products, q) / 4
     turns[:, 0] = q
     if turns.shape[1] > 2:
