@@ -42,7 +42,6 @@ from .response import (
     kicked,
     margin,
     resting,
-    sticking,
     stopping,
     turning,
 )
@@ -210,7 +209,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
             return on_disc(Next(name, x, cause, zeros=roots), world)
     else:
         x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
-        F = sticking(x, b)[0]
+        F = resting(x, b)[0]
         if F.z > 0 and cone(F, b) >= 0:
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
         beta = first_directions(partial(pushed, x, b))
@@ -384,7 +383,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         every = (*by[:6], *world.rates(phase, q, carried), by.w)
         return np.array([np.broadcast_to(rate, beta.shape) for rate in every]), by.beta
 
-    F = sticking(x, b)[0]
+    F = resting(x, b)[0]
     omega = contact.angular_velocity(x, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
 
@@ -526,7 +525,7 @@ def at_rest(n: Next, world: Any, ball: int) -> Next:
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
-    gains = 1 / b.m if size(F) > limit else turning(x.u, b)[1] * b.friction.patch**2
+    gains = 1 / b.m if size(F) > limit else b.friction.patch**2 / turning(x.u, b)[1]
     if limit == 0 or sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives", others)
