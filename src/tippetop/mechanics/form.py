@@ -1,5 +1,6 @@
 """Records of a motion: forms, their integrals and quantities, phases of the contact and exits."""
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -175,7 +176,8 @@ class Next:
         Time that passes during the jump. Times and `x` are in internal units.
     series
         The motion during `delay`: series(t) -> the states of the next phase and the integrals at
-        times t, (n,). None: the jump is too short to contain rows and events.
+        times t, (n,). None: the jump is too short to contain events; rows in it are states of
+        the next phase, continued backwards.
     logged
         Names of events that the jump adds to the event log, because no step finds their zeros.
     logged_after
@@ -188,7 +190,7 @@ class Next:
         function of an event with an exit has the sign from which it can reach its zero.
     lasts
         Time after which the next phase ends by its exit `CLOCK`, unless another exit comes first.
-        None: no such time.
+        By default it has no such time.
     cause
         The reason in the table of phases. None: the event that ended the phase before. Empty: no
         new row, because the same phase continues with other variables.
@@ -207,7 +209,7 @@ class Next:
     logged_after: Any = 0
     zeros: Mapping[str, int] = field(default_factory=dict)
     sides: Mapping[str, int] = field(default_factory=dict)
-    lasts: Any = None
+    lasts: Any = math.inf
     rows: Mapping[str, tuple] = field(default_factory=dict)
     ends: str = ""
     message: str = ""
