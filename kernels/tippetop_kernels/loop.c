@@ -841,7 +841,7 @@ typedef struct {
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
     const Event *events;      /* of the run */
     real *made;               /* of each change: time, phase and event, then the last registers */
-    real began, end, clock, chatter;
+    real began, end, chatter;
     integer present, count, most, numbers, width;
 } Phases;
 
@@ -954,8 +954,7 @@ static bool change_phase(Phases *p) {
     made[1] = (real)(c - p->changes);
     copy(p->width - 2, others, 1, made + 2, 1);
 
-    p->clock = when + *others;
-    begin_motion(next, when, MIN(p->end, p->clock), sides, zeros, out);
+    begin_motion(next, when, MIN(p->end, when + *others), sides, zeros, out);
     p->present = c->next;
     p->began = when;
     return true;

@@ -1,7 +1,7 @@
 """An impact as a motion: the forces and torques of sliding, rolling or resting, per normal impulse.
 
-dv_A = (K F + (I^-1 T) x a) dp and dL = (a x F + T) dp, F = zhat - push; push and T are those of the
-same law in the phases of contact, and the axis stays. The clock is v_n, which rises; under a law
+dv_A = (K F + (I^-1 T) x a) dp and dL = (a x F + T) dp; F and T are those of the same law in the
+phases of contact, per normal force, and the axis stays. The clock is v_n, which rises; under a law
 that can hold the contact at rest, the clock of sliding is sigma, dp = w dsigma, and the slip is its
 direction and the logarithm of its size w, in which nothing is singular where sliding stops. The
 units of slip and of v_n are powers of two near them, so that steps are as exact for slow impacts as
@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from ..event import Event
 from ..form import Form
-from ..operand import Vector, cross, dot, exp, plus, times
+from ..operand import Vector, cross, dot, exp, minus, plus, times
 from ..units import ONE
 from .body import Turning, angular_velocity, arm
 from .contact_phases import Acts, Speeds, disc_friction, region_of, smooth_friction
@@ -116,8 +116,7 @@ def stages(law: Any) -> dict[str, Stage]:
                 force, torque = held(b.u, FLAT_BIAS, 0.0, omega, b.touch)
                 force, torque = times(1 / force.z, force), times(1 / force.z, torque)
             else:
-                push, torque = friction(omega, v, b.u.z, b.touch)
-                force = Vector(-push.x, -push.y, 1 + none)
+                force, torque = friction(omega, v, b.u.z, b.touch)
             return Acts(force, torque, v, omega)
 
         def rates(q, b):
@@ -127,7 +126,7 @@ def stages(law: Any) -> dict[str, Stage]:
             n, slides = Vector(*q[:3]), times(b.ratio, across._replace(z=spun))
             if is_directed:
                 pace, grows = size(q, b), dot(slides, n) / dot(n, n)
-                slides = plus(slides, times(-grows, n))
+                slides = minus(slides, times(grows, n))
             else:
                 pace, grows = 1 / across.z, none
                 slides = times(pace if friction else none, slides)

@@ -16,7 +16,7 @@ from typing import Any
 
 from ..disc_friction import drag, rolling
 from ..friction import load
-from ..operand import Vector, cross, dot, formula, plus, sqrt, times
+from ..operand import Vector, cross, dot, formula, minus, plus, sqrt, times
 from .body import (
     Moving,
     Touch,
@@ -98,26 +98,22 @@ def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
     return gained(after, work=-work_of(x, p, twist, b), impulse=p.z, jellett_lost=lost)
 
 
-# --- sliding: F = N (zhat - push) ---------------------------------------------------------------
+# --- sliding: F = N (zhat - mu n) ---------------------------------------------------------------
 
 
 @formula
-def sliding(x, push, per_force, b):
-    """Return the force and torque (3,) on a body that slides.
-
-    Its contact acts by the horizontal friction -N push and the torque N per_force.
-    """
-    per = Vector(-push.x, -push.y, 1 + 0 * x.u.z)
-    by_force, _ = gains(x.u, per, per_force, b)
+def sliding(x, force, torque, b):
+    """Return the force and torque (3,) on a body that slides, by those per normal force."""
+    by_force, _ = gains(x.u, force, torque, b)
     N = -bias_vector(x, b).z / by_force.z
-    return times(N, per), times(N, per_force)
+    return times(N, force), times(N, torque)
 
 
 @formula
 def sliding_along(x, n, b):
     """Return the force and torque of Coulomb's law, sliding along the horizontal unit Vector n."""
-    push = Vector(b.friction.mu * n.x, b.friction.mu * n.y, 0 * x.u.z)
-    return sliding(x, push, load(angular_velocity(x, b), b.friction), b)
+    force = Vector(-(b.friction.mu * n.x), -(b.friction.mu * n.y), 1)
+    return sliding(x, force, load(angular_velocity(x, b), b.friction), b)
 
 
 @formula
@@ -177,8 +173,8 @@ def held(u, bias, free, omega, b):
     F, torque = impulses(u, bias, free, b)
     more, twist = impulses(u, by_load, turns.z, b)
     N = -F.z / (1 + more.z)
-    torque = plus(torque, times(N, plus(twist, times(-1, rolls))))
-    return times(-1, plus(F, times(N, more))), times(-1, torque)
+    torque = minus(times(N, minus(rolls, twist)), torque)
+    return times(-1, plus(F, times(N, more))), torque
 
 
 @formula
