@@ -754,21 +754,20 @@ enum {
 
 /* What follows where a phase ends by an event. Registers begin with the numbers of the body, the
    time left, the signs of event functions, the state and the constants; the results of lines
-   follow. From line `out` on these are the state in which phase `next` begins, the time that it
-   lasts (NaN: it has no clock), the numbers of tables, the signs of event functions, and minus
-   their numbers of roots. */
+   follow. From `out` on they are the state in which phase `next` begins, the signs of event
+   functions, minus their numbers of roots, the time that it lasts, and the numbers of tables. */
 typedef struct {
     const Line *lines;
-    const real *constants;
-    integer length, count, out, next, logged, first, last;
+    real *registers;
+    integer length, result, out, next, logged;
 } Change;
 
 typedef struct {
     const Loop *const *loops; /* of phases, then of motions */
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
-    real *registers;          /* `numbers` of the body are there */
-    real *made; /* of each change: time, phase and event, then the last registers */
-    real began, end, clock, chatter;
+    const Event *events;      /* of the run */
+    real *made;               /* of each change: time, phase and event, then the last registers */
+    real began, end, chatter;
     integer present, count, most, numbers, width;
 } Phases;
 
@@ -806,8 +805,9 @@ static void follow_motion(const Loop *l, const real *in, real *results) {
            l->variables * sizeof(real));
 }
 
-/* Execute a program, whose results begin at `to`. Return whether comparisons are as expected. */
-static bool execute(const Change *c, real *r, real *to, const Loop *const *loops) {
+/* Execute a program. Return whether comparisons are as expected. */
+static bool execute(const Change *c, const Loop *const *loops) {
+    real *r = c->registers, *to = r + c->result;
     for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
         int exponent;
@@ -852,37 +852,35 @@ static bool change_phase(Phases *p) {
     integer at = l->logged[0] - 1, events = l->events, n = l->variables;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
     real when = tally->t, shortest = p->chatter * fmax(p->began, 1);
-    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < shortest)
+    if (!(tally->upto < 1) || full || when - p->began < shortest)
         return false;
     const Change *c = p->changes + p->present * events + l->passages[at].event;
     if (c->length == 0)
         return false;
-    real *left = p->registers + p->numbers, *signs = left + 1, *state = signs + events;
-    real *results = state + n + c->count, finite = 0;
+    real *left = c->registers + p->numbers, *signs = left + 1, *state = signs + events, finite = 0;
     *left = p->end - when;
     for (integer e = 0; e < events; e++)
         signs[e] = function(l, e, 0)->sign;
     copy(n, l->logged_states + at * l->width, 1, state, 1);
-    copy(c->count, c->constants, 1, state + n, 1);
-    if (!execute(c, p->registers, results, p->loops))
+    if (!execute(c, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
-    const real *out = results + c->out, *others = out + next->variables;
-    for (const real *number = out; number < others; number++)
+    const real *out = c->registers + c->out, *sides = out + next->variables;
+    const real *zeros = sides + events, *others = zeros + events;
+    for (const real *number = out; number < sides; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
 
+    const Event *logged = p->events + c->logged;
     l->passages[at] = (Passage){when, c->logged, 1, p->present, false};
-    loop_keep(l, c->first, c->last, 0, when, 1);
+    loop_keep(l, logged->first, logged->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
     made[0] = when;
     made[1] = (real)(c - p->changes);
     copy(p->width - 2, others, 1, made + 2, 1);
 
-    const real *sides = others + p->width - 2;
-    p->clock = when + others[0];
-    begin_motion(next, when, MIN(p->end, p->clock), sides, sides + events, out);
+    begin_motion(next, when, MIN(p->end, when + *others), sides, zeros, out);
     p->present = c->next;
     p->began = when;
     return true;

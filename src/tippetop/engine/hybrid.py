@@ -7,16 +7,16 @@ depend on balls or laws. All phases of a run have the same integrals.
 
 import math
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from operator import itemgetter
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import heyoka as hy
 import numpy as np
 
-from ..errors import InputError, is_one_number
+from ..errors import BuildError, InputError, Interrupted, is_one_number
 from ..mechanics.event import ON_ZERO as BELOW
 from ..mechanics.event import Event
 from ..mechanics.form import CLOCK, ENDS, Exit, Next, Phase
@@ -24,9 +24,9 @@ from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
-from ..mechanics.variables import INTEGRAL_SCALE, Variables
+from ..mechanics.variables import Variables
 from ..problem import Problem
-from .changes import Changes
+from .changes import CHATTER, PER_SLICE, Changes
 from .driver import (
     RUNNING,
     STATUSES,
@@ -38,7 +38,6 @@ from .driver import (
     Wanted,
     extremes_of,
     new_shared,
-    view,
 )
 from .expressions import Formulas
 from .impacts import ImpactMotions, kind_of
@@ -52,9 +51,6 @@ from .taylor import code_for, internal_end
 from .wide import WideDriver
 
 
-# End a slice after this many changes. A fixed count, not a time limit, keeps stores reproducible.
-PER_SLICE = 256
-CHATTER = 1e-12  # of the internal time, at least 1: phases so short, three in a row, lead nowhere
 ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
 """Least value of an event function, of order one, that is no root; least rate of one that has a
 multiple root; and the time over which the rate is taken.
@@ -128,9 +124,9 @@ class Jump:
 
     Parameters
     ----------
-    system, phases
-        The system, and its phases by name.
-    kind
+    system
+        The system.
+    contact, kind
         The contact and the kind of its impacts, for which a program is made.
     name, phase
         The phase that ends; "" at the start.
@@ -146,30 +142,23 @@ class Jump:
     calls, program = 0, None
 
     def __init__(
-        self, system: System, phases: tuple, kind: tuple, name: str, phase: Phase, exit: Exit
+        self, system: System, contact: Any, kind: Any, name: str, phase: Phase, exit: Exit
     ):
         self.phase, self.exit, self.variables = phase, exit, Variables(phase.form)
-        tables, names = dict(system.tables), events_of(system, dict(phases))
-        self.words = {
-            "logged": names,
-            "zeros": names,
-            "sides": names,
-            "cause": tables.pop("phases").get("reason", ()),
-            "rows": tables,
-            "ends": ENDS,
-        }
         of_phase = f" from phase `{name}`" if name else ""
         self.where = f"the jump by `{exit.event}`{of_phase} of `{system.name}`"
 
-    def __call__(self, state: Sequence, world: World) -> tuple:
-        """Return what follows, as a Next; the variables with which the next phase begins, and the
-        event functions there.
+    def __call__(self, run: "HybridDriver", state: Sequence, world: World) -> tuple:
+        """Return what follows in a run, as a Next; the Track of the next phase, the variables with
+        which it begins, and the event functions there.
 
         The run ends, as `stalled`, if the jump raises ArithmeticError, or one of this package
         cannot compute: nothing can follow.
 
         Parameters
         ----------
+        run
+            The run.
         state
             The variables where the phase ended.
         world
@@ -185,35 +174,33 @@ class Jump:
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
         try:
-            return self._next(x, carried, world._replace(phase=self.phase))
-        except InputError:
+            return self._next(run, x, carried, world._replace(phase=self.phase))
+        except (InputError, BuildError, Interrupted):
             raise
         except Exception as error:
-            message, is_told = str(error), type(error) is ArithmeticError
-            if not is_told:
-                message = f"{self.where} fails: {type(error).__name__}: {error}"
-            if not is_told and not (world.rules and isinstance(error, ArithmeticError)):
+            message = f"{self.where} fails: {type(error).__name__}: {error}"
+            if type(error) is ArithmeticError:
+                message = str(error)
+            elif not (world.rules and isinstance(error, ArithmeticError)):
                 raise InputError(message) from error
-            return Next("", x, ends=Status.STALLED.value, message=message), (), ()
+            return Next("", x, ends=Status.STALLED.value, message=message), None, (), ()
 
-    def _next(self, x: Any, carried: Any, world: World) -> tuple:
+    def _next(self, run: "HybridDriver", x: Any, carried: Any, world: World) -> tuple:
         n = self.exit.jump(x, world)
-        if fault := self.exit.fault(n, x, self.words):
+        if fault := self.exit.fault(n, x, run.words):
             raise InputError(f"{self.where} must {fault}.")
         if n.cause is None:
             n.cause = self.exit.event
         if n.phase not in world.phases:
-            return n, (), ()
-        to, carried = world.phases[n.phase], getattr(n.x, "carried", carried)
-        b = to.parameters(world.body)
-        q = type(to.form.units)(*to.enter(n.x, b))
-        types: Any = type(b), type(b.friction)
-        formulas = formulas_of_phase(world.system, to, *types)
-        values = formulas.functions(q, carried, b)
-        fault = "" if world.rules else wrong_time(n, to) or wrong_root(n, formulas, q, carried, b)
+            return n, None, (), ()
+        to, carried = run.track_of(n.phase), getattr(n.x, "carried", carried)
+        b = to.phase.parameters(world.body)
+        q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
+        values = to.formulas.functions(q, carried, b)
+        fault = "" if world.rules else wrong_time(n, to.phase) or wrong_root(n, to, q, carried)
         if fault:
             raise InputError(f"{self.where} must {fault}.")
-        return n, Variables(to.form).join(q, carried), values
+        return n, to, to.variables.join(q, carried), values
 
 
 jump_of = lru_cache(maxsize=256)(Jump)
@@ -233,27 +220,28 @@ def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
 
 def wrong_time(n: Next, to: Phase) -> str:
     """Return what a time, or the motion in it, must be and is not; or ""."""
-    times = {"delay": n.delay, "logged_after": n.logged_after, "lasts": n.lasts or 0}
-    for what, time in times.items():
+    for what in ("delay", "logged_after", "lasts"):
+        time = getattr(n, what)
         if not (is_one_number(time) and time >= 0):
             return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
     if not callable(n.series or len):
         return f"have a function in `series`, but has {n.series!r:.60}"
-    if n.lasts is not None and CLOCK not in [way.event for way in to.exits]:
+    if n.lasts < math.inf and CLOCK not in [way.event for way in to.exits]:
         return f"leave out `lasts`, as phase `{n.phase}` has no exit by {CLOCK!r}"
     return ""
 
 
-def wrong_root(n: Next, formulas: Formulas, q: Any, carried: Any, b: Any) -> str:
+def wrong_root(n: Next, to: "Track", q: Any, carried: Any) -> str:
     """Return which event has no root of the multiplicity that `zeros` gives, or "".
 
     The value of its function, or its slope if there is more than one root, is not zero.
     """
-    moved = (v + NEAR * rate for v, rate in zip(q, formulas.form.rates(q, b), strict=True))
-    here, near = (formulas.functions(q, carried, b) for q in (q, type(q)(*moved)))
-    for event, value, ahead in zip(formulas.events, here, near, strict=True):
+    moved = (v + NEAR * rate for v, rate in zip(q, to.phase.form.rates(q, to.b), strict=True))
+    here, near = (to.formulas.functions(q, carried, to.b) for q in (q, type(q)(*moved)))
+    for event, value, ahead in zip(to.formulas.events, here, near, strict=True):
         count = n.zeros.get(event.name, 0)
-        if (count > 0 and abs(value) >= ROOT) or (count > 1 and abs(ahead - value) >= SLOPE * NEAR):
+        sizes = abs(value) / ROOT, abs(ahead - value) / (SLOPE * NEAR)
+        if max(sizes[:count], default=0) >= 1:
             return (
                 f"give multiplicities of roots in `zeros`, but {event.name!r} has no root of "
                 f"multiplicity {count} where phase `{n.phase}` begins"
@@ -289,7 +277,6 @@ class Track:
         types: Any = type(self.b), type(self.b.friction)
         self.formulas = formulas_of_phase(problem.system, phase, *types)
         self.events = {run.numbers[event.name]: event for event in self.formulas.events}
-        self.live = self.events.keys() - self.exits.keys()
         code = code_for(problem, self.formulas, run.stop)
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
@@ -298,21 +285,20 @@ class Track:
         self.place = Place(code, run.stepper_of(code), rows, shared)
         run.take(self.place, leaves(self.b))
         sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
-        self.sampler = Sampler(phase.form, self.b, code.integrator, sampled) if sampled else None
+        self.sampler = Sampler(self, code.integrator, sampled) if sampled else None
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase, `mine`, are looked for."""
-        known, numbers = run.all_events.events, [*self.events]
-        known["scale"][numbers] = mine["scale"]
-        records = np.zeros_like(known)
-        records[numbers] = mine
-        records["first"], records["last"] = known["first"], known["last"]
-        ways = [k for k in numbers if k in self.exits]
-        records["first"][ways] = records["last"][ways] = 0  # its jump logs
-        records["ends"][ways] = Status.ENDED.code
-        records["watched"][numbers] = [
-            not event.sense or event.name in run.problem.events for event in self.events.values()
-        ]
+        known, records = run.all_events.events, np.zeros_like(run.all_events.events)
+        for (number, event), record in zip(self.events.items(), mine, strict=True):
+            records[number] = record
+            whole, new = known[number], records[number]
+            whole["scale"], whole["extremes"] = record["scale"], whole["extremes"] or event.extremes
+            new["watched"] = not event.sense or event.name in run.problem.events
+            if number in self.exits:  # its jump logs
+                new["first"], new["last"], new["ends"] = 0, 0, Status.ENDED.code
+            else:
+                new["first"], new["last"] = whole["first"], whole["last"]
         return records
 
     def value(self, number: int, state: Any) -> Any:
@@ -320,15 +306,39 @@ class Track:
         functions = self.formulas.functions(*self.variables.split(state), self.b)
         return functions[[*self.events].index(number)]
 
-    def sides(self, n: Next) -> dict[int, tuple[int, int]]:
-        """Return the signs with which the events that end the phase begin, and minus the numbers of
-        their roots there, by number.
+    def begins(self, n: Next, values: Sequence, signs: Sequence) -> tuple[list, list, list[int]]:
+        """Return on which side of their zeros the event functions of the run begin.
+
+        Parameters
+        ----------
+        n
+            What leads to this phase.
+        values
+            Its event functions.
+        signs
+            Those of all event functions before; 0: not known.
+
+        Returns
+        -------
+        signs, zeros, passed
+            Their signs, 0 for those of other phases; 1 for those that begin on a zero, and minus
+            the number of roots of those that end the phase; numbers of the events that have
+            happened in the jump.
         """
-        return {
-            k: (n.sides.get(event.name, -event.direction), -n.zeros.get(event.name, 0))
-            for k, event in self.events.items()
-            if k in self.exits
-        }
+        sides, zeros, passed = [0.0] * len(signs), [0.0] * len(signs), []
+        for (k, event), value in zip(self.events.items(), values, strict=True):
+            if k in self.exits:
+                sides[k] = n.sides.get(event.name, -event.direction)
+                zeros[k] = -n.zeros.get(event.name, 0)
+            elif signs[k] == 0:
+                sides[k], zeros[k] = 1 if value > 0 else -1, abs(value) < BELOW
+            elif value * signs[k] < 0 and abs(value) > BELOW:
+                sides[k] = -signs[k]
+                if event.direction * sides[k] >= 0:
+                    passed.append(k)
+            else:
+                sides[k] = signs[k]
+        return sides, zeros, passed
 
 
 class HybridDriver(Driver):
@@ -344,7 +354,10 @@ class HybridDriver(Driver):
 
     track: Track
     last: np.ndarray  # the state where the last phase ended
-    width = 0  # the greatest number of variables of a phase
+    width = 0  # the greatest number of variables of a phase, with those of event functions
+    short = 0  # phases in a row that were too short
+    changes = 0  # of phase, in a slice
+    series: Any = None  # of the jump to the present phase, if it takes time
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
@@ -359,28 +372,29 @@ class HybridDriver(Driver):
         self.events = [*events_of(system, self.phases).values()]
         self.numbers = {event.name: k for k, event in enumerate(self.events)}
         rows = event_rows(self.events, [(0, 1, 1.0, 0.0)] * len(self.events), ())
-        for event in (event for phase in self.phases.values() for event in phase.events):
-            rows.events[self.numbers[event.name]]["extremes"] |= bool(event.extremes)
-        widths = (len(Variables(phase.form).names) for phase in self.phases.values())
-        self.all_events, self.width = rows, max(widths) + len(self.events)
+        width = max(len(Variables(phase.form).names) for phase in self.phases.values())
+        self.all_events, self.width = rows, width + len(self.events)
         self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
-        functions = self.shared.tallies.functions
-        functions["sign"] = 0.0  # not known
-        self.signs, self.zeros = (view(functions[of][:, 0]) for of in ("sign", "on_zero"))
-        width = self.width - len(self.events)
+        self.functions = self.shared.tallies.functions[:, 0]
+        self.functions["sign"] = 0.0  # not known
         self.wanted, self.tables = Wanted(width, number), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
-        self.short = 0
-        self.changes = 0  # in a slice
         contact, kind, struck = problem.contact, None, None
         if contact is not None:
             kind = kind_of(problem, body[0].friction)
             self.impacts = ImpactMotions(*kind, stop)
             struck = self.impacts.struck
-        self.key = system, tuple(self.phases.items()), (contact, kind)
+        tables = dict(system.tables)
+        self.words = {
+            **dict.fromkeys(("logged", "zeros", "sides"), self.numbers),
+            "cause": tables.pop("phases").get("reason", ()),
+            "rows": tables,
+            "ends": ENDS,
+        }
+        self.jump = partial(jump_of, system, contact, kind)
         self.world = World(body, system, contact, self.phases, struck)
         is_plain = contact is None or number is not float
-        self.copies = None if is_plain else Changes(self, CHATTER, PER_SLICE)
+        self.copies = None if is_plain else Changes(self)
         self._start(tuple(problem.start().tolist()))
         self.first = self.present()
 
@@ -389,27 +403,22 @@ class HybridDriver(Driver):
         system, world = self.problem.system, self.world._replace(left=self.end)
         phase = completed(system.phase, self.problem.variables)
         begins = Exit("start", tuple(self.phases), system.begin or begin_in_first)
-        begun = n, *_ = self.jump("", phase, begins)(state, world)
+        begun = n, *_ = self.jump("", phase, begins)(self, state, world)
         if n.ends:
             self.ended, self.sentence = Status.of_event(n.ends), n.message
         if not n.phase:
-            begun = self.jump("", phase, replace(begins, jump=begin_in_first))(state, world)
+            begun = self.jump("", phase, replace(begins, jump=begin_in_first))(self, state, world)
         self._enter(begun, self.number(0), None)
         begin_lasting(self.shared.tallies, self.all_events)
 
     # --- phases ----------------------------------------------------------------------------------
-
-    def jump(self, name: str, phase: Phase, exit: Exit) -> Jump:
-        """Return the jump of a phase by an exit."""
-        return jump_of(*self.key, name, phase, exit)
 
     def track_of(self, name: str) -> Track:
         """Return the phase of this name, compiled when it is first entered."""
         if name not in self.tracks:
             track = self.tracks[name] = Track(self, name)
             if self.copies:
-                for jump in track.exits.values():
-                    self.copies.take_up(track, jump)
+                self.copies.add(track)
         return self.tracks[name]
 
     def codes(self) -> tuple[Compiled, ...]:
@@ -422,49 +431,22 @@ class HybridDriver(Driver):
 
     def _enter(self, begun: tuple, now: Any, before: Track | None) -> None:
         """Take up what follows a phase `before`, at an internal time."""
-        n, state, values = begun
-        track, time = self.track_of(n.phase), min(now + self.number(n.delay), self.end)
+        n, track, state, values = begun
+        time = min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
         if n.cause:
             row = self.tables.row_of(track.name, track.phase, n.cause)
             self.tables.begin(float(now + n.logged_after), row)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
-        passed = self._begin_events(n, values, before)
-        if n.series is None:
-            for number, sign in passed:
-                event, track = self.events[number], cast(Track, before)
-                is_corner = event.sense and abs(track.value(number, self.last)) > BELOW  # of theta
-                if is_corner or (event.lasting and sign == event.direction):
-                    self._note(number, now, sign, track, self.last)
-        else:
-            self._fill(lambda times: self._series(n, *(times.astype(self.number) - now)))
-            for number, sign in passed:
-                self._note_along(n, number, sign, now)
+        signs, zeros, passed = track.begins(n, values, self.functions["sign"])
+        self.functions["sign"], self.functions["on_zero"] = signs, zeros
+        self.series = n.series and partial(self._during, n.series, now)
+        for number in passed:
+            self._note_passed(number, signs[number], before, now)
         self.begin()
         self.time[0] = self.began
-        self.until = math.nan if n.lasts is None else time + self.number(n.lasts)
-
-    def _begin_events(
-        self, n: Next, values: Sequence, before: Track | None
-    ) -> list[tuple[int, int]]:
-        """Write on which side of their zeros the event functions of a phase begin.
-
-        Return the events that have passed in the jump, and their signs now.
-        """
-        track, signs, zeros, passed = self.track, self.signs, self.zeros, []
-        known, sides = before.live if before else (), track.sides(n)
-        for number, value in zip(track.events, values, strict=True):
-            sign, is_near = 1 if value > 0 else -1, abs(value) < BELOW
-            zeros[number] = 0
-            if number in sides:
-                signs[number], zeros[number] = sides[number]
-            elif number not in known:
-                signs[number], zeros[number] = sign, is_near
-            elif sign != signs[number] and not is_near:
-                signs[number] = sign
-                passed.append((number, sign))
-        return passed
+        self.until = time + self.number(n.lasts)
 
     # --- steps -----------------------------------------------------------------------------------
 
@@ -474,49 +456,37 @@ class HybridDriver(Driver):
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
         """Make at most `most` steps, through as many phases as they take."""
-        self.changes = 0
-        steps, status, when = 0, None, self.end
-        while self.clock[0] < self.end:
-            self._fill(lambda times: np.tile(self.state, (len(times), 1)))
-            ending = self._end_next()
-            steps += self.drive(1 if self.track.sampler else most - steps)
-            track, code = self.track, self.status[0]
-            when, last = self.reached()
-            self.last = last[: track.width].copy()
+        self.changes, steps, status, goes_on = 0, 0, None, True
+        while goes_on:
+            self.end_next()
+            is_over = self.changes >= PER_SLICE or not self.clock[0] < self.end
+            room = 0 if is_over else most - steps
+            steps += self.drive(min(room, 1) if self.track.sampler else room)
+            code, (when, last) = self.status[0], self.reached()
+            self.last = last[: self.track.width].copy()
             status = None if code == RUNNING else STATUSES[code]
+            ending: Any = self.ending if status is Status.FINISHED else None
             if self.upto[0] < 1.0:
                 ending = self.log.rows["event"][self.logged[0] - 1]
-            elif status is not Status.FINISHED:
-                ending = None
-            jump = track.exits.get(ending)
+            jump = self.track.exits.get(ending)
             if jump:
-                if self.upto[0] < 1.0:
-                    self.logged[0] -= 1  # the jump logs it
                 status = self._change(jump, when)
-            is_full = self.changes >= PER_SLICE or not (jump or track.sampler)
-            if status is not None or steps >= most or is_full:
-                break
-        if status is None:
-            self.last = self.state[: self.track.width].copy()
-            if not self.clock[0] < self.end:  # a phase begins where the run ends, and takes no step
-                when, status = self.end, Status.FINISHED
-                self.tally["upto"] = 0.0
+            goes_on = status is None and room > 0 and bool(jump or self.track.sampler)
+        if status is None and not self.clock[0] < self.end:
+            status = Status.FINISHED  # a phase begins where the run ends, and takes no step
+            self.tally["upto"] = 0.0
         if status is not None:
             self.tables.end(float(when))
         return steps, when, np.resize(self.last, self.width), status
 
-    def _end_next(self) -> Any:
+    def end_next(self) -> None:
         """Put the end of the next steps at that of the phase, or where a sampled event happens in
-        the next one.
-
-        Return that event, or CLOCK; None at the end of the run.
+        the next one; `ending` is that event, or CLOCK, or None at the end of the run.
         """
-        has_clock = CLOCK in self.track.exits and self.until < self.end
-        end = (self.until, CLOCK) if has_clock else (self.end, None)
         sampler = self.track.sampler
-        when, ending = min([end, *(sampler.next(self) if sampler else ())], key=itemgetter(0))
+        ends = [(self.end, None), (self.until, CLOCK), *(sampler.next(self) if sampler else ())]
+        when, self.ending = min(ends, key=itemgetter(0))
         self.end_at(when)
-        return ending
 
     def _change(self, jump: Jump, when: Any) -> Status | None:
         """Take up what follows the end of a phase in its last state.
@@ -526,8 +496,10 @@ class HybridDriver(Driver):
         shortest = CHATTER * max(self.began, 1.0)
         self.short = self.short + 1 if float(when) - self.began < shortest else 0
         now, track, last = self.number(when), self.track, self.last
+        if self.upto[0] < 1.0:
+            self.logged[0] -= 1  # the jump logs it
         given = tuple(last.tolist()), self.world._replace(left=self.end - now)
-        begun = n, state, _ = jump(*given)
+        begun = n, _, state, _ = jump(self, *given)
         if self.copies:
             self.copies.learn(jump, *given)
         for name in n.logged:
@@ -555,7 +527,11 @@ class HybridDriver(Driver):
     # --- rows ------------------------------------------------------------------------------------
 
     def make(self, rows: Rows, most: int) -> int:
-        if self.copies is None or self.request.steps or self.track.sampler:
+        if self.series and not rows.steps:
+            times = rows.times[self.wanted.made[0] :]
+            if len(inside := times[: np.searchsorted(times, self.began)]):
+                self.add(inside, self.series(*inside))
+        if self.copies is None or rows.steps:
             return super().make(rows, most)
         return self.copies.drive(most, PER_SLICE - self.changes)
 
@@ -569,49 +545,38 @@ class HybridDriver(Driver):
             self.tally["lasts_since"] = when
         self.loop.keep(self.all_events.events[number], when, sign)
 
-    def _series(self, n: Next, *times: Any) -> np.ndarray:
-        """Return states at times since the beginning of a jump that takes time."""
-        values = self.track.variables.join(*n.series(np.array(times)))
+    def _during(self, series: Any, began: Any, *times: Any) -> np.ndarray:
+        """Return states at internal times in a jump that takes time."""
+        values = self.track.variables.join(*series(np.array(times, self.number) - began))
         return np.array([[self.number(one) for one in value] for value in values]).T
 
-    def _fill(self, states_at: Callable[[np.ndarray], np.ndarray]) -> None:
-        """Give the rows that are wanted before the first step of the present phase."""
-        while not self.request.steps:
-            if self.wanted.is_made:
-                self.ask()
-            times = self.wanted.rows.times[self.wanted.made[0] :]
-            inside = times[: np.searchsorted(times, self.began)]
-            if len(inside):
-                self.add(inside, states_at(inside))
-            if len(inside) < len(times) or not len(times):
-                break
-
-    def _note_along(self, n: Next, number: int, sign: int, now: Any) -> None:
-        """Log an event that happens in a jump that takes time."""
-        track = self.track
-
-        def function(t: Any) -> float:
-            return -sign * float(track.value(number, self._series(n, t)[0]))
-
-        t = zero_of(function, 0 * n.delay, n.delay)
-        self._note(number, now + t, sign, track, self._series(n, t)[0])
+    def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
+        """Log an event that happens in a jump from a phase."""
+        event, track, state = self.events[number], before, self.last
+        if self.series:
+            track, during = self.track, self.series
+            now = zero_of(lambda t: -sign * track.value(number, during(t)[0]), now, self.began)
+            state = during(now)[0]
+        elif not event.lasting:  # theta may have a corner
+            is_turned = event.sense and abs(before.value(number, state)) > BELOW
+            if not is_turned:
+                return
+        self._note(number, now, sign, track, state)
 
     def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
         system, variables = self.problem.system, self.problem.variables
         at = np.concatenate([phases for phases, _ in parts])
-        width = self.width - len(self.events)
-        states = np.concatenate([some[:, :width] for _, some in parts]).T
+        states = np.concatenate([some[:, : self.wanted.variables] for _, some in parts]).T
         rows = np.empty((self.variables, len(at)), self.number)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
-            # NumPy cannot multiply an array of quadruple numbers by a literal of a user's formula
+            # NumPy cannot multiply an array of quadruple numbers by a literal
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
-                n, state = track.variables.moving, states[: track.width, some]
-                q, moved = type(track.phase.form.units)(*state[:n]), state[n:]
-                carried = variables.carried(*(moved * self.number(1 / INTEGRAL_SCALE)))
+                q, carried = track.variables.split(states[: track.width, some])
                 read, _ = system.read(track.phase, q, carried, track.b)
-                for row, value in zip(rows, (*read[: variables.moving], *moved), strict=True):
+                values = variables.join(read[: variables.moving], carried)
+                for row, value in zip(rows, values, strict=True):
                     row[some] = value
         return np.split(rows.T, np.cumsum([len(phases) for phases, _ in parts[:-1]]))
 
@@ -653,8 +618,6 @@ def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
         return problem.internal_body, system.phases
 
     def internal(value: float, unit: Any) -> Any:
-        return problem.number(
-            problem.exact(value) * (problem.exact(1) / problem.exact(problem.scales.of(unit)))
-        )
+        return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
 
     return system.assembled(problem.internal_body, problem.contact, internal)

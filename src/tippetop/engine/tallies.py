@@ -136,8 +136,7 @@ def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
     lane, known = np.empty(lanes, LANE_RECORD), np.zeros(functions.shape, FUNCTION_RECORD)
     lane[:] = tuple(_LANE.values())
     known["sign"], known["on_zero"] = signs_of(functions)
-    least = np.where(rows.events["extremes"], np.inf, -np.inf)[:, None]
-    known["extremes"], known["times"] = np.stack([least, -least], axis=-1), np.nan
+    known["extremes"], known["times"] = (np.inf, -np.inf), np.nan
     kept = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
     tallies = Tallies(lane, known, np.repeat(kept[:, None], lanes, axis=1))
     begin_lasting(tallies, rows)

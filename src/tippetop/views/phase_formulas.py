@@ -123,15 +123,14 @@ def _of_law(law: Any) -> str:
     def friction(of: Any) -> Any:
         def per_force(y: Any, b: Any) -> list:
             v, omega = slip(y, b)
-            push, torque = of(omega, v._replace(z=0 * v.z), y[0].uz, b)
-            return [-push.x, -push.y, 1 + 0 * push.x, *torque]
+            force, torque = of(omega, v, y[0].uz, b)
+            return [*force, *torque]
 
         return arrow({"y": y, "b": b}, per_force)
 
     def normal(y: Any, per: Any, b: Any) -> list:
         q, (force, torque) = y[0], per
-        push = Vector(-force.x, -force.y, 0 * force.z)
-        return [sliding(turning(q), push, torque, b)[0].z]
+        return [sliding(turning(q), force, torque, b)[0].z]
 
     def turn(y: Any, per: Any, b: Any) -> list:
         return [*plus(cross(arm(axis(y[0]), b), per[0]), per[1])]

@@ -221,11 +221,11 @@ def test_the_forces_of_slip_are_those_of_newton_and_euler(every_state: list[Stat
 
 def test_the_normal_force_with_a_torque_keeps_the_contact_closed(every_state: list[State]) -> None:
     for x in every_state:
-        push, tau, u = column(0.2, -0.1, 0), column(0.03, 0.02, -0.05), vector(x.u)
-        made = response.sliding(turning(x), vector(push), vector(tau), x.ball)
+        force, tau, u = column(-0.2, 0.1, 1), column(0.03, 0.02, -0.05), vector(x.u)
+        made = response.sliding(turning(x), vector(force), vector(tau), x.ball)
         N = made[0].z
-        assert_close(made[0], N * (Z - push))
-        G = acceleration(x, N * (Z - push), N * tau)
+        assert_close(made[0], N * force)
+        G = acceleration(x, N * force, N * tau)
         assert_close([G[2]], [0])
         given = response.torque_acceleration(u, vector(tau), x.ball)
         assert_close(

@@ -12,7 +12,7 @@ from ..disc_friction import STOPS_ROLLING, Region, drilling_force, rolling
 from ..event import Event
 from ..form import Form, Phase
 from ..friction import load, slip_coefficient
-from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
+from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
 from . import gliding
@@ -30,7 +30,6 @@ from .body import (
     height,
     seen_from_other,
     state,
-    velocities,
 )
 from .body_axes import carried_along
 from .gliding import VectorState, axis, axis_rate, turning
@@ -63,6 +62,11 @@ def phase_of(units: Any, events: tuple, formulas: tuple, **rates: Callable) -> P
     turn = carried_along(axis_rate, spin)
     form = Form("vector", units, moved, scalars, integrals=integrals, orientation=turn)
     return Phase(form, (), events, (), enter, leave, reaction)
+
+
+def phase_name(label: str, ball: int, *regions: str) -> str:
+    """Return the name of a phase on a ball, in regions of the law on each ball in contact."""
+    return "-".join((*("stem",) * ball, label, *regions))
 
 
 class Acts(NamedTuple):
@@ -123,7 +127,8 @@ def on_ball(
         return type(units)(*x.u, *x.L, *enter(contact_velocity(x, b)))
 
     def leave(q, b):
-        return on_plane(turning(q), velocity(q), b)
+        x = turning(q)
+        return Moving(x.u, x.L, centre_velocity(x, velocity(q), b), height(q.uz, b))
 
     def reaction(q, b):
         by = acts(q, b)
@@ -143,14 +148,14 @@ def on_ball(
     )
 
 
-def on_plane(x, v, b):
-    """Return the common state of a body whose lowest point has the velocity v."""
-    return Moving(x.u, x.L, centre_velocity(x, v, b), height(x.u.z, b))
-
-
 def none(q: Any) -> Vector:
     """Return no velocity, or no force."""
-    return Vector(*(0 * q.uz,) * 3)
+    return times(0, axis(q))
+
+
+def slip2(v: Vector) -> Any:
+    """Return the square of the horizontal part of a velocity."""
+    return v.x * v.x + v.y * v.y
 
 
 def ending(name: str, long_name: str, function: Callable, direction: int = -1) -> Event:
@@ -266,7 +271,7 @@ DIRECTED_SLIP = on_ball(
     (LIFTOFF, TOUCH, STICK),
     lambda x, q, b: sliding_along(x, direction(q), b),
     lambda q: times(q.w, direction(q)),
-    lambda v: (atan2(v.y, v.x), sqrt(v.x * v.x + v.y * v.y)),
+    lambda v: (atan2(v.y, v.x), sqrt(slip2(v))),
     directed_changes,
 )
 
@@ -303,26 +308,19 @@ def patch_speed2(omega, b):
 def disc_friction(
     drag: Callable, torque: Callable, edge_speed2: Callable = patch_speed2
 ) -> Callable:
-    """Return friction(omega, v, z, b) of a disc.
-
-    It gives minus the horizontal force, and the torque, per normal force.
-    """
+    """Return friction(omega, v, z, b) of a disc: force and torque, per normal force."""
 
     def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-        by = drag(v.x * v.x + v.y * v.y, edge_speed2(omega, b))
-        force = drilling_force(1, v, by, b.friction.mu)
-        return Vector(-force.x, -force.y, 0 * omega.z), torque(by, omega, b.friction)
+        by = drag(slip2(v), edge_speed2(omega, b))
+        return drilling_force(1, v, by, b.friction.mu), torque(by, omega, b.friction)
 
     return friction
 
 
 def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-    """Return minus the horizontal force, and the torque, per normal force.
-
-    The law is one of the sliding velocity.
-    """
-    push = times(slip_coefficient(v.x * v.x + v.y * v.y, z, b.friction), v)
-    return push._replace(z=0 * z), load(omega, b.friction)
+    """Return force and torque, per normal force, under a law of the sliding velocity."""
+    k = -slip_coefficient(slip2(v), z, b.friction)
+    return Vector(k * v.x, k * v.y, 1), load(omega, b.friction)
 
 
 def rest_speed2(b):
@@ -332,7 +330,7 @@ def rest_speed2(b):
 
 def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
     """Return the squares of the speeds of a contact."""
-    return Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
+    return Speeds(slip2(v), patch_speed2(omega, b))
 
 
 def beyond_rest(s, b):
@@ -341,10 +339,10 @@ def beyond_rest(s, b):
     return sum(speed2 - STILL**2 - rest_speed2(b) for speed2 in moves)
 
 
-RESTS = ending("rests", "the contact's disc neither slides nor turns", beyond_rest)
+RESTS = ending("rests", "no disc in contact slides or turns", beyond_rest)
 
 
-def borders(region: Region, side: int = 0, prefix: str = "") -> list[Event]:
+def borders(region: Region, side: int) -> list[Event]:
     """Return the events in which a region ends, of one of the contacts."""
 
     def end(way: Any) -> Event:
@@ -352,7 +350,8 @@ def borders(region: Region, side: int = 0, prefix: str = "") -> list[Event]:
             by = s.sides[side]
             return way.beyond(speeds(by.velocity, by.omega, b), b)
 
-        return ending(prefix + way.event, "sliding against turning", beyond, way.direction)
+        name = phase_name(way.event, side)
+        return ending(name, "sliding against turning", beyond, way.direction)
 
     return [end(way) for way in region.borders]
 
@@ -367,23 +366,39 @@ def with_slip(events: tuple, pushed: Callable) -> Phase:
     return on_ball(DISC, events, forces, velocity, lambda v: v[:2], lambda q, G: G[:2])
 
 
-def slip_under(friction: Callable, *events: Event) -> Phase:
-    """Return the phase of sliding under friction(omega, v, z, b), with a torque."""
+def frictions_of(law: Any, names: Sequence[str]) -> list[Callable]:
+    """Return friction(omega, v, z, b) of each contact, in these regions of a law if it has any.
+
+    Without regions the law is smooth in the velocity.
+    """
+    by_region = [disc_friction(law.regions[name].drag, law.torque) for name in names]
+    return by_region or [smooth_friction] * 2
+
+
+def ends_of(law: Any, names: Sequence[str]) -> tuple[Event, ...]:
+    """Return the events that end sliding in these regions of a law, on each contact."""
+    ways = [way for side, name in enumerate(names) for way in borders(law.regions[name], side)]
+    return (RESTS, *ways) if names else ()
+
+
+def slip_under(law: Any, *names: str) -> Phase:
+    """Return the phase of sliding in this region of a law, if it has any, with a torque."""
+    friction, *_ = frictions_of(law, names)
 
     def pushed(x, v, b):
-        push, per_force = friction(angular_velocity(x, b), v, x.u.z, b)
-        return sliding(x, push, per_force, b)
+        force, torque = friction(angular_velocity(x, b), v, x.u.z, b)
+        return sliding(x, force, torque, b)
 
-    return with_slip((LIFTOFF, TOUCH, *events), pushed)
+    return with_slip((LIFTOFF, TOUCH, *ends_of(law, names)), pushed)
 
 
 def regions_of(x: Moving, *bodies: Touch) -> tuple[str, ...]:
     """Return the regions of a body's sliding on balls; empty under a law that has none."""
-    names = []
-    for b in bodies if bodies[0].friction.regions else ():
-        v, omega = velocities(x, b)
-        names.append(region_of(speeds(v, omega, b), b))
-    return tuple(names)
+    return tuple(
+        region_of(speeds(contact_velocity(x, b), angular_velocity(x, b), b), b)
+        for b in bodies
+        if b.friction.regions
+    )
 
 
 def region_of(s: Any, b: Touch) -> str:
@@ -411,20 +426,13 @@ GIVES = Event(
 REST = without_slip((LIFTOFF, TOUCH, GIVES), resting)
 
 
-LOADED_SLIP = slip_under(smooth_friction)
-"""Sliding under a law that is smooth in the velocity and has a torque."""
-
-
 def slides(law: Any) -> dict[tuple[str, ...], Phase]:
     """Return the phases of sliding under a law, by the regions of the law."""
     if law.regions:
-        return {
-            (name,): slip_under(disc_friction(region.drag, law.torque), RESTS, *borders(region))
-            for name, region in law.regions.items()
-        }
+        return {(name,): slip_under(law, name) for name in law.regions}
     if law.set_valued:
         return {(): DIRECTED_SLIP}
-    return {(): LOADED_SLIP if law.torque else SLIP}
+    return {(): slip_under(law) if law.torque else SLIP}
 
 
 # --- on both balls --------------------------------------------------------------------------------
@@ -444,11 +452,10 @@ def shared(x, v, frictions, total, swing, b):
     v is the velocity of the sphere's contact point.
     """
     u, omega, other, sides = x.u, angular_velocity(x, b), seen_from_other(b), []
-    apart = plus(arm(u, other), times(-1, arm(u, b)))
+    apart = minus(arm(u, other), arm(u, b))
     slips = v, plus(v, cross(omega, apart))
     for friction, slip, ball in zip(frictions, slips, (b, other), strict=True):
-        push, torque = friction(omega, slip, u.z, ball)
-        force = Vector(-push.x, -push.y, 1 + 0 * u.z)
+        force, torque = friction(omega, slip, u.z, ball)
         lean = cross(plus(cross(arm(u, ball), force), torque), u).z
         sides.append((Acts(force, torque, slip, omega), lean))
     (_, lean), (_, other_lean) = sides
@@ -473,18 +480,6 @@ LEAVES = leaving(0, "sphere", "stem"), leaving(1, "stem", "sphere")
 # --- sliding on both ------------------------------------------------------------------------------
 
 
-STANDS = ending("stands", "the discs of both contacts neither slide nor turn", beyond_rest)
-
-
-def frictions_of(law: Any, names: Sequence[str]) -> list[Callable]:
-    """Return friction(omega, v, z, b) of sphere and stem, in these regions of a law if it has any.
-
-    Without regions the law is smooth in the velocity.
-    """
-    by_region = [disc_friction(law.regions[name].drag, law.torque) for name in names]
-    return by_region or [smooth_friction] * 2
-
-
 def slide_on_both(law: Any, *names: str) -> Phase:
     """Return the phase in which sphere and stem slide, in these regions of a law."""
     frictions = frictions_of(law, names)
@@ -493,10 +488,7 @@ def slide_on_both(law: Any, *names: str) -> Phase:
         swing = -cross(x.L, contact.axis_rate(x, b)).z  # z'' is zero
         return shared(x, v, frictions, b.m * b.g, swing, b)
 
-    ends = [*LEAVES, STANDS] if names else [*LEAVES]
-    for side, name in enumerate(names):
-        ends += borders(law.regions[name], side, "stem-" * side)
-    return replace(with_slip(tuple(ends), pushed), axis_stays=True)
+    return replace(with_slip((*LEAVES, *ends_of(law, names)), pushed), axis_stays=True)
 
 
 # --- rolling on both, as a cone does ------------------------------------------------------------
@@ -520,11 +512,11 @@ def rolled(x, b):
         return Vector(slows * a.x - turn * a.y, slows * a.y + turn * a.x, slows * a.z)
 
     L_dot, V_dot = rate(x.L), rate(velocity)
-    acts = times(-1 / b.g, V_dot), times(moves * share, rolls)
+    acts = times(1 / b.g, V_dot)._replace(z=1), times(moves * share, rolls)
     frictions, swing = [lambda *of: acts] * 2, cross(L_dot, u).z
     _, _, *sides = shared(x, still, frictions, b.m * b.g, swing, b)
     force = times(b.m, V_dot)._replace(z=b.m * b.g + 0 * slows)
-    return force, plus(L_dot, times(-1, cross(arm(u, b), force))), *sides
+    return force, minus(L_dot, cross(arm(u, b), force)), *sides
 
 
 ROLLS_ON_BOTH = replace(without_slip(LEAVES, rolled), axis_stays=True)
@@ -550,9 +542,8 @@ def without_slip_on_both(x: Moving, b: Touch) -> Moving:
     omega = Vector(spin * x.u.x, spin * x.u.y, none)
     L = plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, x.u), x.u))
     velocity = centre_velocity(Turning(x.u, L), times(0, L), b)
-    p = times(b.m, plus(velocity, times(-1, x.velocity)))
-    turn = plus(L, times(-1, plus(x.L, cross(arm(x.u, b), p))))
-    return kicked(x, b, p, turn)
+    p = times(b.m, minus(velocity, x.velocity))
+    return kicked(x, b, p, minus(minus(L, x.L), cross(arm(x.u, b), p)))
 
 
 def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Moving:

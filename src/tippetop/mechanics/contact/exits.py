@@ -5,7 +5,7 @@ the common state.
 struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -23,14 +23,15 @@ from .contact_phases import (
     REST,
     RESTS,
     ROLL,
-    STANDS,
     STOPS_AT,
     brought_to_rest,
     frictions_of,
     on_both,
+    phase_name,
     regions_of,
     rest_speed2,
     slides,
+    slip2,
     without_slip_on_both,
 )
 from .first_slip import FirstSlip, first_directions, first_slip
@@ -103,11 +104,6 @@ Impact = type(IMPACT)
 # --- the balls ----------------------------------------------------------------------------------
 
 
-def phase_name(label: str, ball: int, *regions: str) -> str:
-    """Return the name of a phase on a ball, in regions of the law on each ball in contact."""
-    return "-".join((*("stem",) * ball, label, *regions))
-
-
 def rise(x: Moving, b: Touch) -> Any:
     """Return the vertical velocity of the lowest point of a ball."""
     return contact_velocity(x, b).z
@@ -115,19 +111,18 @@ def rise(x: Moving, b: Touch) -> Any:
 
 def size(v: Vector) -> Any:
     """Return the length of the horizontal part of a vector."""
-    return sqrt(v.x * v.x + v.y * v.y)
+    return sqrt(slip2(v))
 
 
 def touching(x: Moving, world: Any) -> list[int]:
     """Return the balls that touch the plane."""
-    gaps = [contact.gap(x, b) for b in world.body]
-    return [k for k, gap in enumerate(gaps) if gap <= ON_PLANE]
+    return [k for k, b in enumerate(world.body) if contact.gap(x, b) <= ON_PLANE]
 
 
 def both_rest(x: Moving, world: Any) -> bool:
     """Return whether both balls touch the plane, and neither moves up or down."""
     slow = (abs(rise(x, b)) < BOTH_AT for b in world.body)
-    return len(world.body) > 1 and all(slow) and len(touching(x, world)) > 1
+    return len(touching(x, world)) > 1 and all(slow)
 
 
 def first_touch(n: Next, world: Any) -> Next:
@@ -215,8 +210,11 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
         beta = first_directions(partial(pushed, x, b))
         if len(beta):
-            x, delay = run_in(x, world, ball, beta[0])
-            return Next(phase_name("slip", ball), x, cause, delay, zeros=roots)
+            name, q = phase_name("slip", ball), directed(x, beta[0])
+            rates = DIRECTED_SLIP.form.rates(q, b)._replace(beta=0)
+            delay = min(BEGINS_AT / rates.w, world.left)
+            x = slid(x, world, world.phases[name], q._replace(w=0), rates, delay)
+            return Next(name, x, cause, delay, zeros=roots)
     return fly(x, world, ball, 2, "opens-at-once")
 
 
@@ -263,14 +261,13 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
     The other one strikes too, should it be pressed into the plane.
     """
     hits: list[Any] = []
-    makes_energy = False
-    pressed = [ball] if rise(x, world.body[ball]) < -least and not both_rest(x, world) else []
+    makes_energy, other = False, ball
+    pressed = rise(x, world.body[ball]) < -least and not both_rest(x, world)
     while pressed and not makes_energy and len(hits) < MOST_STRIKES:
-        ball = pressed[0]
+        ball, other = other, 1 - other
         x, hit, makes_energy = struck(x, world, ball)
         hits.append(hit)
-        others = (k for k, b in enumerate(world.body) if k != ball and rise(x, b) < -CLOSES_AT)
-        pressed = [k for k in others if k in touching(x, world)]
+        pressed = other in touching(x, world) and rise(x, world.body[other]) < -CLOSES_AT
     if makes_energy:
         n = ended(x, ball, cause, "ended", MAKES_ENERGY)
     elif pressed:
@@ -327,59 +324,37 @@ def moved(record: Any, rates: Any, time: Any) -> Any:
     return record._make(value + time * rate for value, rate in zip(record, rates, strict=True))
 
 
-def slid(x: Moving, world: Any, phase: Any, q: Any, delay: Any) -> Moving:
-    """Return the body in the state q of sliding, to which it came in so short a time."""
+def slid(x: Moving, world: Any, phase: Any, q: Any, rates: Any, delay: Any) -> Moving:
+    """Return the body after a slide from the state q, so short that its rates stay."""
     carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
-    return phase.leave(q, world.body[phase.ball])._replace(carried=carried)
-
-
-def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
-    """Return the first of a slide from rest, so short that its rates stay, and its time."""
-    phase, b = world.phases[phase_name("slip", ball)], world.body[ball]
-    q = directed(x, beta)
-    rates = phase.form.rates(q, b)
-    speed = min(type(rates.w)(BEGINS_AT), rates.w * world.left)
-    delay = speed / rates.w
-    q = moved(q, rates, delay)._replace(beta=beta, w=speed)
-    return slid(x, world, phase, q, delay), delay
-
-
-def run_out(x: Moving, world: Any) -> tuple[Moving, Any]:
-    """Return the last of a slide, which is so slow that its rates stay, and its time."""
-    phase, b = world.phase, world.body[world.phase.ball]
-    q = phase.enter(x, b)
-    rates = phase.form.rates(q, b)
-    delay = -q.w / rates.w
-    return slid(x, world, phase, moved(q, rates, delay), delay), delay
+    return phase.leave(moved(q, rates, delay), world.body[phase.ball])._replace(carried=carried)
 
 
 def eighty_bits(value: Any) -> Any:
-    """Return a number that is wider than 80 bits rounded to them, any other as it is."""
-    if isinstance(value, float | np.floating):
-        return value
+    """Return a number, of 80 bits."""
     high = float(value)
     return np.longdouble(high) + np.longdouble(float(value - high))
 
 
 def rounded(record: Any) -> Any:
-    """Return a record of numbers of at most 80 bits."""
+    """Return a record of numbers of 80 bits."""
     return refill(record, map(eighty_bits, leaves(record)))
 
 
 def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     """Return how long a slide from the edge of the friction cone is a series, and the series.
 
-    It gives states and integrals of times (n,). Wider numbers are rounded to 80 bits.
+    It gives states and integrals of times (n,). Numbers have 80 bits.
     """
     x, world = rounded(x), world._replace(body=rounded(world.body))
     b = world.body[phase.ball]
 
-    def read(state: np.ndarray, beta: Any) -> tuple[Any, Any]:
-        *moved, w = state
+    def read(values: Any) -> tuple[Any, Any]:
+        *moved, w, beta = values
         return type(DIRECTED)(*moved[:6], beta, w), x.carried._make(moved[6:])
 
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
-        q, carried = read(state, beta)
+        q, carried = read((*state, beta))
         by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
         every = (*by[:6], *world.rates(phase, q, carried), by.w)
         return np.array([np.broadcast_to(rate, beta.shape) for rate in every]), by.beta
@@ -389,19 +364,16 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
 
     def lasts(first: FirstSlip) -> bool:
-        q = read(*first.at(first.time[-1:]))[0]
-        other = b.clearance + b.lever * phase.leave(q, b).u.z
-        return bool(phase.reaction(q, b).force.z > 0 and other > 0)
+        q, _ = read(first.at(first.duration))
+        return bool(phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * q.uz > 0)
 
     state, beta = np.array([*x.u, *x.L, *x.carried, 0 * F.z]), np.arctan2(-F.y, -F.x)
     first = first_slip(rates, state, beta, span, lasts)
 
-    def series(t: np.ndarray) -> tuple[Any, Any]:
-        t = np.array([eighty_bits(one) for one in t])
-        q, carried = read(*first.at(t))
-        return q, carried._replace(jellett_reference=x.carried.jellett_reference + 0 * t)
+    def series(t: Iterable) -> tuple[Any, Any]:
+        return read(first.at([eighty_bits(one) for one in t]))
 
-    return first.time[-1], series
+    return first.duration, series
 
 
 # --- exits of the phases ------------------------------------------------------------------------
@@ -414,20 +386,15 @@ def lift_off(x: Moving, world: Any) -> Next:
     return n
 
 
-def land(x: Moving, world: Any) -> Next:
-    """Return the phase after a flight.
+def land(x: Moving, world: Any, cause: str = "landing") -> Next:
+    """Return the phase after a ball touches the plane.
 
     Of the balls on the plane, the one that falls fastest strikes.
     """
     there = touching(x, world) or [
         min(range(len(world.body)), key=lambda k: contact.gap(x, world.body[k]))
     ]
-    return strike(x, world, min(there, key=lambda k: rise(x, world.body[k])), "landing")
-
-
-def change_ball(x: Moving, world: Any) -> Next:
-    """Return the phase after the other ball touches the plane."""
-    return strike(x, world, 1 - world.phase.ball, "other-ball")
+    return strike(x, world, min(there, key=lambda k: rise(x, world.body[k])), cause)
 
 
 def stay_on(x: Moving, world: Any, ball: int) -> Next:
@@ -437,8 +404,11 @@ def stay_on(x: Moving, world: Any, ball: int) -> Next:
 
 def stick(x: Moving, world: Any) -> Next:
     """Return the phase after sliding stops."""
-    x, delay = run_out(x, world)
-    n = on_plane(x, world, world.phase.ball, "stick")
+    phase, ball = world.phase, world.phase.ball
+    q = phase.enter(x, world.body[ball])
+    rates = phase.form.rates(q, world.body[ball])
+    delay = -q.w / rates.w
+    n = on_plane(slid(x, world, phase, q, rates, delay), world, ball, "stick")
     n.logged = ("stick" if world.phases[n.phase].label == "roll" else "reversal",)
     n.logged_after, n.delay = delay, delay + n.delay
     return n
@@ -449,42 +419,41 @@ def begin_slip(x: Moving, world: Any) -> Next:
     name = phase_name("slip", world.phase.ball)
     phase = world.phases[name]
     lasts, series = slide_from_cone(x, world, phase)
-    delay = min(lasts, eighty_bits(world.left))
-    q, carried = (record._make(v[0] for v in record) for record in series(np.array([delay])))
     number = type(world.left)
-    q, carried, delay = q._make(map(number, q)), carried._make(map(number, carried)), number(delay)
+    delay = number(min(lasts, eighty_bits(world.left)))
+    q, carried = (record._make(number(v[0]) for v in record) for record in series([delay]))
     x = phase.leave(q, world.body[phase.ball])._replace(carried=carried)
     return Next(name, x, "slip", delay, series, ("slip",))
 
 
-def go_on(x: Moving, world: Any, to: str, passed: str, side: int) -> Next:
+def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:
     """Return the same motion in other words, or in the same.
 
-    The event function `passed` has its root here, and goes to this side of it.
+    The event function `passed` has its root here, beyond which it stays in the same words.
     """
-    sides = {passed: side} if side else {}
+    sides = {passed: -1} if world.phases[to] is world.phase else {}
     return on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
 
 
-def come_to_rest(x: Moving, world: Any, slides: str) -> Next:
-    """Return the phase after a sliding disc neither slides nor turns any more."""
-    n = go_on(x, world, slides, RESTS.name, -1)
-    n.logged = ("stick",) if world.phases[n.phase].label == "rest" else ()
+def come_to_rest(x: Moving, world: Any) -> Next:
+    """Return the phase after no disc slides or turns any more."""
+    label, ball = world.phase.label, world.phase.ball
+    bodies = world.body if label == "both" else world.body[ball : ball + 1]
+    name, rests = phase_name(label, ball, *regions_of(x, *bodies)), RESTS.name
+    n = on_disc(Next(name, x, "", zeros={rests: 1}, sides={rests: -1}), world)
+    n.logged = ("stick",) if n.cause == "rests" else ()
     return n
 
 
-def roll_on_both(x: Moving, world: Any) -> Next:
+def roll_on_both(n: Next, world: Any) -> Next:
     """Return the phase after both contacts have stopped sliding and turning.
 
     The body rolls on both if friction can give the force, and otherwise passes its rest.
     """
     b, name = world.body[0], phase_name("both", 0, "roll")
-    phase, rolls = world.phases[name], without_slip_on_both(x, b)
+    phase, rolls = world.phases[name], without_slip_on_both(n.x, b)
     F = phase.reaction(phase.enter(rolls, b), b).force
-    if size(F) < b.friction.mu * F.z:
-        return Next(name, rolls, "rests", logged=("stick",))
-    name = phase_name("both", 0, *regions_of(x, *world.body))
-    return go_on(x, world, name, STANDS.name, -1)
+    return Next(name, rolls, "rests") if size(F) < b.friction.mu * F.z else n
 
 
 def give_way(x: Moving, world: Any) -> Next:
@@ -502,22 +471,24 @@ def on_disc(n: Next, world: Any) -> Next:
     """
     phase = world.phases[n.phase]
     b = world.body[phase.ball]
-    if phase.label not in ("slip", "both") or not b.friction.regions:
+    if not b.friction.regions:
         return n
     s = phase.form.scalars(phase.enter(n.x, b), b)
     for event in phase.events:
-        is_passed = event.name in ("slow", "stem-slow", RESTS.name)
-        if is_passed and event.direction * event.formula(s, b) > 0:
+        if event.name not in n.zeros and event.direction * event.formula(s, b) > 0:
             n.sides = {event.name: event.direction, **n.sides}
-    return at_rest(n, world, phase.ball) if RESTS.name in n.sides else n
+    if RESTS.name not in n.sides:
+        return n
+    return roll_on_both(n, world) if phase.label == "both" else at_rest(n, world)
 
 
-def at_rest(n: Next, world: Any, ball: int) -> Next:
+def at_rest(n: Next, world: Any) -> Next:
     """Return the phase after sliding and turning of a disc have stopped together.
 
     A disc that friction cannot hold passes its rest if it soon leaves it again; otherwise it begins
     to slide with a small speed, so that its next rest is detected.
     """
+    ball = world.phases[n.phase].ball
     b = world.body[ball]
     x = kicked(n.x, b, *stopping(n.x, b))
     F, torque = resting(x, b)
@@ -554,16 +525,16 @@ class Kind(NamedTuple):
     balls: int = 1  # in contact
 
 
-ON_BALL = {"liftoff": lift_off, "touch": change_ball}
+ON_BALL: dict[str, Callable] = {"liftoff": lift_off, "touch": partial(land, cause="other-ball")}
 
 KINDS = {
-    "slip": Kind(slides, {**ON_BALL, "stick": stick}),
+    "slip": Kind(slides, {**ON_BALL, "stick": stick, RESTS.name: come_to_rest}),
     "roll": Kind(lambda law: {(): ROLL} if law.set_valued else {}, {**ON_BALL, "slip": begin_slip}),
     "flight": Kind(lambda law: {(): FLIGHT}, dict.fromkeys(("land", "touch", CLOCK), land)),
     "both": Kind(
         on_both,
         {
-            STANDS.name: roll_on_both,
+            RESTS.name: come_to_rest,
             "sphere-leaves": partial(stay_on, ball=1),
             "stem-leaves": partial(stay_on, ball=0),
         },

@@ -3,31 +3,28 @@
 At the edge w = 0 and the direction is that against the force of rolling, but its equation w beta' =
 Q is singular, and so stiff nearby that no explicit step begins there. Chebyshev and Picard's sweeps
 solve it on a whole interval at once: the direction from Q = w beta', everything else by
-integration. Numbers are doubles or longdoubles.
+integration.
 """
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebder, chebint, chebval
+from numpy.polynomial.chebyshev import chebder, chebint, chebval, chebvander
 
 
 NODES, STEP = 12, 1e-5  # of beta, for a slope
 
 
 class FirstSlip(NamedTuple):
-    """The first moments of slip, at Chebyshev nodes; the last of them is the end."""
+    """The first moments of slip since the edge of the cone; at their end an integrator begins."""
 
-    time: np.ndarray  # (n,) since the edge of the cone
-    state: np.ndarray  # (k, n), of which the last is the slip speed w
-    beta: np.ndarray  # (n,) slip direction, an angle from a fixed axis
+    duration: Any
+    coefficients: np.ndarray  # (n, k + 1) of Chebyshev polynomials of time: of state and beta
 
-    def at(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Return state and beta at times t, by the polynomial through the nodes."""
-        x = 2 * np.asarray(t) / self.time[-1] - 1
-        values = chebval(x, _coefficients(self.time) @ np.vstack([self.state, self.beta]).T)
-        return values[:-1], values[-1]
+    def at(self, t: Any) -> np.ndarray:
+        """Return state and beta at times t."""
+        return chebval(2 * np.asarray(t) / self.duration - 1, self.coefficients)
 
 
 def first_slip(
@@ -49,11 +46,6 @@ def first_slip(
     lasts
         lasts(first) -> whether nothing else happens to the contact in a FirstSlip.
 
-    Returns
-    -------
-    FirstSlip
-        Its end is where an integrator begins.
-
     Raises
     ------
     ArithmeticError
@@ -61,8 +53,7 @@ def first_slip(
     """
     for _ in range(12):
         first, change = _swept(rates, state, beta, duration)
-        converged = change < 1e4 * np.finfo(state.dtype).eps
-        if converged and bool(np.all(first.state[-1, 1:] > 0)) and lasts(first):
+        if change < 1e4 * np.finfo(state.dtype).eps and lasts(first):
             return first
         duration = duration / 2
     raise ArithmeticError("no slip begins at this edge of the cone")
@@ -73,14 +64,15 @@ def _swept(
 ) -> tuple[FirstSlip, float]:
     """Sweep until nothing changes by more than rounding.
 
-    Return the slip, and the last change of w and beta, relative.
+    Return the slip, and the last change of w and beta, relative; infinite if w is not positive.
     """
-    nodes = -np.cos(np.pi * np.arange(NODES, dtype=start.dtype) / (NODES - 1))
-    time = duration * (1 + nodes) / 2
-    coefficients = _coefficients(time)
-    integral = chebval(nodes, chebint(coefficients, lbnd=-1)) * duration / 2
-    slope = chebval(nodes, chebder(coefficients)) * 2 / duration
-    state, beta = np.repeat(start[:, None], NODES, 1), np.full_like(time, beta0)
+    pi = np.arccos(-start.dtype.type(1))
+    nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)
+    fit = chebvander(nodes, NODES - 1).T * 2 / NODES  # to coefficients, (order, node)
+    fit[0] /= 2
+    integral = chebval(nodes, chebint(fit, lbnd=-1)) * duration / 2
+    slope = chebval(nodes, chebder(fit)) * 2 / duration
+    state, beta = np.repeat(start[:, None], NODES, 1), np.full(NODES, beta0)
     change = np.inf
     with np.errstate(all="ignore"):
         for sweep in range(40):
@@ -94,17 +86,8 @@ def _swept(
             if sweep > 6 and not newer < change:  # at first w may be zero by rounding
                 break
             change = newer
-    return FirstSlip(time, state, beta), float(change)
-
-
-def _coefficients(time: np.ndarray) -> np.ndarray:
-    """Return the matrix from values at the nodes to Chebyshev coefficients, (n, n)."""
-    n = len(time) - 1
-    k = np.arange(n + 1, dtype=time.dtype)
-    matrix = 2 / n * np.cos(np.pi * np.outer(k, n - k) / n)
-    matrix[[0, n]] /= 2
-    matrix[:, [0, n]] /= 2
-    return matrix
+    slip = FirstSlip(duration, fit @ np.vstack([state, beta]).T)
+    return slip, change if np.all(state[-1] > 0) else np.inf
 
 
 def first_directions(law: Callable, count: int = 360) -> np.ndarray:

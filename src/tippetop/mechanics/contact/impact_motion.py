@@ -1,7 +1,7 @@
 """An impact as a motion: the forces and torques of sliding, rolling or resting, per normal impulse.
 
-dv_A = (K F + (I^-1 T) x a) dp and dL = (a x F + T) dp, F = zhat - push; push and T are those of the
-same law in the phases of contact, and the axis stays. The clock is v_n, which rises; under a
+dv_A = (K F + (I^-1 T) x a) dp and dL = (a x F + T) dp; F and T are those of the same law in the
+phases of contact, per normal force, and the axis stays. The clock is v_n, which rises; under a
 set-valued law that slides it is sigma, dp = |v_A| dsigma, and the slip is its direction and the
 logarithm of its speed, in which nothing is singular where sliding stops. The units of slip and of
 v_n are powers of two near them, so that steps are as exact for slow impacts as for fast ones.
@@ -160,8 +160,7 @@ def stages(law: Any) -> dict[str, Stage]:
                 force, twist = held(law, b.u, omega, b.touch)
                 force, twist = times(1 / force.z, force), times(1 / force.z, twist)
             else:
-                push, twist = friction(omega, v, b.u.z, b.touch)
-                force = Vector(-push.x, -push.y, 1 + none)
+                force, twist = friction(omega, v, b.u.z, b.touch)
             return Acts(force, twist, v, omega)
 
         def rates(q, b):

@@ -104,25 +104,21 @@ def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
     return gained(after, work=-gains, impulse=p.z, jellett_lost=dot(twist, arm(x.u, b)))
 
 
-# --- sliding: F = N (zhat - push) ---------------------------------------------------------------
+# --- sliding: F = N (zhat - mu n) ---------------------------------------------------------------
 
 
 @formula
-def sliding(x, push, per_force, b):
-    """Return the force and torque (3,) on a body that slides.
-
-    Its contact acts by the horizontal friction -N push and the torque N per_force.
-    """
-    per = Vector(-push.x, -push.y, 1 + 0 * x.u.z)
-    N = -bias_vector(x, b).z / mobility_times(x.u, per, per_force, b).z
-    return times(N, per), times(N, per_force)
+def sliding(x, force, torque, b):
+    """Return the force and torque (3,) on a body that slides, by those per normal force."""
+    N = -bias_vector(x, b).z / mobility_times(x.u, force, torque, b).z
+    return times(N, force), times(N, torque)
 
 
 @formula
 def sliding_along(x, n, b):
     """Return the force and torque of Coulomb's law, sliding along the horizontal unit Vector n."""
-    push = Vector(b.friction.mu * n.x, b.friction.mu * n.y, 0 * x.u.z)
-    return sliding(x, push, load(angular_velocity(x, b), b.friction), b)
+    force = Vector(-(b.friction.mu * n.x), -(b.friction.mu * n.y), 1)
+    return sliding(x, force, load(angular_velocity(x, b), b.friction), b)
 
 
 @formula
