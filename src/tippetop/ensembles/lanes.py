@@ -22,9 +22,9 @@ from ..engine.tallies import (
     new_tallies,
 )
 from ..engine.taylor import compiled_when
-from ..mechanics.event import Event
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
+from .hybrid_tops import problem_of
 
 
 LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
@@ -61,12 +61,15 @@ class Lanes:
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
         code = compiled_when((formulas, "double", base.tolerance, lanes, tops.orientation))
-        self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
+
+        def reads(*names: str) -> bool:
+            return wanted is None or any(name.startswith(names) for name in wanted)
+
+        self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, reads)
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
         self.tallies = new_tallies(self.rows, np.ones((len(self.rows.events), lanes)))
-        drifts = wanted is None or any(name.startswith("drift") for name in wanted)
-        self.samples = new_samples(SAMPLES * lanes if drifts else 0, n, lanes)
+        self.samples = new_samples(SAMPLES * lanes if reads("drift") else 0, n, lanes)
         self.top = self.samples.in_lane  # which top is in a lane; -1: none, and it takes no steps
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
@@ -139,18 +142,15 @@ class Lanes:
 
     def _stays(self, lane: int) -> bool:
         """Return whether a top that has settled stays as it is."""
-        every, top = self.problems, self.top[[lane]]
-        body = every.body(lambda given: float(np.broadcast_to(given, (every.n,))[top[0]]))
-        state = self.motion.state[: len(every.start), [lane]]
-        if slides(every, state, top).any():
-            return False
-        return stays(body, values_of(every, state, top), float(every.unit(SECOND)[top[0]]))
+        tops, top = self.problems, self.top[[lane]]
+        state, alone = self.motion.state[: len(tops.start), [lane]], problem_of(tops, int(top[0]))
+        return not slides(tops, state, top).any() and stays(
+            alone.body(), values_of(tops, state, top), float(alone.scales.of(SECOND))
+        )
 
 
-def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> EventRows:
-    """Return the events that the wanted columns need.
-
-    All if `wanted` is None. Events that end or settle a top are always included.
+def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> EventRows:
+    """Return the events that end or settle a top, or that columns need.
 
     Parameters
     ----------
@@ -158,23 +158,17 @@ def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> E
         All events of the system.
     base
         The base of the tops.
-    wanted
-        Names of columns, and of groups of columns.
+    reads
+        reads(*names) -> whether a column is wanted whose name begins like one of these.
 
     Returns
     -------
     EventRows
         These events are found with the same bits.
     """
-    events, stops = base.system.events, base.on_liftoff == "stop"  # else no event ends a run
-    if wanted is None:
-        return looked_for(rows, [True] * len(events), stops=stops)
-
-    def watches(event: Event) -> bool:
+    watches, ranges = [], []
+    for event in base.system.events:
         names = [kept.name for kept in event.kept] + (list(SWINGS) if event.sense else [])
-        return bool(event.ends or event.lasting) or any(name in wanted for name in names)
-
-    def ranges(event: Event) -> bool:
-        return any(f"{event.extremes}_{end}" in wanted for end in ("min", "max"))
-
-    return looked_for(rows, map(watches, events), map(ranges, events), stops=stops)
+        watches.append(bool(event.ends or event.lasting) or reads(*names))
+        ranges.append(reads(f"{event.extremes}_min", f"{event.extremes}_max"))
+    return looked_for(rows, watches, ranges, stops=base.on_liftoff == "stop")

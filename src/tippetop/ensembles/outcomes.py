@@ -1,11 +1,12 @@
 """The outcome of each top of an ensemble: status, class, times, angles, forces, drift."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..columns import Column, flag_attributes
+from ..engine.invariants import invariants, sizes
 from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
@@ -21,6 +22,12 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+QUIET = np.errstate(all="ignore")
+"""The numbers of invalid tops are computed with, and not used."""
+
+STATUSES = tuple(status.value for status in Status if status is not Status.RUNNING)
+"""Words of the column `status`, by number."""
+
 LYAPUNOV = "lyapunov"  # a column that is left out unless it is asked for
 Form = tuple[Any, Unit, str]  # of a column: type, unit, meaning
 TURNS = "of the unit quaternion that turns body axes into space axes, at the end"
@@ -31,11 +38,14 @@ ORIENTATION: dict[str, Form] = {
 """Columns of the orientation at the end, where it is wanted."""
 
 
-def _kept_columns(events: Sequence[Event]) -> dict[str, Form]:
-    """Return the columns of the numbers that events keep: times, then counts."""
-    kept = [kept for event in events for kept in event.kept]
-    times = {k.name: (np.float64, SECOND, k.long_name) for k in kept if k.what != "count"}
-    return times | {k.name: (np.int32, ONE, k.long_name) for k in kept if k.what == "count"}
+def _kept_columns(events: Iterable[Event]) -> dict[str, Form]:
+    """Return the columns of the numbers that events keep."""
+    count, time = (np.int32, ONE), (np.float64, SECOND)
+    return {
+        kept.name: (*(count if kept.what == "count" else time), kept.long_name)
+        for event in events
+        for kept in event.kept
+    }
 
 
 def columns_of(system: System) -> dict[str, Form]:
@@ -65,25 +75,16 @@ def columns_of(system: System) -> dict[str, Form]:
     }
 
 
-def statuses_of(system: System) -> tuple[str, ...]:
-    """Return the words of the column `status`, by number.
-
-    ENDED is included only if an event or the contact needs it.
-    """
-    own = system.contact is not None or any(
-        event.ends and Status.of_event(event.ends) is Status.ENDED for event in system.events
-    )
-    last = Status.ENDED if own else Status.INVALID
-    return tuple(status.value for status in Status if status.code <= last.code)
-
-
 class Outcomes:
     """One row per top, as arrays (n,); and the cost of the computation."""
 
-    def __init__(self, tops: Problems):
+    def __init__(self, tops: Problems, lyapunov: bool = False):
         self.tops, n = tops, tops.n
         self.forms = columns_of(tops.base.system) | (ORIENTATION if tops.orientation else {})
-        self.status = np.zeros(n, np.int8)
+        if lyapunov:
+            text = "finite-time Lyapunov exponent of the run"
+            self.forms[LYAPUNOV] = np.float64, PER_SECOND, text
+        self.status = np.where(tops.valid, 0, Status.INVALID.code).astype(np.int8)
         self.kind = np.zeros(n, np.int8)
         self.columns = {
             name: np.full(n, np.nan) if dtype is np.float64 else np.zeros(n, dtype)
@@ -91,12 +92,22 @@ class Outcomes:
         }
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
-        self.drift: dict[str, np.ndarray] = {}
-        self.lyapunov: np.ndarray | None = None  # [1/s], where it is wanted
+        values = values_of(tops, tops.start, np.arange(n))
+        self._start, self._sizes = invariants(tops.base, values), sizes(tops.base, values)
+        self.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in self._start}
         self.steps_made = self.steps_possible = 0
         # of tops that turned out to be invalid when they were begun
         self.faults: list[tuple[int, str]] = []
         self.seconds = self.processor = 0.0  # by the wall clock, and by the clocks of the threads
+
+    @QUIET
+    def look(self, states: np.ndarray, some: np.ndarray) -> None:
+        """Compare the invariants of states (variables, k) of the tops `some` with the start."""
+        tops = self.tops
+        values = values_of(tops, states[: len(tops.start)], some)
+        for name, value in invariants(tops.base, values).items():
+            off = np.abs(value - self._start[name][some]) / self._sizes[name][some]
+            np.maximum.at(self.drift[name], some, off)
 
     @property
     def occupancy(self) -> float:
@@ -124,10 +135,10 @@ def _conclude(outcomes: Outcomes) -> None:
         kind[ended] = classes_of(tops.base.system, values, second, settled, body)
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
-    ordinary = {status for status in Status if status.ordinary}
-    if tops.base.contact is not None:
-        ordinary -= {Status.ENDED}  # its contact could not be followed further: that is no fate
-    sound = np.isin(outcomes.status, [status.code for status in ordinary])
+    # an ENDED contact could not be followed further: that is no fate
+    no_fate = Status.ENDED if tops.base.contact is not None else None
+    ordinary = [status.code for status in Status if status.ordinary and status is not no_fate]
+    sound = np.isin(outcomes.status, ordinary)
     outcomes.kind[:] = np.where(sound, kind, CLASSES.index("none"))
 
 
@@ -155,21 +166,16 @@ def dataset(outcomes: Outcomes) -> "xr.Dataset":
 
 def table(outcomes: Outcomes) -> dict[str, Column]:
     """Return the rows as columns along `top`, by name."""
-    words = statuses_of(outcomes.tops.base.system)
-    columns: dict[str, Column] = {
-        "status": Column(("top",), outcomes.status, flag_attributes(words, "how the run ended")),
-        "class": Column(
-            ("top",), outcomes.kind, flag_attributes(CLASSES, "what became of the top")
-        ),
-    }
-
-    def add(name: str, values: np.ndarray, unit: Unit, text: str) -> None:
-        columns[name] = Column(("top",), values, {"units": unit.symbol, "long_name": text})
-
-    for name, (_, unit, text) in outcomes.forms.items():
-        add(name, outcomes.columns[name], unit, text)
+    given = {name: (outcomes.columns[name], *form[1:]) for name, form in outcomes.forms.items()}
     for name, worst in outcomes.drift.items():
-        add(f"drift_{name}", worst, ONE, f"worst relative drift: {name}")
-    if outcomes.lyapunov is not None:
-        add(LYAPUNOV, outcomes.lyapunov, PER_SECOND, "finite-time Lyapunov exponent of the run")
-    return columns
+        given[f"drift_{name}"] = worst, ONE, f"worst relative drift: {name}"
+    status = flag_attributes(STATUSES, "how the run ended")
+    kind = flag_attributes(CLASSES, "what became of the top")
+    return {
+        "status": Column(("top",), outcomes.status, status),
+        "class": Column(("top",), outcomes.kind, kind),
+        **{
+            name: Column(("top",), values, {"units": unit.symbol, "long_name": text})
+            for name, (values, unit, text) in given.items()
+        },
+    }
