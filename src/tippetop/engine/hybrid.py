@@ -18,6 +18,7 @@ import numpy as np
 
 from ..errors import BuildError, InputError, Interrupted, is_one_number
 from ..mechanics.event import ON_ZERO as BELOW
+from ..mechanics.event import zero_of
 from ..mechanics.form import CLOCK, ENDS, Exit, Next, Phase
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
@@ -43,7 +44,7 @@ from .impacts import ImpactMotions, kind_of
 from .integrator import Compiled
 from .loop import Rows
 from .phase_tables import PhaseTables
-from .python_events import Sampler, zero_of
+from .python_events import Sampler
 from .status import Status
 from .tallies import begin_lasting, event_rows
 from .taylor import code_for, internal_end
