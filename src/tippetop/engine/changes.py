@@ -22,8 +22,8 @@ least, lead nowhere; after one of them Python makes the change.
 """
 PATIENCE = 16
 """Changes before a jump is written down as a program; then after twice as many, until it is one."""
-NUMBERS, MOTIONS = 24, 8
-"""Most numbers that a change may pass to the tables, and motions of impacts."""
+NUMBERS = 24
+"""Most numbers that a change may pass to the tables."""
 
 
 class _Change(NamedTuple):
@@ -43,7 +43,6 @@ class _Phases(NamedTuple):
     made: np.ndarray
     began: float
     end: float
-    clock: float
     chatter: float
     present: int
     length: int
@@ -56,7 +55,7 @@ class Written(NamedTuple):
     """The program of a jump, for every run of its system."""
 
     change: _Change
-    motions: tuple[str, ...]  # regions of impacts
+    motions: list[tuple[int, str]]  # numbers of loops, and regions of impacts
     phase: str  # the next one
     row: list[int]  # of it in the table of phases
     tables: list[tuple[str, int]]  # each row of the other tables, and how many numbers it has
@@ -79,13 +78,13 @@ class Changes:
     def __init__(self, run: Any):
         self.run = weakref.proxy(run)
         self.events, self.known = len(run.events), dict[int, Written]()
-        self.loops = np.zeros(len(run.phases) + MOTIONS, np.uint64)
+        self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
         self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
         self.made = np.zeros((PER_SLICE, 3 + NUMBERS))
         self.body = leaves(run.world.body)
         arrays = self.loops, ctypes.addressof(self.table), run.all_events.events, self.made
-        times, sizes = (0.0, float(run.end), 0.0, CHATTER), (0, 0, 0, len(self.body))
-        self.record: Any = filled(_Phases(*arrays, *times, *sizes, self.made.shape[1]))
+        sizes = 0, 0, 0, len(self.body), self.made.shape[1]
+        self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), CHATTER, *sizes))
 
     def add(self, track: Any) -> None:
         """Let the loop make the known changes of a phase."""
@@ -105,32 +104,28 @@ class Changes:
     def take_up(self, track: Any, jump: Any) -> None:
         """Let the loop make the change of a phase by a jump, if it has a program."""
         run, event, program = self.run, self.run.numbers.get(jump.exit.event), jump.program
-        sampled = track.sampler or (program and run.track_of(program.phase).sampler)
-        if event is None or not program or sampled:
+        if event is None or not program:
             return
-        for region in program.motions:
-            loop = run.impacts.driver(region).loop
-            self.loops[self._place(region)] = ctypes.addressof(loop.structure)
+        run.track_of(program.phase)
+        for place, region in program.motions:
+            self.loops[place] = ctypes.addressof(run.impacts.driver(region).loop.structure)
         registers = program.change.registers.copy()
         registers[: len(self.body)] = self.body
         change = program.change._replace(registers=registers)
         number = track.at * self.events + event
         self.table[number], self.known[number] = filled(change), program._replace(change=change)
 
-    def _place(self, region: str) -> int:
-        """Return the number of the loop of a motion."""
-        return len(self.run.phases) + [*self.run.impacts.stages].index(region)
-
     def _traced(self, jump: Any, state: tuple, world: Any) -> Written | None:
         """Return the program of a jump; None where it does more than begin a phase."""
-        run, regions = self.run, list[str]()
+        run, motions = self.run, list[tuple[int, str]]()
         state += (0.0,) * (len(run.state) - len(state))
         signs = tuple(run.functions["sign"].tolist())
         program = Program(world.body, (world.left,), signs, state)
 
         def followed(region: str, *given: Any) -> list:
-            regions.append(region)
-            return program.call(self._place(region), partial(run.impacts.piece, region), *given)
+            place = len(run.phases) + [*run.impacts.stages].index(region)
+            motions.append((place, region))
+            return program.call(place, partial(run.impacts.piece, region), *given)
 
         body, (left,), signs, state = program.inputs
         struck = partial(world.struck, piece=followed)
@@ -142,7 +137,8 @@ class Changes:
             return None
         numbers = leaves(tuple(n.rows.values()))
         is_plain = not n.ends and n.delay == 0 and n.cause and len(n.logged) == 1 and not passed
-        if not is_plain or len(numbers) > NUMBERS:
+        is_sampled = run.track.sampler or to.sampler
+        if is_sampled or not is_plain or len(numbers) > NUMBERS:
             return None
         pad = [0.0] * (len(to.place.motion.state) - len(state))
         first = program.joined([*state, *pad, *sides, *zeros, n.lasts, *numbers])
@@ -153,7 +149,7 @@ class Changes:
         places = result, first.place + len(constants), to.at, run.numbers[n.logged[0]]
         return Written(
             _Change(lines, registers, len(lines), *places),
-            tuple(regions),
+            motions,
             n.phase,
             run.tables.row_of(n.phase, to.phase, n.cause),
             [(name, len(row)) for name, rows in n.rows.items() for row in rows],
@@ -168,14 +164,15 @@ class Changes:
         record.present, record.began = run.track.at, run.began
         record.length, record.most = 0, changes
         steps = library().loop_run(ctypes.byref(record), steps)
-        for time, number, _, *numbers in self.made[: record.length].tolist():
+        for time, number, lasts, *numbers in self.made[: record.length].tolist():
             program, rest = self.known[int(number)], iter(numbers)
             run.tables.begin(time, program.row)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
+            run.until = time + lasts
         if record.length:
             run.follow(run.tracks[program.phase], time)
-            run.short, run.until = 0, record.clock
+            run.short, run.series = 0, None
             run.changes += record.length
             run.end_next()
         return steps

@@ -8,8 +8,8 @@ depend on balls or laws. All phases of a run have the same integrals.
 import math
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from operator import itemgetter
 from typing import Any, NamedTuple
 
@@ -18,13 +18,13 @@ import numpy as np
 
 from ..errors import BuildError, InputError, Interrupted, is_one_number
 from ..mechanics.event import ON_ZERO as BELOW
-from ..mechanics.event import Event
+from ..mechanics.event import zero_of
 from ..mechanics.form import CLOCK, ENDS, Exit, Next, Phase
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
-from ..mechanics.variables import INTEGRAL_SCALE, Variables
+from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
 from .changes import CHATTER, PER_SLICE, Changes
 from .driver import (
@@ -44,7 +44,7 @@ from .impacts import ImpactMotions, kind_of
 from .integrator import Compiled
 from .loop import Rows
 from .phase_tables import PhaseTables
-from .python_events import Sampler, zero_of
+from .python_events import Sampler
 from .status import Status
 from .tallies import begin_lasting, event_rows
 from .taylor import code_for, internal_end
@@ -119,43 +119,43 @@ class World(NamedTuple):
         return [integral.rate(q, carried, b) for integral in phase.form.integrals]
 
 
+@dataclass(eq=False)
 class Jump:
     """The jump of a phase by an exit, for every run of its system.
 
     Parameters
     ----------
-    system, phases
-        The system, and its phases by name.
-    kind
+    system
+        The system.
+    contact, kind
         The contact and the kind of its impacts, for which a program is made.
     name, phase
         The phase that ends; "" at the start.
     exit
         How it ends.
-
-    Attributes
-    ----------
     calls, program
         How often Python has made it, and how the loop makes it: see `Changes`.
     """
 
-    calls, program = 0, None
+    system: System
+    contact: Any
+    kind: Any
+    name: str
+    phase: Phase
+    exit: Exit
+    calls: int = 0
+    program: Any = None
 
-    def __init__(
-        self, system: System, phases: tuple, kind: tuple, name: str, phase: Phase, exit: Exit
-    ):
-        self.phase, self.exit, self.variables = phase, exit, Variables(phase.form)
-        tables, names = dict(system.tables), events_of(system, dict(phases))
-        self.words = {
-            "logged": names,
-            "zeros": names,
-            "sides": names,
-            "cause": tables.pop("phases").get("reason", ()),
-            "rows": tables,
-            "ends": ENDS,
-        }
-        of_phase = f" from phase `{name}`" if name else ""
-        self.where = f"the jump by `{exit.event}`{of_phase} of `{system.name}`"
+    @property
+    def where(self) -> str:
+        """Return the jump in words."""
+        of_phase = f" from phase `{self.name}`" if self.name else ""
+        return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
+
+    def must(self, fault: str) -> None:
+        """Raise InputError for what the jump must do and does not, if anything."""
+        if fault:
+            raise InputError(f"{self.where} must {fault}.")
 
     def __call__(self, run: "HybridDriver", state: Sequence, world: World) -> tuple:
         """Return what follows in a run, as a Next; the Track of the next phase, the variables with
@@ -178,12 +178,25 @@ class Jump:
         InputError
             If the jump fails otherwise, or what it returns cannot follow.
         """
-        q, carried = self.variables.split(state[: len(self.variables.names)])
+        variables = variables_of(self.phase.form)
+        q, carried = variables.split(state[: len(variables.names)])
         x = self.phase.leave(q, self.phase.parameters(world.body))
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
         try:
-            return self._next(run, x, carried, world._replace(phase=self.phase))
+            n = self.exit.jump(x, world._replace(phase=self.phase))
+            self.must(self.exit.fault(n, x, run.words))
+            if n.cause is None:
+                n.cause = self.exit.event
+            if n.phase not in run.phases:
+                return n, None, (), ()
+            to, carried = run.track_of(n.phase), getattr(n.x, "carried", carried)
+            b = to.phase.parameters(world.body)
+            q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
+            if not world.rules:
+                self.must(wrong_time(n, to.phase) or wrong_root(n, to, q, carried))
+            values = to.formulas.functions(q, carried, b)
+            return n, to, to.variables.join(q, carried), values
         except (InputError, BuildError, Interrupted):
             raise
         except Exception as error:
@@ -193,23 +206,6 @@ class Jump:
             elif not (world.rules and isinstance(error, ArithmeticError)):
                 raise InputError(message) from error
             return Next("", x, ends=Status.STALLED.value, message=message), None, (), ()
-
-    def _next(self, run: "HybridDriver", x: Any, carried: Any, world: World) -> tuple:
-        n = self.exit.jump(x, world)
-        if fault := self.exit.fault(n, x, self.words):
-            raise InputError(f"{self.where} must {fault}.")
-        if n.cause is None:
-            n.cause = self.exit.event
-        if n.phase not in world.phases:
-            return n, None, (), ()
-        to, carried = run.track_of(n.phase), getattr(n.x, "carried", carried)
-        b = to.phase.parameters(world.body)
-        q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
-        values = to.formulas.functions(q, carried, b)
-        fault = "" if world.rules else wrong_time(n, to.phase) or wrong_root(n, to, q, carried)
-        if fault:
-            raise InputError(f"{self.where} must {fault}.")
-        return n, to, to.variables.join(q, carried), values
 
 
 jump_of = lru_cache(maxsize=256)(Jump)
@@ -221,16 +217,10 @@ def begin_in_first(x: Any, world: World) -> Next:
     return Next(next(iter(world.phases)), x)
 
 
-def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
-    """Return the events of a run, by name."""
-    in_phases = [event for phase in phases.values() for event in phase.events]
-    return {event.name: event for event in (*system.events, *in_phases, *system.events)}
-
-
 def wrong_time(n: Next, to: Phase) -> str:
     """Return what a time, or the motion in it, must be and is not; or ""."""
-    times = {"delay": n.delay, "logged_after": n.logged_after, "lasts": n.lasts}
-    for what, time in times.items():
+    for what in ("delay", "logged_after", "lasts"):
+        time = getattr(n, what)
         if not (is_one_number(time) and time >= 0):
             return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
     if not callable(n.series or len):
@@ -249,7 +239,8 @@ def wrong_root(n: Next, to: "Track", q: Any, carried: Any) -> str:
     here, near = (to.formulas.functions(q, carried, to.b) for q in (q, type(q)(*moved)))
     for event, value, ahead in zip(to.formulas.events, here, near, strict=True):
         count = n.zeros.get(event.name, 0)
-        if (count > 0 and abs(value) >= ROOT) or (count > 1 and abs(ahead - value) >= SLOPE * NEAR):
+        sizes = abs(value) / ROOT, abs(ahead - value) / (SLOPE * NEAR)
+        if max(sizes[:count], default=0) >= 1:
             return (
                 f"give multiplicities of roots in `zeros`, but {event.name!r} has no root of "
                 f"multiplicity {count} where phase `{n.phase}` begins"
@@ -274,7 +265,7 @@ class Track:
     def __init__(self, run: "HybridDriver", name: str):
         problem, phase = run.problem, run.phases[name]
         self.name, self.phase, self.at = name, phase, [*run.phases].index(name)
-        self.b, self.variables = phase.parameters(run.world.body), Variables(phase.form)
+        self.b, self.variables = phase.parameters(run.world.body), variables_of(phase.form)
         self.width = len(self.variables.names)
         stops = problem.on_liftoff == "stop"
         self.exits = {  # by the number of the event
@@ -293,7 +284,7 @@ class Track:
         self.place = Place(code, run.stepper_of(code), rows, shared)
         run.take(self.place, leaves(self.b))
         sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
-        self.sampler = Sampler(phase.form, self.b, code.integrator, sampled) if sampled else None
+        self.sampler = Sampler(self, code.integrator, sampled) if sampled else None
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase, `mine`, are looked for."""
@@ -362,7 +353,10 @@ class HybridDriver(Driver):
 
     track: Track
     last: np.ndarray  # the state where the last phase ended
-    width = 0  # the greatest number of variables of a phase
+    width = 0  # the greatest number of variables of a phase, with those of event functions
+    short = 0  # phases in a row that were too short
+    changes = 0  # of phase, in a slice
+    series: Any = None  # of the jump to the present phase, if it takes time
 
     @QUIET
     def __init__(self, problem: Problem, stop: threading.Event | None = None):
@@ -374,28 +368,33 @@ class HybridDriver(Driver):
         self.phases = {name: completed(one, problem.variables) for name, one in phases.items()}
         self.variables = len(problem.variables.names)
         self.at_start = np.ones(len(system.events))  # the phase of the start is chosen
-        self.events = [*events_of(system, self.phases).values()]
-        self.numbers = {event.name: k for k, event in enumerate(self.events)}
+        in_phases = (event for phase in phases.values() for event in phase.events)
+        events = {event.name: event for event in (*system.events, *in_phases, *system.events)}
+        self.events = [*events.values()]
+        self.numbers = {name: k for k, name in enumerate(events)}
         rows = event_rows(self.events, [(0, 1, 1.0, 0.0)] * len(self.events), ())
-        widths = (len(Variables(phase.form).names) for phase in self.phases.values())
-        self.all_events, self.width = rows, max(widths) + len(self.events)
+        width = max(len(variables_of(phase.form).names) for phase in self.phases.values())
+        self.all_events, self.width = rows, width + len(self.events)
         self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
         self.functions = self.shared.tallies.functions[:, 0]
         self.functions["sign"] = 0.0  # not known
-        width = self.width - len(self.events)
         self.wanted, self.tables = Wanted(width, number), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
-        self.short = 0
-        self.changes = 0  # in a slice
         contact, kind, struck = problem.contact, None, None
         if contact is not None:
             kind = kind_of(problem, body[0].friction)
             self.impacts = ImpactMotions(*kind, stop)
             struck = self.impacts.struck
-        self.key = system, tuple(self.phases.items()), (contact, kind)
+        tables = dict(system.tables)
+        self.words = {
+            **dict.fromkeys(("logged", "zeros", "sides"), self.numbers),
+            "cause": tables.pop("phases").get("reason", ()),
+            "rows": tables,
+            "ends": ENDS,
+        }
+        self.jump = partial(jump_of, system, contact, kind)
         self.world = World(body, system, contact, self.phases, struck)
-        is_plain = contact is None or number is not float
-        self.copies = None if is_plain else Changes(self)
+        self.copies = Changes(self) if struck and number is float else None
         self._start(tuple(problem.start().tolist()))
         self.first = self.present()
 
@@ -413,10 +412,6 @@ class HybridDriver(Driver):
         begin_lasting(self.shared.tallies, self.all_events)
 
     # --- phases ----------------------------------------------------------------------------------
-
-    def jump(self, name: str, phase: Phase, exit: Exit) -> Jump:
-        """Return the jump of a phase by an exit."""
-        return jump_of(*self.key, name, phase, exit)
 
     def track_of(self, name: str) -> Track:
         """Return the phase of this name, compiled when it is first entered."""
@@ -446,16 +441,9 @@ class HybridDriver(Driver):
         self.put(state, (time, 0 * time))
         signs, zeros, passed = track.begins(n, values, self.functions["sign"])
         self.functions["sign"], self.functions["on_zero"] = signs, zeros
-        if before and n.series:
-            self._fill(n, now)
-            for number in passed:
-                self._note_along(n, number, signs[number], now)
-        elif before:
-            for number in passed:
-                is_corner = abs(before.value(number, self.last)) > BELOW  # of theta
-                event = self.events[number]
-                if event.lasting or (event.sense and is_corner):
-                    self._note(number, now, signs[number], before, self.last)
+        self.series = n.series and partial(self._during, n.series, now)
+        for number in passed:
+            self._note_passed(number, signs[number], before, now)
         self.begin()
         self.time[0] = self.began
         self.until = time + self.number(n.lasts)
@@ -539,7 +527,11 @@ class HybridDriver(Driver):
     # --- rows ------------------------------------------------------------------------------------
 
     def make(self, rows: Rows, most: int) -> int:
-        if self.copies is None or self.request.steps or self.track.sampler:
+        if self.series and not rows.steps:
+            times = rows.times[self.wanted.made[0] :]
+            if len(inside := times[: np.searchsorted(times, self.began)]):
+                self.add(inside, self.series(*inside))
+        if self.copies is None or rows.steps:
             return super().make(rows, most)
         return self.copies.drive(most, PER_SLICE - self.changes)
 
@@ -553,49 +545,38 @@ class HybridDriver(Driver):
             self.tally["lasts_since"] = when
         self.loop.keep(self.all_events.events[number], when, sign)
 
-    def _series(self, n: Next, *times: Any) -> np.ndarray:
-        """Return states at times since the beginning of a jump that takes time."""
-        values = self.track.variables.join(*n.series(np.array(times)))
+    def _during(self, series: Any, began: Any, *times: Any) -> np.ndarray:
+        """Return states at internal times in a jump that takes time."""
+        values = self.track.variables.join(*series(np.array(times, self.number) - began))
         return np.array([[self.number(one) for one in value] for value in values]).T
 
-    def _fill(self, n: Next, now: Any) -> None:
-        """Give the rows that are wanted in a jump that takes time."""
-        while not self.request.steps:
-            if self.wanted.is_made:
-                self.ask()
-            times = self.wanted.rows.times[self.wanted.made[0] :]
-            inside = times[: np.searchsorted(times, self.began)]
-            if len(inside):
-                self.add(inside, self._series(n, *(inside.astype(self.number) - now)))
-            if len(inside) < len(times) or not len(times):
-                break
-
-    def _note_along(self, n: Next, number: int, sign: int, now: Any) -> None:
-        """Log an event that happens in a jump that takes time."""
-        track = self.track
-
-        def function(t: Any) -> float:
-            return -sign * float(track.value(number, self._series(n, t)[0]))
-
-        t = zero_of(function, 0 * n.delay, n.delay)
-        self._note(number, now + t, sign, track, self._series(n, t)[0])
+    def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
+        """Log an event that happens in a jump from a phase."""
+        event, track, state = self.events[number], before, self.last
+        if self.series:
+            track, during = self.track, self.series
+            now = zero_of(lambda t: -sign * track.value(number, during(t)[0]), now, self.began)
+            state = during(now)[0]
+        elif not event.lasting:  # theta may have a corner
+            is_turned = event.sense and abs(before.value(number, state)) > BELOW
+            if not is_turned:
+                return
+        self._note(number, now, sign, track, state)
 
     def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
         system, variables = self.problem.system, self.problem.variables
         at = np.concatenate([phases for phases, _ in parts])
-        width = self.width - len(self.events)
-        states = np.concatenate([some[:, :width] for _, some in parts]).T
+        states = np.concatenate([some[:, : self.wanted.variables] for _, some in parts]).T
         rows = np.empty((self.variables, len(at)), self.number)
         for track in self.tracks.values():
             mine = np.flatnonzero(at == track.at)
-            # NumPy cannot multiply an array of quadruple numbers by a literal of a user's formula
+            # NumPy cannot multiply an array of quadruple numbers by a literal
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
-                n, state = track.variables.moving, states[: track.width, some]
-                q, moved = type(track.phase.form.units)(*state[:n]), state[n:]
-                carried = variables.carried(*(moved * self.number(1 / INTEGRAL_SCALE)))
+                q, carried = track.variables.split(states[: track.width, some])
                 read, _ = system.read(track.phase, q, carried, track.b)
-                for row, value in zip(rows, (*read[: variables.moving], *moved), strict=True):
+                values = variables.join(read[: variables.moving], carried)
+                for row, value in zip(rows, values, strict=True):
                     row[some] = value
         return np.split(rows.T, np.cumsum([len(phases) for phases, _ in parts[:-1]]))
 
@@ -622,7 +603,7 @@ class HybridDriver(Driver):
         self.short, (self.until,) = int(short), kept["until"]
         self.follow(self.track_of([*self.phases][int(at)]), began)
         super().restore(kept, state[: len(self.state)], clock)
-        self.tables = PhaseTables(self.problem)
+        self.tables.take()
         self.tables.under_way = under_way
 
 
@@ -637,8 +618,6 @@ def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
         return problem.internal_body, system.phases
 
     def internal(value: float, unit: Any) -> Any:
-        return problem.number(
-            problem.exact(value) * (problem.exact(1) / problem.exact(problem.scales.of(unit)))
-        )
+        return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
 
     return system.assembled(problem.internal_body, problem.contact, internal)

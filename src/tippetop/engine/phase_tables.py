@@ -67,12 +67,10 @@ def as_table(
     name: str, kinds: Mapping[str, Any], rows: Sequence[Sequence[Any]], scales: Any = None
 ) -> Table:
     """Return rows, in internal units, as columns in SI; words as their places."""
-    table, times = {}, ("start", "end") if name == "phases" else ("time",)
+    table, times = Table(), ("start", "end") if name == "phases" else ("time",)
     for k, (column, kind) in enumerate({**dict.fromkeys(times, SECOND), **kinds}.items()):
-        values = [row[k] for row in rows]
-        if isinstance(kind, tuple):
-            table[column] = np.array([number_of(value, kind) for value in values], np.int8)
-        else:
-            unit = float(scales.of(kind)) if rows else 1.0
-            table[column] = np.array([float(value * unit) for value in values])
+        is_word = isinstance(kind, tuple)
+        unit = float(scales.of(kind)) if rows and not is_word else 1
+        values = [number_of(row[k], kind) for row in rows]
+        table[column] = unit * np.array(values, np.int8 if is_word else float)
     return table

@@ -1,12 +1,11 @@
 """Events of a phase that Python evaluates, whose functions have no Taylor series."""
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from ..mechanics.event import Event
-from ..mechanics.form import Form
+from ..mechanics.event import Event, zero_of
 from ..mechanics.operand import leaves
 from .driver import Driver
 
@@ -16,18 +15,17 @@ class Sampler:
 
     Parameters
     ----------
-    form, b
-        Of the phase, and its parameters.
+    track
+        The phase.
     integrator
         Of the phase.
     events
         Those that are sampled, by number.
     """
 
-    def __init__(self, form: Form, b: Any, integrator: Any, events: Mapping[int, Event]):
-        self.form, self.b, self.events = form, b, events
-        self.integrator = ta = copy.deepcopy(integrator)
-        ta.pars[:] = leaves(b)[: len(ta.pars)]
+    def __init__(self, track: Any, integrator: Any, events: Mapping[int, Event]):
+        self.track, self.events, self.integrator = track, events, copy.deepcopy(integrator)
+        self.integrator.pars[:] = leaves(track.b)[: len(self.integrator.pars)]
 
     def next(self, run: Driver) -> list[tuple[Any, int]]:
         """Return the internal times of events that would end the phase in the next step, and their
@@ -36,28 +34,15 @@ class Sampler:
         ta, (high, low) = self.integrator, run.clock
         ta.state[:], ta.time = run.state, run.number(0)
         _, h = ta.step(write_tc=True)
-        zeros = (
-            (zero_of(partial(self._value, event), 0 * h, h / 2, h), number)
-            for number, event in self.events.items()
-        )
-        return [(run.number(high) + (low + t), number) for t, number in zeros if t is not None]
+        found = []
+        for number, event in self.events.items():
+            t = zero_of(partial(self._value, event), 0 * h, h / 2, h)
+            if t is not None:
+                found.append((run.number(high) + (low + t), number))
+        return found
 
     def _value(self, event: Event, t: Any) -> float:
         """Return the value of an event function at a time in the step."""
-        q = self.form.units._make(
-            self.integrator.update_d_output(t)[: len(self.form.units)].tolist()
-        )
-        return float(event.formula(self.form.scalars(q, self.b), self.b))
-
-
-def zero_of(function: Callable, low: Any, *times: Any) -> Any:
-    """Return where a function that is positive at first has become negative, before the first of
-    these times at which it is; None if it stays positive.
-    """
-    for high in times:
-        if not function(high) > 0:
-            while low < (middle := (low + high) / 2) < high:
-                low, high = (middle, high) if function(middle) > 0 else (low, middle)
-            return high
-        low = high
-    return None
+        track, state = self.track, self.integrator.update_d_output(t)
+        q, _ = track.variables.split(state[: track.width].tolist())
+        return float(event.formula(track.phase.form.scalars(q, track.b), track.b))

@@ -19,8 +19,8 @@ from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults
 from ..progress import Report, reporting
 from .hybrid_tops import problem_of, run_each
-from .lanes import LANES, SWINGS, Lanes
-from .outcomes import LYAPUNOV, QUIET, Outcomes, _conclude, dataset
+from .lanes import LANES, Lanes
+from .outcomes import LYAPUNOV, QUIET, SWINGS, Outcomes, _conclude, dataset
 
 
 if TYPE_CHECKING:

@@ -25,6 +25,7 @@ from ..engine.taylor import compiled_when
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
 from .hybrid_tops import problem_of
+from .outcomes import SWINGS
 
 
 LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
@@ -33,7 +34,6 @@ SAMPLES = 64
 EVERY = 32  # steps between two samples
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
 MOST_DRIVEN = 8192  # steps between two looks of Python: 70 ms
-SWINGS = ("turnings", "theta_min", "theta_max")  # columns that turnings give
 
 
 class Lanes:

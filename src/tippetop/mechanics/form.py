@@ -1,7 +1,7 @@
 """Records of a motion: forms, their integrals and quantities, phases of the contact and exits."""
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -248,9 +248,9 @@ class Exit:
     to: tuple[str, ...]
     jump: Callable
 
-    def fault(self, n: Any, x: Any, known: Mapping[str, Collection[str]]) -> str:
+    def fault(self, n: Any, x: Any, known: Mapping[str, Any]) -> str:
         """Return what the result of the jump must be and is not, of a state `x` and with the words
-        that its fields may have; empty if it can follow.
+        that its fields may have (of `rows`, tables with their columns); empty if it can follow.
         """
         if not isinstance(n, Next):
             return f"return a Next, but returns {n!r:.60}"
@@ -273,6 +273,10 @@ class Exit:
             return f"have multiplicities of roots in `zeros`, 1 at least, but has {dict(n.zeros)}"
         if not {*n.sides.values()} <= {-1, 1}:
             return f"have signs in `sides`, -1 or 1, but has {n.sides}"
+        for name, rows in n.rows.items():
+            for row in rows:
+                if len(row) != (size := len(known["rows"][name])):
+                    return f"have {size} numbers in each row of `{name}`, but has {row!r:.60}"
         return ""
 
 

@@ -169,13 +169,12 @@ def opened(system: System, law: Any, balls: int) -> System:
         internal(value, unit) converts SI values.
         """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
-        of_disc = bool(law.regions) and not is_frictionless(b.friction)
-        if not (law.set_valued or law.regions) or b.friction.mu != 0 or of_disc:
-            return seen_from_balls(b, stem), phases
-        none = LAWS["none"].given(PARTS if has_parts(b.friction) else ())
-        free = none._make(getattr(b.friction, name) for name in none.parameters)
-        seen = seen_from_balls(b._replace(friction=free), stem)
-        return seen, opened(system, none, balls).phases
+        known, friction = phases, b.friction
+        if (law.set_valued and friction.mu == 0) or (law.regions and is_frictionless(friction)):
+            none = LAWS["none"].given(PARTS if has_parts(friction) else ())
+            known = opened(system, none, balls).phases
+            b = b._replace(friction=none._make(getattr(friction, name) for name in none.parameters))
+        return seen_from_balls(b, stem), known
 
     return replace(
         system,
