@@ -80,7 +80,7 @@ typedef struct {
    its first k Taylor coefficients vanish where the next step begins; in the present step its
    bounds, and 1 if it is monotone; its least and greatest values, and their times. */
 typedef struct {
-    real sign, on_zero, low, high, steady, extremes[2], times[2];
+    real sign, on_zero, low, high, extremes[2], times[2];
 } Function;
 
 typedef struct {
@@ -115,7 +115,6 @@ typedef struct {
     real *sampled_states;
 
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
-    const real *halves;  /* (MOST, MOST) row j: the coefficients of (1/2 + x/2)^j */
 
     real settled_for;
     integer most_steps, sampled_every, sampled_first;
@@ -144,41 +143,34 @@ typedef struct {
     real value, slope, curve;
 } Jet;
 
-/* p(x), p'(x) and p''(x)/2. Even and odd powers are separate sums, which the processor adds at the
-   same time. */
+/* p(x), p'(x) and p''(x)/2. */
 INLINED Jet jet(const real *p, integer n, real x) {
-    real y = x * x;
-    real even = 0, even1 = 0, even2 = 0, odd = 0, odd1 = 0, odd2 = 0; /* derivatives by y */
-    for (integer k = (n - 1) / 2; k >= 0; k--) {
-        even2 = even2 * y + even1;
-        even1 = even1 * y + even;
-        even = even * y + p[2 * k];
-        odd2 = odd2 * y + odd1;
-        odd1 = odd1 * y + odd;
-        odd = odd * y + (2 * k + 1 < n ? p[2 * k + 1] : 0.0);
+    Jet f = {0, 0, 0};
+    for (integer k = n - 1; k >= 0; k--) {
+        f.curve = f.curve * x + f.slope;
+        f.slope = f.slope * x + f.value;
+        f.value = f.value * x + p[k];
     }
-    return (Jet){
-        even + x * odd,
-        2 * x * even1 + odd + 2 * y * odd1,
-        even1 + 4 * y * even2 + x * (3 * odd1 + 4 * y * odd2),
-    };
+    return f;
 }
 
-/* A zero of p, or of its slope, which is monotone on [low, high]: Newton's rule from x, kept
-   between bounds. */
-static real root_of(const real *p, integer n, bool of_slope, bool rising, real low, real high,
-                    real x) {
+/* The zero of a monotone p on [low, high], by Newton's rule, kept between bounds. The lower end if
+   rounding hides the zero there. */
+static real zero_of(const real *p, integer n, real low, real high) {
+    real start = value_at(p, n, low), end = value_at(p, n, high);
+    if ((start > 0) == (end > 0))
+        return low;
+    real x = low + (high - low) * (start / (start - end));
     for (int i = 0; i < 60; i++) {
         Jet f = jet(p, n, x);
-        real value = of_slope ? f.slope : f.value;
-        if (value == 0)
+        if (f.value == 0)
             return x;
-        if ((value > 0) == rising)
+        if ((f.value > 0) == (end > 0))
             high = x;
         else
             low = x;
         real before = x;
-        x = before - value / (of_slope ? 2 * f.curve : f.slope);
+        x -= f.value / f.slope;
         if (!(low <= x && x <= high))
             x = 0.5 * (low + high);
         if (fabs(x - before) <= 1e-9) /* the next correction is its square */
@@ -187,38 +179,9 @@ static real root_of(const real *p, integer n, bool of_slope, bool rising, real l
     return x;
 }
 
-/* The zero of a monotone p on [low, high]. The lower end if rounding hides the zero there. */
-static real zero_of(const real *p, integer n, real low, real high) {
-    real start = value_at(p, n, low), end = value_at(p, n, high);
-    if ((start > 0) == (end > 0))
-        return low;
-    return root_of(p, n, false, end > 0, low, high, low + (high - low) * (start / (start - end)));
-}
-
-/* Where p, with at most one turn on [-1, 1], turns. -1 if it has none there, or goes less far
-   beyond zero than two zeros that are as near as intervals are small. */
-static real turn_of(const real *p, integer n, real radius) {
-    real x = root_of(p, n, true, p[2] > 0, -1, 1, 0);
-    Jet f = jet(p, n, x);
-    real least = fabs(f.curve) * 0.25 / pow(4.0, DEPTH);
-    bool beyond = f.value * f.curve < 0 && fabs(f.value) * radius * radius > least;
-    return beyond && -1 < x && x < 1 ? x : -1;
-}
-
 /* The coefficients of p(middle + radius x). */
-static void shift(const real *restrict p, integer n, real middle, real radius, const real *halves,
+static void shift(const real *restrict p, integer n, real middle, real radius,
                   real *restrict shifted) {
-    if (radius == 0.5) { /* as a product with a matrix: three times as fast */
-        for (integer k = 0; k < n; k++)
-            shifted[k] = 0;
-        for (integer j = 0; j < n; j++) {
-            real factor = p[j];
-            const real *restrict row = halves + j * MOST;
-            for (integer k = 0; k < n; k++)
-                shifted[k] += row[k] * factor;
-        }
-        return;
-    }
     memcpy(shifted, p, n * sizeof(real));
     for (integer i = 0; i < n - 1; i++)
         for (integer k = n - 2; k >= i; k--)
@@ -232,15 +195,8 @@ static void shift(const real *restrict p, integer n, real middle, real radius, c
 
 /* Write the sign changes of p on [0, 1) to `zeros` (n,), ascending, and return their number.
    `positive` is the sign at the end of the last step: a zero that rounding puts between two steps
-   counts once. `monotone`: p is known to be. */
-integer loop_crossings(const real *p, integer n, bool positive, bool monotone, const real *halves,
-                       real *zeros) {
-    if (monotone) {
-        if ((value_at(p, n, 1) > 0) == positive)
-            return 0;
-        zeros[0] = zero_of(p, n, 0, 1);
-        return 1;
-    }
+   counts once. */
+integer loop_crossings(const real *p, integer n, bool positive, real *zeros) {
     real part[MOST], total = 0;
     for (integer k = 0; k < n; k++)
         total += fabs(p[k]);
@@ -250,34 +206,23 @@ integer loop_crossings(const real *p, integer n, bool positive, bool monotone, c
     for (;;) {
         real radius = ldexp(0.5, (int)-level);
         real middle = (real)(2 * at + 1) * radius;
-        shift(p, n, middle, radius, halves, part);
-        real rest = 0, bend = 0, curl = 0;
+        shift(p, n, middle, radius, part);
+        real rest = 0, bend = 0;
         for (integer k = n - 1; k > 0; k--) {
             real size = fabs(part[k]);
             rest += size;
             bend += (real)k * size;
-            curl += (real)(k * (k - 1)) * size;
         }
-        bool one_zero = fabs(part[0]) > rest || 2 * fabs(part[1]) > bend || level == DEPTH;
-        bool one_turn = 4 * fabs(part[2]) > curl;
-        if (!one_zero && !one_turn) {
+        bool no_zero = fabs(part[0]) > rest, monotone = 2 * fabs(part[1]) > bend;
+        if (!no_zero && !monotone && level < DEPTH) {
             at *= 2;
             level++;
             continue;
         }
-        real ends[] = {one_zero ? -1 : turn_of(part, n, radius), 1}, low = -1;
-        for (int i = 0; i < 2; i++) {
-            real high = ends[i];
-            if (!(high > low))
-                continue;
-            real end = value_at(part, n, high);
-            if ((end > 0) != positive && count < n) {
-                real x = zero_of(part, n, low, high);
-                zeros[count++] = ((real)(2 * at + 1) + x) * radius;
-            }
-            positive = end > 0;
-            low = high;
-        }
+        real end = value_at(part, n, 1);
+        if ((end > 0) != positive && count < n)
+            zeros[count++] = ((real)(2 * at + 1) + zero_of(part, n, -1, 1)) * radius;
+        positive = end > 0;
         at++;
         while (at % 2 == 0 && level > 0) { /* up to the next interval */
             at /= 2;
@@ -326,50 +271,32 @@ INLINED Function *function(const Loop *l, integer event, integer lane) {
     return l->functions + event * l->lanes + lane;
 }
 
-typedef struct {
-    real low, high, end;
-} Cubic;
-
-/* The bounds of a cubic polynomial on [0, 1], by its Bernstein coefficients, and its end. */
-INLINED Cubic cubic(real p0, real p1, real p2, real p3) {
-    real b1 = p0 + p1 / 3, b2 = p0 + (2 * p1 + p2) / 3, b3 = p0 + p1 + p2 + p3;
-    real low1 = MIN(p0, b1), low2 = MIN(b2, b3), high1 = MAX(p0, b1), high2 = MAX(b2, b3);
-    return (Cubic){MIN(low1, low2), MAX(high1, high2), b3};
-}
-
-/* Bound an event function. The bounds of the cubic part, plus or minus the sum of the other
-   coefficients, bound a polynomial; those of its slope show whether it is monotone: then it lies
-   between its ends. */
+/* Bound an event function: by bounds of the cubic part, plus or minus the sum of the other
+   coefficients. */
 INLINED void bound(const Loop *l, integer n, integer e) {
     const Event *event = l->event_rows + e;
     integer size = l->size, shift = event->shift;
     const real *c = l->tc + (event->row * size + shift) * n;
     const real *factor = l->factors + shift * size * n;
-    real rest[WIDEST], end[WIDEST], bend[WIDEST], low[WIDEST], high[WIDEST], steady[WIDEST];
+    real rest[WIDEST], low[WIDEST], high[WIDEST];
     for (integer i = 0; i < n; i++)
-        rest[i] = end[i] = bend[i] = 0;
-    for (integer k = 5; k < size - shift; k++)
-        for (integer i = 0; i < n; i++) {
-            real a = c[k * n + i] * factor[k * n + i];
-            end[i] += a;
-            rest[i] += fabs(a);
-            bend[i] += (real)k * fabs(a);
-        }
+        rest[i] = 0;
+    for (integer k = 4; k < size - shift; k++)
+        for (integer i = 0; i < n; i++)
+            rest[i] += fabs(c[k * n + i] * factor[k * n + i]);
     for (integer i = 0; i < n; i++) {
-        real p0 = c[i], p1 = c[n + i] * factor[n + i], p2 = c[2 * n + i] * factor[2 * n + i];
-        real p3 = c[3 * n + i] * factor[3 * n + i], p4 = c[4 * n + i] * factor[4 * n + i];
-        Cubic value = cubic(p0, p1, p2, p3), slope = cubic(p1, 2 * p2, 3 * p3, 4 * p4);
-        bool monotone = (slope.low > bend[i]) | (slope.high < -bend[i]);
-        real last = value.end + p4 + end[i], beyond = fabs(p4) + rest[i];
-        steady[i] = monotone ? 1.0 : 0.0;
-        low[i] = (monotone ? MIN(p0, last) : value.low - beyond) + event->offset;
-        high[i] = (monotone ? MAX(p0, last) : value.high + beyond) + event->offset;
+        real p0 = c[i] + event->offset, p1 = c[n + i] * factor[n + i];
+        real p2 = c[2 * n + i] * factor[2 * n + i], p3 = c[3 * n + i] * factor[3 * n + i];
+        /* Bernstein coefficients */
+        real b1 = p0 + p1 / 3, b2 = p0 + (2 * p1 + p2) / 3, b3 = p0 + p1 + p2 + p3;
+        real low1 = MIN(p0, b1), low2 = MIN(b2, b3), high1 = MAX(p0, b1), high2 = MAX(b2, b3);
+        low[i] = MIN(low1, low2) - rest[i];
+        high[i] = MAX(high1, high2) + rest[i];
     }
     for (integer i = 0; i < n; i++) {
         Function *f = function(l, e, i);
         f->low = low[i];
         f->high = high[i];
-        f->steady = steady[i];
     }
 }
 
@@ -421,8 +348,7 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
     if (!event->watched || keeps_sign(f))
         return 0;
     integer k = roots(f);
-    bool monotone = k == 0 && f->steady > 0;
-    return loop_crossings(p + k, size - k, f->sign > 0, monotone, l->halves, zeros);
+    return loop_crossings(p + k, size - k, f->sign > 0, zeros);
 }
 
 /* Whether a zero is that of the start. A function that must not fall below zero is let through

@@ -9,7 +9,6 @@ import ctypes
 import hashlib
 from collections.abc import Callable
 from functools import cache, partial
-from math import comb
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -84,14 +83,8 @@ class _Loop(NamedTuple):
         np.ndarray
     )  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
     out: np.ndarray  # (variables, lanes) a state
-    halves: np.ndarray
     rules: Rules
     output: Rows
-
-
-_POWERS = range(MOST_COEFFICIENTS)
-HALVES = np.array([[comb(j, k) * 0.5**j for k in _POWERS] for j in _POWERS])
-"""In row j the coefficients of (1/2 + x/2)^j."""
 
 
 @cache
@@ -191,7 +184,7 @@ class Loop:
             code = *(ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks), False
         lengths = rows.events, rows.axis, log.rows, samples.top, log.states[:1].T
         sizes = _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths))
-        arrays = np.empty((2, size, lanes)), self.out, HALVES
+        arrays = np.empty((2, size, lanes)), self.out
         parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS
         self.record = _Loop._make([*code, *parts])  # keeps the arrays
         self.structure: Any = filled(self.record)

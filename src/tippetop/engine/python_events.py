@@ -1,11 +1,11 @@
 """Events of a phase that Python evaluates, whose functions have no Taylor series."""
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from ..mechanics.event import Event
+from ..mechanics.event import Event, zero_of
 from ..mechanics.operand import leaves
 from .driver import Driver
 
@@ -46,16 +46,3 @@ class Sampler:
         track, state = self.track, self.integrator.update_d_output(t)
         q, _ = track.variables.split(state[: track.width].tolist())
         return float(event.formula(track.phase.form.scalars(q, track.b), track.b))
-
-
-def zero_of(function: Callable, low: Any, *times: Any) -> Any:
-    """Return where a function that is positive at first has become negative, before the first of
-    these times at which it is; None if it stays positive.
-    """
-    for high in times:
-        if not function(high) > 0:
-            while low < (middle := (low + high) / 2) < high:
-                low, high = (middle, high) if function(middle) > 0 else (low, middle)
-            return high
-        low = high
-    return None

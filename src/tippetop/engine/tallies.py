@@ -65,7 +65,7 @@ _LANE: dict[str, Any] = {
 """Initial values of a lane; times are internal, NaN if the event did not happen."""
 
 
-_FUNCTION = [(name, float) for name in ("sign", "on_zero", "low", "high", "steady")]
+_FUNCTION = [(name, float) for name in ("sign", "on_zero", "low", "high")]
 FUNCTION_RECORD = np.dtype([*_FUNCTION, ("extremes", float, 2), ("times", float, 2)])
 """The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
 its first k Taylor coefficients vanish where the next step begins; of the present step its bounds,

@@ -157,7 +157,7 @@ def test_outside_the_cone_there_is_one_first_direction_and_inside_none(
             return P, Q, F.z
 
         rolls = bool(F.z > 0 and response.cone(F, ball) >= 0)
-        found = first_directions(law)
+        found = [*first_directions(law)]
         assert len(found) == (0 if rolls else 1)
         counts[rolls] += 1
         for beta in found:

@@ -6,6 +6,7 @@ struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -26,12 +27,12 @@ from .contact_phases import (
     STOPS_AT,
     brought_to_rest,
     frictions_of,
+    horizontal2,
     on_both,
     phase_name,
     regions_of,
     rest_speed2,
     slides,
-    slip2,
     without_slip_on_both,
 )
 from .first_slip import FirstSlip, first_directions, first_slip
@@ -110,7 +111,7 @@ def rise(x: Moving, b: Touch) -> Any:
 
 def size(v: Vector) -> Any:
     """Return the length of the horizontal part of a vector."""
-    return sqrt(slip2(v))
+    return sqrt(horizontal2(v))
 
 
 def touching(x: Moving, world: Any) -> list[int]:
@@ -207,9 +208,8 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
         F = resting(x, b)[0]
         if F.z > 0 and cone(F, b) >= 0:
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
-        beta = first_directions(partial(pushed, x, b))
-        if len(beta):
-            name, q = phase_name("slip", ball), directed(x, beta[0])
+        for beta in first_directions(partial(pushed, x, b)):
+            name, q = phase_name("slip", ball), directed(x, beta)
             rates = DIRECTED_SLIP.form.rates(q, b)._replace(beta=0)
             delay = min(BEGINS_AT / rates.w, world.left)
             x = slid(x, world, world.phases[name], q._replace(w=0), rates, delay)
@@ -356,7 +356,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         q, carried = read((*state, beta))
         by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
         every = (*by[:6], *world.rates(phase, q, carried), by.w)
-        return np.array([np.broadcast_to(rate, beta.shape) for rate in every]), by.beta
+        return np.array(np.broadcast_arrays(*every)), by.beta
 
     F = resting(x, b)[0]
     omega = contact.angular_velocity(x, b)
@@ -380,9 +380,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
 
 def lift_off(x: Moving, world: Any) -> Next:
     """Return the phase after the normal force vanishes."""
-    n = fly(x, world, world.phase.ball, 3, "liftoff")
-    n.logged = ("liftoff",)
-    return n
+    return replace(fly(x, world, world.phase.ball, 3, "liftoff"), logged=("liftoff",))
 
 
 def land(x: Moving, world: Any, cause: str = "landing") -> Next:
@@ -436,10 +434,8 @@ def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:
 
 def come_to_rest(x: Moving, world: Any) -> Next:
     """Return the phase after no disc slides or turns any more."""
-    label, ball = world.phase.label, world.phase.ball
-    bodies = world.body if label == "both" else world.body[ball : ball + 1]
-    name, rests = phase_name(label, ball, *regions_of(x, *bodies)), RESTS.name
-    n = on_disc(Next(name, x, "", zeros={rests: 1}, sides={rests: -1}), world)
+    name = next(name for name, phase in world.phases.items() if phase is world.phase)
+    n = go_on(x, world, name, RESTS.name)
     n.logged = ("stick",) if n.cause == "rests" else ()
     return n
 
@@ -457,9 +453,7 @@ def roll_on_both(n: Next, world: Any) -> Next:
 
 def give_way(x: Moving, world: Any) -> Next:
     """Return the phase after friction can no longer hold a disc at rest."""
-    n = slide_from_rest(x, world, world.phase.ball, "gives")
-    n.logged = ("slip",)
-    return n
+    return replace(slide_from_rest(x, world, world.phase.ball, "gives"), logged=("slip",))
 
 
 def on_disc(n: Next, world: Any) -> Next:

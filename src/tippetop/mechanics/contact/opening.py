@@ -169,12 +169,13 @@ def opened(system: System, law: Any, balls: int) -> System:
         internal(value, unit) converts SI values.
         """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
-        if not (law.set_valued or law.regions) or b.friction.mu != 0:
-            return seen_from_balls(b, stem), phases
-        none = LAWS["none"].given(PARTS if has_parts(b.friction) else ())
-        free = none._make(getattr(b.friction, name, 0 * b.m) for name in none.parameters)
-        seen = seen_from_balls(b._replace(friction=free), stem)
-        return seen, opened(system, none, balls).phases
+        known, friction = phases, b.friction
+        if (law.set_valued or law.regions) and friction.mu == 0:
+            none = LAWS["none"].given(PARTS if has_parts(friction) else ())
+            known = opened(system, none, balls).phases
+            numbers = (getattr(friction, name, 0 * b.m) for name in none.parameters)
+            b = b._replace(friction=none._make(numbers))
+        return seen_from_balls(b, stem), known
 
     return replace(
         system,
