@@ -199,7 +199,6 @@ def base_faults(base: Problem) -> list[str]:
     return sentences
 
 
-@QUIET
 def of_problem(
     base: Problem,
     variations: Mapping[str, Any],

@@ -47,8 +47,6 @@ class Lanes:
         How many run at a time.
     wanted
         As in `ensemble.measure`.
-    every
-        Steps between two samples.
     """
 
     def __init__(
@@ -56,7 +54,6 @@ class Lanes:
         tops: Problems,
         lanes: int = LANES,
         wanted: Collection[str] | None = None,
-        every: int = EVERY,
     ):
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
@@ -74,7 +71,7 @@ class Lanes:
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
-        rules = Rules(settled_for, MOST_STEPS, every, 0)
+        rules = Rules(settled_for, MOST_STEPS, EVERY, 0)
         self.loop = Loop(
             self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, code.machine
         )
