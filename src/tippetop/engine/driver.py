@@ -128,14 +128,14 @@ class Wanted:
     Parameters
     ----------
     variables
-        Numbers of a row, at most.
+        Their number, at most.
     number
         Their type.
 
     Attributes
     ----------
     states
-        Those of the rows in the working precision, (variables, n).
+        Those of the rows in the working precision, (n, variables).
     """
 
     def __init__(self, variables: int, number: Any) -> None:
@@ -151,7 +151,7 @@ class Wanted:
         """Ask for more times; for room, where rows are at the ends of steps."""
         times = request.wanted()
         n, filled, self.given = len(times), np.zeros(1, np.int64), 0
-        states, phases = np.empty((self.variables, n)), np.empty(n, np.int64)
+        states, phases = np.empty((n, self.variables)), np.empty(n, np.int64)
         self.rows = Rows(times, states, phases, filled, request.steps)
         self.states, self.made = in_precision(states, self.number), view(filled)
 
@@ -214,7 +214,7 @@ class Driver:
         width = len(compiled.integrator.state)
         shared = new_shared(rows, functions[:, None], width, self.number)
         self.work_in(Place(compiled, self.stepper_of(compiled), rows, shared))
-        self.wanted = Wanted(self.variables, self.number)
+        self.wanted = Wanted(width, self.number)
         self.first = start[None, :].copy()
         self.take(self.place, body)
         self.put(start, (self.number(0), self.number(0)))
@@ -298,11 +298,11 @@ class Driver:
         """
         wanted = self.wanted
         made = slice(wanted.given, wanted.made[0])
-        rows, *rest = self.rows_of((wanted.rows.phases[made], wanted.states[:, made].T), *others)
+        rows, *rest = self.rows_of((wanted.rows.phases[made], wanted.states[made]), *others)
         wanted.given = made.stop
         if len(rows):
             self.request.take(wanted.rows.times[made], rows)
-        return rest
+        return [states.copy() for states in rest]
 
     def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
         """Return the rows of states.
@@ -312,7 +312,7 @@ class Driver:
         parts
             The numbers of their phases (k,), and states (k, all variables).
         """
-        return [states[:, : self.variables].copy() for _, states in parts]
+        return [states[:, : self.variables] for _, states in parts]
 
     def make(self, rows: Rows, most: int) -> int:
         """Make at most `most` steps, write these rows, and return the number of steps."""
@@ -324,7 +324,7 @@ class Driver:
         rows, made = self.wanted.rows, self.wanted.made
         part = slice(made[0], made[0] + len(times))
         rows.times[part], rows.phases[part], made[0] = times, self.samples.in_lane, part.stop
-        self.wanted.states[: states.shape[1], part] = states[:, : self.wanted.variables].T
+        self.wanted.states[part, : states.shape[1]] = states
 
     def reached(self) -> tuple[Any, np.ndarray]:
         """Return the internal time reached, and the state: of the last passage, if it ended the run
@@ -372,7 +372,7 @@ class Driver:
 
     def present(self) -> np.ndarray:
         """Return the present state, (1, variables), internal."""
-        return self.rows_of((self.samples.in_lane, self.state[None]))[0]
+        return self.rows_of((self.samples.in_lane, self.state[None].copy()))[0]
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases."""

@@ -377,7 +377,7 @@ class HybridDriver(Driver):
         self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
         self.functions = self.shared.tallies.functions[:, 0]
         self.functions["sign"] = 0.0  # not known
-        self.wanted, self.tables = Wanted(width, number), PhaseTables(problem)
+        self.wanted, self.tables = Wanted(self.width, number), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         contact, kind, struck = problem.contact, None, None
         if contact is not None:
