@@ -4,7 +4,7 @@ import numpy as np
 
 from tippetop.engine.settling import CLASSES, with_phases
 from tippetop.mechanics.contact.body import BALLS
-from tippetop.mechanics.contact.exits import PHASES
+from tippetop.mechanics.contact.contact_phases import PHASES
 
 
 def test_the_phase_and_the_ball_say_what_a_motion_under_way_is() -> None:
