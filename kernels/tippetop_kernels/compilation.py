@@ -23,8 +23,10 @@ import numpy as np
 
 PACKAGES = ("tippetop", "tippetop_kernels")
 
-KEPT = 8
-"""Folders of machine code, one for each state of the sources; the most recently used are kept."""
+KEPT = 40
+"""Folders of machine code, some five for each state of the sources; the most recently used are
+kept.
+"""
 
 IMPORTED = time.time()
 """Time at which this process began to import our sources, in seconds since 1970."""
@@ -59,7 +61,6 @@ class Entry:
     """
 
     def __init__(self, function: Callable):
-        functools.update_wrapper(self, function)
         self.function = function
 
     def __call__(self, *arguments: Any) -> Any:
@@ -75,23 +76,10 @@ class Entry:
         import numba
 
         compiled = functools.partial(numba.njit, error_model="numpy", nogil=True)
-        if (folder := self._folder()) is not None:
+        if (folder := code_folder(self.function)) is not None:
             with _numba_cache(folder), contextlib.suppress(RuntimeError):  # it is read-only
                 return compiled(cache=True)(self.function)
         return compiled()(self.function)
-
-    def _folder(self) -> Path | None:
-        """Return the folder of this machine code, or None if it must not be kept.
-
-        Functions that enclose others have different folders: two processes that write one index of
-        numba at the same time can exchange the code of two functions.
-        """
-        functions = self.function, *inspect.getclosurevars(self.function).nonlocals.values()
-        if any(f.__module__.partition(".")[0] not in PACKAGES for f in functions):
-            return None
-        names = [f"{f.__module__}.{f.__qualname__}" for f in functions]
-        folder = code_folder()
-        return folder and folder / hashlib.sha256(repr(names).encode()).hexdigest()[:16]
 
 
 entry = Entry
@@ -128,16 +116,20 @@ def private_folder(path: Path | None) -> Path | None:
     return path if private and stat.S_ISDIR(status.st_mode) else None
 
 
-@functools.cache
-def code_folder() -> Path | None:
-    """Return the folder of numba's machine code for the present sources, or None if none is safe.
+def code_folder(function: Callable) -> Path | None:
+    """Return the folder of the machine code of a function, or None if it must not be kept.
 
-    Folders of other sources are removed, except for those that were used last.
+    Functions that enclose others have different folders: two processes that write one index of
+    numba at the same time can exchange the code of two functions. Folders of other sources are
+    removed, except for those that were used last.
     """
+    functions = function, *inspect.getclosurevars(function).nonlocals.values()
     base, digest = private_folder(cache_folder()), sources_digest()
-    if base is None or digest is None:
+    ours = all(f.__module__.partition(".")[0] in PACKAGES for f in functions)
+    if base is None or digest is None or not ours:
         return None
-    folder = private_folder(base / f"numba-{digest}")
+    key = repr((digest, [f"{f.__module__}.{f.__qualname__}" for f in functions]))
+    folder = private_folder(base / f"numba-{hashlib.sha256(key.encode()).hexdigest()[:16]}")
     if folder is not None:
         with contextlib.suppress(OSError):
             os.utime(folder)
@@ -146,6 +138,7 @@ def code_folder() -> Path | None:
     return folder
 
 
+@functools.cache
 def sources_digest() -> str | None:
     """Return a digest of our source files and of the versions of the compiler.
 
@@ -154,16 +147,13 @@ def sources_digest() -> str | None:
     import llvmlite
     import numba
 
-    versions = numba.__version__, llvmlite.__version__, np.__version__
-    total = hashlib.sha256(repr(versions).encode())
+    sources = [numba.__version__, llvmlite.__version__, np.__version__]
     for package in PACKAGES:
-        root = Path(str(importlib.resources.files(package)))
-        for path in sorted(root.rglob("*.py")):
+        for path in sorted(Path(str(importlib.resources.files(package))).rglob("*.py")):
             if path.stat().st_ctime > IMPORTED:
                 return None
-            text = path.read_bytes()
-            total.update(f"\0{package}/{path.relative_to(root)} {len(text)}\0".encode() + text)
-    return total.hexdigest()[:16]
+            sources += [str(path), path.read_text()]
+    return hashlib.sha256("\0".join(sources).encode()).hexdigest()
 
 
 _settings = threading.Lock()

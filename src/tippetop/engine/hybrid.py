@@ -8,7 +8,7 @@ depend on balls or laws. All phases of a run have the same integrals.
 import math
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -18,13 +18,13 @@ import numpy as np
 
 from ..errors import BuildError, InputError, Interrupted, is_one_number
 from ..mechanics.event import ON_ZERO as BELOW
-from ..mechanics.event import Event, zero_of
+from ..mechanics.event import zero_of
 from ..mechanics.form import CLOCK, ENDS, Exit, Next, Phase
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
-from ..mechanics.variables import Variables
+from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
 from .changes import CHATTER, PER_SLICE, Changes
 from .driver import (
@@ -119,6 +119,7 @@ class World(NamedTuple):
         return [integral.rate(q, carried, b) for integral in phase.form.integrals]
 
 
+@dataclass(eq=False)
 class Jump:
     """The jump of a phase by an exit, for every run of its system.
 
@@ -132,21 +133,29 @@ class Jump:
         The phase that ends; "" at the start.
     exit
         How it ends.
-
-    Attributes
-    ----------
     calls, program
         How often Python has made it, and how the loop makes it: see `Changes`.
     """
 
-    calls, program = 0, None
+    system: System
+    contact: Any
+    kind: Any
+    name: str
+    phase: Phase
+    exit: Exit
+    calls: int = 0
+    program: Any = None
 
-    def __init__(
-        self, system: System, contact: Any, kind: Any, name: str, phase: Phase, exit: Exit
-    ):
-        self.phase, self.exit, self.variables = phase, exit, Variables(phase.form)
-        of_phase = f" from phase `{name}`" if name else ""
-        self.where = f"the jump by `{exit.event}`{of_phase} of `{system.name}`"
+    @property
+    def where(self) -> str:
+        """Return the jump in words."""
+        of_phase = f" from phase `{self.name}`" if self.name else ""
+        return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
+
+    def must(self, fault: str) -> None:
+        """Raise InputError for what the jump must do and does not, if anything."""
+        if fault:
+            raise InputError(f"{self.where} must {fault}.")
 
     def __call__(self, run: "HybridDriver", state: Sequence, world: World) -> tuple:
         """Return what follows in a run, as a Next; the Track of the next phase, the variables with
@@ -169,12 +178,25 @@ class Jump:
         InputError
             If the jump fails otherwise, or what it returns cannot follow.
         """
-        q, carried = self.variables.split(state[: len(self.variables.names)])
+        variables = variables_of(self.phase.form)
+        q, carried = variables.split(state[: len(variables.names)])
         x = self.phase.leave(q, self.phase.parameters(world.body))
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
         try:
-            return self._next(run, x, carried, world._replace(phase=self.phase))
+            n = self.exit.jump(x, world._replace(phase=self.phase))
+            self.must(self.exit.fault(n, x, run.words))
+            if n.cause is None:
+                n.cause = self.exit.event
+            if n.phase not in run.phases:
+                return n, None, (), ()
+            to, carried = run.track_of(n.phase), getattr(n.x, "carried", carried)
+            b = to.phase.parameters(world.body)
+            q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
+            if not world.rules:
+                self.must(wrong_time(n, to.phase) or wrong_root(n, to, q, carried))
+            values = to.formulas.functions(q, carried, b)
+            return n, to, to.variables.join(q, carried), values
         except (InputError, BuildError, Interrupted):
             raise
         except Exception as error:
@@ -185,23 +207,6 @@ class Jump:
                 raise InputError(message) from error
             return Next("", x, ends=Status.STALLED.value, message=message), None, (), ()
 
-    def _next(self, run: "HybridDriver", x: Any, carried: Any, world: World) -> tuple:
-        n = self.exit.jump(x, world)
-        if fault := self.exit.fault(n, x, run.words):
-            raise InputError(f"{self.where} must {fault}.")
-        if n.cause is None:
-            n.cause = self.exit.event
-        if n.phase not in world.phases:
-            return n, None, (), ()
-        to, carried = run.track_of(n.phase), getattr(n.x, "carried", carried)
-        b = to.phase.parameters(world.body)
-        q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
-        values = to.formulas.functions(q, carried, b)
-        fault = "" if world.rules else wrong_time(n, to.phase) or wrong_root(n, to, q, carried)
-        if fault:
-            raise InputError(f"{self.where} must {fault}.")
-        return n, to, to.variables.join(q, carried), values
-
 
 jump_of = lru_cache(maxsize=256)(Jump)
 """Returns the same `Jump` for the same exit: runs share its program."""
@@ -210,12 +215,6 @@ jump_of = lru_cache(maxsize=256)(Jump)
 def begin_in_first(x: Any, world: World) -> Next:
     """Return the first phase."""
     return Next(next(iter(world.phases)), x)
-
-
-def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
-    """Return the events of a run, by name."""
-    in_phases = [event for phase in phases.values() for event in phase.events]
-    return {event.name: event for event in (*system.events, *in_phases, *system.events)}
 
 
 def wrong_time(n: Next, to: Phase) -> str:
@@ -266,7 +265,7 @@ class Track:
     def __init__(self, run: "HybridDriver", name: str):
         problem, phase = run.problem, run.phases[name]
         self.name, self.phase, self.at = name, phase, [*run.phases].index(name)
-        self.b, self.variables = phase.parameters(run.world.body), Variables(phase.form)
+        self.b, self.variables = phase.parameters(run.world.body), variables_of(phase.form)
         self.width = len(self.variables.names)
         stops = problem.on_liftoff == "stop"
         self.exits = {  # by the number of the event
@@ -369,10 +368,12 @@ class HybridDriver(Driver):
         self.phases = {name: completed(one, problem.variables) for name, one in phases.items()}
         self.variables = len(problem.variables.names)
         self.at_start = np.ones(len(system.events))  # the phase of the start is chosen
-        self.events = [*events_of(system, self.phases).values()]
-        self.numbers = {event.name: k for k, event in enumerate(self.events)}
+        in_phases = (event for phase in phases.values() for event in phase.events)
+        events = {event.name: event for event in (*system.events, *in_phases, *system.events)}
+        self.events = [*events.values()]
+        self.numbers = {name: k for k, name in enumerate(events)}
         rows = event_rows(self.events, [(0, 1, 1.0, 0.0)] * len(self.events), ())
-        width = max(len(Variables(phase.form).names) for phase in self.phases.values())
+        width = max(len(variables_of(phase.form).names) for phase in self.phases.values())
         self.all_events, self.width = rows, width + len(self.events)
         self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
         self.functions = self.shared.tallies.functions[:, 0]
@@ -393,8 +394,7 @@ class HybridDriver(Driver):
         }
         self.jump = partial(jump_of, system, contact, kind)
         self.world = World(body, system, contact, self.phases, struck)
-        is_plain = contact is None or number is not float
-        self.copies = None if is_plain else Changes(self)
+        self.copies = Changes(self) if struck and number is float else None
         self._start(tuple(problem.start().tolist()))
         self.first = self.present()
 
@@ -603,7 +603,7 @@ class HybridDriver(Driver):
         self.short, (self.until,) = int(short), kept["until"]
         self.follow(self.track_of([*self.phases][int(at)]), began)
         super().restore(kept, state[: len(self.state)], clock)
-        self.tables = PhaseTables(self.problem)
+        self.tables.take()
         self.tables.under_way = under_way
 
 

@@ -28,6 +28,7 @@ QUIET = np.errstate(all="ignore")
 STATUSES = tuple(status.value for status in Status if status is not Status.RUNNING)
 """Words of the column `status`, by number."""
 
+SWINGS = ("turnings", "theta_min", "theta_max")  # columns that turnings give
 LYAPUNOV = "lyapunov"  # a column that is left out unless it is asked for
 Form = tuple[Any, Unit, str]  # of a column: type, unit, meaning
 TURNS = "of the unit quaternion that turns body axes into space axes, at the end"

@@ -43,7 +43,6 @@ from .response import (
     resting,
     sliding,
     sliding_along,
-    sticking,
 )
 from .rolling import spin
 
@@ -243,7 +242,7 @@ CONE = ending(
     "rolling needs more friction than there is: the contact slides",
     lambda s, b: cone(s.by.force, b),
 )
-ROLL = without_slip((LIFTOFF, TOUCH, CONE), sticking)
+ROLL = without_slip((LIFTOFF, TOUCH, CONE), resting)
 
 STOPS_AT = 2.0**-43
 """|v_A| at which a sliding contact stops, internal units: 1.1e-13. An impulse takes the rest."""

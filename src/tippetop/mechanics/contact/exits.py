@@ -39,7 +39,6 @@ from .response import (
     kicked,
     margin,
     resting,
-    sticking,
     stopping,
     turning,
 )
@@ -201,7 +200,7 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
             return on_disc(Next(name, x, cause, zeros=roots), world)
     else:
         x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
-        F = sticking(x, b)[0]
+        F = resting(x, b)[0]
         if F.z > 0 and cone(F, b) >= 0:
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
         for beta in first_directions(partial(pushed, x, b)):
@@ -353,7 +352,7 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         every = (*by[:6], *world.rates(phase, q, carried), by.w)
         return np.array(np.broadcast_arrays(*every)), by.beta
 
-    F = sticking(x, b)[0]
+    F = resting(x, b)[0]
     omega = contact.angular_velocity(x, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
 
@@ -486,8 +485,8 @@ def at_rest(n: Next, world: Any) -> Next:
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
-    gains = 1 / b.m if size(F) > limit else turning(x.u, b)[1] * b.friction.patch**2
-    if limit == 0 or sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
+    gains = 1 / b.m if size(F) > limit else b.friction.patch**2 / turning(x.u, b)[1]
+    if sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives", others)
 

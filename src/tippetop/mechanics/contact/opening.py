@@ -9,7 +9,7 @@ from typing import Any
 
 from ..event import Event
 from ..form import CLOCK, Exit, Form, Phase
-from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
+from ..friction import LAWS, PARTS, all_laws, has_parts
 from ..number import Number
 from ..operand import formula
 from ..system import System
@@ -170,10 +170,11 @@ def opened(system: System, law: Any, balls: int) -> System:
         """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
         known, friction = phases, b.friction
-        if (law.set_valued and friction.mu == 0) or (law.regions and is_frictionless(friction)):
+        if (law.set_valued or law.regions) and friction.mu == 0:
             none = LAWS["none"].given(PARTS if has_parts(friction) else ())
             known = opened(system, none, balls).phases
-            b = b._replace(friction=none._make(getattr(friction, name) for name in none.parameters))
+            numbers = (getattr(friction, name, 0 * b.m) for name in none.parameters)
+            b = b._replace(friction=none._make(numbers))
         return seen_from_balls(b, stem), known
 
     return replace(
