@@ -18,12 +18,6 @@ class Level(IntEnum):
 
 
 @kernel
-def bound(excess, inside, end, at, r):
-    """Return the crossing between `inside`, where excess < 0, and `end`, or `end` if it is < 0."""
-    return crossing(excess, inside, end, at, r) if excess(end, at, r) > 0 else end
-
-
-@kernel
 def band_of(excess, q, maxima, well, at, allowance, r):
     """Return the crossings of a level around the minimum `well`, a Level, and the minima inside.
 
@@ -48,8 +42,10 @@ def band_of(excess, q, maxima, well, at, allowance, r):
         first -= 1
     while last < maxima and excess(q[2 * last + 1], at, r) <= 0:
         last += 1
-    low = bound(excess, q[2 * first], q[2 * first - 1] if first > 0 else SMALLEST, at, r)
-    high = bound(excess, q[2 * last], q[2 * last + 1] if last < maxima else LARGEST, at, r)
+    low_end = q[2 * first - 1] if first > 0 else SMALLEST
+    high_end = q[2 * last + 1] if last < maxima else LARGEST
+    low = crossing(excess, q[2 * first], low_end, at, r)
+    high = crossing(excess, q[2 * last], high_end, at, r)
     return low, high, Level.ABOVE, first, last
 
 

@@ -37,6 +37,9 @@ enum {
 /* Internal time of a step that goes nowhere. */
 static const real TINY = 1e-10;
 
+/* The last place of a zero in a step: what happens at its very end happens in it, not behind it. */
+static const real BEFORE_END = 1 - 0x1p-53;
+
 /* --- structures of the caller: `tippetop.engine.loop` makes the same; groups are tuples --- */
 
 /* Codes of `engine.status.Status`. */
@@ -216,8 +219,10 @@ integer loop_crossings(const real *p, integer n, bool positive, real *zeros) {
             continue;
         }
         real end = value_at(part, n, 1);
-        if ((end > 0) != positive && count < n)
-            zeros[count++] = ((real)(2 * at + 1) + zero_of(part, n, -1, 1)) * radius;
+        if ((end > 0) != positive && count < n) {
+            real x = ((real)(2 * at + 1) + zero_of(part, n, -1, 1)) * radius;
+            zeros[count++] = fmin(x, BEFORE_END);
+        }
         positive = end > 0;
         at++;
         while (at % 2 == 0 && level > 0) { /* up to the next interval */

@@ -61,7 +61,7 @@ def clipped(q):
 def crossing(function, inside, outside, p, r):
     """Return q between `inside`, where function(q, p, r) <= 0, and `outside`, where it is > 0.
 
-    By bisection of ln(q) to the last bit.
+    By bisection of ln(q) to the last bit. It is next to `outside` where the function is not > 0.
     """
     while True:
         q = np.sqrt(inside) * np.sqrt(outside)

@@ -141,7 +141,7 @@ class Seen:
 @pytest.mark.parametrize("lanes", [1, 4])
 @pytest.mark.parametrize("preset", IN_LANES)
 def test_steps_of_lanes_are_those_of_heyokas_batch(
-    preset: str, lanes: int, rng: np.random.Generator
+    preset: str, lanes: int, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """More tops than lanes, of other lengths: what a lane held before, and what its neighbours do,
     leaves no trace.
@@ -151,7 +151,8 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
     spins = base.initial["omega3"] * rng.uniform(0.9, 1.1, n)
     tops = Problems.vary(base, {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
     assert tops.valid.all()
-    mine = Lanes(tops, lanes, every=1)
+    monkeypatch.setattr("tippetop.ensembles.lanes.EVERY", 1)
+    mine = Lanes(tops, lanes)
     made, final = (
         new_tallies(mine.rows, np.ones((len(mine.rows.events), n))),
         np.full(tops.start.shape, np.nan),

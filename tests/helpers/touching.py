@@ -159,6 +159,7 @@ def struck(
         **made._asdict(),
         **dict(zip(names, (*velocity, *made.p), strict=True)),
         energy=made.gained,
+        work_t=made.gained - made.work_n,
         after=after,
         Omega_z=omega.z,
         makes_energy=made.makes_energy,

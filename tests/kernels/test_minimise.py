@@ -63,7 +63,7 @@ def test_minimum_is_found_inside_foreign_code():
 
 @pytest.mark.parametrize(("centre", "end"), [(-100.0, SMALLEST), (100.0, LARGEST)])
 def test_minimum_beyond_the_range_is_its_end(centre, end):
-    assert theirs(np.array([centre]), 0.0) == pytest.approx(end, rel=1e-15)
+    assert theirs(np.array([centre]), 0.0) == pytest.approx(end, rel=1e-15, abs=0)
 
 
 @kernel
@@ -113,7 +113,7 @@ def test_levels_of_a_hanging_chain():
         Level.ABOVE,
     ]
     assert found[0][:2] == (1.0, 1.0)
-    assert found[3][:2] == (SMALLEST, LARGEST)
+    assert found[3][:2] == pytest.approx((SMALLEST, LARGEST), rel=1e-15, abs=0)
 
 
 def test_every_row_is_worked_once():

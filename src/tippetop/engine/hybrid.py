@@ -5,10 +5,11 @@ Jumps are functions of the common state, which every phase can be read as; the d
 depend on balls or laws. All phases of a run have the same integrals.
 """
 
+import copy
 import math
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -18,13 +19,13 @@ import numpy as np
 
 from ..errors import BuildError, InputError, Interrupted, is_one_number
 from ..mechanics.event import ON_ZERO as BELOW
-from ..mechanics.event import Event
+from ..mechanics.event import zero_of
 from ..mechanics.form import CLOCK, ENDS, Exit, Next, Phase
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
 from ..mechanics.system import System
 from ..mechanics.units import SECOND
-from ..mechanics.variables import Variables
+from ..mechanics.variables import Variables, variables_of
 from ..problem import Problem
 from .changes import CHATTER, PER_SLICE, Changes
 from .driver import (
@@ -44,7 +45,7 @@ from .impacts import ImpactMotions, kind_of
 from .integrator import Compiled
 from .loop import Rows
 from .phase_tables import PhaseTables
-from .python_events import Sampler, zero_of
+from .python_events import sampled_in_next_step
 from .status import Status
 from .tallies import begin_lasting, event_rows
 from .taylor import code_for, internal_end
@@ -119,6 +120,7 @@ class World(NamedTuple):
         return [integral.rate(q, carried, b) for integral in phase.form.integrals]
 
 
+@dataclass(eq=False)
 class Jump:
     """The jump of a phase by an exit, for every run of its system.
 
@@ -132,21 +134,29 @@ class Jump:
         The phase that ends; "" at the start.
     exit
         How it ends.
-
-    Attributes
-    ----------
     calls, program
         How often Python has made it, and how the loop makes it: see `Changes`.
     """
 
-    calls, program = 0, None
+    system: System
+    contact: Any
+    kind: Any
+    name: str
+    phase: Phase
+    exit: Exit
+    calls: int = 0
+    program: Any = None
 
-    def __init__(
-        self, system: System, contact: Any, kind: Any, name: str, phase: Phase, exit: Exit
-    ):
-        self.phase, self.exit, self.variables = phase, exit, Variables(phase.form)
-        of_phase = f" from phase `{name}`" if name else ""
-        self.where = f"the jump by `{exit.event}`{of_phase} of `{system.name}`"
+    @property
+    def where(self) -> str:
+        """Return the jump in words."""
+        of_phase = f" from phase `{self.name}`" if self.name else ""
+        return f"the jump by `{self.exit.event}`{of_phase} of `{self.system.name}`"
+
+    def must(self, fault: str) -> None:
+        """Raise InputError for what the jump must do and does not, if anything."""
+        if fault:
+            raise InputError(f"{self.where} must {fault}.")
 
     def __call__(self, run: "HybridDriver", state: Sequence, world: World) -> tuple:
         """Return what follows in a run, as a Next; the Track of the next phase, the variables with
@@ -169,12 +179,25 @@ class Jump:
         InputError
             If the jump fails otherwise, or what it returns cannot follow.
         """
-        q, carried = self.variables.split(state[: len(self.variables.names)])
+        variables = variables_of(self.phase.form)
+        q, carried = variables.split(state[: len(variables.names)])
         x = self.phase.leave(q, self.phase.parameters(world.body))
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
         try:
-            return self._next(run, x, carried, world._replace(phase=self.phase))
+            n = self.exit.jump(x, world._replace(phase=self.phase))
+            self.must(self.exit.fault(n, x, run.words))
+            if n.cause is None:
+                n.cause = self.exit.event
+            if n.phase not in run.phases:
+                return n, None, (), ()
+            to, carried = run.track_of(n.phase), getattr(n.x, "carried", carried)
+            b = to.phase.parameters(world.body)
+            q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
+            if not world.rules:
+                self.must(wrong_time(n, to.phase) or wrong_root(n, to, q, carried))
+            values = to.formulas.functions(q, carried, b)
+            return n, to, to.variables.join(q, carried), values
         except (InputError, BuildError, Interrupted):
             raise
         except Exception as error:
@@ -185,23 +208,6 @@ class Jump:
                 raise InputError(message) from error
             return Next("", x, ends=Status.STALLED.value, message=message), None, (), ()
 
-    def _next(self, run: "HybridDriver", x: Any, carried: Any, world: World) -> tuple:
-        n = self.exit.jump(x, world)
-        if fault := self.exit.fault(n, x, run.words):
-            raise InputError(f"{self.where} must {fault}.")
-        if n.cause is None:
-            n.cause = self.exit.event
-        if n.phase not in world.phases:
-            return n, None, (), ()
-        to, carried = run.track_of(n.phase), getattr(n.x, "carried", carried)
-        b = to.phase.parameters(world.body)
-        q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
-        values = to.formulas.functions(q, carried, b)
-        fault = "" if world.rules else wrong_time(n, to.phase) or wrong_root(n, to, q, carried)
-        if fault:
-            raise InputError(f"{self.where} must {fault}.")
-        return n, to, to.variables.join(q, carried), values
-
 
 jump_of = lru_cache(maxsize=256)(Jump)
 """Returns the same `Jump` for the same exit: runs share its program."""
@@ -210,12 +216,6 @@ jump_of = lru_cache(maxsize=256)(Jump)
 def begin_in_first(x: Any, world: World) -> Next:
     """Return the first phase."""
     return Next(next(iter(world.phases)), x)
-
-
-def events_of(system: System, phases: Mapping[str, Phase]) -> dict[str, Event]:
-    """Return the events of a run, by name."""
-    in_phases = [event for phase in phases.values() for event in phase.events]
-    return {event.name: event for event in (*system.events, *in_phases, *system.events)}
 
 
 def wrong_time(n: Next, to: Phase) -> str:
@@ -266,7 +266,7 @@ class Track:
     def __init__(self, run: "HybridDriver", name: str):
         problem, phase = run.problem, run.phases[name]
         self.name, self.phase, self.at = name, phase, [*run.phases].index(name)
-        self.b, self.variables = phase.parameters(run.world.body), Variables(phase.form)
+        self.b, self.variables = phase.parameters(run.world.body), variables_of(phase.form)
         self.width = len(self.variables.names)
         stops = problem.on_liftoff == "stop"
         self.exits = {  # by the number of the event
@@ -284,8 +284,8 @@ class Track:
         shared = run.shared._replace(samples=samples)
         self.place = Place(code, run.stepper_of(code), rows, shared)
         run.take(self.place, leaves(self.b))
-        sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
-        self.sampler = Sampler(self, code.integrator, sampled) if sampled else None
+        self.sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
+        self.ahead = copy.deepcopy(code.integrator) if self.sampled else None
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase, `mine`, are looked for."""
@@ -364,15 +364,23 @@ class HybridDriver(Driver):
         system, number = problem.system, float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
-        body, phases = _assembled(problem)
+
+        def internal(value: float, unit: Any) -> Any:
+            return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
+
+        body, phases = problem.internal_body, system.phases
+        if system.assembled is not None:
+            body, phases = system.assembled(body, problem.contact, internal)
         body = refill(body, map(number, leaves(body)))
         self.phases = {name: completed(one, problem.variables) for name, one in phases.items()}
         self.variables = len(problem.variables.names)
         self.at_start = np.ones(len(system.events))  # the phase of the start is chosen
-        self.events = [*events_of(system, self.phases).values()]
-        self.numbers = {event.name: k for k, event in enumerate(self.events)}
+        in_phases = (event for phase in phases.values() for event in phase.events)
+        events = {event.name: event for event in (*system.events, *in_phases, *system.events)}
+        self.events = [*events.values()]
+        self.numbers = {name: k for k, name in enumerate(events)}
         rows = event_rows(self.events, [(0, 1, 1.0, 0.0)] * len(self.events), ())
-        width = max(len(Variables(phase.form).names) for phase in self.phases.values())
+        width = max(len(variables_of(phase.form).names) for phase in self.phases.values())
         self.all_events, self.width = rows, width + len(self.events)
         self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
         self.functions = self.shared.tallies.functions[:, 0]
@@ -393,8 +401,7 @@ class HybridDriver(Driver):
         }
         self.jump = partial(jump_of, system, contact, kind)
         self.world = World(body, system, contact, self.phases, struck)
-        is_plain = contact is None or number is not float
-        self.copies = None if is_plain else Changes(self)
+        self.copies = Changes(self) if struck and number is float else None
         self._start(tuple(problem.start().tolist()))
         self.first = self.present()
 
@@ -435,8 +442,7 @@ class HybridDriver(Driver):
         time = min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
         if n.cause:
-            row = self.tables.row_of(track.name, track.phase, n.cause)
-            self.tables.begin(float(now + n.logged_after), row)
+            self.tables.begin(float(now + n.logged_after), track.name, track.phase, n.cause)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
         signs, zeros, passed = track.begins(n, values, self.functions["sign"])
@@ -461,7 +467,7 @@ class HybridDriver(Driver):
             self.end_next()
             is_over = self.changes >= PER_SLICE or not self.clock[0] < self.end
             room = 0 if is_over else most - steps
-            steps += self.drive(min(room, 1) if self.track.sampler else room)
+            steps += self.drive(min(room, 1) if self.track.sampled else room)
             code, (when, last) = self.status[0], self.reached()
             self.last = last[: self.track.width].copy()
             status = None if code == RUNNING else STATUSES[code]
@@ -471,7 +477,7 @@ class HybridDriver(Driver):
             jump = self.track.exits.get(ending)
             if jump:
                 status = self._change(jump, when)
-            goes_on = status is None and room > 0 and bool(jump or self.track.sampler)
+            goes_on = status is None and room > 0 and bool(jump or self.track.sampled)
         if status is None and not self.clock[0] < self.end:
             status = Status.FINISHED  # a phase begins where the run ends, and takes no step
             self.tally["upto"] = 0.0
@@ -483,8 +489,9 @@ class HybridDriver(Driver):
         """Put the end of the next steps at that of the phase, or where a sampled event happens in
         the next one; `ending` is that event, or CLOCK, or None at the end of the run.
         """
-        sampler = self.track.sampler
-        ends = [(self.end, None), (self.until, CLOCK), *(sampler.next(self) if sampler else ())]
+        ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
+        if self.track.sampled:
+            ends += sampled_in_next_step(self.track, self)
         when, self.ending = min(ends, key=itemgetter(0))
         self.end_at(when)
 
@@ -557,10 +564,8 @@ class HybridDriver(Driver):
             track, during = self.track, self.series
             now = zero_of(lambda t: -sign * track.value(number, during(t)[0]), now, self.began)
             state = during(now)[0]
-        elif not event.lasting:  # theta may have a corner
-            is_turned = event.sense and abs(before.value(number, state)) > BELOW
-            if not is_turned:
-                return
+        elif not (event.lasting or (event.sense and abs(before.value(number, state)) > BELOW)):
+            return
         self._note(number, now, sign, track, state)
 
     def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
@@ -595,7 +600,7 @@ class HybridDriver(Driver):
         but for `state`.
         """
         phase = self.track.at, self.short, self.began, *self.tables.under_way
-        return super().snapshot() | {"phase": [*phase], "until": [self.number(self.until)]}
+        return super().snapshot() | {"phase": [*phase], "until": [self.until]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
@@ -603,21 +608,9 @@ class HybridDriver(Driver):
         self.short, (self.until,) = int(short), kept["until"]
         self.follow(self.track_of([*self.phases][int(at)]), began)
         super().restore(kept, state[: len(self.state)], clock)
-        self.tables = PhaseTables(self.problem)
+        self.tables.take()
         self.tables.under_way = under_way
 
 
 class WideHybridDriver(HybridDriver, WideDriver):
     """Makes the steps of a run through its phases in numbers wider than doubles."""
-
-
-def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
-    """Return the body of a run as its phases take it, and the phases."""
-    system = problem.system
-    if system.assembled is None:
-        return problem.internal_body, system.phases
-
-    def internal(value: float, unit: Any) -> Any:
-        return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
-
-    return system.assembled(problem.internal_body, problem.contact, internal)

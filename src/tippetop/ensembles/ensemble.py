@@ -19,8 +19,8 @@ from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults
 from ..progress import Report, reporting
 from .hybrid_tops import problem_of, run_each
-from .lanes import LANES, SWINGS, Lanes
-from .outcomes import LYAPUNOV, QUIET, Outcomes, _conclude, dataset
+from .lanes import LANES, Lanes
+from .outcomes import LYAPUNOV, QUIET, SWINGS, Outcomes, _conclude, dataset
 
 
 if TYPE_CHECKING:
@@ -199,7 +199,6 @@ def base_faults(base: Problem) -> list[str]:
     return sentences
 
 
-@QUIET
 def of_problem(
     base: Problem,
     variations: Mapping[str, Any],

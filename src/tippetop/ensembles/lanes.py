@@ -25,6 +25,7 @@ from ..engine.taylor import compiled_when
 from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
 from .hybrid_tops import problem_of
+from .outcomes import SWINGS
 
 
 LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
@@ -33,7 +34,6 @@ SAMPLES = 64
 EVERY = 32  # steps between two samples
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
 MOST_DRIVEN = 8192  # steps between two looks of Python: 70 ms
-SWINGS = ("turnings", "theta_min", "theta_max")  # columns that turnings give
 
 
 class Lanes:
@@ -47,8 +47,6 @@ class Lanes:
         How many run at a time.
     wanted
         As in `ensemble.measure`.
-    every
-        Steps between two samples.
     """
 
     def __init__(
@@ -56,7 +54,6 @@ class Lanes:
         tops: Problems,
         lanes: int = LANES,
         wanted: Collection[str] | None = None,
-        every: int = EVERY,
     ):
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
@@ -74,7 +71,7 @@ class Lanes:
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
-        rules = Rules(settled_for, MOST_STEPS, every, 0)
+        rules = Rules(settled_for, MOST_STEPS, EVERY, 0)
         self.loop = Loop(
             self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, code.machine
         )

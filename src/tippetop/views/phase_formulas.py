@@ -16,7 +16,7 @@ from ..mechanics.contact.contact_phases import (
     smooth_friction,
 )
 from ..mechanics.contact.gliding import COS_INVERTED, axis, turning
-from ..mechanics.contact.response import mobility_inverse_times, sliding, sticking
+from ..mechanics.contact.response import mobility_inverse_times, resting, sliding
 from ..mechanics.contact.rows import moving, row_of_angles
 from ..mechanics.operand import Vector, atan2, cross, leaves, plus, refill, sqrt
 from ..mechanics.system import System
@@ -143,7 +143,7 @@ def _of_law(law: Any) -> str:
         "frictions": f"[{', '.join(map(friction, frictions or [smooth_friction]))}]",
         "normal": arrow({"y": y, "per": per, "b": b}, normal),
         "turn": arrow({"y": y, "per": per, "b": b}, turn),
-        "held": arrow({"y": y, "b": b}, lambda y, b: [*sticking(turning(y[0]), b)[0]]),
+        "held": arrow({"y": y, "b": b}, lambda y, b: [*resting(turning(y[0]), b)[0]]),
         "pinned": arrow(
             {"y": y, "x": force, "b": b},
             lambda y, x, b: [*mobility_inverse_times(axis(y[0]), x, b)],

@@ -219,6 +219,12 @@ def contact_velocity(x, b):
 
 
 @formula
+def slip_scalars(u, v):
+    """Return v.3hat of the horizontal part of a velocity, (3hat x v).zhat, and its square."""
+    return u.x * v.x + u.y * v.y, u.x * v.y - u.y * v.x, v.x * v.x + v.y * v.y
+
+
+@formula
 def velocities(x, b):
     """Return v_A and omega of a moving body, (3,) each."""
     return contact_velocity(x, b), angular_velocity(x, b)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import product
 from typing import Any, NamedTuple
 
-from ..disc_friction import STOPS_ROLLING, Region, drilling_force, rolling
+from ..disc_friction import STOPS_ROLLING, Border, drilling_force, rolling
 from ..event import Event
 from ..form import Form, Phase
 from ..friction import load, slip_coefficient
@@ -43,7 +43,6 @@ from .response import (
     resting,
     sliding,
     sliding_along,
-    sticking,
 )
 from .rolling import spin
 
@@ -70,13 +69,18 @@ def phase_name(label: str, ball: int, *regions: str) -> str:
 
 
 class Acts(NamedTuple):
-    """Force and torque of the plane on a body, v_A and omega, (3,) each."""
+    """What a `Reaction` is made of: force and torque of the plane on a body, v_A and omega."""
 
     force: Vector
     torque: Vector
     velocity: Vector
     omega: Vector
     sides: tuple = ()  # the actions on each ball, if there are two
+
+    @property
+    def drilled(self) -> Any:
+        """Return the power that the torque takes."""
+        return -dot(self.torque, self.omega)
 
 
 Contact: Any = namedtuple("Contact", "z z_dot force by sides q")
@@ -130,18 +134,14 @@ def on_ball(
         x = turning(q)
         return Moving(x.u, x.L, centre_velocity(x, velocity(q), b), height(q.uz, b))
 
-    def reaction(q, b):
-        by = acts(q, b)
-        return Reaction(by.force, -dot(by.torque, by.omega))
-
     def power(q, carried, b):
         by = acts(q, b)
-        return -(dot(by.force, by.velocity) + dot(by.torque, by.omega))
+        return by.drilled - dot(by.force, by.velocity)
 
     return phase_of(
         units,
         events,
-        (rates, scalars, entered, leave, reaction),
+        (rates, scalars, entered, leave, acts),
         work=power,
         impulse=lambda q, carried, b: acts(q, b).force.z,
         jellett_lost=lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b)),
@@ -153,8 +153,8 @@ def none(q: Any) -> Vector:
     return times(0, axis(q))
 
 
-def slip2(v: Vector) -> Any:
-    """Return the square of the horizontal part of a velocity."""
+def horizontal2(v: Vector) -> Any:
+    """Return the square of the horizontal part of a vector."""
     return v.x * v.x + v.y * v.y
 
 
@@ -193,10 +193,12 @@ def own_gap(s, b):
     return s.height - height(s.z, b)
 
 
-LAND = ending("land", "the ball lands", own_gap)
 FLIGHT = phase_of(
     FREE,
-    (LAND, replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b))),
+    (
+        ending("land", "the ball lands", own_gap),
+        replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b)),
+    ),
     (
         free_rates,
         lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
@@ -240,7 +242,7 @@ CONE = ending(
     "rolling needs more friction than there is: the contact slides",
     lambda s, b: cone(s.by.force, b),
 )
-ROLL = without_slip((LIFTOFF, TOUCH, CONE), sticking)
+ROLL = without_slip((LIFTOFF, TOUCH, CONE), resting)
 
 STOPS_AT = 2.0**-43
 """|v_A| at which a sliding contact stops, internal units: 1.1e-13. An impulse takes the rest."""
@@ -271,7 +273,7 @@ DIRECTED_SLIP = on_ball(
     (LIFTOFF, TOUCH, STICK),
     lambda x, q, b: sliding_along(x, direction(q), b),
     lambda q: times(q.w, direction(q)),
-    lambda v: (atan2(v.y, v.x), sqrt(slip2(v))),
+    lambda v: (atan2(v.y, v.x), sqrt(horizontal2(v))),
     directed_changes,
 )
 
@@ -311,7 +313,7 @@ def disc_friction(
     """Return friction(omega, v, z, b) of a disc: force and torque, per normal force."""
 
     def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-        by = drag(slip2(v), edge_speed2(omega, b))
+        by = drag(horizontal2(v), edge_speed2(omega, b))
         return drilling_force(1, v, by, b.friction.mu), torque(by, omega, b.friction)
 
     return friction
@@ -319,7 +321,7 @@ def disc_friction(
 
 def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
     """Return force and torque, per normal force, under a law of the sliding velocity."""
-    k = -slip_coefficient(slip2(v), z, b.friction)
+    k = -slip_coefficient(horizontal2(v), z, b.friction)
     return Vector(k * v.x, k * v.y, 1), load(omega, b.friction)
 
 
@@ -330,7 +332,7 @@ def rest_speed2(b):
 
 def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
     """Return the squares of the speeds of a contact."""
-    return Speeds(slip2(v), patch_speed2(omega, b))
+    return Speeds(horizontal2(v), patch_speed2(omega, b))
 
 
 def beyond_rest(s, b):
@@ -342,18 +344,15 @@ def beyond_rest(s, b):
 RESTS = ending("rests", "no disc in contact slides or turns", beyond_rest)
 
 
-def borders(region: Region, side: int) -> list[Event]:
-    """Return the events in which a region ends, of one of the contacts."""
+def border(way: Border, side: int) -> Event:
+    """Return the event in which a region ends, of one of the contacts."""
 
-    def end(way: Any) -> Event:
-        def beyond(s, b):
-            by = s.sides[side]
-            return way.beyond(speeds(by.velocity, by.omega, b), b)
+    def beyond(s, b):
+        by = s.sides[side]
+        return way.beyond(speeds(by.velocity, by.omega, b), b)
 
-        name = phase_name(way.event, side)
-        return ending(name, "sliding against turning", beyond, way.direction)
-
-    return [end(way) for way in region.borders]
+    name = phase_name(way.event, side)
+    return ending(name, "sliding against turning", beyond, way.direction)
 
 
 def with_slip(events: tuple, pushed: Callable) -> Phase:
@@ -377,8 +376,8 @@ def frictions_of(law: Any, names: Sequence[str]) -> list[Callable]:
 
 def ends_of(law: Any, names: Sequence[str]) -> tuple[Event, ...]:
     """Return the events that end sliding in these regions of a law, on each contact."""
-    ways = [way for side, name in enumerate(names) for way in borders(law.regions[name], side)]
-    return (RESTS, *ways) if names else ()
+    sides = [(way, side) for side, name in enumerate(names) for way in law.regions[name].borders]
+    return (RESTS, *(border(*one) for one in sides)) if names else ()
 
 
 def slip_under(law: Any, *names: str) -> Phase:
@@ -424,15 +423,6 @@ GIVES = Event(
     sampled=True,
 )
 REST = without_slip((LIFTOFF, TOUCH, GIVES), resting)
-
-
-def slides(law: Any) -> dict[tuple[str, ...], Phase]:
-    """Return the phases of sliding under a law, by the regions of the law."""
-    if law.regions:
-        return {(name,): slip_under(law, name) for name in law.regions}
-    if law.set_valued:
-        return {(): DIRECTED_SLIP}
-    return {(): slip_under(law) if law.torque else SLIP}
 
 
 # --- on both balls --------------------------------------------------------------------------------
@@ -502,14 +492,14 @@ def rolled(x, b):
     """
     u, u_dot, omega, still = x.u, contact.axis_rate(x, b), angular_velocity(x, b), times(0, x.u)
     velocity = centre_velocity(x, still, b)
-    turn = (u.x * u_dot.y - u.y * u_dot.x) / (u.x**2 + u.y**2)
+    turn = Vector(0, 0, cross(u, u_dot).z / horizontal2(u))
     moves = dot(omega, x.L) + b.m * dot(velocity, velocity)  # twice the energy
     share = 1 / (moves + b.I1 * STOPS_ROLLING**2)
     rolls = rolling(omega, b.friction)
     slows = b.m * b.g * dot(rolls, omega) * share
 
     def rate(a):
-        return Vector(slows * a.x - turn * a.y, slows * a.y + turn * a.x, slows * a.z)
+        return plus(times(slows, a), cross(turn, a))
 
     L_dot, V_dot = rate(x.L), rate(velocity)
     acts = times(1 / b.g, V_dot)._replace(z=1), times(moves * share, rolls)
@@ -522,14 +512,27 @@ def rolled(x, b):
 ROLLS_ON_BOTH = replace(without_slip(LEAVES, rolled), axis_stays=True)
 
 
-def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
-    """Return the phases on both balls under a law, by the regions of the law on each."""
+# --- the phases under a law ---------------------------------------------------------------------
+
+
+PHASES = ("slip", "roll", "flight", "both", "rest")
+"""Labels of phases; the place of a label is its number in a store."""
+
+
+def phases_under(law: Any) -> dict[str, dict[tuple[str, ...], Phase]]:
+    """Return the phases under a law, by label and by its regions on each ball in contact."""
     if law.set_valued:
-        return {}
+        return {"slip": {(): DIRECTED_SLIP}, "roll": {(): ROLL}, "flight": {(): FLIGHT}}
     if not law.regions:
-        return {(): slide_on_both(law)}
+        slip = slip_under(law) if law.torque else SLIP
+        return {"slip": {(): slip}, "flight": {(): FLIGHT}, "both": {(): slide_on_both(law)}}
     slides = {names: slide_on_both(law, *names) for names in product(law.regions, repeat=2)}
-    return {("roll",): ROLLS_ON_BOTH, **slides}
+    return {
+        "slip": {(name,): slip_under(law, name) for name in law.regions},
+        "flight": {(): FLIGHT},
+        "both": {("roll",): ROLLS_ON_BOTH, **slides},
+        "rest": {(): REST},
+    }
 
 
 # --- what brings a body onto both ---------------------------------------------------------------
@@ -537,9 +540,8 @@ def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
 
 def without_slip_on_both(x: Moving, b: Touch) -> Moving:
     """Return the body without the rest of its sliding and turning on both balls."""
-    omega, none = angular_velocity(x, b), 0 * x.u.z
-    spin = (omega.x * x.u.x + omega.y * x.u.y) / (x.u.x**2 + x.u.y**2)
-    omega = Vector(spin * x.u.x, spin * x.u.y, none)
+    along = x.u._replace(z=0 * x.u.z)
+    omega = times(dot(angular_velocity(x, b), along) / dot(along, along), along)
     L = plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, x.u), x.u))
     velocity = centre_velocity(Turning(x.u, L), times(0, L), b)
     p = times(b.m, minus(velocity, x.velocity))
@@ -553,6 +555,4 @@ def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Movin
     """
     v, sinks = contact_velocity(x, b), -(b.m * x.velocity.z)
     p, twist, *_ = shared(x, v, frictions, sinks, -cross(x.L, x.u).z, b)
-    after, lies = kicked(x, b, p, twist), height(x.u.z, b)
-    after = after._replace(velocity=after.velocity._replace(z=0 * sinks), height=lies)
-    return gained(after, work=b.m * b.g * (x.height - lies))
+    return gained(kicked(x, b, p, twist), work=b.m * b.g * contact.gap(x, b))

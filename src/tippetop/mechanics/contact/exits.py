@@ -6,8 +6,9 @@ struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -19,19 +20,14 @@ from .body import BALLS, Moving, Touch, contact_velocity
 from .contact_phases import (
     DIRECTED,
     DIRECTED_SLIP,
-    FLIGHT,
-    REST,
     RESTS,
-    ROLL,
     STOPS_AT,
     brought_to_rest,
     frictions_of,
-    on_both,
+    horizontal2,
     phase_name,
     regions_of,
     rest_speed2,
-    slides,
-    slip2,
     without_slip_on_both,
 )
 from .first_slip import FirstSlip, first_directions, first_slip
@@ -43,7 +39,6 @@ from .response import (
     kicked,
     margin,
     resting,
-    sticking,
     stopping,
     turning,
 )
@@ -111,7 +106,7 @@ def rise(x: Moving, b: Touch) -> Any:
 
 def size(v: Vector) -> Any:
     """Return the length of the horizontal part of a vector."""
-    return sqrt(slip2(v))
+    return sqrt(horizontal2(v))
 
 
 def touching(x: Moving, world: Any) -> list[int]:
@@ -205,12 +200,11 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
             return on_disc(Next(name, x, cause, zeros=roots), world)
     else:
         x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
-        F = sticking(x, b)[0]
+        F = resting(x, b)[0]
         if F.z > 0 and cone(F, b) >= 0:
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
-        beta = first_directions(partial(pushed, x, b))
-        if len(beta):
-            name, q = phase_name("slip", ball), directed(x, beta[0])
+        for beta in first_directions(partial(pushed, x, b)):
+            name, q = phase_name("slip", ball), directed(x, beta)
             rates = DIRECTED_SLIP.form.rates(q, b)._replace(beta=0)
             delay = min(BEGINS_AT / rates.w, world.left)
             x = slid(x, world, world.phases[name], q._replace(w=0), rates, delay)
@@ -247,9 +241,8 @@ def opens(n: Next, world: Any) -> bool:
     """
     phase, x = world.phases[n.phase], n.x
     b = world.body[phase.ball]
-    rate = phase.form.rates(phase.enter(x, b), b)
-    turned = plus(cross(Vector(*rate[3:6]), x.u), cross(x.L, Vector(*rate[:3])))
-    return bool((world.body[1 - phase.ball].c - b.c) * turned.z > 0)
+    rate = contact.turning(phase.form.rates(phase.enter(x, b), b))
+    return bool(b.lever * plus(cross(rate.L, x.u), cross(x.L, rate.u)).z > 0)
 
 
 # --- impacts ------------------------------------------------------------------------------------
@@ -357,9 +350,9 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
         q, carried = read((*state, beta))
         by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
         every = (*by[:6], *world.rates(phase, q, carried), by.w)
-        return np.array([np.broadcast_to(rate, beta.shape) for rate in every]), by.beta
+        return np.array(np.broadcast_arrays(*every)), by.beta
 
-    F = sticking(x, b)[0]
+    F = resting(x, b)[0]
     omega = contact.angular_velocity(x, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
 
@@ -381,12 +374,10 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
 
 def lift_off(x: Moving, world: Any) -> Next:
     """Return the phase after the normal force vanishes."""
-    n = fly(x, world, world.phase.ball, 3, "liftoff")
-    n.logged = ("liftoff",)
-    return n
+    return replace(fly(x, world, world.phase.ball, 3, "liftoff"), logged=("liftoff",))
 
 
-def land(x: Moving, world: Any, cause: str = "landing") -> Next:
+def land(x: Moving, world: Any) -> Next:
     """Return the phase after a ball touches the plane.
 
     Of the balls on the plane, the one that falls fastest strikes.
@@ -394,6 +385,7 @@ def land(x: Moving, world: Any, cause: str = "landing") -> Next:
     there = touching(x, world) or [
         min(range(len(world.body)), key=lambda k: contact.gap(x, world.body[k]))
     ]
+    cause = "landing" if world.phase.label == "flight" else "other-ball"
     return strike(x, world, min(there, key=lambda k: rise(x, world.body[k])), cause)
 
 
@@ -437,10 +429,8 @@ def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:
 
 def come_to_rest(x: Moving, world: Any) -> Next:
     """Return the phase after no disc slides or turns any more."""
-    label, ball = world.phase.label, world.phase.ball
-    bodies = world.body if label == "both" else world.body[ball : ball + 1]
-    name, rests = phase_name(label, ball, *regions_of(x, *bodies)), RESTS.name
-    n = on_disc(Next(name, x, "", zeros={rests: 1}, sides={rests: -1}), world)
+    name = next(name for name, phase in world.phases.items() if phase is world.phase)
+    n = go_on(x, world, name, RESTS.name)
     n.logged = ("stick",) if n.cause == "rests" else ()
     return n
 
@@ -458,9 +448,7 @@ def roll_on_both(n: Next, world: Any) -> Next:
 
 def give_way(x: Moving, world: Any) -> Next:
     """Return the phase after friction can no longer hold a disc at rest."""
-    n = slide_from_rest(x, world, world.phase.ball, "gives")
-    n.logged = ("slip",)
-    return n
+    return replace(slide_from_rest(x, world, world.phase.ball, "gives"), logged=("slip",))
 
 
 def on_disc(n: Next, world: Any) -> Next:
@@ -497,8 +485,8 @@ def at_rest(n: Next, world: Any) -> Next:
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
-    gains = 1 / b.m if size(F) > limit else turning(x.u, b)[1] * b.friction.patch**2
-    if limit == 0 or sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
+    gains = 1 / b.m if size(F) > limit else b.friction.patch**2 / turning(x.u, b)[1]
+    if sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives", others)
 
@@ -517,35 +505,17 @@ def slide_from_rest(x: Moving, world: Any, ball: int, cause: str, zeros: Any = (
     return on_disc(Next(name, x, cause, zeros=dict(zeros)), world)
 
 
-class Kind(NamedTuple):
-    """A phase of the contact, whatever the law."""
-
-    phases: Callable  # phases(law) -> its phases, by the regions of the law on each ball in contact
-    jumps: Mapping[str, Callable]  # by event
-    balls: int = 1  # in contact
-
-
-ON_BALL: dict[str, Callable] = {"liftoff": lift_off, "touch": partial(land, cause="other-ball")}
-
-KINDS = {
-    "slip": Kind(slides, {**ON_BALL, "stick": stick, RESTS.name: come_to_rest}),
-    "roll": Kind(lambda law: {(): ROLL} if law.set_valued else {}, {**ON_BALL, "slip": begin_slip}),
-    "flight": Kind(lambda law: {(): FLIGHT}, dict.fromkeys(("land", "touch", CLOCK), land)),
-    "both": Kind(
-        on_both,
-        {
-            RESTS.name: come_to_rest,
-            "sphere-leaves": partial(stay_on, ball=1),
-            "stem-leaves": partial(stay_on, ball=0),
-        },
-        balls=2,
-    ),
-    "rest": Kind(lambda law: {(): REST} if law.regions else {}, {**ON_BALL, "gives": give_way}),
+JUMPS: Mapping[str, Callable] = {
+    "liftoff": lift_off,
+    **dict.fromkeys(("land", "touch", CLOCK), land),
+    "stick": stick,
+    "slip": begin_slip,
+    RESTS.name: come_to_rest,
+    "gives": give_way,
+    "sphere-leaves": partial(stay_on, ball=1),
+    "stem-leaves": partial(stay_on, ball=0),
 }
-"""The phases of the contact by label."""
-
-PHASES = tuple(KINDS)
-"""Labels of phases; the place of a label is its number in a store."""
+"""What follows the events that end phases."""
 
 REASONS = (
     "start",

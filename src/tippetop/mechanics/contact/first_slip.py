@@ -6,11 +6,13 @@ solve it on a whole interval at once: the direction from Q = w beta', everything
 integration.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebint, chebval, chebvander
+
+from ..event import zero_of
 
 
 NODES, STEP = 12, 1e-5  # of beta, for a slope
@@ -52,20 +54,15 @@ def first_slip(
         Nothing begins to slip so.
     """
     for _ in range(12):
-        first, change = _swept(rates, state, beta, duration)
-        if change < 1e4 * np.finfo(state.dtype).eps and lasts(first):
-            return first
+        slip = _swept(rates, state, beta, duration)
+        if slip is not None and lasts(slip):
+            return slip
         duration = duration / 2
     raise ArithmeticError("no slip begins at this edge of the cone")
 
 
-def _swept(
-    rates: Callable, start: np.ndarray, beta0: Any, duration: Any
-) -> tuple[FirstSlip, float]:
-    """Sweep until nothing changes by more than rounding.
-
-    Return the slip, and the last change of w and beta, relative; infinite if w is not positive.
-    """
+def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> FirstSlip | None:
+    """Return the slip after sweeps that converge; None if they do not, or nothing slips."""
     pi = np.arccos(-start.dtype.type(1))
     nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)
     fit = chebvander(nodes, NODES - 1).T * 2 / NODES  # to coefficients, (order, node)
@@ -73,35 +70,29 @@ def _swept(
     integral = chebval(nodes, chebint(fit, lbnd=-1)) * duration / 2
     slope = chebval(nodes, chebder(fit)) * 2 / duration
     state, beta = np.repeat(start[:, None], NODES, 1), np.full(NODES, beta0)
-    change = np.inf
     with np.errstate(all="ignore"):
-        for sweep in range(40):
-            w, old_beta, turn = state[-1], beta, state[-1] * (beta @ slope)
-            for _ in range(2):
-                below, Q, above = (rates(state, beta + by)[1] for by in (-STEP, 0, STEP))
-                beta = beta - (Q - turn) * (2 * STEP) / (above - below)
+        for _ in range(40):
+            w, turn = state[-1], state[-1] * (beta @ slope)
+            below, Q, above = (rates(state, beta + by)[1] for by in (-STEP, 0, STEP))
+            change = (turn - Q) * (2 * STEP) / (above - below)
+            beta = beta + change
             state = start[:, None] + rates(state, beta)[0] @ integral
-            newer = np.max(np.abs(state[-1] - w)) / np.max(np.abs(state[-1]))
-            newer += np.max(np.abs(beta - old_beta))
-            if sweep > 6 and not newer < change:  # at first w may be zero by rounding
-                break
-            change = newer
-    slip = FirstSlip(duration, fit @ np.vstack([state, beta]).T)
-    return slip, change if np.all(state[-1] > 0) else np.inf
+            changes = *np.abs(change), *np.abs((state[-1] - w) / np.max(np.abs(state[-1])))
+            if max(changes) < 1e4 * np.finfo(start.dtype).eps:
+                slip = FirstSlip(duration, fit @ np.vstack([state, beta]).T)
+                return slip if min(state[-1]) > 0 else None
+    return None
 
 
-def first_directions(law: Callable, count: int = 360) -> np.ndarray:
-    """Return every direction in which slip can begin from rest: Q = 0, P > 0, N > 0.
+def first_directions(law: Callable, count: int = 360) -> Iterator[float]:
+    """Yield every direction in which slip can begin from rest: Q = 0, P > 0, N > 0.
 
     There is exactly one outside the cone.
     """
     grid = 2 * np.pi * (np.arange(count + 1) + 1 / np.e) / count
     Q = law(grid)[1]
-    low, high = (grid[i + np.flatnonzero((Q[:-1] > 0) != (Q[1:] > 0))] for i in (0, 1))
-    above = law(low)[1] > 0
-    for _ in range(60):
-        middle = (low + high) / 2
-        same = (law(middle)[1] > 0) == above
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    P, _, N = law(low)
-    return low[(P > 0) & (N > 0)]
+    for k in np.flatnonzero((Q[:-1] > 0) != (Q[1:] > 0)):
+        beta = zero_of(lambda beta, k=k: law(beta)[1] * Q[k], *grid[k : k + 2])
+        P, _, N = law(beta)
+        if P > 0 and N > 0:
+            yield beta

@@ -49,6 +49,7 @@ from .body import (
     push_n,
     push_u,
     rolling_velocity,
+    slip_scalars,
     state,
     turning,
 )
@@ -93,9 +94,7 @@ def vector_scalars(q, b):
     u, v = axis(q), sliding_velocity(q, b)
     return Scalars(
         *kinematics(turning(q), axis_rate(q, b), b),
-        u.x * v.x + u.y * v.y,
-        u.x * v.y - u.y * v.x,
-        v.x * v.x + v.y * v.y,
+        *slip_scalars(u, v),
         q.rx_dot**2 + q.ry_dot**2,
     )
 

@@ -14,20 +14,17 @@ from ..operand import Vector, dot
 from ..units import (
     ANGULAR_MOMENTUM,
     JELLETT,
-    JOULE,
     METRE,
     METRE_PER_SECOND,
     NEWTON,
-    NEWTON_SECOND,
     ONE,
-    RADIAN,
     WATT,
 )
 from . import body as contact
 from . import gliding
-from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, state
+from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, slip_scalars, state
 from .body_axes import carried_along, planar
-from .exits import PHASES
+from .contact_phases import PHASES
 from .gliding import EULER_UNITS, angles_by, axis, axis_and_momentum, axis_rate, turning
 from .integrals import integral
 from .rolling import spin
@@ -101,9 +98,7 @@ def row_scalars(q, b):
     u, v = axis(q), lowest_velocity(q, b)
     return Scalars(
         *kinematics(turning(q), axis_rate(q, b), b),
-        u.x * v.x + u.y * v.y,
-        u.x * v.y - u.y * v.x,
-        v.x * v.x + v.y * v.y,
+        *slip_scalars(u, v),
         v.z,
         q.rx_dot**2 + q.ry_dot**2 + q.rz_dot**2,
         q.drilled - (q.Fx * v.x + q.Fy * v.y),
@@ -115,16 +110,8 @@ def row_scalars(q, b):
 # --- angles -------------------------------------------------------------------------------------
 
 
-ANGLES = filled(
-    **EULER_UNITS._asdict(),
-    nu_z=METRE_PER_SECOND,
-    gap=METRE,
-    phi=RADIAN,
-    x=METRE,
-    y=METRE,
-    work=JOULE,
-    impulse=NEWTON_SECOND,
-)
+LOWEST = {"nu_z": METRE_PER_SECOND, "gap": METRE}
+ANGLES = filled(**(EULER_UNITS._asdict() | LOWEST | gliding.ANGLES._asdict()))
 """Public variables: those of a gliding body, and velocity and height of the lowest point."""
 
 DISC_ANGLES = filled(**ANGLES._asdict(), jellett_lost=JELLETT)
@@ -141,13 +128,13 @@ def row_of_angles(e, s, z, b):
     none = 0 * z
     e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
     x = axis_and_momentum(e, s, z, b.I1, b.I3)
-    b = b._replace(R=b.R + none, c=b.c + none)
     v = contact.arm_velocity(x, b)
     along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
     velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
     height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(x.L.z, b.I3 * e.omega3, b)
     zeros = (none,) * 3
-    return Row(*x.u, *x.L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none)
+    ball = b.R + none, b.c + none
+    return Row(*x.u, *x.L, *velocity, height, *zeros, *ball, *zeros, jellett, none)
 
 
 def planar_angles_of_row(q, carried, b):
