@@ -534,10 +534,11 @@ class HybridDriver(Driver):
     # --- rows ------------------------------------------------------------------------------------
 
     def make(self, rows: Rows, most: int) -> int:
-        if self.series and not rows.steps:
+        if not rows.steps:
             times = rows.times[self.wanted.made[0] :]
-            if len(inside := times[: np.searchsorted(times, self.began)]):
-                self.add(inside, self.series(*inside))
+            if len(inside := times[: np.searchsorted(times, self.began)]):  # in the jump
+                first = np.tile(self.state, (len(inside), 1))
+                self.add(inside, self.series(*inside) if self.series else first)
         if self.copies is None or rows.steps:
             return super().make(rows, most)
         return self.copies.drive(most, PER_SLICE - self.changes)
