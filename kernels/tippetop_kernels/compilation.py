@@ -75,11 +75,11 @@ class Entry:
         """The function of numba, which compiles it when it is called."""
         import numba
 
-        compiled = functools.partial(numba.njit, error_model="numpy", nogil=True)
+        jit = functools.partial(numba.njit, self.function, error_model="numpy", nogil=True)
         if (folder := code_folder(self.function)) is not None:
             with _numba_cache(folder), contextlib.suppress(RuntimeError):  # it is read-only
-                return compiled(cache=True)(self.function)
-        return compiled()(self.function)
+                return jit(cache=True)
+        return jit()
 
 
 entry = Entry
@@ -89,24 +89,22 @@ entry = Entry
 
 
 def cache_folder() -> Path | None:
-    """Return the folder of compiled code, or None without one.
+    """Return the folder of compiled code, or None without a safe one.
 
     It is TIPPETOP_CACHE_DIR (none if empty), or `tippetop/kernels` in the user's folder of caches.
     """
     given = os.environ.get("TIPPETOP_CACHE_DIR")
     if given is not None:
-        return Path(given).absolute() if given else None
+        return private_folder(Path(given).absolute()) if given else None
     caches = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    return Path(caches) / "tippetop" / "kernels" if os.path.isabs(caches) else None
+    return private_folder(Path(caches) / "tippetop" / "kernels") if os.path.isabs(caches) else None
 
 
-def private_folder(path: Path | None) -> Path | None:
+def private_folder(path: Path) -> Path | None:
     """Create a folder.
 
     Return it, or None if another user can write to it: to write machine code is to run it.
     """
-    if path is None:
-        return None
     try:
         path.mkdir(mode=0o700, parents=True, exist_ok=True)
         status = path.lstat()
@@ -124,7 +122,7 @@ def code_folder(function: Callable) -> Path | None:
     removed, except for those that were used last.
     """
     functions = function, *inspect.getclosurevars(function).nonlocals.values()
-    base, digest = private_folder(cache_folder()), sources_digest()
+    base, digest = cache_folder(), sources_digest()
     ours = all(f.__module__.partition(".")[0] in PACKAGES for f in functions)
     if base is None or digest is None or not ours:
         return None

@@ -54,8 +54,9 @@ def minima(prepare, guess, slopes, slope, value, ends):
                 q[j], last[j] = stepped(slopes, q[j], prepare(x, ys[j], r), r)
         for j in range(ys.size):
             for _ in range(STEPS, MOST_STEPS):
-                if not last[j] <= AT_REST:
-                    q[j], last[j] = stepped(slopes, q[j], prepare(x, ys[j], r), r)
+                if last[j] <= AT_REST:
+                    break
+                q[j], last[j] = stepped(slopes, q[j], prepare(x, ys[j], r), r)
         for j in range(ys.size):
             F[j] = value(q[j], prepare(x, ys[j], r), r)
         for j in range(ys.size):

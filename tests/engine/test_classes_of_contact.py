@@ -4,7 +4,7 @@ import numpy as np
 
 from tippetop.engine.settling import CLASSES, classes_of
 from tippetop.mechanics.contact.body import BALLS
-from tippetop.mechanics.contact.exits import PHASES
+from tippetop.mechanics.contact.contact_phases import PHASES
 from tippetop.runs import starting
 
 

@@ -57,7 +57,7 @@ class Written(NamedTuple):
     change: _Change
     motions: list[tuple[int, str]]  # numbers of loops, and regions of impacts
     phase: str  # the next one
-    row: list[int]  # of it in the table of phases
+    cause: str  # of it
     tables: list[tuple[str, int]]  # each row of the other tables, and how many numbers it has
 
 
@@ -136,9 +136,8 @@ class Changes:
         except Exception:  # whatever a jump does that is no line
             return None
         numbers = leaves(tuple(n.rows.values()))
-        is_plain = not n.ends and n.delay == 0 and n.cause and len(n.logged) == 1 and not passed
-        is_sampled = run.track.sampler or to.sampler
-        if is_sampled or not is_plain or len(numbers) > NUMBERS:
+        is_more = n.ends or n.delay != 0 or not n.cause or passed or to.sampled
+        if is_more or len(n.logged) != 1 or len(numbers) > NUMBERS:
             return None
         pad = [0.0] * (len(to.place.motion.state) - len(state))
         first = program.joined([*state, *pad, *sides, *zeros, n.lasts, *numbers])
@@ -151,7 +150,7 @@ class Changes:
             _Change(lines, registers, len(lines), *places),
             motions,
             n.phase,
-            run.tables.row_of(n.phase, to.phase, n.cause),
+            n.cause,
             [(name, len(row)) for name, rows in n.rows.items() for row in rows],
         )
 
@@ -166,12 +165,13 @@ class Changes:
         steps = library().loop_run(ctypes.byref(record), steps)
         for time, number, lasts, *numbers in self.made[: record.length].tolist():
             program, rest = self.known[int(number)], iter(numbers)
-            run.tables.begin(time, program.row)
+            track = run.tracks[program.phase]
+            run.tables.begin(time, track.name, track.phase, program.cause)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
             run.until = time + lasts
         if record.length:
-            run.follow(run.tracks[program.phase], time)
+            run.follow(track, time)
             run.short, run.series = 0, None
             run.changes += record.length
             run.end_next()

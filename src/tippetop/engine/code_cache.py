@@ -21,7 +21,7 @@ from typing import Any
 import heyoka as hy
 import llvmlite.binding as llvm
 
-from tippetop_kernels.compilation import cache_folder, private_folder
+from tippetop_kernels.compilation import cache_folder
 
 
 KEPT = 1000
@@ -48,7 +48,7 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
     processor = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     made_from = (hy.__version__, processor, kind.__name__, arguments, options)
     key = hashlib.sha256(pickle.dumps(made_from)).hexdigest()
-    folder = private_folder(cache_folder())
+    folder = cache_folder()
     file = folder and folder / f"{kind.__name__}-{key}.z"
     if file:
         with suppress(OSError, zlib.error):

@@ -5,6 +5,7 @@ Jumps are functions of the common state, which every phase can be read as; the d
 depend on balls or laws. All phases of a run have the same integrals.
 """
 
+import copy
 import math
 import threading
 from collections.abc import Mapping, Sequence
@@ -44,7 +45,7 @@ from .impacts import ImpactMotions, kind_of
 from .integrator import Compiled
 from .loop import Rows
 from .phase_tables import PhaseTables
-from .python_events import Sampler
+from .python_events import sampled_in_next_step
 from .status import Status
 from .tallies import begin_lasting, event_rows
 from .taylor import code_for, internal_end
@@ -283,8 +284,8 @@ class Track:
         shared = run.shared._replace(samples=samples)
         self.place = Place(code, run.stepper_of(code), rows, shared)
         run.take(self.place, leaves(self.b))
-        sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
-        self.sampler = Sampler(self, code.integrator, sampled) if sampled else None
+        self.sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
+        self.ahead = copy.deepcopy(code.integrator) if self.sampled else None
 
     def _records(self, run: "HybridDriver", mine: np.ndarray) -> np.ndarray:
         """Return the events of the run, of which those of this phase, `mine`, are looked for."""
@@ -363,7 +364,13 @@ class HybridDriver(Driver):
         system, number = problem.system, float if problem.precision == "double" else problem.number
         self.problem, self.stop, self.number = problem, stop, number  # floats are faster
         self.end = number(internal_end(problem))
-        body, phases = _assembled(problem)
+
+        def internal(value: float, unit: Any) -> Any:
+            return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
+
+        body, phases = problem.internal_body, system.phases
+        if system.assembled is not None:
+            body, phases = system.assembled(body, problem.contact, internal)
         body = refill(body, map(number, leaves(body)))
         self.phases = {name: completed(one, problem.variables) for name, one in phases.items()}
         self.variables = len(problem.variables.names)
@@ -378,7 +385,7 @@ class HybridDriver(Driver):
         self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
         self.functions = self.shared.tallies.functions[:, 0]
         self.functions["sign"] = 0.0  # not known
-        self.wanted, self.tables = Wanted(width, number), PhaseTables(problem)
+        self.wanted, self.tables = Wanted(self.width, number), PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         contact, kind, struck = problem.contact, None, None
         if contact is not None:
@@ -435,8 +442,7 @@ class HybridDriver(Driver):
         time = min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
         if n.cause:
-            row = self.tables.row_of(track.name, track.phase, n.cause)
-            self.tables.begin(float(now + n.logged_after), row)
+            self.tables.begin(float(now + n.logged_after), track.name, track.phase, n.cause)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
         signs, zeros, passed = track.begins(n, values, self.functions["sign"])
@@ -461,7 +467,7 @@ class HybridDriver(Driver):
             self.end_next()
             is_over = self.changes >= PER_SLICE or not self.clock[0] < self.end
             room = 0 if is_over else most - steps
-            steps += self.drive(min(room, 1) if self.track.sampler else room)
+            steps += self.drive(min(room, 1) if self.track.sampled else room)
             code, (when, last) = self.status[0], self.reached()
             self.last = last[: self.track.width].copy()
             status = None if code == RUNNING else STATUSES[code]
@@ -471,7 +477,7 @@ class HybridDriver(Driver):
             jump = self.track.exits.get(ending)
             if jump:
                 status = self._change(jump, when)
-            goes_on = status is None and room > 0 and bool(jump or self.track.sampler)
+            goes_on = status is None and room > 0 and bool(jump or self.track.sampled)
         if status is None and not self.clock[0] < self.end:
             status = Status.FINISHED  # a phase begins where the run ends, and takes no step
             self.tally["upto"] = 0.0
@@ -483,8 +489,9 @@ class HybridDriver(Driver):
         """Put the end of the next steps at that of the phase, or where a sampled event happens in
         the next one; `ending` is that event, or CLOCK, or None at the end of the run.
         """
-        sampler = self.track.sampler
-        ends = [(self.end, None), (self.until, CLOCK), *(sampler.next(self) if sampler else ())]
+        ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
+        if self.track.sampled:
+            ends += sampled_in_next_step(self.track, self)
         when, self.ending = min(ends, key=itemgetter(0))
         self.end_at(when)
 
@@ -527,10 +534,11 @@ class HybridDriver(Driver):
     # --- rows ------------------------------------------------------------------------------------
 
     def make(self, rows: Rows, most: int) -> int:
-        if self.series and not rows.steps:
+        if not rows.steps:
             times = rows.times[self.wanted.made[0] :]
-            if len(inside := times[: np.searchsorted(times, self.began)]):
-                self.add(inside, self.series(*inside))
+            if len(inside := times[: np.searchsorted(times, self.began)]):  # in the jump
+                first = np.tile(self.state, (len(inside), 1))
+                self.add(inside, self.series(*inside) if self.series else first)
         if self.copies is None or rows.steps:
             return super().make(rows, most)
         return self.copies.drive(most, PER_SLICE - self.changes)
@@ -557,28 +565,24 @@ class HybridDriver(Driver):
             track, during = self.track, self.series
             now = zero_of(lambda t: -sign * track.value(number, during(t)[0]), now, self.began)
             state = during(now)[0]
-        elif not event.lasting:  # theta may have a corner
-            is_turned = event.sense and abs(before.value(number, state)) > BELOW
-            if not is_turned:
-                return
+        elif not (event.lasting or (event.sense and abs(before.value(number, state)) > BELOW)):
+            return
         self._note(number, now, sign, track, state)
 
-    def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
+    def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
         system, variables = self.problem.system, self.problem.variables
-        at = np.concatenate([phases for phases, _ in parts])
-        states = np.concatenate([some[:, : self.wanted.variables] for _, some in parts]).T
-        rows = np.empty((self.variables, len(at)), self.number)
+        rows = np.empty((len(phases), self.variables), self.number)
         for track in self.tracks.values():
-            mine = np.flatnonzero(at == track.at)
+            mine = np.flatnonzero(phases == track.at)
             # NumPy cannot multiply an array of quadruple numbers by a literal
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
-                q, carried = track.variables.split(states[: track.width, some])
+                q, carried = track.variables.split(states[some, : track.width].T)
                 read, _ = system.read(track.phase, q, carried, track.b)
                 values = variables.join(read[: variables.moving], carried)
-                for row, value in zip(rows, values, strict=True):
-                    row[some] = value
-        return np.split(rows.T, np.cumsum([len(phases) for phases, _ in parts[:-1]]))
+                for k, value in enumerate(values):
+                    rows[some, k] = value
+        return rows
 
     # --- where the run is ------------------------------------------------------------------------
 
@@ -595,7 +599,7 @@ class HybridDriver(Driver):
         but for `state`.
         """
         phase = self.track.at, self.short, self.began, *self.tables.under_way
-        return super().snapshot() | {"phase": [*phase], "until": [self.number(self.until)]}
+        return super().snapshot() | {"phase": [*phase], "until": [self.until]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""
@@ -609,15 +613,3 @@ class HybridDriver(Driver):
 
 class WideHybridDriver(HybridDriver, WideDriver):
     """Makes the steps of a run through its phases in numbers wider than doubles."""
-
-
-def _assembled(problem: Problem) -> tuple[Any, Mapping[str, Phase]]:
-    """Return the body of a run as its phases take it, and the phases."""
-    system = problem.system
-    if system.assembled is None:
-        return problem.internal_body, system.phases
-
-    def internal(value: float, unit: Any) -> Any:
-        return problem.number(problem.exact(value) / problem.exact(problem.scales.of(unit)))
-
-    return system.assembled(problem.internal_body, problem.contact, internal)

@@ -127,16 +127,14 @@ def compiled_from(
                 (hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function)
             )
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
-    level = (
-        opt_level() if sum(len(hy.expression(0.0) + rate) for _, rate in equations) < HUGE else 0
-    )
-    kind: Any = float if number is np.float64 else number
+    terms = sum(len(hy.expression(0.0) + rate) for _, rate in equations)
+    level = opt_level() if terms < HUGE else 0
     options: dict[str, Any] = {"high_accuracy": True, "compact_mode": compact, "opt_level": level}
-    options |= {"tol": kind(tolerance), "fp_type": kind}
+    options |= {"tol": number(tolerance), "fp_type": number}
     maker = hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive
     zero = np.zeros((len(equations), lanes) if lanes else len(equations), number)
     integrator = compiled_once(maker, equations, zero, **options)
-    machine = None if compact else load(integrator.llvm_state.object_code, level)
+    machine = None if compact else load(integrator.llvm_state.object_code)
     rows = event_rows(formulas.events, sources, axis)
     return Compiled(integrator, rows, machine)
 

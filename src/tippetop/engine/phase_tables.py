@@ -1,5 +1,6 @@
 """Tables of the phases of a run and of occurrences between them: groups of its store."""
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -25,17 +26,14 @@ class PhaseTables:
     def __init__(self, problem: Problem):
         self.tables, self.scales = problem.system.tables, problem.scales
         self.under_way: list[float] = []
-        self.rows: dict[str, list[Sequence[Any]]] = {name: [] for name in self.tables}
+        self.rows = defaultdict[str, list[Sequence]](list)
 
-    def row_of(self, name: str, phase: Phase, cause: str) -> list[int]:
-        """Return the row of a phase of this name without its times."""
-        row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
-        return [number_of(row[key], kind) for key, kind in self.tables["phases"].items()]
-
-    def begin(self, time: float, row: Sequence[int]) -> None:
-        """Begin a phase at an internal time."""
+    def begin(self, time: float, name: str, phase: Phase, cause: str) -> None:
+        """Begin a phase of this name at an internal time."""
         self.end(time)
-        self.under_way = [time, *row]
+        row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
+        kinds = self.tables["phases"].items()
+        self.under_way = [time, *(number_of(row[key], kind) for key, kind in kinds)]
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""
@@ -51,7 +49,7 @@ class PhaseTables:
 
     def take(self) -> dict[str, Table]:
         """Return the rows that came since the last call, by table."""
-        rows, self.rows = self.rows, {name: [] for name in self.tables}
+        rows, self.rows = self.rows, defaultdict(list)
         return {
             name: as_table(name, kinds, rows[name], self.scales)
             for name, kinds in self.tables.items()

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.contact.body import BALLS, Touch
-from ..mechanics.contact.exits import PHASES
+from ..mechanics.contact.contact_phases import PHASES
 from ..mechanics.friction import has_parts, takes_nothing
 from ..mechanics.system import System
 from ..mechanics.theory.modes import LINEAR, SLIDES, is_unstable, shows_sliding, will_leave

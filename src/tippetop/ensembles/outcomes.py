@@ -1,17 +1,15 @@
 """The outcome of each top of an ensemble: status, class, times, angles, forces, drift."""
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..columns import Column, flag_attributes
+from ..columns import Column, column, flag_attributes
 from ..engine.invariants import invariants, sizes
 from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
 from ..mechanics.contact.gliding import EVENTS
-from ..mechanics.event import Event
 from ..mechanics.system import System
 from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit
 from ..problem import PSI, Problems
@@ -39,40 +37,30 @@ ORIENTATION: dict[str, Form] = {
 """Columns of the orientation at the end, where it is wanted."""
 
 
-def _kept_columns(events: Iterable[Event]) -> dict[str, Form]:
-    """Return the columns of the numbers that events keep."""
-    count, time = (np.int32, ONE), (np.float64, SECOND)
-    return {
-        kept.name: (*(count if kept.what == "count" else time), kept.long_name)
-        for event in events
-        for kept in event.kept
-    }
-
-
 def columns_of(system: System) -> dict[str, Form]:
     """Return the columns of ensembles of a system.
 
-    First those of a gliding body, whether it has these events or not; then those of other events.
+    Those of a gliding body are always among them, whether it has these events or not.
     """
-    names = {event.name: event for event in EVENTS}
+    count, time = (np.int32, ONE), (np.float64, SECOND)
+    kept = [kept for event in (*EVENTS, *system.events) for kept in event.kept]
     watched = {event.extremes for event in system.events} - {"", "normal_force"}
     return {
-        "t_end": (np.float64, SECOND, "end of the run"),
+        "t_end": (*time, "end of the run"),
         "theta_end": (np.float64, RADIAN, "inclination at the end"),
-        **_kept_columns([names[n] for n in ("equator", "inverted", "liftoff", "settled")]),
-        "turnings": (np.int32, ONE, "turning angles that are more than rounding"),
+        **{k.name: (*(count if k.what == "count" else time), k.long_name) for k in kept},
+        "turnings": (*count, "turning angles that are more than rounding"),
         "theta_min": (np.float64, RADIAN, "lowest turning angle"),
         "theta_max": (np.float64, RADIAN, "highest turning angle"),
         "normal_force_min": (np.float64, NEWTON, "least normal force"),
         "normal_force_max": (np.float64, NEWTON, "greatest normal force"),
-        "steps": (np.int32, ONE, "steps of the integrator"),
+        "steps": (*count, "steps of the integrator"),
         **{
             f"{q.name}_{end}": (np.float64, q.unit, f"{word} {q.long_name}")
             for q in system.quantities
             if q.name in watched
             for end, word in (("min", "least"), ("max", "greatest"))
         },
-        **_kept_columns(system.events),
     }
 
 
@@ -128,12 +116,11 @@ def _conclude(outcomes: Outcomes) -> None:
     if tops.orientation:
         for name, value in orientations_of(tops, final, ended).items():
             columns[f"{name}_end"][ended] = value
-    if len(ended):
-        values = values_of(tops, final, ended)
-        columns["theta_end"][ended] = values["theta"]
-        body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
-        second, settled = tops.unit(SECOND)[ended], outcomes.settled[ended]
-        kind[ended] = classes_of(tops.base.system, values, second, settled, body)
+    values = values_of(tops, final, ended)
+    columns["theta_end"][ended] = values["theta"]
+    body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
+    second, settled = tops.unit(SECOND)[ended], outcomes.settled[ended]
+    kind[ended] = classes_of(tops.base.system, values, second, settled, body)
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
     # an ENDED contact could not be followed further: that is no fate
@@ -151,8 +138,8 @@ def dataset(outcomes: Outcomes) -> "xr.Dataset":
     faults = [*tops.checked[1], *outcomes.faults]
     rules = tops.base.rules
     coords = {
-        key: ("top", column, {"units": rules[key].unit.symbol, "long_name": rules[key].long_name})
-        for key, column in tops.columns.items()
+        key: column(values, rules[key].unit, rules[key].long_name, ("top",))
+        for key, values in tops.columns.items()
     }
     attrs = {
         "title": tops.base.system.title,

@@ -425,15 +425,6 @@ GIVES = Event(
 REST = without_slip((LIFTOFF, TOUCH, GIVES), resting)
 
 
-def slides(law: Any) -> dict[tuple[str, ...], Phase]:
-    """Return the phases of sliding under a law, by the regions of the law."""
-    if law.regions:
-        return {(name,): slip_under(law, name) for name in law.regions}
-    if law.set_valued:
-        return {(): DIRECTED_SLIP}
-    return {(): slip_under(law) if law.torque else SLIP}
-
-
 # --- on both balls --------------------------------------------------------------------------------
 
 
@@ -521,12 +512,27 @@ def rolled(x, b):
 ROLLS_ON_BOTH = replace(without_slip(LEAVES, rolled), axis_stays=True)
 
 
-def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
-    """Return the phases on both balls under a law, by the regions of the law on each."""
+# --- the phases under a law ---------------------------------------------------------------------
+
+
+PHASES = ("slip", "roll", "flight", "both", "rest")
+"""Labels of phases; the place of a label is its number in a store."""
+
+
+def phases_under(law: Any) -> dict[str, dict[tuple[str, ...], Phase]]:
+    """Return the phases under a law, by label and by its regions on each ball in contact."""
     if law.set_valued:
-        return {}
+        return {"slip": {(): DIRECTED_SLIP}, "roll": {(): ROLL}, "flight": {(): FLIGHT}}
+    if not law.regions:
+        slip = slip_under(law) if law.torque else SLIP
+        return {"slip": {(): slip}, "flight": {(): FLIGHT}, "both": {(): slide_on_both(law)}}
     slides = {names: slide_on_both(law, *names) for names in product(law.regions, repeat=2)}
-    return {("roll",): ROLLS_ON_BOTH, **slides} if slides else {(): slide_on_both(law)}
+    return {
+        "slip": {(name,): slip_under(law, name) for name in law.regions},
+        "flight": {(): FLIGHT},
+        "both": {("roll",): ROLLS_ON_BOTH, **slides},
+        "rest": {(): REST},
+    }
 
 
 # --- what brings a body onto both ---------------------------------------------------------------

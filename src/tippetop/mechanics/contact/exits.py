@@ -8,7 +8,7 @@ struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,19 +20,14 @@ from .body import BALLS, Moving, Touch, contact_velocity
 from .contact_phases import (
     DIRECTED,
     DIRECTED_SLIP,
-    FLIGHT,
-    REST,
     RESTS,
-    ROLL,
     STOPS_AT,
     brought_to_rest,
     frictions_of,
     horizontal2,
-    on_both,
     phase_name,
     regions_of,
     rest_speed2,
-    slides,
     without_slip_on_both,
 )
 from .first_slip import FirstSlip, first_directions, first_slip
@@ -246,9 +241,8 @@ def opens(n: Next, world: Any) -> bool:
     """
     phase, x = world.phases[n.phase], n.x
     b = world.body[phase.ball]
-    rate = phase.form.rates(phase.enter(x, b), b)
-    turned = plus(cross(Vector(*rate[3:6]), x.u), cross(x.L, Vector(*rate[:3])))
-    return bool((world.body[1 - phase.ball].c - b.c) * turned.z > 0)
+    rate = contact.turning(phase.form.rates(phase.enter(x, b), b))
+    return bool(b.lever * plus(cross(rate.L, x.u), cross(x.L, rate.u)).z > 0)
 
 
 # --- impacts ------------------------------------------------------------------------------------
@@ -383,7 +377,7 @@ def lift_off(x: Moving, world: Any) -> Next:
     return replace(fly(x, world, world.phase.ball, 3, "liftoff"), logged=("liftoff",))
 
 
-def land(x: Moving, world: Any, cause: str = "landing") -> Next:
+def land(x: Moving, world: Any) -> Next:
     """Return the phase after a ball touches the plane.
 
     Of the balls on the plane, the one that falls fastest strikes.
@@ -391,6 +385,7 @@ def land(x: Moving, world: Any, cause: str = "landing") -> Next:
     there = touching(x, world) or [
         min(range(len(world.body)), key=lambda k: contact.gap(x, world.body[k]))
     ]
+    cause = "landing" if world.phase.label == "flight" else "other-ball"
     return strike(x, world, min(there, key=lambda k: rise(x, world.body[k])), cause)
 
 
@@ -510,35 +505,17 @@ def slide_from_rest(x: Moving, world: Any, ball: int, cause: str, zeros: Any = (
     return on_disc(Next(name, x, cause, zeros=dict(zeros)), world)
 
 
-class Kind(NamedTuple):
-    """A phase of the contact, whatever the law."""
-
-    phases: Callable  # phases(law) -> its phases, by the regions of the law on each ball in contact
-    jumps: Mapping[str, Callable]  # by event
-    balls: int = 1  # in contact
-
-
-ON_BALL: dict[str, Callable] = {"liftoff": lift_off, "touch": partial(land, cause="other-ball")}
-
-KINDS = {
-    "slip": Kind(slides, {**ON_BALL, "stick": stick, RESTS.name: come_to_rest}),
-    "roll": Kind(lambda law: {(): ROLL} if law.set_valued else {}, {**ON_BALL, "slip": begin_slip}),
-    "flight": Kind(lambda law: {(): FLIGHT}, dict.fromkeys(("land", "touch", CLOCK), land)),
-    "both": Kind(
-        on_both,
-        {
-            RESTS.name: come_to_rest,
-            "sphere-leaves": partial(stay_on, ball=1),
-            "stem-leaves": partial(stay_on, ball=0),
-        },
-        balls=2,
-    ),
-    "rest": Kind(lambda law: {(): REST} if law.regions else {}, {**ON_BALL, "gives": give_way}),
+JUMPS: Mapping[str, Callable] = {
+    "liftoff": lift_off,
+    **dict.fromkeys(("land", "touch", CLOCK), land),
+    "stick": stick,
+    "slip": begin_slip,
+    RESTS.name: come_to_rest,
+    "gives": give_way,
+    "sphere-leaves": partial(stay_on, ball=1),
+    "stem-leaves": partial(stay_on, ball=0),
 }
-"""The phases of the contact by label."""
-
-PHASES = tuple(KINDS)
-"""Labels of phases; the place of a label is its number in a store."""
+"""What follows the events that end phases."""
 
 REASONS = (
     "start",

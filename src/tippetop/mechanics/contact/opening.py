@@ -16,8 +16,8 @@ from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from . import gliding
 from .body import BALLS, Touch, seen_from_balls
-from .contact_phases import CONE, STICK, phase_name
-from .exits import IMPACT, KINDS, PHASES, REASONS, begin, go_on
+from .contact_phases import CONE, PHASES, STICK, phase_name, phases_under
+from .exits import IMPACT, JUMPS, REASONS, begin, go_on
 from .integrals import NAMED, integral
 from .rows import (
     ANGLES,
@@ -100,20 +100,20 @@ def phases_of(planar: bool, law: Any, balls: int, of_axis: tuple[Event, ...]) ->
     """Return the phases of a body under a law, by name; of_axis: events where the axis moves."""
     kinds = {
         phase_name(label, ball, *regions): (phase, label, ball, regions)
-        for label, kind in KINDS.items()
-        for regions, phase in kind.phases(law).items()
-        for ball in range(balls + 1 - kind.balls)
+        for label, kind in phases_under(law).items()
+        for regions, phase in kind.items()
+        for ball in range(balls - (label == "both"))
     }
     phases = {}
     for name, (phase, label, ball, regions) in kinds.items():
-        jumps = {**KINDS[label].jumps, **passages(label, ball, regions, law)}
+        jumps = {**JUMPS, **passages(label, ball, regions, law)}
         names = *(event.name for event in phase.events), CLOCK
         form = replace(phase.form, not_normalised=("R", "c"))
         phases[name] = replace(
             phase,
             forms=in_plane(form) if planar else form,
             events=phase.events if phase.axis_stays else (*of_axis, *phase.events),
-            exits=tuple(Exit(one, tuple(kinds), jumps[one]) for one in names if one in jumps),
+            exits=tuple(Exit(one, tuple(kinds), jumps[one]) for one in names),
             parameters=itemgetter(ball),
             label=label,
             ball=ball,

@@ -24,7 +24,7 @@ from . import body as contact
 from . import gliding
 from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, slip_scalars, state
 from .body_axes import carried_along, planar
-from .exits import PHASES
+from .contact_phases import PHASES
 from .gliding import EULER_UNITS, angles_by, axis, axis_and_momentum, axis_rate, turning
 from .integrals import integral
 from .rolling import spin
