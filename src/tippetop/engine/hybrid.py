@@ -41,7 +41,7 @@ from .driver import (
     new_shared,
 )
 from .expressions import Formulas
-from .impacts import ImpactMotions, kind_of
+from .impacts import ImpactMotions
 from .integrator import Compiled
 from .loop import Rows
 from .phase_tables import PhaseTables
@@ -389,7 +389,7 @@ class HybridDriver(Driver):
         self.tracks: dict[str, Track] = {}
         contact, kind, struck = problem.contact, None, None
         if contact is not None:
-            kind = kind_of(problem, body[0].friction)
+            kind = type(body[0].friction), contact.restitution, problem.precision
             self.impacts = ImpactMotions(*kind, stop)
             struck = self.impacts.struck
         tables = dict(system.tables)
