@@ -31,9 +31,6 @@ enum {
     MOST = 64,    /* coefficients of a polynomial; quadruple precision has 47 */
     WIDEST = 32,  /* lanes */
     NODES = 9,    /* points of a step: it covers about a radian, so no dip hides between them */
-    TIMES = 4,    /* rows made together, in a vector of the processor */
-    TOGETHER = 6, /* variables made together: each sum waits for its last addition */
-    FEW = 2,      /* rows in a step that are made one by one */
     PATIENCE = 64 /* tiny steps in a row that are a stall */
 };
 
@@ -95,10 +92,9 @@ typedef struct {
 typedef struct {
     Step step;
     Dense dense;
-    integer fused; /* whether `dense` rounds a product and the difference that takes it once */
 
     integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
-    integer width; /* numbers from one state to the next in the log and among the samples */
+    integer width; /* numbers from one state to the next in the log, the samples and the rows */
 
     real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
 
@@ -125,7 +121,7 @@ typedef struct {
 
     real *row_times, *row_states;
     integer *row_phases, *rows_made;
-    integer rows_at_steps, row_count, row_variables;
+    integer rows_at_steps, row_count;
 } Loop;
 
 INLINED void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
@@ -501,98 +497,31 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
 /* --- rows at given times --- */
 
 /* Write the state of a lane at a time within the step to `out`. */
-static void state_at(const Loop *l, integer lane, real time) {
+static void state_at(const Loop *l, integer lane, real time, real *out) {
     l->limit[lane] = (time - l->start_high[lane]) - l->start_low[lane];
-    l->dense(l->out, l->tc, l->limit);
+    l->dense(out, l->tc, l->limit);
 }
 
-/* A step that fuses was compiled for this processor, which therefore can do it. */
-#ifdef __x86_64__
-#define FUSES __attribute__((target("fma")))
-#else
-#define FUSES
-#endif
-
-typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
-
-/* Write the states of the first lane at the times `when` (TIMES,) after the beginning of
-   the step to out (variables, TIMES). The sums are compensated, and have the bits of those that a
-   compiled step that fuses makes of one time. */
-FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
-    integer size = l->size, last = l->row_variables - 1;
-    for (integer first = 0; first <= last; first += TOGETHER) {
-        const real *c[TOGETHER];
-        Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
-        memcpy(&h, when, sizeof h);
-        power = h;
-        for (int i = 0; i < TOGETHER; i++) {
-            c[i] = l->tc + MIN(last, first + i) * size;
-            sums[i] = zero + c[i][0];
-            rests[i] = zero;
-        }
-        for (integer k = 1; k < size; k++) {
-            for (int i = 0; i < TOGETHER; i++) {
-                Vector factor = zero + c[i][k], minus = -rests[i], more;
-                for (int t = 0; t < TIMES; t++)
-                    more[t] = fma(factor[t], power[t], minus[t]);
-                Vector sum = sums[i] + more;
-                rests[i] = (sum - sums[i]) - more;
-                sums[i] = sum;
-            }
-            power *= h;
-        }
-        for (int i = 0; i < TOGETHER && first + i <= last; i++)
-            memcpy(out + (first + i) * TIMES, sums + i, sizeof h);
-    }
-}
-
-/* Write the next `count` rows of the present step. */
-static void write_rows(const Loop *l, integer count) {
-    integer at = *l->rows_made;
-    real when[TIMES], out[l->row_variables * TIMES];
-    for (integer k = at; k < at + count; k++)
-        l->row_phases[k] = *l->in_lane;
-    if (count <= FEW || !l->fused) {
-        for (integer k = at; k < at + count; k++) {
-            state_at(l, 0, l->row_times[k]);
-            copy(l->row_variables, l->out, l->lanes, l->row_states + k, l->row_count);
-            ++*l->rows_made; /* a stepper in Python sees which row it makes */
-        }
-        return;
-    }
-    for (integer k = 0; k < TIMES; k++) {
-        real time = l->row_times[at + (k < count ? k : count - 1)];
-        when[k] = (time - l->start_high[0]) - l->start_low[0];
-    }
-    sum_rows(l, when, out);
-    for (integer i = 0; i < l->row_variables; i++)
-        memcpy(l->row_states + i * l->row_count + at, out + i * TIMES, count * sizeof(real));
-    *l->rows_made += count;
-}
-
-/* Write the rows that lie in the present step of the first lane. Return whether all are written.
+/* Write the rows of a run that lie in its present step. Return whether all are written.
    `moved`: this call has made a step; the end of one that was made before it has its row. */
 static bool take_rows(const Loop *l, bool moved) {
     const Tally *tally = l->tallies;
-    if (l->row_count == 0)
-        return false;
-    integer *filled = l->rows_made, count = TIMES;
-    if (l->rows_at_steps && moved && tally->upto == 1 && tally->status != NON_FINITE) {
-        l->row_times[*filled] = l->high[0];
-        copy(l->row_variables, l->state, l->lanes, l->row_states + *filled, l->row_count);
-        l->row_phases[(*filled)++] = *l->in_lane;
+    integer *made = l->rows_made, count = l->row_count;
+    bool is_end = moved && tally->upto == 1 && tally->status != NON_FINITE;
+    if (count > 0 && l->rows_at_steps && is_end) {
+        l->row_times[*made] = l->high[0];
+        copy(l->variables, l->state, 1, l->row_states + *made * l->width, 1);
+        l->row_phases[(*made)++] = *l->in_lane;
     }
-    if (l->rows_at_steps || tally->status == NON_FINITE || tally->steps == 0)
-        return *filled == l->row_count;
-    while (count == TIMES) {
-        for (count = 0; count < TIMES && *filled + count < l->row_count; count++) {
-            real time = l->row_times[*filled + count];
-            if (!(time < tally->t || (tally->status != RUNNING && time <= tally->t)))
+    if (!l->rows_at_steps && tally->status != NON_FINITE && tally->steps > 0)
+        for (; *made < count; ++*made) { /* a stepper in Python sees which row it makes */
+            real time = l->row_times[*made];
+            if (tally->status == RUNNING ? time >= tally->t : time > tally->t)
                 break;
+            state_at(l, 0, time, l->row_states + *made * l->width);
+            l->row_phases[*made] = *l->in_lane;
         }
-        write_rows(l, count);
-    }
-    return *filled == l->row_count;
+    return count > 0 && *made == count;
 }
 
 /* --- steps --- */
@@ -689,7 +618,7 @@ static void sort_log(const Loop *l, integer first) {
 
 /* Take in the step that was made. Return whether a run has ended. */
 static bool end_step(const Loop *l) {
-    integer lanes = l->lanes, variables = l->variables, first = l->logged[0];
+    integer lanes = l->lanes, first = l->logged[0];
     bool ended = false;
     move(l);
     if (lanes == 1)
@@ -701,10 +630,8 @@ static bool end_step(const Loop *l) {
     for (integer lane = 0; lane < lanes; lane++)
         ended = take_step(l, lane) || ended;
     sort_log(l, first);
-    for (integer k = first; k < l->logged[0]; k++) {
-        state_at(l, 0, l->passages[k].time);
-        copy(variables, l->out, lanes, l->logged_states + k * l->width, 1);
-    }
+    for (integer k = first; k < l->logged[0]; k++)
+        state_at(l, 0, l->passages[k].time, l->logged_states + k * l->width);
     return ended;
 }
 
@@ -910,7 +837,7 @@ void loop_end(const Loop *l, integer lane) {
     integer n = l->lanes;
     real *last = l->out + lane;
     if (tally->upto < 1)
-        state_at(l, lane, tally->t);
+        state_at(l, lane, tally->t, l->out);
     else
         copy(l->variables, l->state + lane, n, last, n);
     real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};

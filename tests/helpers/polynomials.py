@@ -30,8 +30,8 @@ class Given(Called):
         motion.high[:], motion.start_high[:], motion.tc[:] = start, start, tc
         motion.h[:] = np.where(motion.limit > 0, h, 0.0)
 
-    def state_at(self, inside: np.ndarray, out: np.ndarray) -> None:
-        out[:] = 0.0
+    def keep(self) -> None:
+        pass
 
 
 def crossings(p: np.ndarray, positive: bool) -> tuple[np.ndarray, bool]:

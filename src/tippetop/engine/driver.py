@@ -128,14 +128,14 @@ class Wanted:
     Parameters
     ----------
     variables
-        Numbers of a row, at most.
+        Their number, at most.
     number
         Their type.
 
     Attributes
     ----------
     states
-        Those of the rows in the working precision, (variables, n).
+        Those of the rows in the working precision, (n, variables).
     """
 
     def __init__(self, variables: int, number: Any) -> None:
@@ -151,7 +151,7 @@ class Wanted:
         """Ask for more times; for room, where rows are at the ends of steps."""
         times = request.wanted()
         n, filled, self.given = len(times), np.zeros(1, np.int64), 0
-        states, phases = np.empty((self.variables, n)), np.empty(n, np.int64)
+        states, phases = np.empty((n, self.variables)), np.empty(n, np.int64)
         self.rows = Rows(times, states, phases, filled, request.steps)
         self.states, self.made = in_precision(states, self.number), view(filled)
 
@@ -214,7 +214,7 @@ class Driver:
         width = len(compiled.integrator.state)
         shared = new_shared(rows, functions[:, None], width, self.number)
         self.work_in(Place(compiled, self.stepper_of(compiled), rows, shared))
-        self.wanted = Wanted(self.variables, self.number)
+        self.wanted = Wanted(width, self.number)
         self.first = start[None, :].copy()
         self.take(self.place, body)
         self.put(start, (self.number(0), self.number(0)))
@@ -250,11 +250,10 @@ class Driver:
         steps, when, last, ended = self.run(most)
         logged, sampled = slice(self.logged[0]), slice(self.sampled_so_far[0])
         events = self.log.rows[logged]
-        states, samples, last = self.give(
-            (events["phase"], self.exact.states[logged]),
-            (self.samples.top[sampled], self.exact.samples[sampled]),
-            (self.samples.in_lane, last[None]),
-        )
+        self.give()
+        states = self.rows_of(events["phase"], self.exact.states[logged]).copy()
+        samples = self.rows_of(self.samples.top[sampled], self.exact.samples[sampled]).copy()
+        last = self.rows_of(self.samples.in_lane, last[None]).copy()
         columns = self.exact.times[logged], events["event"], events["sign"], events["at_pole"]
         passages = Passages._make([*(column.copy() for column in columns), states])
         return Slice(steps, when, last, samples, passages, ended)
@@ -292,27 +291,18 @@ class Driver:
         self.give()
         self.wanted.ask(self.request)
 
-    def give(self, *others: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
-        """Give the rows that were made since the last time, and return those of other states: see
-        `rows_of`.
-        """
+    def give(self) -> None:
+        """Give the rows that were made since the last time."""
         wanted = self.wanted
         made = slice(wanted.given, wanted.made[0])
-        rows, *rest = self.rows_of((wanted.rows.phases[made], wanted.states[:, made].T), *others)
+        rows = self.rows_of(wanted.rows.phases[made], wanted.states[made])
         wanted.given = made.stop
         if len(rows):
             self.request.take(wanted.rows.times[made], rows)
-        return rest
 
-    def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
-        """Return the rows of states.
-
-        Parameters
-        ----------
-        parts
-            The numbers of their phases (k,), and states (k, all variables).
-        """
-        return [states[:, : self.variables].copy() for _, states in parts]
+    def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return the rows of states (k, all variables), of which the numbers of phases are (k,)."""
+        return states[:, : self.variables]
 
     def make(self, rows: Rows, most: int) -> int:
         """Make at most `most` steps, write these rows, and return the number of steps."""
@@ -324,7 +314,7 @@ class Driver:
         rows, made = self.wanted.rows, self.wanted.made
         part = slice(made[0], made[0] + len(times))
         rows.times[part], rows.phases[part], made[0] = times, self.samples.in_lane, part.stop
-        self.wanted.states[: states.shape[1], part] = states[:, : self.wanted.variables].T
+        self.wanted.states[part, : states.shape[1]] = states
 
     def reached(self) -> tuple[Any, np.ndarray]:
         """Return the internal time reached, and the state: of the last passage, if it ended the run
@@ -372,7 +362,7 @@ class Driver:
 
     def present(self) -> np.ndarray:
         """Return the present state, (1, variables), internal."""
-        return self.rows_of((self.samples.in_lane, self.state[None]))[0]
+        return self.rows_of(self.samples.in_lane, self.state[None].copy())
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases."""

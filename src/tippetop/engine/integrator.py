@@ -134,7 +134,7 @@ def compiled_from(
     maker = hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive
     zero = np.zeros((len(equations), lanes) if lanes else len(equations), number)
     integrator = compiled_once(maker, equations, zero, **options)
-    machine = None if compact else load(integrator.llvm_state.object_code, level)
+    machine = None if compact else load(integrator.llvm_state.object_code)
     rows = event_rows(formulas.events, sources, axis)
     return Compiled(integrator, rows, machine)
 

@@ -46,12 +46,11 @@ class Rows(NamedTuple):
     """States of the first lane that are wanted, at given times or at the ends of its steps."""
 
     times: np.ndarray  # (length,) internal, ascending; those of steps are written here
-    states: np.ndarray  # (variables, length)
+    states: np.ndarray  # (length, all variables)
     phases: np.ndarray  # (length,) number of the phase of a run
     filled: np.ndarray  # (1,) number of rows that are written
     steps: bool  # at the ends of steps
     length: int = 0
-    variables: int = 0
 
 
 NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(1, np.int64), False)
@@ -72,7 +71,6 @@ class _Sizes(NamedTuple):
 class _Loop(NamedTuple):
     step: int
     dense: int
-    fused: bool
     sizes: _Sizes
     motion: Motion
     rows: EventRows
@@ -180,8 +178,8 @@ class Loop:
         self.failures: list[BaseException] = []  # of steps that C has called
         code: Any = stepper[1:] if isinstance(stepper, Loaded) else ()
         if isinstance(stepper, Called):
-            self.callbacks = _callbacks(stepper, motion, self.out, self.failures)
-            code = *(ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks), False
+            self.callbacks = _callbacks(stepper, motion, self.failures)
+            code = (ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks)
         lengths = rows.events, rows.axis, log.rows, samples.top, log.states[:1].T
         sizes = _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths))
         arrays = np.empty((2, size, lanes)), self.out
@@ -193,8 +191,7 @@ class Loop:
     def fill(self, rows: Rows) -> None:
         """Write these rows from now on."""
         if rows is not self.output:
-            length, variables = len(rows.times), min(len(rows.states), len(self.out))
-            self.structure.output = filled(rows._replace(length=length, variables=variables))
+            self.structure.output = filled(rows._replace(length=len(rows.times)))
             self.output = rows
 
     def drive(self, most: int) -> int:
@@ -218,11 +215,8 @@ class Loop:
         library().loop_keep(self.place, *event[["first", "last"]].item(), 0, when, sign)
 
 
-def _callbacks(
-    stepper: Called, motion: Motion, out: np.ndarray, failures: list[BaseException]
-) -> list[Any]:
-    """Return step and dense output of a stepper as functions of C, for the arrays that the loop
-    gives it.
+def _callbacks(stepper: Called, motion: Motion, failures: list[BaseException]) -> list[Any]:
+    """Return step and dense output of a stepper as functions of C.
 
     An error, which cannot pass through C, ends the runs: their next step is NaN.
     """
@@ -239,8 +233,7 @@ def _callbacks(
 
         return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * count)(function)
 
-    step, state_at = partial(stepper.step, motion), partial(stepper.state_at, motion.limit, out)
-    return [called(step, 5), called(state_at, 3)]
+    return [called(partial(stepper.step, motion), 5), called(stepper.keep, 3)]
 
 
 def count_turnings(

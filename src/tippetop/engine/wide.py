@@ -69,14 +69,13 @@ class WideSteps(Called):
             motion.state[:, 0] = ta.state.astype(float)
             motion.tc[:, :, 0] = np.clip(ta.tc.astype(float), -LARGEST, LARGEST)
         # where the loop puts the end of the step, if it keeps it as a sample or as a row
-        rows, row = run.wanted.states, run.wanted.made[0]
-        run.exact.samples[run.sampled_so_far[0], : len(ta.state)] = ta.state
-        rows[: len(ta.state), row : row + 1] = ta.state[: len(rows), None]
+        n, wanted, row = len(ta.state), run.wanted, run.wanted.made[0]
+        run.exact.samples[run.sampled_so_far[0], :n] = ta.state
+        if row < len(wanted.states):
+            wanted.states[row, :n] = ta.state
 
-    def state_at(self, inside: np.ndarray, out: np.ndarray) -> None:
-        """Keep the next zero of the log, which is refined, or else the next row, and write its
-        state.
-        """
+    def keep(self) -> None:
+        """Keep the next zero of the log, which is refined, or else the next row."""
         ta, run, n = self.integrator, self.run, len(self.integrator.state)
         if self.refined < run.logged[0]:
             k, start = self.refined, self.before[1][0]
@@ -88,9 +87,7 @@ class WideSteps(Called):
             self.refined += 1
         else:
             wanted, row = run.wanted, run.wanted.made[0]
-            state = ta.update_d_output(run.number(wanted.rows.times[row]))
-            wanted.states[:n, row] = state[: len(wanted.states)]
-        out[:, 0] = ta.d_output.astype(float)
+            wanted.states[row, :n] = ta.update_d_output(run.number(wanted.rows.times[row]))
 
 
 class WideDriver(Driver):
