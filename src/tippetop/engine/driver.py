@@ -250,11 +250,10 @@ class Driver:
         steps, when, last, ended = self.run(most)
         logged, sampled = slice(self.logged[0]), slice(self.sampled_so_far[0])
         events = self.log.rows[logged]
-        states, samples, last = self.give(
-            (events["phase"], self.exact.states[logged]),
-            (self.samples.top[sampled], self.exact.samples[sampled]),
-            (self.samples.in_lane, last[None]),
-        )
+        self.give()
+        states = self.rows_of(events["phase"], self.exact.states[logged]).copy()
+        samples = self.rows_of(self.samples.top[sampled], self.exact.samples[sampled]).copy()
+        last = self.rows_of(self.samples.in_lane, last[None]).copy()
         columns = self.exact.times[logged], events["event"], events["sign"], events["at_pole"]
         passages = Passages._make([*(column.copy() for column in columns), states])
         return Slice(steps, when, last, samples, passages, ended)
@@ -292,27 +291,18 @@ class Driver:
         self.give()
         self.wanted.ask(self.request)
 
-    def give(self, *others: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
-        """Give the rows that were made since the last time, and return those of other states: see
-        `rows_of`.
-        """
+    def give(self) -> None:
+        """Give the rows that were made since the last time."""
         wanted = self.wanted
         made = slice(wanted.given, wanted.made[0])
-        rows, *rest = self.rows_of((wanted.rows.phases[made], wanted.states[made]), *others)
+        rows = self.rows_of(wanted.rows.phases[made], wanted.states[made])
         wanted.given = made.stop
         if len(rows):
             self.request.take(wanted.rows.times[made], rows)
-        return [states.copy() for states in rest]
 
-    def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
-        """Return the rows of states.
-
-        Parameters
-        ----------
-        parts
-            The numbers of their phases (k,), and states (k, all variables).
-        """
-        return [states[:, : self.variables] for _, states in parts]
+    def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return the rows of states (k, all variables), of which the numbers of phases are (k,)."""
+        return states[:, : self.variables]
 
     def make(self, rows: Rows, most: int) -> int:
         """Make at most `most` steps, write these rows, and return the number of steps."""
@@ -372,7 +362,7 @@ class Driver:
 
     def present(self) -> np.ndarray:
         """Return the present state, (1, variables), internal."""
-        return self.rows_of((self.samples.in_lane, self.state[None].copy()))[0]
+        return self.rows_of(self.samples.in_lane, self.state[None].copy())
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases."""

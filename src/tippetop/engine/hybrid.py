@@ -569,22 +569,20 @@ class HybridDriver(Driver):
             return
         self._note(number, now, sign, track, state)
 
-    def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
+    def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
         system, variables = self.problem.system, self.problem.variables
-        at = np.concatenate([phases for phases, _ in parts])
-        states = np.concatenate([some[:, : self.wanted.variables] for _, some in parts]).T
-        rows = np.empty((self.variables, len(at)), self.number)
+        rows = np.empty((len(phases), self.variables), self.number)
         for track in self.tracks.values():
-            mine = np.flatnonzero(at == track.at)
+            mine = np.flatnonzero(phases == track.at)
             # NumPy cannot multiply an array of quadruple numbers by a literal
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
-                q, carried = track.variables.split(states[: track.width, some])
+                q, carried = track.variables.split(states[some, : track.width].T)
                 read, _ = system.read(track.phase, q, carried, track.b)
                 values = variables.join(read[: variables.moving], carried)
-                for row, value in zip(rows, values, strict=True):
-                    row[some] = value
-        return np.split(rows.T, np.cumsum([len(phases) for phases, _ in parts[:-1]]))
+                for k, value in enumerate(values):
+                    rows[some, k] = value
+        return rows
 
     # --- where the run is ------------------------------------------------------------------------
 
