@@ -676,10 +676,7 @@ enum {
     LARGER,
     LESS,
     AT_MOST,
-    GREATER,
-    AT_LEAST,
     EQUAL,
-    UNEQUAL,
     UNIT,
     EXPECT,
     MOTION,
@@ -757,10 +754,7 @@ static bool execute(const Change *c, const Loop *const *loops) {
         case POWER: *to = pow(a, b); break;
         case LESS: *to = a < b; break;
         case AT_MOST: *to = a <= b; break;
-        case GREATER: *to = a > b; break;
-        case AT_LEAST: *to = a >= b; break;
         case EQUAL: *to = a == b; break;
-        case UNEQUAL: *to = a != b; break;
         case NEGATE: *to = -a; break;
         case ROOT: *to = sqrt(a); break;
         case SIZE: *to = fabs(a); break;

@@ -126,8 +126,9 @@ IN_LANES = ("inverting", "rolling", "gliding-heavy-top", "heavy-top")
 class Seen:
     """An observer of lanes that keeps every sample of every top."""
 
-    def __init__(self, n: int):
-        self.samples: list[list[np.ndarray]] = [[] for _ in range(n)]
+    def __init__(self, tops: Problems):
+        self.samples: list[list[np.ndarray]] = [[] for _ in range(tops.n)]
+        self.final = np.full(tops.start.shape, np.nan)
         self.done = 0
 
     def look(self, states: np.ndarray, tops: np.ndarray) -> None:
@@ -153,12 +154,8 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
     assert tops.valid.all()
     monkeypatch.setattr("tippetop.ensembles.lanes.EVERY", 1)
     mine = Lanes(tops, lanes)
-    made, final = (
-        new_tallies(mine.rows, np.ones((len(mine.rows.events), n))),
-        np.full(tops.start.shape, np.nan),
-    )
-    seen = Seen(n)
-    mine.run(made, final, iter(range(n)), seen.look, seen.ended)
+    made, seen = new_tallies(mine.rows, np.ones((len(mine.rows.events), n))), Seen(tops)
+    mine.run(seen, made, iter(range(n)), seen.ended)
     assert seen.done == n
     assert np.all(made.lane["status"] == Status.FINISHED.code)
     theirs = copy.deepcopy(
@@ -182,7 +179,7 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
             ends = np.concatenate([output.tcs[1:, :, 0, lane], theirs.state[None, :, lane]])[moved]
             assert made.lane["steps"][top] == len(ends)
             assert same_bits(np.array(seen.samples[top]), ends)
-            assert same_bits(final[:, top], theirs.state[: len(final), lane])
+            assert same_bits(seen.final[:, top], theirs.state[: len(seen.final), lane])
 
 
 # --- what a run leaves alone --------------------------------------------------------------------

@@ -39,7 +39,7 @@ from .driver import (
     extremes_of,
 )
 from .expressions import Formulas
-from .impacts import ImpactMotions, kind_of
+from .impacts import ImpactMotions
 from .integrator import Compiled
 from .loop import Rows
 from .phase_tables import PhaseTables
@@ -386,7 +386,7 @@ class HybridDriver(Driver):
         self.tracks: dict[str, Track] = {}
         contact, kind, struck = problem.contact, None, None
         if contact is not None:
-            kind = kind_of(problem, body[0].friction)
+            kind = type(body[0].friction), contact.restitution, problem.precision
             self.impacts = ImpactMotions(*kind, stop)
             struck = self.impacts.struck
         tables = dict(system.tables)
@@ -406,12 +406,13 @@ class HybridDriver(Driver):
         """Enter the first phase."""
         system, world = self.problem.system, self.world._replace(left=self.end)
         phase = completed(system.phase, self.problem.variables)
-        begins = Exit("start", tuple(self.phases), system.begin or begin_in_first)
-        begun = n, *_ = self.jump("", phase, begins)(self, state, world)
-        if n.ends:
-            self.ended, self.sentence = Status.of_event(n.ends), n.message
-        if not n.phase:
-            begun = self.jump("", phase, replace(begins, jump=begin_in_first))(self, state, world)
+        for begin in (system.begin or begin_in_first, begin_in_first):
+            start = Exit("start", tuple(self.phases), begin)
+            begun = n, *_ = self.jump("", phase, start)(self, state, world)
+            if n.ends:
+                self.ended, self.sentence = Status.of_event(n.ends), n.message
+            if n.phase:
+                break
         self._enter(begun, self.number(0), None)
         begin_lasting(self.tallies, self.all_events)
 
@@ -459,8 +460,8 @@ class HybridDriver(Driver):
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
         """Make at most `most` steps, through as many phases as they take."""
-        self.changes, steps, status, goes_on = 0, 0, None, True
-        while goes_on:
+        self.changes, steps = 0, 0
+        while True:
             self.end_next()
             is_over = self.changes >= PER_SLICE or not self.clock[0] < self.end
             room = 0 if is_over else most - steps
@@ -474,7 +475,8 @@ class HybridDriver(Driver):
             jump = self.track.exits.get(ending)
             if jump:
                 status = self._change(jump, when)
-            goes_on = status is None and room > 0 and bool(jump or self.track.sampled)
+            if status is not None or not room or not (jump or self.track.sampled):
+                break
         if status is None and not self.clock[0] < self.end:
             status = Status.FINISHED  # a phase begins where the run ends, and takes no step
             self.tally["upto"] = 0.0
@@ -595,8 +597,8 @@ class HybridDriver(Driver):
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,
         but for `state`.
         """
-        phase = self.track.at, self.short, self.began, *self.tables.under_way
-        return super().snapshot() | {"phase": [*phase], "until": [self.until]}
+        phase = [self.track.at, self.short, self.began, *self.tables.under_way]
+        return super().snapshot() | {"phase": phase, "until": [self.until]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""

@@ -9,38 +9,35 @@ from ..mechanics.contact.contact_phases import PHASES
 from ..mechanics.friction import has_parts, takes_nothing
 from ..mechanics.system import System
 from ..mechanics.theory.modes import LINEAR, SLIDES, is_unstable, shows_sliding, will_leave
-from ..problem import Problems
+from ..mechanics.units import SECOND
+from ..problem import Problem, Problems
 
 
 # internal units: how long sliding must have been dead before `stop_when = "settled"` stops a run
 SETTLED_FOR = 200.0
 
 
-def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
+def stays(problem: Problem, values: dict[str, np.ndarray]) -> bool:
     """Return whether a motion without sliding lasts; a top near an unstable pole will leave it.
 
     Parameters
     ----------
-    body
-        The body, SI.
+    problem
+        The run.
     values
         theta [rad] and omega3 [internal units] of one state by name, (1,) each.
-    second
-        Internal unit of time [s].
 
     Returns
     -------
     bool
-        True also for a body whose stability is unknown.
-
-    Notes
-    -----
-    The body in SI units; values are those of one state, (1,) each, in internal units, of which a
-    time is `second` [s]. A motion in a plane has no spin, hence no pole that it could leave.
+        True also for a body whose stability is unknown. A motion in a plane has no spin, hence no
+        pole that it could leave.
     """
+    body = problem.body()
     if not isinstance(body, Touch) or "omega3" not in values:
         return True
-    theta, omega3 = float(values["theta"][0]), float(values["omega3"][0]) / second
+    theta = float(values["theta"][0])
+    omega3 = float(values["omega3"][0]) / float(problem.scales.of(SECOND))
     return bool(shows_sliding(body, np.cos(theta))) and not will_leave(theta, omega3, body)
 
 

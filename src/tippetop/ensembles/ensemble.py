@@ -77,9 +77,10 @@ def measure(
         n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes))
         workers = [Lanes(tops, lanes, wanted) for _ in range(n)]
         tallies = new_tallies(workers[0].rows, functions.T)
-        places = tallies, measured.final, queue, measured.look, ended
         with ThreadPoolExecutor(n) as pool:
-            running = [pool.submit(worker.run, *places) for worker in workers]
+            running = [
+                pool.submit(worker.run, measured, tallies, queue, ended) for worker in workers
+            ]
             try:
                 wait(running, return_when=FIRST_EXCEPTION)
             finally:

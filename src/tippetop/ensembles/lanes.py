@@ -22,10 +22,9 @@ from ..engine.tallies import (
     new_tallies,
 )
 from ..engine.taylor import compiled_when
-from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
 from .hybrid_tops import problem_of
-from .outcomes import SWINGS
+from .outcomes import SWINGS, Outcomes
 
 
 LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
@@ -78,29 +77,25 @@ class Lanes:
 
     def run(
         self,
+        outcomes: Outcomes,
         tallies: Tallies,
-        final: np.ndarray,
         queue: Iterator[int],
-        look: Callable[[np.ndarray, np.ndarray], None],
         ended: Callable[[], None],
     ) -> None:
         """Run tops to their ends.
 
         Parameters
         ----------
+        outcomes
+            Gets the last states, and looks at states that were sampled on the way.
         tallies
             Of all tops: those of their starts become those of their ends.
-        final
-            Gets their last states, (variables, n).
         queue
             Numbers of those that run; threads may share it.
-        look
-            look(states, tops) takes states (variables, k) that were sampled on the way, and whose
-            they are, (k,).
         ended
             Called whenever a top has ended.
         """
-        samples, status = self.samples, self.tallies.lane["status"]
+        samples, status, final = self.samples, self.tallies.lane["status"], outcomes.final
         while True:
             for lane in np.flatnonzero(status != Status.RUNNING.code).tolist():
                 top, self.top[lane] = int(self.top[lane]), next(queue, -1)
@@ -113,7 +108,7 @@ class Lanes:
                     self._take(tallies, lane)
             idle, count = bool((self.top < 0).all()), int(samples.filled[0])
             if count and (idle or count + self.lanes > len(samples.top)):
-                look(samples.states[:count].T, samples.top[:count])
+                outcomes.look(samples.states[:count].T, samples.top[:count])
                 samples.filled[0] = 0
             if idle:
                 return
@@ -140,10 +135,9 @@ class Lanes:
     def _stays(self, lane: int) -> bool:
         """Return whether a top that has settled stays as it is."""
         tops, top = self.problems, self.top[[lane]]
-        state, alone = self.motion.state[: len(tops.start), [lane]], problem_of(tops, int(top[0]))
-        return not slides(tops, state, top).any() and stays(
-            alone.body(), values_of(tops, state, top), float(alone.scales.of(SECOND))
-        )
+        state = self.motion.state[: len(tops.start), [lane]]
+        alone = problem_of(tops, int(top[0]))
+        return not slides(tops, state, top).any() and stays(alone, values_of(tops, state, top))
 
 
 def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> EventRows:

@@ -28,11 +28,11 @@ STATUSES = tuple(status.value for status in Status if status is not Status.RUNNI
 
 SWINGS = ("turnings", "theta_min", "theta_max")  # columns that turnings give
 LYAPUNOV = "lyapunov"  # a column that is left out unless it is asked for
-Form = tuple[Any, Unit, str]  # of a column: type, unit, meaning
+Form = tuple[Any, Unit, str]  # of a column: number if there is none, unit, meaning
 TURNS = "of the unit quaternion that turns body axes into space axes, at the end"
 ORIENTATION: dict[str, Form] = {
-    **{f"orientation_{part}_end": (np.float64, ONE, f"{part} {TURNS}") for part in "wxyz"},
-    "psi_end": (np.float64, RADIAN, f"{PSI}; at the end"),
+    **{f"orientation_{part}_end": (np.nan, ONE, f"{part} {TURNS}") for part in "wxyz"},
+    "psi_end": (np.nan, RADIAN, f"{PSI}; at the end"),
 }
 """Columns of the orientation at the end, where it is wanted."""
 
@@ -42,21 +42,21 @@ def columns_of(system: System) -> dict[str, Form]:
 
     Those of a gliding body are always among them, whether it has these events or not.
     """
-    count, time = (np.int32, ONE), (np.float64, SECOND)
+    count, time = (np.int32(0), ONE), (np.nan, SECOND)
     kept = [kept for event in (*EVENTS, *system.events) for kept in event.kept]
     watched = {event.extremes for event in system.events} - {"", "normal_force"}
     return {
         "t_end": (*time, "end of the run"),
-        "theta_end": (np.float64, RADIAN, "inclination at the end"),
+        "theta_end": (np.nan, RADIAN, "inclination at the end"),
         **{k.name: (*(count if k.what == "count" else time), k.long_name) for k in kept},
         "turnings": (*count, "turning angles that are more than rounding"),
-        "theta_min": (np.float64, RADIAN, "lowest turning angle"),
-        "theta_max": (np.float64, RADIAN, "highest turning angle"),
-        "normal_force_min": (np.float64, NEWTON, "least normal force"),
-        "normal_force_max": (np.float64, NEWTON, "greatest normal force"),
+        "theta_min": (np.nan, RADIAN, "lowest turning angle"),
+        "theta_max": (np.nan, RADIAN, "highest turning angle"),
+        "normal_force_min": (np.nan, NEWTON, "least normal force"),
+        "normal_force_max": (np.nan, NEWTON, "greatest normal force"),
         "steps": (*count, "steps of the integrator"),
         **{
-            f"{q.name}_{end}": (np.float64, q.unit, f"{word} {q.long_name}")
+            f"{q.name}_{end}": (np.nan, q.unit, f"{word} {q.long_name}")
             for q in system.quantities
             if q.name in watched
             for end, word in (("min", "least"), ("max", "greatest"))
@@ -72,13 +72,10 @@ class Outcomes:
         self.forms = columns_of(tops.base.system) | (ORIENTATION if tops.orientation else {})
         if lyapunov:
             text = "finite-time Lyapunov exponent of the run"
-            self.forms[LYAPUNOV] = np.float64, PER_SECOND, text
+            self.forms[LYAPUNOV] = np.nan, PER_SECOND, text
         self.status = np.where(tops.valid, 0, Status.INVALID.code).astype(np.int8)
         self.kind = np.zeros(n, np.int8)
-        self.columns = {
-            name: np.full(n, np.nan) if dtype is np.float64 else np.zeros(n, dtype)
-            for name, (dtype, _, _) in self.forms.items()
-        }
+        self.columns = {name: np.full(n, empty) for name, (empty, *_) in self.forms.items()}
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
         values = values_of(tops, tops.start, np.arange(n))
@@ -107,8 +104,8 @@ class Outcomes:
 def _conclude(outcomes: Outcomes) -> None:
     """Compute SI units, theta at the end and the class of each top from its end."""
     tops, columns = outcomes.tops, outcomes.columns
-    for name, (dtype, unit, _) in outcomes.forms.items():
-        if dtype is np.float64:
+    for name, (empty, unit, _) in outcomes.forms.items():
+        if np.isnan(empty):
             columns[name] *= tops.unit(unit)
             columns[name][~np.isfinite(columns[name])] = np.nan
     ended = np.flatnonzero(np.isfinite(outcomes.final).all(axis=0))

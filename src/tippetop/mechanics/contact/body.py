@@ -355,39 +355,35 @@ def twist(s, b):
 
 
 @formula
-def push_along(turn, s, F, N, axis_speed2, z, b):
-    """Return e.(dv_A/dt) [m/s^2]: turn = omega_3 phi' sin(theta), s = sin(theta), F along e.
-
-    With all three times sin(theta), it is 3hat.(dv_A/dt). [T 3.32, corrected]
-    """
-    h = height(z, b)
-    swing = turn * (b.I3 * h - b.I1 * b.R) + b.c * s * (h * N - b.I1 * axis_speed2)
-    return swing / b.I1 + F * (1 / b.m + h**2 / b.I1)
-
-
-@formula
-def push_across(turn, F, s2, z, b):
-    """Return 2hat.(dv_A/dt) [m/s^2] of the turn omega_3 theta', and F along 2hat.
-
-    With both times sin(theta), it is (zhat x 3hat).(dv_A/dt). [T 3.33]
-    """
-    q = b.c - b.R * z
-    mobility = 1 / b.m + q**2 / b.I1 + b.R**2 * s2 / b.I3
-    return F * mobility + turn * (b.I3 * q + b.I1 * b.R * z) / b.I1
-
-
-@formula
 def push_u(s, b):
-    """Return 3hat.(dv_A/dt) [m/s^2]."""
-    N = g_n(s, b)
+    """Return 3hat.(dv_A/dt) [m/s^2]. [T 3.32, corrected]"""
+    N, h = g_n(s, b), height(s.z, b)
     drag = -(slip_coefficient(s.v2, s.z, b.friction) * N * s.v_u)
-    return push_along(s.L3 / b.I3 * s.phi_dot_s2, s.s2, drag, N, s.axis_speed2, s.z, b)
+    turn = s.L3 / b.I3 * s.phi_dot_s2  # omega_3 phi' sin(theta)^2
+    swing = turn * (b.I3 * h - b.I1 * b.R) + b.c * s.s2 * (h * N - b.I1 * s.axis_speed2)
+    return swing / b.I1 + drag * (1 / b.m + h**2 / b.I1)
+
+
+@formula
+def bias_n(s, b):
+    """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]. [b_2 of contact 1]"""
+    turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
+    return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
+
+
+@formula
+def mobility_n(s, b):
+    """Return the acceleration of the contact point across the lean, per force [1/kg].
+
+    [K_22 of contact 1]
+    """
+    return 1 / b.m + (b.c - b.R * s.z) ** 2 / b.I1 + b.R**2 * s.s2 / b.I3
 
 
 @formula
 def push_n(s, b):
-    """Return (zhat x 3hat).(dv_A/dt) [m/s^2]."""
-    return push_across(-(s.L3 / b.I3 * s.z_dot), twist(s, b), s.s2, s.z, b)
+    """Return (zhat x 3hat).(dv_A/dt) [m/s^2]. [T 3.33]"""
+    return bias_n(s, b) + mobility_n(s, b) * twist(s, b)
 
 
 @formula

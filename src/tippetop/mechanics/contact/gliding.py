@@ -44,8 +44,6 @@ from .body import (
     modified_energy,
     modified_energy_rate,
     of_azimuth,
-    push_across,
-    push_along,
     push_n,
     push_u,
     rolling_velocity,
@@ -157,36 +155,36 @@ def euler_scalars(e, b):
 
 
 @formula
+def sine_and_cosine(q):
+    """Return sin(theta), cos(theta)."""
+    return sin(q.theta), cos(q.theta)
+
+
+@formula
+def spins(e, across, b):
+    """Return phi'' and omega_3' of the force `across` at the contact, along 2hat. [T 3.30, 3.31]"""
+    s, z = sine_and_cosine(e)
+    turn = e.theta_dot * (b.I3 * e.omega3 - 2 * b.I1 * e.phi_dot * z)
+    return (turn + across * (b.c - b.R * z)) / (b.I1 * s), b.R * s * across / b.I3
+
+
+@formula
 def euler_rates(e, b):
     """Return the solved equations in Euler angles.
 
     [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]
     """
-    s, z = sin(e.theta), cos(e.theta)
-    c = euler_scalars(e, b)
-    N, h, q = g_n(c, b), height(z, b), b.c - b.R * z
-    k = slip_coefficient(c.v2, z, b.friction) * N
-    Fx, Fy = -(k * e.nu_x), -(k * e.nu_y)  # along e and 2hat
-    theta_dot2 = (
-        s / b.I1 * (b.I1 * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.c * N) - h * Fx / b.I1
-    )
-    phi_dot2 = (b.I3 * e.theta_dot * e.omega3 - 2 * b.I1 * e.theta_dot * e.phi_dot * z + Fy * q) / (
-        b.I1 * s
-    )
+    s, c = sin(e.theta), euler_scalars(e, b)
+    N = g_n(c, b)
+    k = -(slip_coefficient(c.v2, c.z, b.friction) * N)
+    swing = e.phi_dot * (b.I1 * e.phi_dot * c.z - b.I3 * e.omega3) - b.c * N
     return EulerState(
         e.theta_dot,
-        theta_dot2,
-        phi_dot2,
-        b.R * s * Fy / b.I3,
-        push_along(e.omega3 * (e.phi_dot * s), s, Fx, N, c.axis_speed2, z, b) + e.phi_dot * e.nu_y,
-        push_across(e.omega3 * e.theta_dot, Fy, s**2, z, b) - e.phi_dot * e.nu_x,
+        (s * swing - height(c.z, b) * (k * e.nu_x)) / b.I1,
+        *spins(e, k * e.nu_y, b),
+        push_u(c, b) / s + e.phi_dot * e.nu_y,
+        push_n(c, b) / s - e.phi_dot * e.nu_x,
     )
-
-
-@formula
-def sine_and_cosine(q):
-    """Return sin(theta), cos(theta)."""
-    return sin(q.theta), cos(q.theta)
 
 
 @formula
@@ -230,8 +228,19 @@ def vector_of_angles(e, s, z, b):
     return VectorState(*u, *L, b.I3 * e.omega3, *velocity)
 
 
-def angles_by(units: Any, scalars: Callable) -> Callable:
-    """Return to_angles(q, carried, b) of a form whose state has the axis.
+def azimuth(q: Any, carried: Any) -> Any:
+    """Return phi in (-pi, pi], of a state that has the axis."""
+    return atan2(q.uy, q.ux)
+
+
+def wrapped_azimuth(q: Any, carried: Any) -> Any:
+    """Return phi in (-pi, pi], of Euler angles."""
+    s = sin(q.theta)
+    return atan2(s * sin(carried.phi), s * cos(carried.phi))
+
+
+def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Callable:
+    """Return to_angles(q, carried, b) of a form.
 
     The angles are 0/0 exactly at a pole, where phi is undefined. theta is atan2(sin, cos): no
     digits are lost near the poles. [section 3.4]
@@ -242,17 +251,19 @@ def angles_by(units: Any, scalars: Callable) -> Callable:
         The record of the angles; fields that the scalars do not give are integrals.
     scalars
         scalars(q, b) of the form.
+    azimuth
+        azimuth(q, carried) -> phi.
     """
 
     def to_angles(q: Any, carried: Any, b: Any) -> Any:
-        c, u = scalars(q, b), axis(q)
+        c = scalars(q, b)
         s = sqrt(c.s2)
         known = {
             "theta": atan2(s, c.z),
             "theta_dot": -c.z_dot / s,
             "phi_dot": c.phi_dot_s2 / c.s2,
             "omega3": c.L3 / b.I3,
-            "phi": atan2(u.y, u.x),
+            "phi": azimuth(q, carried),
         }
         if hasattr(c, "v_u"):
             known |= {"nu_x": c.v_u / s, "nu_y": c.v_n / s}
@@ -274,7 +285,6 @@ AWAY_FROM_POLE = Domain(
 
 
 def in_euler_angles(
-    vector: Form,
     angles: Any,
     units: Any,
     rates: Callable,
@@ -286,29 +296,20 @@ def in_euler_angles(
 
     Parameters
     ----------
-    vector
-        The vector form: by way of it theta is brought to [0, pi], and phi to (-pi, pi].
     angles
-        The record of the angles.
+        The record of the angles, of which theta is brought to [0, pi], and phi to (-pi, pi].
     units
         The state: the first of the angles.
     rates, scalars, integrals, domains
         As of a `Form`, without phi.
     """
-
-    def to_angles(q: Any, carried: Any, b: Any) -> Any:
-        sources = (q if name in q._fields else carried for name in angles._fields)
-        e = type(angles)(*map(getattr, sources, angles._fields))
-        state = vector.of_angles(e, sin(e.theta), cos(e.theta), b)
-        return vector.to_angles(state, carried, b)
-
     return Form(
         "euler",
         units,
         rates,
         scalars,
         lambda e, s, z, b: type(units)(*e[: len(units)]),
-        to_angles,
+        angles_by(angles, scalars, wrapped_azimuth),
         integrals=(integral("phi", lambda q, carried, b: q.phi_dot), *integrals),
         orientation=by_angles(sine_and_cosine, psi_rate),
         domains=(*domains, AWAY_FROM_POLE),
@@ -386,7 +387,6 @@ VECTOR = Form(
     domains=(NOT_JAMMED,),
 )
 EULER = in_euler_angles(
-    VECTOR,
     ANGLES,
     EULER_UNITS,
     euler_rates,
