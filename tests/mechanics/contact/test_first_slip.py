@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import response
 from tippetop.mechanics.contact.body import Touch, Turning
-from tippetop.mechanics.contact.first_slip import FirstSlip, first_directions, first_slip
+from tippetop.mechanics.contact.first_slip import first_directions, first_slip
 from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector, cross
 
@@ -59,11 +59,11 @@ def slip_rates(ball: Touch) -> Callable:
     return rates
 
 
-def slipped(edge: "Edge") -> FirstSlip:
-    """The first slip from an edge."""
+def slipped(edge: "Edge") -> tuple[float, Callable]:
+    """Duration and motion of the first slip from an edge."""
     start = np.append(edge.state, 0.0).astype(np.longdouble)
     span = 0.03 / edge.omega
-    return first_slip(slip_rates(edge.ball), start, edge.beta, span, lambda first: True)
+    return first_slip(slip_rates(edge.ball), start, edge.beta, span, lambda end: True)
 
 
 def rolling_rate(state: np.ndarray, ball: Touch) -> np.ndarray:
@@ -108,28 +108,28 @@ def test_the_start_goes_on_as_an_integration_of_the_same_equations(
 ) -> None:
     for edge in edges(rng, 3):
         rates = slip_rates(edge.ball)
-        made = slipped(edge)
+        duration, at = slipped(edge)
 
         def rate(t: float, y: Any, rates: Callable = rates) -> Any:
             state_rate, Q = rates(y[:-1], y[-1])
             return np.array([*state_rate, Q / y[-2]])
 
-        times = 0.7 * made.duration, made.duration
-        begin, last = made.at(times).T
+        times = 0.7 * duration, duration
+        begin, last = at(times).T
         end = solve_ivp(rate, times, begin, "DOP853", rtol=1e-13, atol=1e-16).y[:, -1]
-        assert made.duration == 0.03 / edge.omega
+        assert duration == 0.03 / edge.omega
         size = np.array([1, 1, 1, 1e-3, 1e-3, 1e-3, 1, 1])
         assert np.max(np.abs(last[:-2] - end[:-2]) / size) < 2e-15
         assert last[-2] == pytest.approx(end[-2], rel=1e-10)
         assert last[-1] == pytest.approx(end[-1], abs=1e-10)
         start = np.array([*edge.state, 0, edge.beta])
-        np.testing.assert_allclose(made.at(0.0), start, rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(at(0.0), start, rtol=1e-12, atol=1e-15)
 
 
 def test_slip_begins_where_its_rate_is_zero_by_rounding(rng: np.random.Generator) -> None:
     for edge in edges(rng, 15):
-        made = slipped(edge)
-        assert np.all(made.at(made.duration * np.linspace(0.01, 1, 12))[-2] > 0)
+        duration, at = slipped(edge)
+        assert np.all(at(duration * np.linspace(0.01, 1, 12))[-2] > 0)
 
 
 def test_inside_the_cone_nothing_begins_to_slip(rng: np.random.Generator) -> None:

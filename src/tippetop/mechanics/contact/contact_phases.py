@@ -376,8 +376,10 @@ def frictions_of(law: Any, names: Sequence[str]) -> list[Callable]:
 
 def ends_of(law: Any, names: Sequence[str]) -> tuple[Event, ...]:
     """Return the events that end sliding in these regions of a law, on each contact."""
-    sides = [(way, side) for side, name in enumerate(names) for way in law.regions[name].borders]
-    return (RESTS, *(border(*one) for one in sides)) if names else ()
+    ways = [
+        border(way, side) for side, name in enumerate(names) for way in law.regions[name].borders
+    ]
+    return (RESTS, *ways) if names else ()
 
 
 def slip_under(law: Any, *names: str) -> Phase:

@@ -5,7 +5,7 @@ the common state.
 struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -28,9 +28,10 @@ from .contact_phases import (
     phase_name,
     regions_of,
     rest_speed2,
+    rolled,
     without_slip_on_both,
 )
-from .first_slip import FirstSlip, first_directions, first_slip
+from .first_slip import first_directions, first_slip
 from .response import (
     bias_vector,
     cone,
@@ -162,7 +163,7 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
         if count == 4 or rate < 0:
             return ended(x, ball, cause, "stalled", NO_WAY)
         roots["land" if k == ball else "touch"] = count
-    lasts = min(longest_flight(x, b) for b in world.body)
+    lasts = longest_flight(x, world.body[0])
     return Next(phase_name("flight", ball), x, cause, zeros=roots, lasts=lasts)
 
 
@@ -326,7 +327,7 @@ def slid(x: Moving, world: Any, phase: Any, q: Any, rates: Any, delay: Any) -> M
 def eighty_bits(value: Any) -> Any:
     """Return a number, of 80 bits."""
     high = float(value)
-    return np.longdouble(high) + np.longdouble(float(value - high))
+    return np.longdouble(high) + float(value - high)
 
 
 def rounded(record: Any) -> Any:
@@ -356,17 +357,13 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     omega = contact.angular_velocity(x, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
 
-    def lasts(first: FirstSlip) -> bool:
-        q, _ = read(first.at(first.duration))
+    def lasts(end: np.ndarray) -> bool:
+        q, _ = read(end)
         return bool(phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * q.uz > 0)
 
     state, beta = np.array([*x.u, *x.L, *x.carried, 0 * F.z]), np.arctan2(-F.y, -F.x)
-    first = first_slip(rates, state, beta, span, lasts)
-
-    def series(t: Iterable) -> tuple[Any, Any]:
-        return read(first.at([eighty_bits(one) for one in t]))
-
-    return first.duration, series
+    duration, at = first_slip(rates, state, beta, span, lasts)
+    return duration, lambda t: read(at([eighty_bits(one) for one in t]))
 
 
 # --- exits of the phases ------------------------------------------------------------------------
@@ -440,10 +437,10 @@ def roll_on_both(n: Next, world: Any) -> Next:
 
     The body rolls on both if friction can give the force, and otherwise passes its rest.
     """
-    b, name = world.body[0], phase_name("both", 0, "roll")
-    phase, rolls = world.phases[name], without_slip_on_both(n.x, b)
-    F = phase.reaction(phase.enter(rolls, b), b).force
-    return Next(name, rolls, "rests") if size(F) < b.friction.mu * F.z else n
+    b = world.body[0]
+    x = without_slip_on_both(n.x, b)
+    F = rolled(x, b)[0]
+    return Next(phase_name("both", 0, "roll"), x, "rests") if size(F) < b.friction.mu * F.z else n
 
 
 def give_way(x: Moving, world: Any) -> Next:

@@ -7,7 +7,7 @@ integration.
 """
 
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebint, chebval, chebvander
@@ -18,21 +18,11 @@ from ..event import zero_of
 NODES, STEP = 12, 1e-5  # of beta, for a slope
 
 
-class FirstSlip(NamedTuple):
-    """The first moments of slip since the edge of the cone; at their end an integrator begins."""
-
-    duration: Any
-    coefficients: np.ndarray  # (n, k + 1) of Chebyshev polynomials of time: of state and beta
-
-    def at(self, t: Any) -> np.ndarray:
-        """Return state and beta at times t."""
-        return chebval(2 * np.asarray(t) / self.duration - 1, self.coefficients)
-
-
 def first_slip(
     rates: Callable, state: np.ndarray, beta: Any, duration: Any, lasts: Callable
-) -> FirstSlip:
-    """Return the motion from the edge of the cone, where w = P = Q = 0.
+) -> tuple[Any, Callable]:
+    """Return the duration of the motion from the edge of the cone, where w = P = Q = 0, and at(t),
+    the state and beta at times t since then: at its end an integrator begins.
 
     Parameters
     ----------
@@ -46,7 +36,7 @@ def first_slip(
     duration
         How long; 0.03/|omega| is right. It is halved until the sweeps converge and it `lasts`.
     lasts
-        lasts(first) -> whether nothing else happens to the contact in a FirstSlip.
+        lasts(end) -> whether nothing else happens to the contact until this state and beta.
 
     Raises
     ------
@@ -54,15 +44,15 @@ def first_slip(
         Nothing begins to slip so.
     """
     for _ in range(12):
-        slip = _swept(rates, state, beta, duration)
-        if slip is not None and lasts(slip):
-            return slip
+        at = _swept(rates, state, beta, duration)
+        if at and lasts(at(duration)):
+            return duration, at
         duration = duration / 2
     raise ArithmeticError("no slip begins at this edge of the cone")
 
 
-def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> FirstSlip | None:
-    """Return the slip after sweeps that converge; None if they do not, or nothing slips."""
+def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> Callable | None:
+    """Return at(t) after sweeps that converge; None if they do not, or nothing slips."""
     pi = np.arccos(-start.dtype.type(1))
     nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)
     fit = chebvander(nodes, NODES - 1).T * 2 / NODES  # to coefficients, (order, node)
@@ -79,17 +69,20 @@ def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> Fir
             state = start[:, None] + rates(state, beta)[0] @ integral
             changes = *np.abs(change), *np.abs((state[-1] - w) / np.max(np.abs(state[-1])))
             if max(changes) < 1e4 * np.finfo(start.dtype).eps:
-                slip = FirstSlip(duration, fit @ np.vstack([state, beta]).T)
-                return slip if min(state[-1]) > 0 else None
-    return None
+                break
+        else:
+            return None
+    values = fit @ np.vstack([state, beta]).T
+    slips = min(state[-1]) > 0
+    return (lambda t: chebval(2 * np.asarray(t) / duration - 1, values)) if slips else None
 
 
-def first_directions(law: Callable, count: int = 360) -> Iterator[float]:
+def first_directions(law: Callable) -> Iterator[float]:
     """Yield every direction in which slip can begin from rest: Q = 0, P > 0, N > 0.
 
     There is exactly one outside the cone.
     """
-    grid = 2 * np.pi * (np.arange(count + 1) + 1 / np.e) / count
+    grid = np.radians(np.arange(361) + 1 / np.e)
     Q = law(grid)[1]
     for k in np.flatnonzero((Q[:-1] > 0) != (Q[1:] > 0)):
         beta = zero_of(lambda beta, k=k: law(beta)[1] * Q[k], *grid[k : k + 2])

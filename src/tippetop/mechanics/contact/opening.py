@@ -123,13 +123,16 @@ def phases_of(planar: bool, law: Any, balls: int, of_axis: tuple[Event, ...]) ->
 
 def passages(label: str, ball: int, regions: tuple[str, ...], law: Any) -> dict[str, Callable]:
     """Return the jumps from regions of a law to the next ones, by event."""
-    jumps: dict[str, Callable] = {}
-    for at, region in enumerate(regions):
-        for way in law.regions[region].borders if region in law.regions else ():
-            to = phase_name(label, ball, *regions[:at], way.follows, *regions[at + 1 :])
-            passed = phase_name(way.back, at)
-            jumps[phase_name(way.event, at)] = partial(go_on, to=to, passed=passed)
-    return jumps
+    return {
+        phase_name(way.event, at): partial(
+            go_on,
+            to=phase_name(label, ball, *regions[:at], way.follows, *regions[at + 1 :]),
+            passed=phase_name(way.back, at),
+        )
+        for at, region in enumerate(regions)
+        if region in law.regions
+        for way in law.regions[region].borders
+    }
 
 
 # --- systems ------------------------------------------------------------------------------------
@@ -155,9 +158,8 @@ def opened(system: System, law: Any, balls: int) -> System:
     quantities = columns(opening.planar, opening.routh, balls > 1)
     known = {*opening.without, *(quantity.name for quantity in quantities)}
     quantities += tuple(one for one in system.quantities if one.name not in known)
-    # by the few scalars of a phase if these are enough
-    by_phase = () if opening.planar else of_axis
-    phases = phases_of(opening.planar, law, balls, by_phase)
+    # events of the axis by the few scalars of a phase, if these are enough
+    phases = phases_of(opening.planar, law, balls, () if opening.planar else of_axis)
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
         e = system.start(data, s, z, b)

@@ -4,7 +4,6 @@ A row is the common state with the reaction of the plane, the ball in contact, o
 and the phase. User-defined events are functions of the scalars too.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -59,7 +58,7 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
     b is the body seen from the ball of the phase. Numbers, arrays or expressions.
     """
     x, by = phase.leave(q, b), phase.reaction(q, b)
-    reference = getattr(carried, "jellett_reference", math.nan)
+    reference = carried.jellett_reference
     if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     gap, first = contact.gap(x, b), b
@@ -139,9 +138,9 @@ def row_of_angles(e, s, z, b):
 
 def planar_angles_of_row(q, carried, b):
     """Return the angles of a row of a motion in a plane."""
-    v, gap = lowest_velocity(q, b), row_scalars(q, b).gap
+    v, c = lowest_velocity(q, b), planar_scalars(q, b)
     theta, *others = carried[:4]
-    return type(PLANAR_ANGLES)(theta, planar_theta_dot(q, b), v.x, v.z, gap, *others)
+    return type(PLANAR_ANGLES)(theta, c.theta_dot, v.x, c.rise, c.gap, *others)
 
 
 def planar_theta_dot(q, b):
