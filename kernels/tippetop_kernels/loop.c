@@ -93,10 +93,12 @@ typedef struct {
     Step step;
     Dense dense;
 
-    integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
     integer width; /* numbers from one state to the next in the log, the samples and the rows */
+    integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
 
-    real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
+    real *state, *before, *pars, *tc;
+    const integer *in_lane;
+    real *high, *low, *start_high, *start_low, *end, *limit, *h;
 
     const Event *event_rows;
     const Number *numbers;
@@ -110,7 +112,7 @@ typedef struct {
     Passage *passages;
     real *logged_states;
 
-    integer *sampled, *in_lane, *sampled_tops;
+    integer *sampled, *sampled_tops;
     real *sampled_states;
 
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
@@ -674,10 +676,7 @@ enum {
     LARGER,
     LESS,
     AT_MOST,
-    GREATER,
-    AT_LEAST,
     EQUAL,
-    UNEQUAL,
     UNIT,
     EXPECT,
     MOTION,
@@ -755,10 +754,7 @@ static bool execute(const Change *c, const Loop *const *loops) {
         case POWER: *to = pow(a, b); break;
         case LESS: *to = a < b; break;
         case AT_MOST: *to = a <= b; break;
-        case GREATER: *to = a > b; break;
-        case AT_LEAST: *to = a >= b; break;
         case EQUAL: *to = a == b; break;
-        case UNEQUAL: *to = a != b; break;
         case NEGATE: *to = -a; break;
         case ROOT: *to = sqrt(a); break;
         case SIZE: *to = fabs(a); break;

@@ -36,12 +36,10 @@ from .driver import (
     Place,
     Request,
     Slice,
-    Wanted,
     extremes_of,
-    new_shared,
 )
 from .expressions import Formulas
-from .impacts import ImpactMotions, kind_of
+from .impacts import ImpactMotions
 from .integrator import Compiled
 from .loop import Rows
 from .phase_tables import PhaseTables
@@ -280,9 +278,8 @@ class Track:
         code = code_for(problem, self.formulas, run.stop)
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
-        samples = run.shared.samples._replace(in_lane=np.full(1, self.at))
-        shared = run.shared._replace(samples=samples)
-        self.place = Place(code, run.stepper_of(code), rows, shared)
+        self.place = Place(run, code, rows)
+        self.place.motion.in_lane[0] = self.at
         run.take(self.place, leaves(self.b))
         self.sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
         self.ahead = copy.deepcopy(code.integrator) if self.sampled else None
@@ -382,14 +379,14 @@ class HybridDriver(Driver):
         rows = event_rows(self.events, [(0, 1, 1.0, 0.0)] * len(self.events), ())
         width = max(len(variables_of(phase.form).names) for phase in self.phases.values())
         self.all_events, self.width = rows, width + len(self.events)
-        self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
-        self.functions = self.shared.tallies.functions[:, 0]
+        self.share(rows, np.ones((len(self.events), 1)), self.width)
+        self.functions = self.tallies.functions[:, 0]
         self.functions["sign"] = 0.0  # not known
-        self.wanted, self.tables = Wanted(self.width, number), PhaseTables(problem)
+        self.tables = PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         contact, kind, struck = problem.contact, None, None
         if contact is not None:
-            kind = kind_of(problem, body[0].friction)
+            kind = type(body[0].friction), contact.restitution, problem.precision
             self.impacts = ImpactMotions(*kind, stop)
             struck = self.impacts.struck
         tables = dict(system.tables)
@@ -409,14 +406,15 @@ class HybridDriver(Driver):
         """Enter the first phase."""
         system, world = self.problem.system, self.world._replace(left=self.end)
         phase = completed(system.phase, self.problem.variables)
-        begins = Exit("start", tuple(self.phases), system.begin or begin_in_first)
-        begun = n, *_ = self.jump("", phase, begins)(self, state, world)
-        if n.ends:
-            self.ended, self.sentence = Status.of_event(n.ends), n.message
-        if not n.phase:
-            begun = self.jump("", phase, replace(begins, jump=begin_in_first))(self, state, world)
+        for begin in (system.begin or begin_in_first, begin_in_first):
+            start = Exit("start", tuple(self.phases), begin)
+            begun = n, *_ = self.jump("", phase, start)(self, state, world)
+            if n.ends:
+                self.ended, self.sentence = Status.of_event(n.ends), n.message
+            if n.phase:
+                break
         self._enter(begun, self.number(0), None)
-        begin_lasting(self.shared.tallies, self.all_events)
+        begin_lasting(self.tallies, self.all_events)
 
     # --- phases ----------------------------------------------------------------------------------
 
@@ -462,8 +460,8 @@ class HybridDriver(Driver):
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:
         """Make at most `most` steps, through as many phases as they take."""
-        self.changes, steps, status, goes_on = 0, 0, None, True
-        while goes_on:
+        self.changes, steps = 0, 0
+        while True:
             self.end_next()
             is_over = self.changes >= PER_SLICE or not self.clock[0] < self.end
             room = 0 if is_over else most - steps
@@ -477,7 +475,8 @@ class HybridDriver(Driver):
             jump = self.track.exits.get(ending)
             if jump:
                 status = self._change(jump, when)
-            goes_on = status is None and room > 0 and bool(jump or self.track.sampled)
+            if status is not None or not room or not (jump or self.track.sampled):
+                break
         if status is None and not self.clock[0] < self.end:
             status = Status.FINISHED  # a phase begins where the run ends, and takes no step
             self.tally["upto"] = 0.0
@@ -535,7 +534,7 @@ class HybridDriver(Driver):
 
     def make(self, rows: Rows, most: int) -> int:
         if not rows.steps:
-            times = rows.times[self.wanted.made[0] :]
+            times = rows.times[self.made[0] :]
             if len(inside := times[: np.searchsorted(times, self.began)]):  # in the jump
                 first = np.tile(self.state, (len(inside), 1))
                 self.add(inside, self.series(*inside) if self.series else first)
@@ -547,7 +546,7 @@ class HybridDriver(Driver):
         """Log an event that no step has logged, in a state of a phase."""
         at, when = self.logged[0], float(time)
         self.log.rows[at] = when, number, sign, track.at, False
-        self.exact.times[at], self.exact.states[at, : len(state)] = time, state
+        self.times[at], self.log.states[at, : len(state)] = time, state
         self.logged[0] += 1
         if self.events[number].lasting:
             self.tally["lasts_since"] = when
@@ -598,8 +597,8 @@ class HybridDriver(Driver):
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,
         but for `state`.
         """
-        phase = self.track.at, self.short, self.began, *self.tables.under_way
-        return super().snapshot() | {"phase": [*phase], "until": [self.until]}
+        phase = [self.track.at, self.short, self.began, *self.tables.under_way]
+        return super().snapshot() | {"phase": phase, "until": [self.until]}
 
     def restore(self, kept: dict[str, Any], state: np.ndarray, clock: tuple[Any, Any]) -> None:
         """Continue from a snapshot, of which state and time come in the working precision."""

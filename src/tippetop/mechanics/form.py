@@ -176,8 +176,8 @@ class Next:
         Time that passes during the jump. Times and `x` are in internal units.
     series
         The motion during `delay`: series(t) -> the states of the next phase and the integrals at
-        times t, (n,). None: the jump is too short to contain events; rows in it are states of
-        the next phase, continued backwards.
+        times t, (n,). None: the jump is too short to contain events; rows in it have the
+        state at its end.
     logged
         Names of events that the jump adds to the event log, because no step finds their zeros.
     logged_after
