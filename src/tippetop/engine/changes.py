@@ -159,7 +159,7 @@ class Changes:
         run: Any = self.run
         record = self.record
         for track in run.tracks.values():
-            track.place.loop.fill(run.wanted.rows)
+            track.place.loop.fill(run.wanted)
         record.present, record.began = run.track.at, run.began
         record.length, record.most = 0, changes
         steps = library().loop_run(ctypes.byref(record), steps)
