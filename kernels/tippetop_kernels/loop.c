@@ -93,10 +93,12 @@ typedef struct {
     Step step;
     Dense dense;
 
-    integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
     integer width; /* numbers from one state to the next in the log, the samples and the rows */
+    integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
 
-    real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
+    real *state, *before, *pars, *tc;
+    const integer *in_lane;
+    real *high, *low, *start_high, *start_low, *end, *limit, *h;
 
     const Event *event_rows;
     const Number *numbers;
@@ -110,7 +112,7 @@ typedef struct {
     Passage *passages;
     real *logged_states;
 
-    integer *sampled, *in_lane, *sampled_tops;
+    integer *sampled, *sampled_tops;
     real *sampled_states;
 
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */

@@ -143,7 +143,7 @@ def struck(
     whose axis lies in the x-z plane."""
     key = type(b.friction), restitution, precision
     if key not in _motions:
-        _motions[key] = ImpactMotions(key[0], False, restitution, precision)
+        _motions[key] = ImpactMotions(*key)
     if precision == "double":
         s, z, *v = map(float, (s, z, *v))
     none = 0 * s

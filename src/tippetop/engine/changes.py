@@ -153,7 +153,7 @@ class Changes:
         run: Any = self.run
         record = self.record
         for track in run.tracks.values():
-            track.place.loop.fill(run.wanted.rows)
+            track.place.loop.fill(run.wanted)
             self.loops[track.at] = ctypes.addressof(track.place.loop.structure)
         record.present, record.began = run.track.at, run.began
         record.length, record.most = 0, changes

@@ -36,12 +36,10 @@ from .driver import (
     Place,
     Request,
     Slice,
-    Wanted,
     extremes_of,
-    new_shared,
 )
 from .expressions import Formulas
-from .impacts import ImpactMotions, kind_of
+from .impacts import ImpactMotions
 from .integrator import Compiled
 from .loop import Rows
 from .phase_tables import PhaseTables
@@ -281,9 +279,8 @@ class Track:
         code = code_for(problem, self.formulas, run.stop)
         records = self._records(run, code.rows.events)
         rows = run.all_events._replace(events=records, axis=code.rows.axis)
-        samples = run.shared.samples._replace(in_lane=np.full(1, self.at))
-        shared = run.shared._replace(samples=samples)
-        self.place = Place(code, run.stepper_of(code), rows, shared)
+        self.place = Place(run, code, rows)
+        self.place.motion.in_lane[0] = self.at
         run.take(self.place, leaves(self.b))
         self.sampled = {run.numbers[event.name]: event for event in phase.events if event.sampled}
         self.ahead = copy.deepcopy(code.integrator) if self.sampled else None
@@ -383,14 +380,14 @@ class HybridDriver(Driver):
         rows = event_rows(self.events, [(0, 1, 1.0, 0.0)] * len(self.events), ())
         width = max(len(variables_of(phase.form).names) for phase in self.phases.values())
         self.all_events, self.width = rows, width + len(self.events)
-        self.shared = new_shared(rows, np.ones((len(self.events), 1)), self.width, number)
-        self.functions = self.shared.tallies.functions[:, 0]
+        self.share(rows, np.ones((len(self.events), 1)), self.width)
+        self.functions = self.tallies.functions[:, 0]
         self.functions["sign"] = 0.0  # not known
-        self.wanted, self.tables = Wanted(self.width, number), PhaseTables(problem)
+        self.tables = PhaseTables(problem)
         self.tracks: dict[str, Track] = {}
         contact, kind, struck = problem.contact, None, None
         if contact is not None:
-            kind = kind_of(problem, body[0].friction)
+            kind = type(body[0].friction), contact.restitution, problem.precision
             self.impacts = ImpactMotions(*kind, stop)
             struck = self.impacts.struck
         tables = dict(system.tables)
@@ -418,7 +415,7 @@ class HybridDriver(Driver):
             if n.phase:
                 break
         self._enter(begun, self.number(0), None)
-        begin_lasting(self.shared.tallies, self.all_events)
+        begin_lasting(self.tallies, self.all_events)
 
     # --- phases ----------------------------------------------------------------------------------
 
@@ -539,7 +536,7 @@ class HybridDriver(Driver):
 
     def make(self, rows: Rows, most: int) -> int:
         if not rows.steps:
-            times = rows.times[self.wanted.made[0] :]
+            times = rows.times[self.made[0] :]
             if len(inside := times[: np.searchsorted(times, self.began)]):  # in the jump
                 first = np.tile(self.state, (len(inside), 1))
                 self.add(inside, self.series(*inside) if self.series else first)
@@ -551,7 +548,7 @@ class HybridDriver(Driver):
         """Log an event that no step has logged, in a state of a phase."""
         at, when = self.logged[0], float(time)
         self.log.rows[at] = when, number, sign, track.at, False
-        self.exact.times[at], self.exact.states[at, : len(state)] = time, state
+        self.times[at], self.log.states[at, : len(state)] = time, state
         self.logged[0] += 1
         if self.events[number].lasting:
             self.tally["lasts_since"] = when

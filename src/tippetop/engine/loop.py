@@ -33,6 +33,7 @@ class Motion(NamedTuple):
     before: np.ndarray  # (variables, lanes) where the present step began
     pars: np.ndarray  # (parameters, lanes)
     tc: np.ndarray  # (variables, order + 1, lanes) Taylor coefficients of the present step
+    in_lane: np.ndarray  # (lanes,) which top is in a lane; of a run, the number of its phase
     high: np.ndarray  # (lanes,) time
     low: np.ndarray
     start_high: np.ndarray  # (lanes,) time where the present step began
@@ -46,7 +47,7 @@ class Rows(NamedTuple):
     """States of the first lane that are wanted, at given times or at the ends of its steps."""
 
     times: np.ndarray  # (length,) internal, ascending; those of steps are written here
-    states: np.ndarray  # (length, all variables)
+    states: np.ndarray  # (length, all variables) in the working precision
     phases: np.ndarray  # (length,) number of the phase of a run
     filled: np.ndarray  # (1,) number of rows that are written
     steps: bool  # at the ends of steps
@@ -57,6 +58,7 @@ NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(1,
 
 
 class _Sizes(NamedTuple):
+    width: int
     variables: int
     parameters: int
     size: int
@@ -65,7 +67,6 @@ class _Sizes(NamedTuple):
     axis: int
     log: int
     samples: int
-    width: int
 
 
 class _Loop(NamedTuple):
@@ -145,7 +146,8 @@ def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion
     """Return empty lanes of an integrator whose Taylor polynomials have `size` coefficients."""
     state, before = np.zeros((2, variables, lanes))
     pars, tc = np.zeros((parameters, lanes)), np.zeros((variables, size, lanes))
-    return Motion(state, before, pars, tc, *(np.zeros(lanes) for _ in range(7)))
+    in_lane, times = np.zeros(lanes, np.int64), (np.zeros(lanes) for _ in range(7))
+    return Motion(state, before, pars, tc, in_lane, *times)
 
 
 class Loop:
@@ -177,11 +179,14 @@ class Loop:
         self.out = np.zeros((variables, lanes))  # a state in every lane
         self.failures: list[BaseException] = []  # of steps that C has called
         code: Any = stepper[1:] if isinstance(stepper, Loaded) else ()
+        width = log.states.shape[1]  # numbers from one state to the next
         if isinstance(stepper, Called):
             self.callbacks = _callbacks(stepper, motion, self.failures)
             code = (ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks)
-        lengths = rows.events, rows.axis, log.rows, samples.top, log.states[:1].T
-        sizes = _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths))
+            width = 0  # the stepper keeps states: the loop writes all of them to one place
+            log, samples = log._replace(states=self.out), samples._replace(states=self.out)
+        lengths = map(len, (rows.events, rows.axis, log.rows, samples.top))
+        sizes = _Sizes(width, variables, len(motion.pars), size, lanes, *lengths)
         arrays = np.empty((2, size, lanes)), self.out
         parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS
         self.record = _Loop._make([*code, *parts])  # keeps the arrays
@@ -191,7 +196,8 @@ class Loop:
     def fill(self, rows: Rows) -> None:
         """Write these rows from now on."""
         if rows is not self.output:
-            self.structure.output = filled(rows._replace(length=len(rows.times)))
+            states = rows.states if self.record.sizes.width else self.out
+            self.structure.output = filled(rows._replace(states=states, length=len(rows.times)))
             self.output = rows
 
     def drive(self, most: int) -> int:

@@ -161,7 +161,7 @@ class PassageLog(NamedTuple):
 
     filled: np.ndarray  # (1,) how many there are
     rows: np.ndarray  # (n,) records
-    states: np.ndarray  # (n, variables)
+    states: np.ndarray  # (n, variables) in the working precision
 
 
 # internal; number of the event; of the crossing, +1 rising; whether the axis passes a pole there
@@ -169,9 +169,9 @@ _PASSAGE = [("time", float), ("event", int), ("sign", int), ("phase", int), ("at
 PASSAGE_RECORD = np.dtype(_PASSAGE, align=True)
 
 
-def new_log(length: int, variables: int) -> PassageLog:
-    """Return an empty log with room for `length` passages."""
-    rows, states = np.zeros(length, PASSAGE_RECORD), np.empty((length, variables))
+def new_log(length: int, variables: int, number: Any = float) -> PassageLog:
+    """Return an empty log with room for `length` passages, with states of type `number`."""
+    rows, states = np.zeros(length, PASSAGE_RECORD), np.zeros((length, variables), number)
     return PassageLog(np.zeros(1, np.int64), rows, states)
 
 
@@ -179,12 +179,11 @@ class Samples(NamedTuple):
     """States on the way, at which the invariants are compared."""
 
     filled: np.ndarray  # (1,)
-    in_lane: np.ndarray  # (lanes,) which top is in a lane; of a run, the number of its phase
     top: np.ndarray  # (n,) whose state it is
-    states: np.ndarray  # (n, variables)
+    states: np.ndarray  # (n, variables) in the working precision
 
 
-def new_samples(length: int, variables: int, lanes: int = 1) -> Samples:
-    """Return empty samples with room for `length` states."""
-    filled, in_lane, top = (np.zeros(n, np.int64) for n in (1, lanes, length))
-    return Samples(filled, in_lane, top, np.empty((length, variables)))
+def new_samples(length: int, variables: int, number: Any = float) -> Samples:
+    """Return empty samples with room for `length` states of type `number`."""
+    filled, top = (np.zeros(n, np.int64) for n in (1, length))
+    return Samples(filled, top, np.zeros((length, variables), number))

@@ -69,10 +69,10 @@ class WideSteps(Called):
             motion.state[:, 0] = ta.state.astype(float)
             motion.tc[:, :, 0] = np.clip(ta.tc.astype(float), -LARGEST, LARGEST)
         # where the loop puts the end of the step, if it keeps it as a sample or as a row
-        n, wanted, row = len(ta.state), run.wanted, run.wanted.made[0]
-        run.exact.samples[run.sampled_so_far[0], :n] = ta.state
-        if row < len(wanted.states):
-            wanted.states[row, :n] = ta.state
+        n, rows, row = len(ta.state), run.wanted.states, run.made[0]
+        run.samples.states[run.sampled_so_far[0], :n] = ta.state
+        if row < len(rows):
+            rows[row, :n] = ta.state
 
     def keep(self) -> None:
         """Keep the next zero of the log, which is refined, or else the next row."""
@@ -83,11 +83,11 @@ class WideSteps(Called):
             roots = -min(0, int(self.on_zero[event]))
             function = _function(ta.tc, run.rows.events[event], roots)
             time = start + _refined(function, run.number(when) - start, ta.time - start)
-            run.exact.times[k], run.exact.states[k, :n] = time, ta.update_d_output(time)
+            run.times[k], run.log.states[k, :n] = time, ta.update_d_output(time)
             self.refined += 1
         else:
-            wanted, row = run.wanted, run.wanted.made[0]
-            wanted.states[row, :n] = ta.update_d_output(run.number(wanted.rows.times[row]))
+            rows, row = run.wanted, run.made[0]
+            rows.states[row, :n] = ta.update_d_output(run.number(rows.times[row]))
 
 
 class WideDriver(Driver):

@@ -65,8 +65,8 @@ class Lanes:
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
         self.tallies = new_tallies(self.rows, np.ones((len(self.rows.events), lanes)))
-        self.samples = new_samples(SAMPLES * lanes if reads("drift") else 0, n, lanes)
-        self.top = self.samples.in_lane  # which top is in a lane; -1: none, and it takes no steps
+        self.samples = new_samples(SAMPLES * lanes if reads("drift") else 0, n)
+        self.top = self.motion.in_lane  # which top is in a lane; -1: none, and it takes no steps
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf

@@ -22,7 +22,7 @@ from tippetop.mechanics.contact.body import (
 from tippetop.mechanics.contact.response import kicked
 from tippetop.mechanics.contact.restitution import RESTITUTIONS
 from tippetop.mechanics.disc_friction import drag
-from tippetop.mechanics.friction import LAWS, has_parts
+from tippetop.mechanics.friction import LAWS
 from tippetop.mechanics.operand import Vector
 
 
@@ -65,7 +65,7 @@ def law_of(law: str, parts: Any = (MU_R, MU_D), **numbers: float) -> Any:
 def impacts(friction: Any, restitution: str) -> ImpactMotions:
     key = type(friction), restitution, friction[-2:] == (0, 0)
     if key not in _impacts:
-        _impacts[key] = ImpactMotions(type(friction), has_parts(friction), restitution)
+        _impacts[key] = ImpactMotions(type(friction), restitution)
     return _impacts[key]
 
 

@@ -47,22 +47,6 @@ from .response import (
 from .rolling import spin
 
 
-def phase_of(units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
-    """Return a phase whose state has axis and momentum.
-
-    `formulas` are the rates of the state, its scalars, `enter`, `leave` and `reaction`; `rates` are
-    those of integrals, rate(q, carried, b), besides x and y.
-    """
-    moved, scalars, enter, leave, reaction = formulas
-    integrals = (
-        *place(lambda q, carried, b: leave(q, b).velocity),
-        *(integral(name, rate) for name, rate in rates.items()),
-    )
-    turn = carried_along(axis_rate, spin)
-    form = Form("vector", units, moved, scalars, integrals=integrals, orientation=turn)
-    return Phase(form, (), events, (), enter, leave, reaction)
-
-
 def phase_name(label: str, ball: int, *regions: str) -> str:
     """Return the name of a phase on a ball, in regions of the law on each ball in contact."""
     return "-".join((*("stem",) * ball, label, *regions))
@@ -87,6 +71,9 @@ Contact: Any = namedtuple("Contact", "z z_dot force by sides q")
 """`force` is the normal force, `by` the action of the plane, `sides` that on each ball in contact,
 `q` the state.
 """
+
+
+TURN = carried_along(axis_rate, spin)
 
 
 def on_ball(
@@ -138,14 +125,14 @@ def on_ball(
         by = acts(q, b)
         return by.drilled - dot(by.force, by.velocity)
 
-    return phase_of(
-        units,
-        events,
-        (rates, scalars, entered, leave, acts),
-        work=power,
-        impulse=lambda q, carried, b: acts(q, b).force.z,
-        jellett_lost=lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b)),
+    integrals = (
+        *place(lambda q, carried, b: leave(q, b).velocity),
+        integral("work", power),
+        integral("impulse", lambda q, carried, b: acts(q, b).force.z),
+        integral("jellett_lost", lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b))),
     )
+    form = Form("vector", units, rates, scalars, integrals=integrals, orientation=TURN)
+    return Phase(form, (), events, enter=entered, leave=leave, reaction=acts)
 
 
 def none(q: Any) -> Vector:
@@ -193,19 +180,23 @@ def own_gap(s, b):
     return s.height - height(s.z, b)
 
 
-FLIGHT = phase_of(
-    FREE,
+FLIGHT = Phase(
+    Form(
+        "vector",
+        FREE,
+        free_rates,
+        lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
+        integrals=place(lambda q, carried, b: q[6:8]),
+        orientation=TURN,
+    ),
+    (),
     (
         ending("land", "the ball lands", own_gap),
         replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b)),
     ),
-    (
-        free_rates,
-        lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
-        lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
-        lambda q, b: Moving(axis(q), turning(q).L, Vector(*q[6:9]), q.height),
-        lambda q, b: Reaction(none(q)),
-    ),
+    enter=lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
+    leave=lambda q, b: Moving(axis(q), turning(q).L, Vector(*q[6:9]), q.height),
+    reaction=lambda q, b: Reaction(none(q)),
 )
 
 
@@ -521,19 +512,21 @@ PHASES = ("slip", "roll", "flight", "both", "rest")
 """Labels of phases; the place of a label is its number in a store."""
 
 
-def phases_under(law: Any) -> dict[str, dict[tuple[str, ...], Phase]]:
-    """Return the phases under a law, by label and by its regions on each ball in contact."""
+def phases_under(law: Any) -> dict[tuple[str, ...], Phase]:
+    """Return the phases under a law, by label and its regions on each ball in contact."""
     if law.set_valued:
-        return {"slip": {(): DIRECTED_SLIP}, "roll": {(): ROLL}, "flight": {(): FLIGHT}}
+        return {("slip",): DIRECTED_SLIP, ("roll",): ROLL, ("flight",): FLIGHT}
     if not law.regions:
         slip = slip_under(law) if law.torque else SLIP
-        return {"slip": {(): slip}, "flight": {(): FLIGHT}, "both": {(): slide_on_both(law)}}
-    slides = {names: slide_on_both(law, *names) for names in product(law.regions, repeat=2)}
+        return {("slip",): slip, ("flight",): FLIGHT, ("both",): slide_on_both(law)}
     return {
-        "slip": {(name,): slip_under(law, name) for name in law.regions},
-        "flight": {(): FLIGHT},
-        "both": {("roll",): ROLLS_ON_BOTH, **slides},
-        "rest": {(): REST},
+        **{("slip", name): slip_under(law, name) for name in law.regions},
+        ("flight",): FLIGHT,
+        ("both", "roll"): ROLLS_ON_BOTH,
+        **{
+            ("both", *names): slide_on_both(law, *names) for names in product(law.regions, repeat=2)
+        },
+        ("rest",): REST,
     }
 
 

@@ -416,18 +416,12 @@ def begin_slip(x: Moving, world: Any) -> Next:
 
 
 def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:
-    """Return the same motion in other words, or in the same.
+    """Return the same motion in other words, or in the same, unless it comes to rest.
 
     The event function `passed` has its root here, beyond which it stays in the same words.
     """
     sides = {passed: -1} if world.phases[to] is world.phase else {}
-    return on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
-
-
-def come_to_rest(x: Moving, world: Any) -> Next:
-    """Return the phase after no disc slides or turns any more."""
-    name = next(name for name, phase in world.phases.items() if phase is world.phase)
-    n = go_on(x, world, name, RESTS.name)
+    n = on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
     n.logged = ("stick",) if n.cause == "rests" else ()
     return n
 
@@ -507,12 +501,11 @@ JUMPS: Mapping[str, Callable] = {
     **dict.fromkeys(("land", "touch", CLOCK), land),
     "stick": stick,
     "slip": begin_slip,
-    RESTS.name: come_to_rest,
     "gives": give_way,
     "sphere-leaves": partial(stay_on, ball=1),
     "stem-leaves": partial(stay_on, ball=0),
 }
-"""What follows the events that end phases."""
+"""What follows the events that end phases, except those after which it may go on."""
 
 REASONS = (
     "start",

@@ -15,18 +15,16 @@ from typing import Any, NamedTuple
 
 from ..event import Event
 from ..form import Form
-from ..operand import Vector, cross, dot, exp, minus, plus, times
+from ..friction import has_parts
+from ..operand import Vector, cross, dot, exp, log, minus, plus, times
 from ..units import ONE
 from .body import Turning, angular_velocity, arm
 from .contact_phases import Acts, Speeds, disc_friction, region_of, smooth_friction
-from .response import direction, gains, held
+from .response import direction, gains, held, margin
 
 
 CLOCK_RATE = 2.0**10
 """Of the time of a motion, relative to v_n: a step that leads nowhere takes 1e-10 of this time."""
-
-STOPS_AT = 1e-3
-"""Slip at which a contact stops, in rounding errors."""
 
 BEGINS_AT, DISC_BEGINS_AT = 1e-10, 2e-8
 """Slip with which sliding of a point and of a disc begins within an impact with torques: the error
@@ -47,6 +45,12 @@ and of the torque; work of the normal force.
 """
 
 
+ENDS = {
+    "newton": Vector(1.0, 0.0, 0.0),
+    "energetic": Vector(0.0, 1.0, 0.0),
+    "poisson": Vector(0.0, 0.0, 1.0),
+}
+"""The number by which a law of impact ends restitution, of (v_n, work_n, p_n)."""
 REACHED = Event(
     "reached",
     "the stage ends",
@@ -168,7 +172,15 @@ def rested(q: Any) -> Any:
     return q._replace(v_x=none, v_y=none, turn=none, grown=none)
 
 
-def slide(q: Any, by: Acts, grown: Any, b: Any) -> Any:
+def left(by: Acts, b: Any) -> Any:
+    """Return by how much friction can hold the contact at rest; negative where it cannot."""
+    return margin(by.force, by.torque.z, b.touch.friction)
+
+
+def slide(q: Any, by: Acts, b: Any) -> Any:
     """Return the motion where a contact at rest begins to slide; `by` is what would hold it."""
-    v, edge = direction(by.force, by.torque.z, b.touch.friction)
+    law, grown = b.touch.friction, b.stops + 1
+    if has_parts(law):
+        grown = log((DISC_BEGINS_AT if law.regions else BEGINS_AT) / b.speed)
+    v, edge = direction(by.force, by.torque.z, law)
     return q._replace(v_x=v.x, v_y=v.y, turn=edge, grown=grown)
