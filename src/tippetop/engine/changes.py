@@ -86,12 +86,6 @@ class Changes:
         sizes = 0, 0, 0, len(self.body), self.made.shape[1]
         self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), CHATTER, *sizes))
 
-    def add(self, track: Any) -> None:
-        """Let the loop make the known changes of a phase."""
-        self.loops[track.at] = ctypes.addressof(track.place.loop.structure)
-        for jump in track.exits.values():
-            self.take_up(track, jump)
-
     def learn(self, jump: Any, *given: Any) -> None:
         """Let the loop make a change of the present phase by itself, if its jump only begins a
         phase; Python has made it with these arguments.
@@ -140,7 +134,7 @@ class Changes:
         if is_more or len(n.logged) != 1 or len(numbers) > NUMBERS:
             return None
         pad = [0.0] * (len(to.place.motion.state) - len(state))
-        first = program.joined([*state, *pad, *sides, *zeros, n.lasts, *numbers])
+        first = program.joined([*sides, *zeros, *state, *pad, n.lasts, *numbers])
         lines, constants = program.code(), [*program.constants.values()]
         result = program.count + len(constants)
         registers = np.zeros(result + len(lines) + NUMBERS)
@@ -160,6 +154,7 @@ class Changes:
         record = self.record
         for track in run.tracks.values():
             track.place.loop.fill(run.wanted)
+            self.loops[track.at] = ctypes.addressof(track.place.loop.structure)
         record.present, record.began = run.track.at, run.began
         record.length, record.most = 0, changes
         steps = library().loop_run(ctypes.byref(record), steps)

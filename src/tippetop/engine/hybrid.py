@@ -192,9 +192,9 @@ class Jump:
             to, carried = run.track_of(n.phase), getattr(n.x, "carried", carried)
             b = to.phase.parameters(world.body)
             q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
-            if not world.rules:
-                self.must(wrong_time(n, to.phase) or wrong_root(n, to, q, carried))
             values = to.formulas.functions(q, carried, b)
+            if not world.rules:
+                self.must(wrong_time(n, to.phase) or wrong_root(n, to, q, carried, values))
             return n, to, to.variables.join(q, carried), values
         except (InputError, BuildError, Interrupted):
             raise
@@ -229,14 +229,15 @@ def wrong_time(n: Next, to: Phase) -> str:
     return ""
 
 
-def wrong_root(n: Next, to: "Track", q: Any, carried: Any) -> str:
+def wrong_root(n: Next, to: "Track", q: Any, carried: Any, values: Sequence) -> str:
     """Return which event has no root of the multiplicity that `zeros` gives, or "".
 
     The value of its function, or its slope if there is more than one root, is not zero.
     """
-    moved = (v + NEAR * rate for v, rate in zip(q, to.phase.form.rates(q, to.b), strict=True))
-    here, near = (to.formulas.functions(q, carried, to.b) for q in (q, type(q)(*moved)))
-    for event, value, ahead in zip(to.formulas.events, here, near, strict=True):
+    rates = to.phase.form.rates(q, to.b)
+    moved = type(q)(*(v + NEAR * rate for v, rate in zip(q, rates, strict=True)))
+    later = to.formulas.functions(moved, carried, to.b)
+    for event, value, ahead in zip(to.formulas.events, values, later, strict=True):
         count = n.zeros.get(event.name, 0)
         sizes = abs(value) / ROOT, abs(ahead - value) / (SLOPE * NEAR)
         if max(sizes[:count], default=0) >= 1:
@@ -423,7 +424,8 @@ class HybridDriver(Driver):
         if name not in self.tracks:
             track = self.tracks[name] = Track(self, name)
             if self.copies:
-                self.copies.add(track)
+                for jump in track.exits.values():
+                    self.copies.take_up(track, jump)
         return self.tracks[name]
 
     def codes(self) -> tuple[Compiled, ...]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import product
 from typing import Any, NamedTuple
 
-from ..disc_friction import STOPS_ROLLING, Border, drilling_force, rolling
+from ..disc_friction import STOPS_ROLLING, drilling_force, rolling
 from ..event import Event
 from ..form import Form, Phase
 from ..friction import load, slip_coefficient
@@ -67,10 +67,8 @@ class Acts(NamedTuple):
         return -dot(self.torque, self.omega)
 
 
-Contact: Any = namedtuple("Contact", "z z_dot force by sides q")
-"""`force` is the normal force, `by` the action of the plane, `sides` that on each ball in contact,
-`q` the state.
-"""
+Contact: Any = namedtuple("Contact", "z z_dot by sides q")
+"""`by` is the action of the plane, `sides` that on each ball in contact, `q` the state."""
 
 
 TURN = carried_along(axis_rate, spin)
@@ -112,7 +110,7 @@ def on_ball(
 
     def scalars(q, b):
         by = acts(q, b)
-        return Contact(q.uz, axis_rate(q, b).z, by.force.z, by, by.sides or (by,), q)
+        return Contact(q.uz, axis_rate(q, b).z, by, by.sides or (by,), q)
 
     def entered(x, b):
         return type(units)(*x.u, *x.L, *enter(contact_velocity(x, b)))
@@ -159,7 +157,7 @@ def other_gap(s, b):
 
 
 TOUCH = ending("touch", "the other ball touches the plane", other_gap)
-LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.force)
+LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.by.force.z)
 
 
 # --- free flight --------------------------------------------------------------------------------
@@ -335,7 +333,7 @@ def beyond_rest(s, b):
 RESTS = ending("rests", "no disc in contact slides or turns", beyond_rest)
 
 
-def border(way: Border, side: int) -> Event:
+def border(way: Any, side: int) -> Event:
     """Return the event in which a region ends, of one of the contacts."""
 
     def beyond(s, b):
@@ -434,18 +432,20 @@ def shared(x, v, frictions, total, swing, b):
     The sum of the normal forces is `total`, and (L' x 3hat)_z is `swing`; or the same of impulses.
     v is the velocity of the sphere's contact point.
     """
-    u, omega, other, sides = x.u, angular_velocity(x, b), seen_from_other(b), []
+    u, omega, other = x.u, angular_velocity(x, b), seen_from_other(b)
     apart = minus(arm(u, other), arm(u, b))
     slips = v, plus(v, cross(omega, apart))
-    for friction, slip, ball in zip(frictions, slips, (b, other), strict=True):
+
+    def side(friction, slip, ball):
         force, torque = friction(omega, slip, u.z, ball)
         lean = cross(plus(cross(arm(u, ball), force), torque), u).z
-        sides.append((Acts(force, torque, slip, omega), lean))
-    (_, lean), (_, other_lean) = sides
+        return Acts(force, torque, slip, omega), lean
+
+    (one, lean), (two, other_lean) = map(side, frictions, slips, (b, other))
     N = (swing - total * lean) / (other_lean - lean)
     one, two = (
         by._replace(force=times(load, by.force), torque=times(load, by.torque))
-        for load, (by, _) in zip((total - N, N), sides, strict=True)
+        for load, by in ((total - N, one), (N, two))
     )
     torque = plus(plus(one.torque, two.torque), cross(apart, two.force))
     return plus(one.force, two.force), torque, one, two

@@ -94,8 +94,6 @@ IMPACT = contact.filled(
 """A row of the table of impacts, filled with units: normal velocity, tangential speed, normal
 impulse, that of friction, energy that the body gained, and how friction ended."""
 
-Impact = type(IMPACT)
-
 
 # --- the balls ----------------------------------------------------------------------------------
 
@@ -291,7 +289,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
         x = x._replace(velocity=x.velocity._replace(z=x.velocity.z - after.z))
         after = after._replace(z=0.0)
     slides, mode = (size(v), size(after)), IMPACT.mode.index(impact.mode)
-    hit = Impact(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
+    hit = type(IMPACT)(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
     return x, hit, impact.makes_energy
 
 
@@ -472,7 +470,7 @@ def at_rest(n: Next, world: Any) -> Next:
     x = kicked(n.x, b, *stopping(n.x, b))
     F, torque = resting(x, b)
     left = margin(F, torque.z, b.friction)
-    others = {name: count for name, count in n.zeros.items() if name != RESTS.name}
+    others = n.zeros if n.cause else {}  # not of what it passes
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
