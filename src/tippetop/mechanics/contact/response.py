@@ -223,13 +223,11 @@ def margin(force: Any, torque: Any, law: Any) -> Any:
     limit = float(law.mu * force.z)
     if not limit > 0:
         return -1.0
-    push, torque = math.hypot(force.x, force.y) / limit, abs(float(torque))
-    turn = max(torque - float(getattr(law, "mu_d", 0.0) * force.z), 0.0) / (
-        limit * float(law.patch)
-    )
+    push = math.hypot(force.x, force.y) / limit
+    turn = max(abs(torque) - getattr(law, "mu_d", 0.0) * force.z, 0.0) / (limit * law.patch)
     if not push < 1:
         return 1 - push - turn
-    return float(drag(sliding_at(push) ** 2, 1.0).twist) - turn
+    return drag(sliding_at(push) ** 2, 1.0).twist - turn
 
 
 MOST = 1 - 2.0**-40  # |F_h|/(mu N) of a disc that hardly turns
