@@ -180,7 +180,8 @@ class ImpactMotions:
         span, passed = REST_SPAN, "" if q.grown > b.stops else "stops"
         while self.left > 0:
             if passed == "stops":
-                q, self.region, self.mode, passed = motion.rested(q), motion.REST, "stick", ""
+                q = q._replace(**dict.fromkeys(("v_x", "v_y", "turn", "grown"), 0 * q.v_n))
+                self.region, self.mode, passed = motion.REST, "stick", ""
             stage, rests = self.stages[self.region], self.region == motion.REST
             acts = stage.acts(q, b)
             if rests and not motion.left(acts, b) > 0:
