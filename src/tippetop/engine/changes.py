@@ -77,7 +77,7 @@ class Changes:
 
     def __init__(self, run: Any):
         self.run = weakref.proxy(run)
-        self.events, self.known = len(run.events), dict[int, Written]()
+        self.events, self.known = len(run.numbers), dict[int, Written]()
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
         self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
         self.made = np.zeros((PER_SLICE, 3 + NUMBERS))
