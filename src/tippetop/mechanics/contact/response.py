@@ -98,22 +98,18 @@ def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
     return gained(after, work=-work_of(x, p, twist, b), impulse=p.z, jellett_lost=lost)
 
 
-# --- sliding: F = N (zhat - mu n) ---------------------------------------------------------------
+# --- sliding ------------------------------------------------------------------------------------
 
 
-@formula
-def sliding(x, force, torque, b):
-    """Return the force and torque (3,) on a body that slides, by those per normal force."""
+def sliding(x, friction, v, b):
+    """Return the force and torque (3,) on a body that slides with the horizontal velocity v.
+
+    friction(omega, v, z, b) gives them per normal force.
+    """
+    force, torque = friction(angular_velocity(x, b), v, x.u.z, b)
     by_force, _ = gains(x.u, force, torque, b)
     N = -bias_vector(x, b).z / by_force.z
     return times(N, force), times(N, torque)
-
-
-@formula
-def sliding_along(x, n, b):
-    """Return the force and torque of Coulomb's law, sliding along the horizontal unit Vector n."""
-    force = Vector(-(b.friction.mu * n.x), -(b.friction.mu * n.y), 1)
-    return sliding(x, force, load(angular_velocity(x, b), b.friction), b)
 
 
 @formula
