@@ -112,7 +112,7 @@ class Changes:
     def _traced(self, jump: Any, state: tuple, world: Any) -> Written | None:
         """Return the program of a jump; None where it does more than begin a phase."""
         run, motions = self.run, list[tuple[int, str]]()
-        state += (0.0,) * (len(run.state) - len(state))
+        state = state[: len(run.state)]
         signs = tuple(run.functions["sign"].tolist())
         program = Program(world.body, (world.left,), signs, state)
 

@@ -174,8 +174,7 @@ class Jump:
         InputError
             If the jump fails otherwise, or what it returns cannot follow.
         """
-        variables = variables_of(self.phase.form)
-        q, carried = variables.split(state[: len(variables.names)])
+        q, carried = variables_of(self.phase.form).split(state)
         x = self.phase.leave(q, self.phase.parameters(world.body))
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
@@ -191,7 +190,7 @@ class Jump:
             q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
             values = to.formulas.functions(q, carried, b)
             if not world.rules:
-                self.must(wrong_time(n, to.phase) or wrong_root(n, to, q, carried, values))
+                self.must(wrong_time(n, to) or wrong_root(n, to, q, carried, values))
             return n, to, to.variables.join(q, carried), values
         except (InputError, BuildError, Interrupted):
             raise
@@ -213,7 +212,7 @@ def begin_in_first(x: Any, world: World) -> Next:
     return Next(next(iter(world.phases)), x)
 
 
-def wrong_time(n: Next, to: Phase) -> str:
+def wrong_time(n: Next, to: "Track") -> str:
     """Return what a time, or the motion in it, must be and is not; or ""."""
     for what in ("delay", "logged_after", "lasts"):
         time = getattr(n, what)
@@ -221,7 +220,7 @@ def wrong_time(n: Next, to: Phase) -> str:
             return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
     if not callable(n.series or len):
         return f"have a function in `series`, but has {n.series!r:.60}"
-    if n.lasts < math.inf and CLOCK not in [way.event for way in to.exits]:
+    if n.lasts < math.inf and CLOCK not in to.exits:
         return f"leave out `lasts`, as phase `{n.phase}` has no exit by {CLOCK!r}"
     return ""
 
@@ -263,7 +262,6 @@ class Track:
         problem, phase = run.problem, run.phases[name]
         self.name, self.phase, self.at = name, phase, [*run.phases].index(name)
         self.b, self.variables = phase.parameters(run.world.body), variables_of(phase.form)
-        self.width = len(self.variables.names)
         stops = problem.on_liftoff == "stop"
         self.exits = {  # by the number of the event
             run.numbers.get(exit.event, CLOCK): run.jump(name, phase, exit)
@@ -465,7 +463,7 @@ class HybridDriver(Driver):
             room = 0 if is_over else most - steps
             steps += self.drive(min(room, 1) if self.track.sampled else room)
             code, (when, last) = self.status[0], self.reached()
-            self.last = last[: self.track.width].copy()
+            self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
             ending: Any = self.ending if status is Status.FINISHED else None
             if self.upto[0] < 1.0:
@@ -574,7 +572,7 @@ class HybridDriver(Driver):
             # NumPy cannot multiply an array of quadruple numbers by a literal
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
-                q, carried = track.variables.split(states[some, : track.width].T)
+                q, carried = track.variables.split(states[some].T)
                 read, _ = system.read(track.phase, q, carried, track.b)
                 values = variables.join(read[: variables.moving], carried)
                 for k, value in enumerate(values):
