@@ -54,7 +54,6 @@ class WideSteps(Called):
         """Make a step, at most to the end of the run."""
         ta, run = self.integrator, self.run
         self.before, self.refined = (ta.state.copy(), ta.dtime), run.logged[0]
-        self.on_zero = run.tallies.functions["on_zero"][:, 0].copy()
         high, low = ta.dtime
         motion.high[0] = motion.start_high[0] = start = float(high)
         motion.low[0] = motion.start_low[0] = 0.0
@@ -80,7 +79,8 @@ class WideSteps(Called):
         if self.refined < run.logged[0]:
             k, start = self.refined, self.before[1][0]
             when, event, *_ = run.log.rows[k]
-            roots = -min(0, int(self.on_zero[event]))
+            on_zero = int(run.tallies.functions["on_zero"][event, 0])
+            roots = -min(0, on_zero) if run.steps[0] == 1 else 0
             function = _function(ta.tc, run.rows.events[event], roots)
             time = start + _refined(function, run.number(when) - start, ta.time - start)
             run.times[k], run.log.states[k, :n] = time, ta.update_d_output(time)
