@@ -129,10 +129,10 @@ def code_folder(function: Callable) -> Path | None:
     key = repr((digest, [f"{f.__module__}.{f.__qualname__}" for f in functions]))
     folder = private_folder(base / f"numba-{hashlib.sha256(key.encode()).hexdigest()[:16]}")
     if folder is not None:
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError):  # another process may remove them too
             os.utime(folder)
-        for old in sorted(base.glob("numba-*"), key=os.path.getmtime)[:-KEPT]:
-            shutil.rmtree(old, ignore_errors=True)
+            for old in sorted(base.glob("numba-*"), key=os.path.getmtime)[:-KEPT]:
+                shutil.rmtree(old, ignore_errors=True)
     return folder
 
 

@@ -1,6 +1,6 @@
 """Minima over a grid of points, row by row on all threads, with neighbouring points in SIMD lanes.
 
-Each step of the iteration is a separate loop over a block of points, because a short chain of
+Each step of the iteration is a separate loop over a row of points, because a short chain of
 dependent operations keeps the processor busier than a long one.
 """
 
@@ -15,11 +15,8 @@ from .level_crossings import Level, band_of, swing
 from .minimise import AT_REST, MOST_EXTREMES, Status, clipped, extremes, lowest, stepped
 
 
-BLOCK = 256
-"""Points of a block; its arrays fit into the first-level cache."""
-
 STEPS, MOST_STEPS = 2, 8
-"""Steps of Halley for every point of a block, after which almost all are at rest, and for one."""
+"""Steps of Halley for every point of a row, after which almost all are at rest, and for one."""
 
 
 @kernel
@@ -46,7 +43,7 @@ def minima(prepare, guess, slopes, slope, value, ends):
     """
 
     @kernel
-    def block(several, x, ys, r, F, q, status, last):
+    def row(several, x, ys, r, F, q, status, last):
         for j in range(ys.size):
             q[j] = clipped(guess(prepare(x, ys[j], r), r))
         for _ in range(STEPS):
@@ -69,11 +66,9 @@ def minima(prepare, guess, slopes, slope, value, ends):
 
     @entry
     def minima(several, xs, ys, r, F, q, status):
-        last = np.empty(BLOCK)
+        last = np.empty(ys.size)
         for i in range(xs.size):
-            for start in range(0, ys.size, BLOCK):
-                s = slice(start, min(start + BLOCK, ys.size))
-                block(several, xs[i], ys[s], r, F[i, s], q[i, s], status[i, s], last)
+            row(several, xs[i], ys, r, F[i], q[i], status[i], last)
 
     return minima
 

@@ -667,8 +667,8 @@ enum {
 
 /* What follows where a phase ends by an event. Registers begin with the numbers of the body, the
    time left, the signs of event functions, the state and the constants; the results of lines
-   follow. From `out` on they are the state in which phase `next` begins, the signs of event
-   functions, minus their numbers of roots, the time that it lasts, and the numbers of tables. */
+   follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time that it
+   lasts, and the numbers of tables. */
 typedef struct {
     const Line *lines;
     real *registers;
@@ -684,15 +684,14 @@ typedef struct {
     integer present, count, most, numbers, width;
 } Phases;
 
-/* Begin a phase or a motion, with signs and zeros of its event functions. */
-static void begin_motion(const Loop *l, real when, real end, const real *signs, const real *zeros,
-                         const real *state) {
+/* Begin a phase or a motion: signs and zeros of its event functions, and its state. */
+static void begin_motion(const Loop *l, real when, real end, const real *start) {
     Tally *tally = l->tallies;
     for (integer e = 0; e < l->events; e++) {
-        function(l, e, 0)->sign = signs[e];
-        function(l, e, 0)->on_zero = zeros[e];
+        function(l, e, 0)->sign = start[e];
+        function(l, e, 0)->on_zero = start[l->events + e];
     }
-    copy(l->variables, state, 1, l->state, 1);
+    copy(l->variables, start + 2 * l->events, 1, l->state, 1);
     l->high[0] = when;
     l->low[0] = 0;
     l->end[0] = end;
@@ -705,17 +704,15 @@ static void begin_motion(const Loop *l, real when, real end, const real *signs, 
    zeros of its event functions, state and parameters; its results: status, steps, event, state. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Tally *tally = l->tallies;
-    const real *signs = in + 2, *zeros = signs + l->events, *state = zeros + l->events;
-    begin_motion(l, 0, in[0], signs, zeros, state);
-    memcpy(l->pars, state + l->variables, l->parameters * sizeof(real));
+    begin_motion(l, 0, in[0], in + 2);
+    copy(l->parameters, in + 2 + 2 * l->events + l->variables, 1, l->pars, 1);
     l->logged[0] = l->sampled[0] = 0;
     results[1] = (real)loop_drive(l, (integer)in[1]);
     bool within = tally->upto < 1;
     integer last = l->logged[0] - 1;
     results[0] = (real)tally->status;
     results[2] = within ? (real)l->passages[last].event : -1;
-    memcpy(results + 3, within ? l->logged_states + last * l->width : l->state,
-           l->variables * sizeof(real));
+    copy(l->variables, within ? l->logged_states + last * l->width : l->state, 1, results + 3, 1);
 }
 
 /* Execute a program. Return whether comparisons are as expected. */
@@ -775,9 +772,8 @@ static bool change_phase(Phases *p) {
     if (!execute(c, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
-    const real *out = c->registers + c->out, *sides = out + next->variables;
-    const real *zeros = sides + events, *others = zeros + events;
-    for (const real *number = out; number < sides; number++)
+    const real *out = c->registers + c->out, *others = out + 2 * events + next->variables;
+    for (const real *number = out; number < others; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
@@ -790,7 +786,7 @@ static bool change_phase(Phases *p) {
     made[1] = (real)(c - p->changes);
     copy(p->width - 2, others, 1, made + 2, 1);
 
-    begin_motion(next, when, MIN(p->end, when + *others), sides, zeros, out);
+    begin_motion(next, when, MIN(p->end, when + *others), out);
     p->present = c->next;
     p->began = when;
     return true;

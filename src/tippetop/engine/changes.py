@@ -77,7 +77,7 @@ class Changes:
 
     def __init__(self, run: Any):
         self.run = weakref.proxy(run)
-        self.events, self.known = len(run.events), dict[int, Written]()
+        self.events, self.known = len(run.numbers), dict[int, Written]()
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
         self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
         self.made = np.zeros((PER_SLICE, 3 + NUMBERS))
@@ -85,12 +85,6 @@ class Changes:
         arrays = self.loops, ctypes.addressof(self.table), run.all_events.events, self.made
         sizes = 0, 0, 0, len(self.body), self.made.shape[1]
         self.record: Any = filled(_Phases(*arrays, 0.0, float(run.end), CHATTER, *sizes))
-
-    def add(self, track: Any) -> None:
-        """Let the loop make the known changes of a phase."""
-        self.loops[track.at] = ctypes.addressof(track.place.loop.structure)
-        for jump in track.exits.values():
-            self.take_up(track, jump)
 
     def learn(self, jump: Any, *given: Any) -> None:
         """Let the loop make a change of the present phase by itself, if its jump only begins a
@@ -118,7 +112,7 @@ class Changes:
     def _traced(self, jump: Any, state: tuple, world: Any) -> Written | None:
         """Return the program of a jump; None where it does more than begin a phase."""
         run, motions = self.run, list[tuple[int, str]]()
-        state += (0.0,) * (len(run.state) - len(state))
+        state = state[: len(run.state)]
         signs = tuple(run.functions["sign"].tolist())
         program = Program(world.body, (world.left,), signs, state)
 
@@ -140,7 +134,7 @@ class Changes:
         if is_more or len(n.logged) != 1 or len(numbers) > NUMBERS:
             return None
         pad = [0.0] * (len(to.place.motion.state) - len(state))
-        first = program.joined([*state, *pad, *sides, *zeros, n.lasts, *numbers])
+        first = program.joined([*sides, *zeros, *state, *pad, n.lasts, *numbers])
         lines, constants = program.code(), [*program.constants.values()]
         result = program.count + len(constants)
         registers = np.zeros(result + len(lines) + NUMBERS)
@@ -160,6 +154,7 @@ class Changes:
         record = self.record
         for track in run.tracks.values():
             track.place.loop.fill(run.wanted)
+            self.loops[track.at] = ctypes.addressof(track.place.loop.structure)
         record.present, record.began = run.track.at, run.began
         record.length, record.most = 0, changes
         steps = library().loop_run(ctypes.byref(record), steps)

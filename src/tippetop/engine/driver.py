@@ -158,6 +158,7 @@ class Driver:
         (events, 1), and has at most `width` variables.
         """
         room, number = PASSAGES + len(rows.events) * MOST_COEFFICIENTS, self.number
+        self.all_events = rows
         self.tallies, self.log = new_tallies(rows, functions), new_log(room, width, number)
         self.samples = new_samples(STEPS_PER_SLICE + 2, width, number)
         is_double = number in (float, np.float64)
@@ -317,7 +318,7 @@ class Driver:
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units; empty where none is known."""
-        return extremes_of(self.rows.events, self.tallies)
+        return extremes_of(self.all_events.events, self.tallies)
 
     @property
     def width(self) -> int:

@@ -18,7 +18,7 @@ def sampled_in_next_step(track: Any, run: Driver) -> list[tuple[Any, int]]:
     _, h = ta.step(write_tc=True)
 
     def value(event: Event, t: Any) -> float:
-        q, _ = track.variables.split(ta.update_d_output(t)[: track.width].tolist())
+        q, _ = track.variables.split(ta.update_d_output(t).tolist())
         return float(event.formula(track.phase.form.scalars(q, track.b), track.b))
 
     found = []

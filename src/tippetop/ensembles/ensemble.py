@@ -33,7 +33,6 @@ def measure(
     *,
     threads: int | None = None,
     progress: Report | None = None,
-    lanes: int = LANES,
     wanted: Collection[str] | None = None,
     lyapunov: bool = False,
 ) -> Outcomes:
@@ -47,8 +46,6 @@ def measure(
         How many; by default one per usable core.
     progress
         Called as progress(done, of), which count valid tops, from any thread.
-    lanes
-        Tops that one integrator advances at a time. It changes no bit.
     wanted
         Names of the columns that are read, None: all. The others may be empty; these have the
         same bits.
@@ -74,8 +71,8 @@ def measure(
     run_each(measured, np.flatnonzero(tops.valid & alone), lambda *_: ended())
     if len(numbers := np.flatnonzero(tops.valid & ~alone)):
         queue = iter(numbers.tolist())
-        n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes))
-        workers = [Lanes(tops, lanes, wanted) for _ in range(n)]
+        n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // LANES))
+        workers = [Lanes(tops, LANES, wanted) for _ in range(n)]
         tallies = new_tallies(workers[0].rows, functions.T)
         with ThreadPoolExecutor(n) as pool:
             running = [

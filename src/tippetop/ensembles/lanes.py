@@ -51,7 +51,7 @@ class Lanes:
     def __init__(
         self,
         tops: Problems,
-        lanes: int = LANES,
+        lanes: int,
         wanted: Collection[str] | None = None,
     ):
         base = tops.base

@@ -84,7 +84,7 @@ class Outcomes:
         self.steps_made = self.steps_possible = 0
         # of tops that turned out to be invalid when they were begun
         self.faults: list[tuple[int, str]] = []
-        self.seconds = self.processor = 0.0  # by the wall clock, and by the clocks of the threads
+        self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
 
     @QUIET
     def look(self, states: np.ndarray, some: np.ndarray) -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from itertools import product
 from typing import Any, NamedTuple
 
-from ..disc_friction import STOPS_ROLLING, Border, drilling_force, rolling
+from ..disc_friction import STOPS_ROLLING, drilling_force, rolling
 from ..event import Event
 from ..form import Form, Phase
 from ..friction import load, slip_coefficient
@@ -42,25 +42,8 @@ from .response import (
     margin,
     resting,
     sliding,
-    sliding_along,
 )
 from .rolling import spin
-
-
-def phase_of(units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
-    """Return a phase whose state has axis and momentum.
-
-    `formulas` are the rates of the state, its scalars, `enter`, `leave` and `reaction`; `rates` are
-    those of integrals, rate(q, carried, b), besides x and y.
-    """
-    moved, scalars, enter, leave, reaction = formulas
-    integrals = (
-        *place(lambda q, carried, b: leave(q, b).velocity),
-        *(integral(name, rate) for name, rate in rates.items()),
-    )
-    turn = carried_along(axis_rate, spin)
-    form = Form("vector", units, moved, scalars, integrals=integrals, orientation=turn)
-    return Phase(form, (), events, (), enter, leave, reaction)
 
 
 def phase_name(label: str, ball: int, *regions: str) -> str:
@@ -83,10 +66,11 @@ class Acts(NamedTuple):
         return -dot(self.torque, self.omega)
 
 
-Contact: Any = namedtuple("Contact", "z z_dot force by sides q")
-"""`force` is the normal force, `by` the action of the plane, `sides` that on each ball in contact,
-`q` the state.
-"""
+Contact: Any = namedtuple("Contact", "z z_dot by sides q")
+"""`by` is the action of the plane, `sides` that on each ball in contact, `q` the state."""
+
+
+TURN = carried_along(axis_rate, spin)
 
 
 def on_ball(
@@ -125,7 +109,7 @@ def on_ball(
 
     def scalars(q, b):
         by = acts(q, b)
-        return Contact(q.uz, axis_rate(q, b).z, by.force.z, by, by.sides or (by,), q)
+        return Contact(q.uz, axis_rate(q, b).z, by, by.sides or (by,), q)
 
     def entered(x, b):
         return type(units)(*x.u, *x.L, *enter(contact_velocity(x, b)))
@@ -138,14 +122,14 @@ def on_ball(
         by = acts(q, b)
         return by.drilled - dot(by.force, by.velocity)
 
-    return phase_of(
-        units,
-        events,
-        (rates, scalars, entered, leave, acts),
-        work=power,
-        impulse=lambda q, carried, b: acts(q, b).force.z,
-        jellett_lost=lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b)),
+    integrals = (
+        *place(lambda q, carried, b: leave(q, b).velocity),
+        integral("work", power),
+        integral("impulse", lambda q, carried, b: acts(q, b).force.z),
+        integral("jellett_lost", lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b))),
     )
+    form = Form("vector", units, rates, scalars, integrals=integrals, orientation=TURN)
+    return Phase(form, (), events, enter=entered, leave=leave, reaction=acts)
 
 
 def none(q: Any) -> Vector:
@@ -172,7 +156,7 @@ def other_gap(s, b):
 
 
 TOUCH = ending("touch", "the other ball touches the plane", other_gap)
-LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.force)
+LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.by.force.z)
 
 
 # --- free flight --------------------------------------------------------------------------------
@@ -193,19 +177,23 @@ def own_gap(s, b):
     return s.height - height(s.z, b)
 
 
-FLIGHT = phase_of(
-    FREE,
+FLIGHT = Phase(
+    Form(
+        "vector",
+        FREE,
+        free_rates,
+        lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
+        integrals=place(lambda q, carried, b: q[6:8]),
+        orientation=TURN,
+    ),
+    (),
     (
         ending("land", "the ball lands", own_gap),
         replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b)),
     ),
-    (
-        free_rates,
-        lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
-        lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
-        lambda q, b: Moving(axis(q), turning(q).L, Vector(*q[6:9]), q.height),
-        lambda q, b: Reaction(none(q)),
-    ),
+    enter=lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
+    leave=lambda q, b: Moving(axis(q), turning(q).L, Vector(*q[6:9]), q.height),
+    reaction=lambda q, b: Reaction(none(q)),
 )
 
 
@@ -271,7 +259,7 @@ STICK = ending(
 DIRECTED_SLIP = on_ball(
     DIRECTED,
     (LIFTOFF, TOUCH, STICK),
-    lambda x, q, b: sliding_along(x, direction(q), b),
+    lambda x, q, b: sliding(x, smooth_friction, direction(q), b),
     lambda q: times(q.w, direction(q)),
     lambda v: (atan2(v.y, v.x), sqrt(horizontal2(v))),
     directed_changes,
@@ -344,7 +332,7 @@ def beyond_rest(s, b):
 RESTS = ending("rests", "no disc in contact slides or turns", beyond_rest)
 
 
-def border(way: Border, side: int) -> Event:
+def border(way: Any, side: int) -> Event:
     """Return the event in which a region ends, of one of the contacts."""
 
     def beyond(s, b):
@@ -385,11 +373,7 @@ def ends_of(law: Any, names: Sequence[str]) -> tuple[Event, ...]:
 def slip_under(law: Any, *names: str) -> Phase:
     """Return the phase of sliding in this region of a law, if it has any, with a torque."""
     friction, *_ = frictions_of(law, names)
-
-    def pushed(x, v, b):
-        force, torque = friction(angular_velocity(x, b), v, x.u.z, b)
-        return sliding(x, force, torque, b)
-
+    pushed = lambda x, v, b: sliding(x, friction, v, b)  # noqa: E731
     return with_slip((LIFTOFF, TOUCH, *ends_of(law, names)), pushed)
 
 
@@ -443,18 +427,20 @@ def shared(x, v, frictions, total, swing, b):
     The sum of the normal forces is `total`, and (L' x 3hat)_z is `swing`; or the same of impulses.
     v is the velocity of the sphere's contact point.
     """
-    u, omega, other, sides = x.u, angular_velocity(x, b), seen_from_other(b), []
+    u, omega, other = x.u, angular_velocity(x, b), seen_from_other(b)
     apart = minus(arm(u, other), arm(u, b))
     slips = v, plus(v, cross(omega, apart))
-    for friction, slip, ball in zip(frictions, slips, (b, other), strict=True):
+
+    def side(friction, slip, ball):
         force, torque = friction(omega, slip, u.z, ball)
         lean = cross(plus(cross(arm(u, ball), force), torque), u).z
-        sides.append((Acts(force, torque, slip, omega), lean))
-    (_, lean), (_, other_lean) = sides
+        return Acts(force, torque, slip, omega), lean
+
+    (one, lean), (two, other_lean) = map(side, frictions, slips, (b, other))
     N = (swing - total * lean) / (other_lean - lean)
     one, two = (
         by._replace(force=times(load, by.force), torque=times(load, by.torque))
-        for load, (by, _) in zip((total - N, N), sides, strict=True)
+        for load, by in ((total - N, one), (N, two))
     )
     torque = plus(plus(one.torque, two.torque), cross(apart, two.force))
     return plus(one.force, two.force), torque, one, two
@@ -521,19 +507,21 @@ PHASES = ("slip", "roll", "flight", "both", "rest")
 """Labels of phases; the place of a label is its number in a store."""
 
 
-def phases_under(law: Any) -> dict[str, dict[tuple[str, ...], Phase]]:
-    """Return the phases under a law, by label and by its regions on each ball in contact."""
+def phases_under(law: Any) -> dict[tuple[str, ...], Phase]:
+    """Return the phases under a law, by label and its regions on each ball in contact."""
     if law.set_valued:
-        return {"slip": {(): DIRECTED_SLIP}, "roll": {(): ROLL}, "flight": {(): FLIGHT}}
+        return {("slip",): DIRECTED_SLIP, ("roll",): ROLL, ("flight",): FLIGHT}
     if not law.regions:
         slip = slip_under(law) if law.torque else SLIP
-        return {"slip": {(): slip}, "flight": {(): FLIGHT}, "both": {(): slide_on_both(law)}}
-    slides = {names: slide_on_both(law, *names) for names in product(law.regions, repeat=2)}
+        return {("slip",): slip, ("flight",): FLIGHT, ("both",): slide_on_both(law)}
     return {
-        "slip": {(name,): slip_under(law, name) for name in law.regions},
-        "flight": {(): FLIGHT},
-        "both": {("roll",): ROLLS_ON_BOTH, **slides},
-        "rest": {(): REST},
+        **{("slip", name): slip_under(law, name) for name in law.regions},
+        ("flight",): FLIGHT,
+        ("both", "roll"): ROLLS_ON_BOTH,
+        **{
+            ("both", *names): slide_on_both(law, *names) for names in product(law.regions, repeat=2)
+        },
+        ("rest",): REST,
     }
 
 

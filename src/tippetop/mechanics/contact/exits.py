@@ -94,8 +94,6 @@ IMPACT = contact.filled(
 """A row of the table of impacts, filled with units: normal velocity, tangential speed, normal
 impulse, that of friction, energy that the body gained, and how friction ended."""
 
-Impact = type(IMPACT)
-
 
 # --- the balls ----------------------------------------------------------------------------------
 
@@ -291,7 +289,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
         x = x._replace(velocity=x.velocity._replace(z=x.velocity.z - after.z))
         after = after._replace(z=0.0)
     slides, mode = (size(v), size(after)), IMPACT.mode.index(impact.mode)
-    hit = Impact(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
+    hit = type(IMPACT)(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
     return x, hit, impact.makes_energy
 
 
@@ -416,18 +414,12 @@ def begin_slip(x: Moving, world: Any) -> Next:
 
 
 def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:
-    """Return the same motion in other words, or in the same.
+    """Return the same motion in other words, or in the same, unless it comes to rest.
 
     The event function `passed` has its root here, beyond which it stays in the same words.
     """
     sides = {passed: -1} if world.phases[to] is world.phase else {}
-    return on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
-
-
-def come_to_rest(x: Moving, world: Any) -> Next:
-    """Return the phase after no disc slides or turns any more."""
-    name = next(name for name, phase in world.phases.items() if phase is world.phase)
-    n = go_on(x, world, name, RESTS.name)
+    n = on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
     n.logged = ("stick",) if n.cause == "rests" else ()
     return n
 
@@ -478,7 +470,7 @@ def at_rest(n: Next, world: Any) -> Next:
     x = kicked(n.x, b, *stopping(n.x, b))
     F, torque = resting(x, b)
     left = margin(F, torque.z, b.friction)
-    others = {name: count for name, count in n.zeros.items() if name != RESTS.name}
+    others = n.zeros if n.cause else {}  # not of what it passes
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
@@ -507,12 +499,11 @@ JUMPS: Mapping[str, Callable] = {
     **dict.fromkeys(("land", "touch", CLOCK), land),
     "stick": stick,
     "slip": begin_slip,
-    RESTS.name: come_to_rest,
     "gives": give_way,
     "sphere-leaves": partial(stay_on, ball=1),
     "stem-leaves": partial(stay_on, ball=0),
 }
-"""What follows the events that end phases."""
+"""What follows the events that end phases, except those after which it may go on."""
 
 REASONS = (
     "start",

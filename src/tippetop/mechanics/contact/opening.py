@@ -16,7 +16,7 @@ from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from . import gliding
 from .body import BALLS, Touch, seen_from_balls
-from .contact_phases import CONE, PHASES, STICK, phase_name, phases_under
+from .contact_phases import CONE, PHASES, RESTS, STICK, phase_name, phases_under
 from .exits import IMPACT, JUMPS, REASONS, begin, go_on
 from .integrals import NAMED, integral
 from .rows import (
@@ -100,13 +100,16 @@ def phases_of(planar: bool, law: Any, balls: int, of_axis: tuple[Event, ...]) ->
     """Return the phases of a body under a law, by name; of_axis: events where the axis moves."""
     kinds = {
         phase_name(label, ball, *regions): (phase, label, ball, regions)
-        for label, kind in phases_under(law).items()
-        for regions, phase in kind.items()
+        for (label, *regions), phase in phases_under(law).items()
         for ball in range(balls - (label == "both"))
     }
     phases = {}
     for name, (phase, label, ball, regions) in kinds.items():
-        jumps = {**JUMPS, **passages(label, ball, regions, law)}
+        jumps: dict[str, Callable] = {
+            **JUMPS,
+            RESTS.name: partial(go_on, to=name, passed=RESTS.name),
+            **passages(label, ball, regions, law),
+        }
         names = *(event.name for event in phase.events), CLOCK
         form = replace(phase.form, not_normalised=("R", "c"))
         phases[name] = replace(
@@ -121,7 +124,7 @@ def phases_of(planar: bool, law: Any, balls: int, of_axis: tuple[Event, ...]) ->
     return phases
 
 
-def passages(label: str, ball: int, regions: tuple[str, ...], law: Any) -> dict[str, Callable]:
+def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, Callable]:
     """Return the jumps from regions of a law to the next ones, by event."""
     return {
         phase_name(way.event, at): partial(

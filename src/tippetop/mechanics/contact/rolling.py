@@ -15,7 +15,7 @@ from ..system import Form, Quantity
 from ..units import METRE, NEWTON, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import gliding
-from .body import arm_velocity, filled, kinematics_of_angles, moment, of_azimuth, state
+from .body import arm_velocity, filled, kinematics_of_angles, moment, state
 from .body_axes import carried_along
 from .gliding import (
     angles_by,
@@ -23,6 +23,7 @@ from .gliding import (
     axis_and_momentum,
     axis_rate,
     in_euler_angles,
+    place_of_angles,
     spins,
     turning,
 )
@@ -87,7 +88,7 @@ def horizontal_force(s, b):
 @formula
 def friction_needed(s, b):
     """Return the coefficient of Coulomb friction that pure rolling needs, |F_h|/F_z."""
-    return sqrt(s.friction_force2) / normal_force(s, b)
+    return horizontal_force(s, b) / normal_force(s, b)
 
 
 @formula
@@ -143,15 +144,6 @@ def euler_rates(e, b):
     )
     theta_dot2 = s * drive / (b.I1 + b.m * contact.arm2(c.z, b))
     return EulerState(e.theta_dot, theta_dot2, *spins(e, push_across(c, b) / s, b))
-
-
-@formula
-def euler_velocity(q, carried, b):
-    """Return x', y' of the centre of mass [m/s]."""
-    along_e, along_2 = contact.rolling_velocity(
-        q.theta_dot, q.phi_dot, q.omega3, sin(q.theta), cos(q.theta), b
-    )
-    return of_azimuth(along_e, along_2, carried.phi)
 
 
 @formula
@@ -241,7 +233,7 @@ EULER = in_euler_angles(
     EULER_UNITS,
     euler_rates,
     euler_scalars,
-    (*place(euler_velocity), integral("impulse", vertical_force)),
+    (*place_of_angles(contact.rolling_velocity), integral("impulse", vertical_force)),
 )
 UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}

@@ -95,12 +95,10 @@ def sine_and_cosine(q):
 def velocity(q, carried, b):
     """Return x', y' of the centre of mass [m/s]."""
     s = reduced_kinematics(q, b)
-    sine, phi_dot = sqrt(s.s2), s.phi_dot_s2 / s.s2
-    along_e, along_2 = contact.rolling_velocity(
-        -(q.z_dot / sine), phi_dot, s.L3 / b.I3, sine, q.z, b
-    )
-    ex, ey = cos(carried.phi), sin(carried.phi)
-    return along_e * ex - along_2 * ey, along_e * ey + along_2 * ex
+    sine = sqrt(s.s2)
+    e = rolling.EulerState(0, -(q.z_dot / sine), s.phi_dot_s2 / s.s2, s.L3 / b.I3)
+    along_e, along_2 = contact.rolling_velocity(e, sine, q.z, b)
+    return contact.of_azimuth(along_e, along_2, carried.phi)
 
 
 @formula
