@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
 from ..number import Record
-from ..operand import Operand, Vector, cos, cross, dot, formula, plus, sin, times
+from ..operand import Operand, Vector, cos, cross, dot, formula, minus, plus, sin, times
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -42,9 +42,7 @@ def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
     `stem` is its radius and its distance from the centre of the sphere; offsets would be rounded.
     """
     if not stem:
-        return (
-            b._replace(clearance=0 * b.c + 1, lever=0 * b.c),
-        )  # which no other ball ever takes up
+        return (b._replace(clearance=1.0, lever=0.0),)  # no other ball ever touches
     r, h = stem
     return b._replace(clearance=b.R - r, lever=h), b._replace(
         R=r, c=b.c + h, clearance=r - b.R, lever=-h
@@ -236,7 +234,7 @@ def centre_velocity(x, v, b):
 
     The velocity of the contact point is v.
     """
-    return plus(v, times(-1, arm_velocity(x, b)))
+    return minus(v, arm_velocity(x, b))
 
 
 @formula

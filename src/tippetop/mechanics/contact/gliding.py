@@ -354,8 +354,8 @@ def start_of(angles: Any) -> Callable:
         if "psi_dot" in data:
             e = e._replace(omega3=data["psi_dot"] + e.phi_dot * z)
         if data.get("centre_at_rest"):
-            along_e, along_2 = centre_velocity(e, s, z, b)
-            e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
+            along_e, along_2 = rolling_velocity(e, s, z, b)
+            e = e._replace(nu_x=-along_e, nu_y=-along_2)
         return e
 
     return start

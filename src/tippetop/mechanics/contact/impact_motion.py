@@ -103,11 +103,8 @@ def stages(law: Any) -> dict[str, Stage]:
     def stage(friction: Any, *ends: Event, **follows: Any) -> Stage:
         is_directed = bool(friction) and can_rest(law)
 
-        def size(q, b):
-            return exp(q.grown) if is_directed else 1
-
         def acts(q, b):
-            none, w = 0 * q.v_n, b.speed * size(q, b)
+            none, w = 0 * q.v_n, b.speed * (exp(q.grown) if is_directed else 1)
             turned = plus(cross(arm(b.u, b.touch), Vector(q.p_x, q.p_y, q.p_n)), Vector(*q[8:11]))
             L = plus(b.L, times(b.speed * b.ratio, turned))
             v, omega = (
@@ -128,7 +125,7 @@ def stages(law: Any) -> dict[str, Stage]:
             spun = b.touch.friction.patch * turns.z if law.regions else none
             n, slides = Vector(*q[:3]), times(b.ratio, across._replace(z=spun))
             if is_directed:
-                pace, grows = size(q, b), dot(slides, n) / dot(n, n)
+                pace, grows = exp(q.grown), dot(slides, n) / dot(n, n)
                 slides = minus(slides, times(grows, n))
             else:
                 pace, grows = 1 / across.z, none

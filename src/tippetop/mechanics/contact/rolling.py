@@ -88,7 +88,7 @@ def horizontal_force(s, b):
 @formula
 def friction_needed(s, b):
     """Return the coefficient of Coulomb friction that pure rolling needs, |F_h|/F_z."""
-    return sqrt(s.friction_force2) / normal_force(s, b)
+    return horizontal_force(s, b) / normal_force(s, b)
 
 
 @formula
