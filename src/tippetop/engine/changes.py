@@ -161,7 +161,7 @@ class Changes:
         for time, number, lasts, *numbers in self.made[: record.length].tolist():
             program, rest = self.known[int(number)], iter(numbers)
             track = run.tracks[program.phase]
-            run.tables.begin(time, track.name, track.phase, program.cause)
+            run.tables.begin(time, track, program.cause)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
             run.until = time + lasts

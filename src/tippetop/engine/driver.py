@@ -149,8 +149,7 @@ class Driver:
         self.put(start, (self.number(0), self.number(0)))
         self.end_at(end)
 
-    @staticmethod
-    def stepper_of(code: Compiled) -> Stepper:
+    def stepper_of(self, code: Compiled) -> Stepper:
         """Return the stepper of a new place."""
         return code.machine
 
@@ -301,7 +300,8 @@ class Driver:
         self.motion.high[0], self.motion.low[0] = clock
 
     def end_at(self, end: Any) -> None:
-        """Put the end of the next steps at an internal time."""
+        """Put the end of the next steps at an internal time, `goal` in the working precision."""
+        self.goal = end
         self.motion.end[0] = float(end)
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:

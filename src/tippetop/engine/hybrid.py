@@ -436,7 +436,7 @@ class HybridDriver(Driver):
         time = min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
         if n.cause:
-            self.tables.begin(float(now + n.logged_after), track.name, track.phase, n.cause)
+            self.tables.begin(float(now + n.logged_after), track, n.cause)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
         signs, zeros, passed = track.begins(n, values, self.functions["sign"])
@@ -486,7 +486,7 @@ class HybridDriver(Driver):
         """
         ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
         if self.track.sampled:
-            ends += sampled_in_next_step(self.track, self)
+            ends += sampled_in_next_step(self)
         when, self.ending = min(ends, key=itemgetter(0))
         self.end_at(when)
 
