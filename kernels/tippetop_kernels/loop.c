@@ -20,9 +20,6 @@
 #define MIN(a, b) ((b) < (a) ? (b) : (a))
 #define MAX(a, b) ((b) > (a) ? (b) : (a))
 
-/* Formulas, and loops over lanes that are compiled for a known number of them. */
-#define INLINED static inline __attribute__((always_inline))
-
 typedef double real;
 typedef int64_t integer;
 
@@ -73,12 +70,12 @@ typedef struct {
     integer tiny, waiting;
     real waits_at;
     integer turnings;
-    real theta_min, theta_max, lasts_since, doubted;
+    real theta_min, theta_max, lasts_since;
 } Tally;
 
 /* The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
-   its first k Taylor coefficients vanish where the next step begins; in the present step its
-   bounds, and 1 if it is monotone; its least and greatest values, and their times. */
+   its first k Taylor coefficients vanish there; its bounds in the present step; its least and
+   greatest values, and their times. */
 typedef struct {
     real sign, on_zero, low, high, extremes[2], times[2];
 } Function;
@@ -126,14 +123,14 @@ typedef struct {
     integer rows_at_steps, row_count;
 } Loop;
 
-INLINED void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
+static void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
     for (integer i = 0; i < n; i++)
         to[i * to_stride] = from[i * stride];
 }
 
 /* --- polynomials on [0, 1], ascending coefficients --- */
 
-INLINED real value_at(const real *p, integer n, real x) {
+static real value_at(const real *p, integer n, real x) {
     real sum = 0;
     for (integer k = n - 1; k >= 0; k--)
         sum = sum * x + p[k];
@@ -145,7 +142,7 @@ typedef struct {
 } Jet;
 
 /* p(x), p'(x) and p''(x)/2. */
-INLINED Jet jet(const real *p, integer n, real x) {
+static Jet jet(const real *p, integer n, real x) {
     Jet f = {0, 0, 0};
     for (integer k = n - 1; k >= 0; k--) {
         f.curve = f.curve * x + f.slope;
@@ -270,43 +267,15 @@ void loop_extremes(const real *p, integer n, real *values, real *places) {
 
 /* --- bounds of the event functions over a step, in all lanes --- */
 
-INLINED Function *function(const Loop *l, integer event, integer lane) {
+static Function *function(const Loop *l, integer event, integer lane) {
     return l->functions + event * l->lanes + lane;
 }
 
-/* Bound an event function: by bounds of the cubic part, plus or minus the sum of the other
-   coefficients. */
-INLINED void bound(const Loop *l, integer n, integer e) {
-    const Event *event = l->event_rows + e;
-    integer size = l->size, shift = event->shift;
-    const real *c = l->tc + (event->row * size + shift) * n;
-    const real *factor = l->factors + shift * size * n;
-    real rest[WIDEST], low[WIDEST], high[WIDEST];
-    for (integer i = 0; i < n; i++)
-        rest[i] = 0;
-    for (integer k = 4; k < size - shift; k++)
-        for (integer i = 0; i < n; i++)
-            rest[i] += fabs(c[k * n + i] * factor[k * n + i]);
-    for (integer i = 0; i < n; i++) {
-        real p0 = c[i] + event->offset, p1 = c[n + i] * factor[n + i];
-        real p2 = c[2 * n + i] * factor[2 * n + i], p3 = c[3 * n + i] * factor[3 * n + i];
-        /* Bernstein coefficients */
-        real b1 = p0 + p1 / 3, b2 = p0 + (2 * p1 + p2) / 3, b3 = p0 + p1 + p2 + p3;
-        real low1 = MIN(p0, b1), low2 = MIN(b2, b3), high1 = MAX(p0, b1), high2 = MAX(b2, b3);
-        low[i] = MIN(low1, low2) - rest[i];
-        high[i] = MAX(high1, high2) + rest[i];
-    }
-    for (integer i = 0; i < n; i++) {
-        Function *f = function(l, e, i);
-        f->low = low[i];
-        f->high = high[i];
-    }
-}
-
-/* Bound the event functions that count over the step. */
-INLINED void bound_functions(const Loop *l, integer n) {
-    integer size = l->size;
-    real h[WIDEST], power[WIDEST];
+/* Bound the event functions that count over the step: by bounds of the cubic part, plus or minus the
+   sum of the other coefficients. */
+static void bound_functions(const Loop *l) {
+    integer n = l->lanes, size = l->size;
+    real h[WIDEST], power[WIDEST], rest[WIDEST], low[WIDEST], high[WIDEST];
     for (integer i = 0; i < n; i++) {
         h[i] = l->high[i] - l->start_high[i];
         power[i] = 1;
@@ -319,21 +288,42 @@ INLINED void bound_functions(const Loop *l, integer n) {
         }
     for (integer e = 0; e < l->events; e++) {
         const Event *event = l->event_rows + e;
-        if (event->watched || event->ranged || event->ends != 0)
-            bound(l, n, e);
+        if (!event->watched && !event->ranged && event->ends == 0)
+            continue;
+        const real *c = l->tc + (event->row * size + event->shift) * n;
+        const real *factor = l->factors + event->shift * size * n;
+        for (integer i = 0; i < n; i++)
+            rest[i] = 0;
+        for (integer k = 4; k < size - event->shift; k++)
+            for (integer i = 0; i < n; i++)
+                rest[i] += fabs(c[k * n + i] * factor[k * n + i]);
+        for (integer i = 0; i < n; i++) {
+            real p0 = c[i] + event->offset, p1 = c[n + i] * factor[n + i];
+            real p2 = c[2 * n + i] * factor[2 * n + i], p3 = c[3 * n + i] * factor[3 * n + i];
+            /* Bernstein coefficients */
+            real b1 = p0 + p1 / 3, b2 = p0 + (2 * p1 + p2) / 3, b3 = p0 + p1 + p2 + p3;
+            real low1 = MIN(p0, b1), low2 = MIN(b2, b3), high1 = MAX(p0, b1), high2 = MAX(b2, b3);
+            low[i] = MIN(low1, low2) - rest[i];
+            high[i] = MAX(high1, high2) + rest[i];
+        }
+        for (integer i = 0; i < n; i++) {
+            Function *f = function(l, e, i);
+            f->low = low[i];
+            f->high = high[i];
+        }
     }
 }
 
 /* --- the events of one lane --- */
 
-/* The multiplicity of the zero of an event function where the step begins, which is divided out.
-   Only the first step has one. */
-INLINED integer roots(const Function *f) {
-    return f->on_zero < 0 ? -(integer)f->on_zero : 0;
+/* The multiplicity of the zero of an event function where the first step begins, which is divided
+   out. */
+static integer roots(const Tally *tally, const Function *f) {
+    return tally->steps == 0 && f->on_zero < 0 ? -(integer)f->on_zero : 0;
 }
 
-INLINED bool keeps_sign(const Function *f) {
-    return roots(f) == 0 && (f->sign > 0 ? f->low : -f->high) > 0;
+static bool keeps_sign(const Tally *tally, const Function *f) {
+    return roots(tally, f) == 0 && (f->sign > 0 ? f->low : -f->high) > 0;
 }
 
 /* Write the coefficients of an event function over a step, in time over h, and its sign changes.
@@ -348,15 +338,16 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
     for (integer k = 0; k < size - shift; k++)
         p[k] = c[k * lanes] * factors[k * lanes];
     p[0] += event->offset;
-    if (!event->watched || keeps_sign(f))
+    const Tally *tally = l->tallies + lane;
+    if (!event->watched || keeps_sign(tally, f))
         return 0;
-    integer k = roots(f);
+    integer k = roots(tally, f);
     return loop_crossings(p + k, size - k, f->sign > 0, zeros);
 }
 
 /* Whether a zero is that of the start. A function that must not fall below zero is let through
    there too. */
-INLINED bool of_start(const Loop *l, const Event *event, const Function *f, real when) {
+static bool of_start(const Loop *l, const Event *event, const Function *f, real when) {
     return f->on_zero > 0 && when <= l->on_zero_for && !event->extremes;
 }
 
@@ -384,7 +375,7 @@ static integer take_turning(Tally *tally, real noise_floor, integer sign, real t
     return (confirmed ? CONFIRMS : 0) + (waits ? WAITS : 0);
 }
 
-INLINED real theta_of(const real *axis) {
+static real theta_of(const real *axis) {
     return atan2(sqrt(axis[0] * axis[0] + axis[1] * axis[1]), axis[2]);
 }
 
@@ -449,19 +440,20 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
    run. */
 static real take_events(const Loop *l, integer lane, real t, real h) {
     integer size = l->size;
+    Tally *tally = l->tallies + lane;
     real upto = 1, p[MOST], zeros[MOST];
 
     for (integer e = 0; e < l->events; e++) { /* first: all events end with the step */
         const Event *event = l->event_rows + e;
         const Function *f = function(l, e, lane);
-        if (event->ends == 0 || keeps_sign(f))
+        if (event->ends == 0 || keeps_sign(tally, f))
             continue;
         real sign = f->sign;
         integer count = search(l, e, lane, p, zeros);
         for (integer k = 0; k < count && zeros[k] < upto; k++) {
             sign = -sign;
             if ((real)event->direction * sign >= 0 && !of_start(l, event, f, t + zeros[k] * h)) {
-                l->tallies[lane].status = event->ends;
+                tally->status = event->ends;
                 upto = zeros[k];
             }
         }
@@ -471,7 +463,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
         const Event *event = l->event_rows + e;
         Function *f = function(l, e, lane);
         bool keeps_range = f->low >= f->extremes[0] && f->high <= f->extremes[1];
-        if ((!event->watched || keeps_sign(f)) && (!event->ranged || keeps_range))
+        if ((!event->watched || keeps_sign(tally, f)) && (!event->ranged || keeps_range))
             continue;
         integer count = search(l, e, lane, p, zeros);
         for (integer k = 0; k < count && !(zeros[k] > upto); k++)
@@ -488,10 +480,6 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
         for (int side = 0; side < 2; side++)
             if (places[side] >= 0)
                 f->times[side] = t + places[side] * upto * h;
-    }
-    for (integer e = 0; e < l->events; e++) {
-        Function *f = function(l, e, lane);
-        f->on_zero = MAX(0.0, f->on_zero); /* the roots are behind */
     }
     return upto;
 }
@@ -593,8 +581,7 @@ static bool take_step(const Loop *l, integer lane) {
     else if (l->h[lane] == l->limit[lane]) {
         tally->status = FINISHED;
         tally->t = l->end[lane];
-    } else if (t + h - tally->lasts_since > l->settled_for &&
-               tally->lasts_since != tally->doubted)
+    } else if (t + h - tally->lasts_since > l->settled_for)
         tally->status = SETTLED;
     return tally->status != RUNNING;
 }
@@ -620,16 +607,11 @@ static void sort_log(const Loop *l, integer first) {
 
 /* Take in the step that was made. Return whether a run has ended. */
 static bool end_step(const Loop *l) {
-    integer lanes = l->lanes, first = l->logged[0];
+    integer first = l->logged[0];
     bool ended = false;
     move(l);
-    if (lanes == 1)
-        bound_functions(l, 1);
-    else if (lanes == 8)
-        bound_functions(l, 8);
-    else
-        bound_functions(l, lanes);
-    for (integer lane = 0; lane < lanes; lane++)
+    bound_functions(l);
+    for (integer lane = 0; lane < l->lanes; lane++)
         ended = take_step(l, lane) || ended;
     sort_log(l, first);
     for (integer k = first; k < l->logged[0]; k++)

@@ -77,7 +77,7 @@ class Changes:
 
     def __init__(self, run: Any):
         self.run = weakref.proxy(run)
-        self.events, self.known = len(run.events), dict[int, Written]()
+        self.events, self.known = len(run.numbers), dict[int, Written]()
         self.loops = np.zeros(len(run.phases) + len(run.impacts.stages), np.uint64)
         self.table: Any = (structure(_Change) * (len(run.phases) * self.events))()
         self.made = np.zeros((PER_SLICE, 3 + NUMBERS))
@@ -112,7 +112,7 @@ class Changes:
     def _traced(self, jump: Any, state: tuple, world: Any) -> Written | None:
         """Return the program of a jump; None where it does more than begin a phase."""
         run, motions = self.run, list[tuple[int, str]]()
-        state += (0.0,) * (len(run.state) - len(state))
+        state = state[: len(run.state)]
         signs = tuple(run.functions["sign"].tolist())
         program = Program(world.body, (world.left,), signs, state)
 
@@ -161,7 +161,7 @@ class Changes:
         for time, number, lasts, *numbers in self.made[: record.length].tolist():
             program, rest = self.known[int(number)], iter(numbers)
             track = run.tracks[program.phase]
-            run.tables.begin(time, track.name, track.phase, program.cause)
+            run.tables.begin(time, track, program.cause)
             for name, size in program.tables:
                 run.tables.rows[name].append([time, *islice(rest, size)])
             run.until = time + lasts

@@ -149,8 +149,7 @@ class Driver:
         self.put(start, (self.number(0), self.number(0)))
         self.end_at(end)
 
-    @staticmethod
-    def stepper_of(code: Compiled) -> Stepper:
+    def stepper_of(self, code: Compiled) -> Stepper:
         """Return the stepper of a new place."""
         return code.machine
 
@@ -159,6 +158,7 @@ class Driver:
         (events, 1), and has at most `width` variables.
         """
         room, number = PASSAGES + len(rows.events) * MOST_COEFFICIENTS, self.number
+        self.all_events = rows
         self.tallies, self.log = new_tallies(rows, functions), new_log(room, width, number)
         self.samples = new_samples(STEPS_PER_SLICE + 2, width, number)
         is_double = number in (float, np.float64)
@@ -300,7 +300,8 @@ class Driver:
         self.motion.high[0], self.motion.low[0] = clock
 
     def end_at(self, end: Any) -> None:
-        """Put the end of the next steps at an internal time."""
+        """Put the end of the next steps at an internal time, `goal` in the working precision."""
+        self.goal = end
         self.motion.end[0] = float(end)
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
@@ -317,7 +318,7 @@ class Driver:
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units; empty where none is known."""
-        return extremes_of(self.rows.events, self.tallies)
+        return extremes_of(self.all_events.events, self.tallies)
 
     @property
     def width(self) -> int:

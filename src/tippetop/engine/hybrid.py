@@ -18,8 +18,7 @@ import heyoka as hy
 import numpy as np
 
 from ..errors import BuildError, InputError, Interrupted, is_one_number
-from ..mechanics.event import ON_ZERO as BELOW
-from ..mechanics.event import zero_of
+from ..mechanics.event import ON_ZERO, zero_of
 from ..mechanics.form import CLOCK, ENDS, Exit, Next, Phase
 from ..mechanics.moment import moment
 from ..mechanics.operand import leaves, refill
@@ -32,11 +31,9 @@ from .driver import (
     RUNNING,
     STATUSES,
     Driver,
-    Extremes,
     Place,
     Request,
     Slice,
-    extremes_of,
 )
 from .expressions import Formulas
 from .impacts import ImpactMotions
@@ -54,7 +51,7 @@ ROOT, SLOPE, NEAR = 1e-6, 1e-3, 1e-6
 """Least value of an event function, of order one, that is no root; least rate of one that has a
 multiple root; and the time over which the rate is taken.
 """
-QUIET = np.errstate(invalid="ignore", divide="ignore", over="ignore")
+QUIET = np.errstate(all="ignore")
 """Jumps evaluate formulas outside their region; a motion that is not finite ends the run."""
 
 
@@ -177,8 +174,7 @@ class Jump:
         InputError
             If the jump fails otherwise, or what it returns cannot follow.
         """
-        variables = variables_of(self.phase.form)
-        q, carried = variables.split(state[: len(variables.names)])
+        q, carried = variables_of(self.phase.form).split(state)
         x = self.phase.leave(q, self.phase.parameters(world.body))
         if hasattr(x, "carried"):
             x = x._replace(carried=carried)
@@ -194,7 +190,7 @@ class Jump:
             q = type(to.phase.form.units)(*to.phase.enter(n.x, b))
             values = to.formulas.functions(q, carried, b)
             if not world.rules:
-                self.must(wrong_time(n, to.phase) or wrong_root(n, to, q, carried, values))
+                self.must(wrong_time(n, to) or wrong_root(n, to, q, carried, values))
             return n, to, to.variables.join(q, carried), values
         except (InputError, BuildError, Interrupted):
             raise
@@ -216,7 +212,7 @@ def begin_in_first(x: Any, world: World) -> Next:
     return Next(next(iter(world.phases)), x)
 
 
-def wrong_time(n: Next, to: Phase) -> str:
+def wrong_time(n: Next, to: "Track") -> str:
     """Return what a time, or the motion in it, must be and is not; or ""."""
     for what in ("delay", "logged_after", "lasts"):
         time = getattr(n, what)
@@ -224,7 +220,7 @@ def wrong_time(n: Next, to: Phase) -> str:
             return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
     if not callable(n.series or len):
         return f"have a function in `series`, but has {n.series!r:.60}"
-    if n.lasts < math.inf and CLOCK not in [way.event for way in to.exits]:
+    if n.lasts < math.inf and CLOCK not in to.exits:
         return f"leave out `lasts`, as phase `{n.phase}` has no exit by {CLOCK!r}"
     return ""
 
@@ -266,7 +262,6 @@ class Track:
         problem, phase = run.problem, run.phases[name]
         self.name, self.phase, self.at = name, phase, [*run.phases].index(name)
         self.b, self.variables = phase.parameters(run.world.body), variables_of(phase.form)
-        self.width = len(self.variables.names)
         stops = problem.on_liftoff == "stop"
         self.exits = {  # by the number of the event
             run.numbers.get(exit.event, CLOCK): run.jump(name, phase, exit)
@@ -329,8 +324,8 @@ class Track:
                 sides[k] = n.sides.get(event.name, -event.direction)
                 zeros[k] = -n.zeros.get(event.name, 0)
             elif signs[k] == 0:
-                sides[k], zeros[k] = 1 if value > 0 else -1, abs(value) < BELOW
-            elif value * signs[k] < 0 and abs(value) > BELOW:
+                sides[k], zeros[k] = 1 if value > 0 else -1, abs(value) < ON_ZERO
+            elif value * signs[k] < 0 and abs(value) > ON_ZERO:
                 sides[k] = -signs[k]
                 if event.direction * sides[k] >= 0:
                     passed.append(k)
@@ -375,12 +370,11 @@ class HybridDriver(Driver):
         self.at_start = np.ones(len(system.events))  # the phase of the start is chosen
         in_phases = (event for phase in phases.values() for event in phase.events)
         events = {event.name: event for event in (*system.events, *in_phases, *system.events)}
-        self.events = [*events.values()]
         self.numbers = {name: k for k, name in enumerate(events)}
-        rows = event_rows(self.events, [(0, 1, 1.0, 0.0)] * len(self.events), ())
+        rows = event_rows([*events.values()], [(0, 1, 1.0, 0.0)] * len(events), ())
         width = max(len(variables_of(phase.form).names) for phase in self.phases.values())
-        self.all_events, self.width = rows, width + len(self.events)
-        self.share(rows, np.ones((len(self.events), 1)), self.width)
+        self.width = width + len(events)
+        self.share(rows, np.ones((len(events), 1)), self.width)
         self.functions = self.tallies.functions[:, 0]
         self.functions["sign"] = 0.0  # not known
         self.tables = PhaseTables(problem)
@@ -442,7 +436,7 @@ class HybridDriver(Driver):
         time = min(now + self.number(n.delay), self.end)
         self.follow(track, float(time))
         if n.cause:
-            self.tables.begin(float(now + n.logged_after), track.name, track.phase, n.cause)
+            self.tables.begin(float(now + n.logged_after), track, n.cause)
         self.tables.add(float(now), n.rows)
         self.put(state, (time, 0 * time))
         signs, zeros, passed = track.begins(n, values, self.functions["sign"])
@@ -469,7 +463,7 @@ class HybridDriver(Driver):
             room = 0 if is_over else most - steps
             steps += self.drive(min(room, 1) if self.track.sampled else room)
             code, (when, last) = self.status[0], self.reached()
-            self.last = last[: self.track.width].copy()
+            self.last = last.copy()
             status = None if code == RUNNING else STATUSES[code]
             ending: Any = self.ending if status is Status.FINISHED else None
             if self.upto[0] < 1.0:
@@ -484,7 +478,7 @@ class HybridDriver(Driver):
             self.tally["upto"] = 0.0
         if status is not None:
             self.tables.end(float(when))
-        return steps, when, np.resize(self.last, self.width), status
+        return steps, when, self.last, status
 
     def end_next(self) -> None:
         """Put the end of the next steps at that of the phase, or where a sampled event happens in
@@ -492,7 +486,7 @@ class HybridDriver(Driver):
         """
         ends: list[tuple] = [(self.end, None), (self.until, CLOCK)]
         if self.track.sampled:
-            ends += sampled_in_next_step(self.track, self)
+            ends += sampled_in_next_step(self)
         when, self.ending = min(ends, key=itemgetter(0))
         self.end_at(when)
 
@@ -546,13 +540,13 @@ class HybridDriver(Driver):
 
     def _note(self, number: int, time: Any, sign: int, track: Track, state: np.ndarray) -> None:
         """Log an event that no step has logged, in a state of a phase."""
-        at, when = self.logged[0], float(time)
+        at, when, event = self.logged[0], float(time), self.all_events.events[number]
         self.log.rows[at] = when, number, sign, track.at, False
         self.times[at], self.log.states[at, : len(state)] = time, state
         self.logged[0] += 1
-        if self.events[number].lasting:
+        if event["lasting"]:
             self.tally["lasts_since"] = when
-        self.loop.keep(self.all_events.events[number], when, sign)
+        self.loop.keep(event, when, sign)
 
     def _during(self, series: Any, began: Any, *times: Any) -> np.ndarray:
         """Return states at internal times in a jump that takes time."""
@@ -561,12 +555,12 @@ class HybridDriver(Driver):
 
     def _note_passed(self, number: int, sign: int, before: Any, now: Any) -> None:
         """Log an event that happens in a jump from a phase."""
-        event, track, state = self.events[number], before, self.last
+        event, track, state = self.track.events[number], before, self.last
         if self.series:
             track, during = self.track, self.series
             now = zero_of(lambda t: -sign * track.value(number, during(t)[0]), now, self.began)
             state = during(now)[0]
-        elif not (event.lasting or (event.sense and abs(before.value(number, state)) > BELOW)):
+        elif not (event.lasting or (event.sense and abs(before.value(number, state)) > ON_ZERO)):
             return
         self._note(number, now, sign, track, state)
 
@@ -578,7 +572,7 @@ class HybridDriver(Driver):
             # NumPy cannot multiply an array of quadruple numbers by a literal
             each: Any = mine if self.number is hy.real128 else [mine][: len(mine)]
             for some in each:
-                q, carried = track.variables.split(states[some, : track.width].T)
+                q, carried = track.variables.split(states[some].T)
                 read, _ = system.read(track.phase, q, carried, track.b)
                 values = variables.join(read[: variables.moving], carried)
                 for k, value in enumerate(values):
@@ -591,9 +585,6 @@ class HybridDriver(Driver):
         """End the phase that is under way; return its row."""
         self.tables.end(float(self.clock[0]))
         return self.tables.take()
-
-    def extremes(self) -> Extremes:
-        return extremes_of(self.all_events.events, self.tallies)
 
     def snapshot(self) -> dict[str, Any]:
         """Return what a run needs to continue bit by bit: lists of the same lengths in every phase,

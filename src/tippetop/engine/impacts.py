@@ -148,28 +148,22 @@ class ImpactMotions:
             If friction jams the contact, or is too stiff.
         """
         self.follow, self.left, self.mode = piece or self.piece, MOST_STEPS, "slip"
-        v, omega = velocities(x, b)
-        slip, grown = v._replace(z=0 * v.z), 0 * v.z
-        if self.law.regions:
-            slip = slip._replace(z=b.friction.patch * omega.z)
+        (v, omega), none = velocities(x, b), 0 * x.height
+        slip = v._replace(z=b.friction.patch * omega.z if self.law.regions else none)
         speed, unit, stops = unit_of(*v, slip.z), unit_of(v.z), STOPS[self.precision]
-        slip = times(1 / speed, slip)
+        slip, grown = times(1 / speed, slip), none
         if motion.can_rest(self.law):
             w = sqrt(dot(slip, slip)) + math.exp(stops - 1)
             slip, grown = times(1 / w, slip), log(w)
         blow = motion.Blow(motion.ENDS["newton"], 0.0, speed, unit / speed, stops, x.u, x.L, b)
-        q = motion.Motion(*slip, grown, v.z / unit, *(0 * v.z,) * 7)
+        q = motion.Motion(*slip, grown, v.z / unit, *(none,) * 7)
         self.region = motion.region_at(q, blow)
         q = pressed = self._followed(q, blow)
         if e_n > 0:
-            goals = {
-                "newton": -e_n * v.z / unit,
-                "energetic": -(e_n**2) * q.work_n,
-                "poisson": (1 + e_n) * q.p_n,
-            }
-            law = self.restitution
-            q = q._replace(v_n=0 * v.z, work_n=0 * v.z)
-            q = self._followed(q, blow._replace(by=motion.ENDS[law], goal=goals[law]))
+            by = motion.ENDS[self.restitution]
+            goals = Vector(-e_n * v.z / unit, -(e_n**2) * q.work_n, (1 + e_n) * q.p_n)
+            restored = blow._replace(by=by, goal=dot(by, goals))
+            q = self._followed(q._replace(v_n=none, work_n=none), restored)
             q = q._replace(work_n=q.work_n + pressed.work_n)
         p, twist = (times(unit, Vector(*q[k : k + 3])) for k in (5, 8))
         works = unit**2 * q.work_n, work_of(x, p, twist, b), unit**2 * pressed.work_n
@@ -180,7 +174,8 @@ class ImpactMotions:
         span, passed = REST_SPAN, "" if q.grown > b.stops else "stops"
         while self.left > 0:
             if passed == "stops":
-                q, self.region, self.mode, passed = motion.rested(q), motion.REST, "stick", ""
+                q = q._replace(**dict.fromkeys(("v_x", "v_y", "turn", "grown"), 0 * q.v_n))
+                self.region, self.mode, passed = motion.REST, "stick", ""
             stage, rests = self.stages[self.region], self.region == motion.REST
             acts = stage.acts(q, b)
             if rests and not motion.left(acts, b) > 0:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ..mechanics.form import Phase
 from ..mechanics.units import SECOND
 from ..problem import Problem
 
@@ -28,9 +27,10 @@ class PhaseTables:
         self.under_way: list[float] = []
         self.rows = defaultdict[str, list[Sequence]](list)
 
-    def begin(self, time: float, name: str, phase: Phase, cause: str) -> None:
-        """Begin a phase of this name at an internal time."""
+    def begin(self, time: float, track: Any, cause: str) -> None:
+        """Begin a phase at an internal time."""
         self.end(time)
+        name, phase = track.name, track.phase
         row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
         kinds = self.tables["phases"].items()
         self.under_way = [time, *(number_of(row[key], kind) for key, kind in kinds)]

@@ -5,20 +5,20 @@ from typing import Any
 
 from ..mechanics.event import Event, zero_of
 from ..mechanics.operand import leaves
-from .driver import Driver
 
 
-def sampled_in_next_step(track: Any, run: Driver) -> list[tuple[Any, int]]:
-    """Return the internal times of sampled events that would end a phase of a run in its next step,
-    and their numbers. The step is made by another integrator of the phase, `track.ahead`.
+def sampled_in_next_step(run: Any) -> list[tuple[Any, int]]:
+    """Return the internal times of sampled events that would end the phase of a run in its next
+    step, and their numbers. The step is made by another integrator of the phase, `track.ahead`.
     """
-    ta, (high, low) = track.ahead, run.clock
+    track, (high, low) = run.track, run.clock
+    ta = track.ahead
     ta.pars[:] = leaves(track.b)[: len(ta.pars)]
     ta.state[:], ta.time = run.state, run.number(0)
     _, h = ta.step(write_tc=True)
 
     def value(event: Event, t: Any) -> float:
-        q, _ = track.variables.split(ta.update_d_output(t)[: track.width].tolist())
+        q, _ = track.variables.split(ta.update_d_output(t).tolist())
         return float(event.formula(track.phase.form.scalars(q, track.b), track.b))
 
     found = []

@@ -58,9 +58,8 @@ _LANE: dict[str, Any] = {
     "turnings": 0,  # that are more than rounding
     "theta_min": math.nan,  # their band
     "theta_max": math.nan,
-    # when the lasting event last happened, while it lasts; 0: it lasts from the start
+    # when the lasting event last happened, while it may last; 0: it lasts from the start
     "lasts_since": math.nan,
-    "doubted": math.nan,  # a value of `lasts_since` that is known not to last
 }
 """Initial values of a lane; times are internal, NaN if the event did not happen."""
 
@@ -68,9 +67,8 @@ _LANE: dict[str, Any] = {
 _FUNCTION = [(name, float) for name in ("sign", "on_zero", "low", "high")]
 FUNCTION_RECORD = np.dtype([*_FUNCTION, ("extremes", float, 2), ("times", float, 2)])
 """The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
-its first k Taylor coefficients vanish where the next step begins; of the present step its bounds,
-and 1 if it is monotone there; its least and greatest values, as it stands in the coefficients, and
-when it had them.
+its first k Taylor coefficients vanish there; of the present step its bounds; its least and greatest
+values, as it stands in the coefficients, and when it had them.
 """
 
 

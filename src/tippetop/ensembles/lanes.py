@@ -116,7 +116,7 @@ class Lanes:
             for lane in np.flatnonzero((self.top >= 0) & (status == Status.SETTLED.code)).tolist():
                 if not self._stays(lane):
                     status[lane] = Status.RUNNING.code
-                    self.tallies.lane["doubted"][lane] = self.tallies.lane["lasts_since"][lane]
+                    self.tallies.lane["lasts_since"][lane] = np.nan
 
     def _take(self, tallies: Tallies, lane: int) -> None:
         """Put a top into a lane. Integrals of event functions, which its start does not contain,

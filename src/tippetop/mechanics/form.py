@@ -274,9 +274,10 @@ class Exit:
         if not {*n.sides.values()} <= {-1, 1}:
             return f"have signs in `sides`, -1 or 1, but has {n.sides}"
         for name, rows in n.rows.items():
+            columns = known["rows"][name]
             for row in rows:
-                if len(row) != (size := len(known["rows"][name])):
-                    return f"have {size} numbers in each row of `{name}`, but has {row!r:.60}"
+                if len(row) != len(columns):
+                    return f"have {', '.join(columns)} in a row of `{name}`, but has {row!r:.60}"
         return ""
 
 

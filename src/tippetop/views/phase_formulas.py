@@ -129,8 +129,9 @@ def _of_law(law: Any) -> str:
         return arrow({"y": y, "b": b}, per_force)
 
     def normal(y: Any, per: Any, b: Any) -> list:
-        q, (force, torque) = y[0], per
-        return [sliding(turning(q), force, torque, b)[0].z]
+        x = turning(y[0])
+        force, _ = sliding(x, lambda *of: per, x.u, b)
+        return [force.z]
 
     def turn(y: Any, per: Any, b: Any) -> list:
         return [*plus(cross(arm(axis(y[0]), b), per[0]), per[1])]

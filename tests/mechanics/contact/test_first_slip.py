@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from tippetop.mechanics.contact import body as contact
 from tippetop.mechanics.contact import response
 from tippetop.mechanics.contact.body import Touch, Turning
+from tippetop.mechanics.contact.contact_phases import smooth_friction
 from tippetop.mechanics.contact.first_slip import first_directions, first_slip
 from tippetop.mechanics.friction import SetValued
 from tippetop.mechanics.operand import Vector, cross
@@ -36,7 +37,7 @@ def turning(state: Any) -> Turning:
 
 def slid(x: Turning, n: Vector, ball: Touch) -> tuple:
     """P, Q and the force of sliding along n."""
-    F, torque = response.sliding_along(x, n, ball)
+    F, torque = response.sliding(x, smooth_friction, n, ball)
     G = response.contact_acceleration(x, F, torque, ball)
     Q, P = response.across_and_along(G, n)
     return P, Q, F

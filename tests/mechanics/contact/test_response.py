@@ -209,7 +209,8 @@ def test_velocities_of_the_contact_point(every_state: list[State]) -> None:
 def test_the_forces_of_slip_are_those_of_newton_and_euler(every_state: list[State]) -> None:
     for x in every_state:
         F = slipping(x)
-        found, torque = response.sliding_along(turning(x), vector(x.n), x.ball)
+        per = Vector(*(F / F[2])), Vector(0, 0, 0)
+        found, torque = response.sliding(turning(x), lambda *of, per=per: per, x.n, x.ball)
         assert_close(found, F)
         assert_close(torque, column(0, 0, 0))
         G = response.contact_acceleration(turning(x), found, torque, x.ball)
@@ -222,7 +223,8 @@ def test_the_forces_of_slip_are_those_of_newton_and_euler(every_state: list[Stat
 def test_the_normal_force_with_a_torque_keeps_the_contact_closed(every_state: list[State]) -> None:
     for x in every_state:
         force, tau, u = column(-0.2, 0.1, 1), column(0.03, 0.02, -0.05), vector(x.u)
-        made = response.sliding(turning(x), vector(force), vector(tau), x.ball)
+        per = vector(force), vector(tau)
+        made = response.sliding(turning(x), lambda *of, per=per: per, u, x.ball)
         N = made[0].z
         assert_close(made[0], N * force)
         G = acceleration(x, N * force, N * tau)

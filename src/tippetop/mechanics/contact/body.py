@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
 from ..number import Record
-from ..operand import Operand, Vector, cos, cross, dot, formula, plus, sin, times
+from ..operand import Operand, Vector, cos, cross, dot, formula, minus, plus, sin, times
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -42,9 +42,7 @@ def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
     `stem` is its radius and its distance from the centre of the sphere; offsets would be rounded.
     """
     if not stem:
-        return (
-            b._replace(clearance=0 * b.c + 1, lever=0 * b.c),
-        )  # which no other ball ever takes up
+        return (b._replace(clearance=1.0, lever=0.0),)  # no other ball ever touches
     r, h = stem
     return b._replace(clearance=b.R - r, lever=h), b._replace(
         R=r, c=b.c + h, clearance=r - b.R, lever=-h
@@ -236,7 +234,7 @@ def centre_velocity(x, v, b):
 
     The velocity of the contact point is v.
     """
-    return plus(v, times(-1, arm_velocity(x, b)))
+    return minus(v, arm_velocity(x, b))
 
 
 @formula
@@ -258,12 +256,12 @@ def moment(u, F, b):
 
 
 @formula
-def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
+def rolling_velocity(e, s, z, b):
     """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
 
     [section 3.2]
     """
-    return theta_dot * height(z, b), -(s * (b.R * omega3 + phi_dot * (b.c - b.R * z)))
+    return e.theta_dot * height(z, b), -(s * (b.R * e.omega3 + e.phi_dot * (b.c - b.R * z)))
 
 
 # --- functions of the scalars -------------------------------------------------------------------
@@ -344,6 +342,12 @@ def g_n(s, b):
 
 
 @formula
+def drag(s, b):
+    """Return -k g_n [kg/s]: the friction is this times v_A."""
+    return -(slip_coefficient(s.v2, s.z, b.friction) * g_n(s, b))
+
+
+@formula
 def twist(s, b):
     """Return (3hat x F).zhat of the friction [N].
 
@@ -351,17 +355,16 @@ def twist(s, b):
 
     [T 3.11, 3.26]
     """
-    return -(slip_coefficient(s.v2, s.z, b.friction) * g_n(s, b) * s.v_n)
+    return drag(s, b) * s.v_n
 
 
 @formula
 def push_u(s, b):
     """Return 3hat.(dv_A/dt) [m/s^2]. [T 3.32, corrected]"""
-    N, h = g_n(s, b), height(s.z, b)
-    drag = -(slip_coefficient(s.v2, s.z, b.friction) * N * s.v_u)
+    h = height(s.z, b)
     turn = s.L3 / b.I3 * s.phi_dot_s2  # omega_3 phi' sin(theta)^2
-    swing = turn * (b.I3 * h - b.I1 * b.R) + b.c * s.s2 * (h * N - b.I1 * s.axis_speed2)
-    return swing / b.I1 + drag * (1 / b.m + h**2 / b.I1)
+    swing = turn * (b.I3 * h - b.I1 * b.R) + b.c * s.s2 * (h * g_n(s, b) - b.I1 * s.axis_speed2)
+    return swing / b.I1 + drag(s, b) * s.v_u * (1 / b.m + h**2 / b.I1)
 
 
 @formula

@@ -42,7 +42,6 @@ from .response import (
     margin,
     resting,
     sliding,
-    sliding_along,
 )
 from .rolling import spin
 
@@ -260,7 +259,7 @@ STICK = ending(
 DIRECTED_SLIP = on_ball(
     DIRECTED,
     (LIFTOFF, TOUCH, STICK),
-    lambda x, q, b: sliding_along(x, direction(q), b),
+    lambda x, q, b: sliding(x, smooth_friction, direction(q), b),
     lambda q: times(q.w, direction(q)),
     lambda v: (atan2(v.y, v.x), sqrt(horizontal2(v))),
     directed_changes,
@@ -374,11 +373,7 @@ def ends_of(law: Any, names: Sequence[str]) -> tuple[Event, ...]:
 def slip_under(law: Any, *names: str) -> Phase:
     """Return the phase of sliding in this region of a law, if it has any, with a torque."""
     friction, *_ = frictions_of(law, names)
-
-    def pushed(x, v, b):
-        force, torque = friction(angular_velocity(x, b), v, x.u.z, b)
-        return sliding(x, force, torque, b)
-
+    pushed = lambda x, v, b: sliding(x, friction, v, b)  # noqa: E731
     return with_slip((LIFTOFF, TOUCH, *ends_of(law, names)), pushed)
 
 

@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import Any
 
 from ..event import Event, Kept
-from ..friction import slip_coefficient
 from ..operand import Vector, atan2, cos, formula, sin, sqrt
 from ..system import Alternative, Domain, Form, Integral, Number, Quantity
 from ..units import (
@@ -32,6 +31,7 @@ from .body import (
     Turning,
     axis,
     contact_mobility,
+    drag,
     energy,
     filled,
     friction_loss,
@@ -101,9 +101,8 @@ def vector_scalars(q, b):
 def reaction(q, b):
     """Return F = N (zhat - k v_A), (3,) [N]. [T 3.16; contact 2.1]"""
     s, v = vector_scalars(q, b), sliding_velocity(q, b)
-    N = contact.g_n(s, b)
-    k = -(slip_coefficient(s.v2, s.z, b.friction) * N)
-    return Vector(k * v.x, k * v.y, N)
+    k = drag(s, b)
+    return Vector(k * v.x, k * v.y, g_n(s, b))
 
 
 @formula
@@ -141,7 +140,7 @@ def centre_velocity(e, s, z, b):
 
     [section 3.2]
     """
-    along_e, along_2 = rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
+    along_e, along_2 = rolling_velocity(e, s, z, b)
     return e.nu_x + along_e, e.nu_y + along_2
 
 
@@ -175,9 +174,8 @@ def euler_rates(e, b):
     [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]
     """
     s, c = sin(e.theta), euler_scalars(e, b)
-    N = g_n(c, b)
-    k = -(slip_coefficient(c.v2, c.z, b.friction) * N)
-    swing = e.phi_dot * (b.I1 * e.phi_dot * c.z - b.I3 * e.omega3) - b.c * N
+    k = drag(c, b)
+    swing = e.phi_dot * (b.I1 * e.phi_dot * c.z - b.I3 * e.omega3) - b.c * g_n(c, b)
     return EulerState(
         e.theta_dot,
         (s * swing - height(c.z, b) * (k * e.nu_x)) / b.I1,
@@ -193,11 +191,16 @@ def psi_rate(q, carried, b):
     return q.omega3 - q.phi_dot * cos(q.theta)
 
 
-@formula
-def velocity(q, carried, b):
-    """Return x', y' of the centre of mass [m/s]."""
-    along_e, along_2 = centre_velocity(q, sin(q.theta), cos(q.theta), b)
-    return of_azimuth(along_e, along_2, carried.phi)
+def place_of_angles(centre: Callable) -> tuple[Integral, ...]:
+    """Return the integrals x and y of a state with centre(e, sin(theta), cos(theta), b) along e and
+    2hat.
+    """
+
+    def velocity(q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
+        along_e, along_2 = centre(q, *sine_and_cosine(q), b)
+        return of_azimuth(along_e, along_2, carried.phi)
+
+    return place(velocity)
 
 
 # --- the chart between them -----------------------------------------------------------------------
@@ -351,8 +354,8 @@ def start_of(angles: Any) -> Callable:
         if "psi_dot" in data:
             e = e._replace(omega3=data["psi_dot"] + e.phi_dot * z)
         if data.get("centre_at_rest"):
-            along_e, along_2 = centre_velocity(e, s, z, b)
-            e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
+            along_e, along_2 = rolling_velocity(e, s, z, b)
+            e = e._replace(nu_x=-along_e, nu_y=-along_2)
         return e
 
     return start
@@ -391,7 +394,7 @@ EULER = in_euler_angles(
     EULER_UNITS,
     euler_rates,
     euler_scalars,
-    (*place(velocity), *work_and_impulse(euler_scalars)),
+    (*place_of_angles(centre_velocity), *work_and_impulse(euler_scalars)),
     NOT_JAMMED,
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}

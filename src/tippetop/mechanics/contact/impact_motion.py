@@ -74,7 +74,7 @@ class Stage(NamedTuple):
     """The motion in a region of a law, or at rest."""
 
     form: Form
-    acts: Callable  # acts(q, b) -> Acts, per normal impulse
+    acts: Callable  # acts(q, b) -> Acts, per normal impulse, or at rest per rise of v_n
     events: tuple[Event, ...]  # formula(q, b)
     follows: dict[str, Any]  # the border that is reached, by its event
 
@@ -103,11 +103,8 @@ def stages(law: Any) -> dict[str, Stage]:
     def stage(friction: Any, *ends: Event, **follows: Any) -> Stage:
         is_directed = bool(friction) and can_rest(law)
 
-        def size(q, b):
-            return exp(q.grown) if is_directed else 1
-
         def acts(q, b):
-            none, w = 0 * q.v_n, b.speed * size(q, b)
+            none, w = 0 * q.v_n, b.speed * (exp(q.grown) if is_directed else 1)
             turned = plus(cross(arm(b.u, b.touch), Vector(q.p_x, q.p_y, q.p_n)), Vector(*q[8:11]))
             L = plus(b.L, times(b.speed * b.ratio, turned))
             v, omega = (
@@ -118,7 +115,6 @@ def stages(law: Any) -> dict[str, Stage]:
                 omega = omega._replace(z=w * q.turn / b.touch.friction.patch)
             if friction is None:
                 force, torque = held(b.u, FLAT_BIAS, 0.0, omega, b.touch)
-                force, torque = times(1 / force.z, force), times(1 / force.z, torque)
             else:
                 force, torque = friction(omega, v, b.u.z, b.touch)
             return Acts(force, torque, v, omega)
@@ -129,12 +125,12 @@ def stages(law: Any) -> dict[str, Stage]:
             spun = b.touch.friction.patch * turns.z if law.regions else none
             n, slides = Vector(*q[:3]), times(b.ratio, across._replace(z=spun))
             if is_directed:
-                pace, grows = size(q, b), dot(slides, n) / dot(n, n)
+                pace, grows = exp(q.grown), dot(slides, n) / dot(n, n)
                 slides = minus(slides, times(grows, n))
             else:
                 pace, grows = 1 / across.z, none
                 slides = times(pace if friction else none, slides)
-            works = across.z, *by.force, *by.torque, q.v_n
+            works = across.z, *by.force, *by.torque, by.force.z * q.v_n
             every = *slides, grows, *(pace * one for one in works)
             return Motion._make(one / CLOCK_RATE for one in every)
 
@@ -145,7 +141,7 @@ def stages(law: Any) -> dict[str, Stage]:
     known = {REST: stage(None)}
     for name, region in law.regions.items():
         ways = {way.event: way for way in region.borders if way.event != "slow"}
-        passing = (Event(name, "", border(way), way.direction, name) for name, way in ways.items())
+        passing = (border(way) for way in ways.values())
         friction = disc_friction(region.drag, law.torque, edge_speed2)
         known[name] = stage(friction, *stops, *passing, **ways)
     return known if law.regions else known | {"": stage(smooth_friction, *stops)}
@@ -156,20 +152,15 @@ def edge_speed2(omega: Vector, b: Any) -> Any:
     return (b.friction.patch * omega.z) ** 2
 
 
-def border(way: Any) -> Callable:
-    """Return the function of an end of a region."""
-    return lambda q, b: way.beyond(speeds(q), b.touch)
+def border(way: Any) -> Event:
+    """Return the event in which a region ends."""
+    function = lambda q, b: way.beyond(speeds(q), b.touch)  # noqa: E731
+    return Event(way.event, "", function, way.direction, way.event)
 
 
 def region_at(q: Any, b: Any) -> str:
     """Return the region of a motion that slides."""
     return region_of(speeds(q), b.touch)
-
-
-def rested(q: Any) -> Any:
-    """Return a motion at rest, without the rest of its slip."""
-    none = 0 * q.v_n
-    return q._replace(v_x=none, v_y=none, turn=none, grown=none)
 
 
 def left(by: Acts, b: Any) -> Any:

@@ -98,22 +98,18 @@ def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
     return gained(after, work=-work_of(x, p, twist, b), impulse=p.z, jellett_lost=lost)
 
 
-# --- sliding: F = N (zhat - mu n) ---------------------------------------------------------------
+# --- sliding ------------------------------------------------------------------------------------
 
 
-@formula
-def sliding(x, force, torque, b):
-    """Return the force and torque (3,) on a body that slides, by those per normal force."""
+def sliding(x, friction, v, b):
+    """Return the force and torque (3,) on a body that slides with the horizontal velocity v.
+
+    friction(omega, v, z, b) gives them per normal force.
+    """
+    force, torque = friction(angular_velocity(x, b), v, x.u.z, b)
     by_force, _ = gains(x.u, force, torque, b)
     N = -bias_vector(x, b).z / by_force.z
     return times(N, force), times(N, torque)
-
-
-@formula
-def sliding_along(x, n, b):
-    """Return the force and torque of Coulomb's law, sliding along the horizontal unit Vector n."""
-    force = Vector(-(b.friction.mu * n.x), -(b.friction.mu * n.y), 1)
-    return sliding(x, force, load(angular_velocity(x, b), b.friction), b)
 
 
 @formula
@@ -223,13 +219,11 @@ def margin(force: Any, torque: Any, law: Any) -> Any:
     limit = float(law.mu * force.z)
     if not limit > 0:
         return -1.0
-    push, torque = math.hypot(force.x, force.y) / limit, abs(float(torque))
-    turn = max(torque - float(getattr(law, "mu_d", 0.0) * force.z), 0.0) / (
-        limit * float(law.patch)
-    )
+    push = math.hypot(force.x, force.y) / limit
+    turn = max(abs(torque) - getattr(law, "mu_d", 0.0) * force.z, 0.0) / (limit * law.patch)
     if not push < 1:
         return 1 - push - turn
-    return float(drag(sliding_at(push) ** 2, 1.0).twist) - turn
+    return drag(sliding_at(push) ** 2, 1.0).twist - turn
 
 
 MOST = 1 - 2.0**-40  # |F_h|/(mu N) of a disc that hardly turns

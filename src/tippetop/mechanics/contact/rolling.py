@@ -15,7 +15,7 @@ from ..system import Form, Quantity
 from ..units import METRE, NEWTON, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import gliding
-from .body import arm_velocity, filled, kinematics_of_angles, moment, of_azimuth, state
+from .body import arm_velocity, filled, kinematics_of_angles, moment, state
 from .body_axes import carried_along
 from .gliding import (
     angles_by,
@@ -23,6 +23,7 @@ from .gliding import (
     axis_and_momentum,
     axis_rate,
     in_euler_angles,
+    place_of_angles,
     spins,
     turning,
 )
@@ -87,7 +88,7 @@ def horizontal_force(s, b):
 @formula
 def friction_needed(s, b):
     """Return the coefficient of Coulomb friction that pure rolling needs, |F_h|/F_z."""
-    return sqrt(s.friction_force2) / normal_force(s, b)
+    return horizontal_force(s, b) / normal_force(s, b)
 
 
 @formula
@@ -133,32 +134,16 @@ def euler_scalars(e, b):
 
 @formula
 def euler_rates(e, b):
-    """Return the equations in Euler angles. [T 4.2, 3.30, 3.31]"""
+    """Return the equations in Euler angles. [equal to T 4.2-4.4]"""
     s, c = sin(e.theta), euler_scalars(e, b)
-    h, q = contact.height(c.z, b), b.c - b.R * c.z
-    drive = (
-        e.phi_dot**2 * (b.I1 * c.z - b.m * q * h)
-        - e.phi_dot * e.omega3 * (b.m * b.R * h + b.I3)
-        - b.m * b.c * (b.R * e.theta_dot**2 + b.g)
-    )
-    theta_dot2 = s * drive / (b.I1 + b.m * contact.arm2(c.z, b))
+    theta_dot2 = -((z_dot2(c, b) + e.theta_dot**2 * c.z) / s)
     return EulerState(e.theta_dot, theta_dot2, *spins(e, push_across(c, b) / s, b))
 
 
 @formula
-def euler_velocity(q, carried, b):
-    """Return x', y' of the centre of mass [m/s]."""
-    along_e, along_2 = contact.rolling_velocity(
-        q.theta_dot, q.phi_dot, q.omega3, sin(q.theta), cos(q.theta), b
-    )
-    return of_azimuth(along_e, along_2, carried.phi)
-
-
-@formula
 def vertical_force(q, carried, b):
-    """Return the normal force m (g + c (theta'' sin(theta) + theta'^2 cos(theta))) [N]."""
-    theta_dot2 = euler_rates(q, b).theta_dot
-    return b.m * (b.g + b.c * (theta_dot2 * sin(q.theta) + q.theta_dot**2 * cos(q.theta)))
+    """Return the normal force of a state in Euler angles [N]."""
+    return normal_force(euler_scalars(q, b), b)
 
 
 # --- vector form: regular everywhere --------------------------------------------------------------
@@ -241,7 +226,7 @@ EULER = in_euler_angles(
     EULER_UNITS,
     euler_rates,
     euler_scalars,
-    (*place(euler_velocity), integral("impulse", vertical_force)),
+    (*place_of_angles(contact.rolling_velocity), integral("impulse", vertical_force)),
 )
 UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}

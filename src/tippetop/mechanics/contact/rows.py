@@ -22,7 +22,7 @@ from ..units import (
 from . import body as contact
 from . import gliding
 from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, slip_scalars, state
-from .body_axes import carried_along, planar
+from .body_axes import by_angles, carried_along
 from .contact_phases import PHASES
 from .gliding import EULER_UNITS, angles_by, axis, axis_and_momentum, axis_rate, turning
 from .integrals import integral
@@ -186,7 +186,7 @@ PLANAR_ROW = replace(
     scalars=planar_scalars,
     to_angles=planar_angles_of_row,
     integrals=carried("theta", "x", "work", "impulse"),
-    orientation=planar(lambda q: (q.ux, q.uz)),
+    orientation=by_angles(lambda q: (q.ux, q.uz)),
 )
 
 
