@@ -204,7 +204,7 @@ def run(judge: tuple[str, ...], module: str, tree: ast.Module) -> None:
     SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
     compiled = any(word.endswith(COMPILED) for word in judge)
     numba.config.DISABLE_JIT = not compiled
-    compilation.code_folder = lambda: None  # the machine code of a mutant must not be stored
+    compilation.code_folder = lambda _: None  # the machine code of a mutant must not be stored
     resource.setrlimit(resource.RLIMIT_CPU, (LIMIT[compiled],) * 2)
     os.environ["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # plugins would take most of the time
     with open(os.devnull, "w") as nowhere:

@@ -23,8 +23,10 @@ import numpy as np
 
 PACKAGES = ("tippetop", "tippetop_kernels")
 
-KEPT = 8
-"""Folders of machine code, one for each state of the sources; the most recently used are kept."""
+KEPT = 40
+"""Folders of machine code, some five for each state of the sources; the most recently used are
+kept.
+"""
 
 IMPORTED = time.time()
 """Time at which this process began to import our sources, in seconds since 1970."""
@@ -59,7 +61,6 @@ class Entry:
     """
 
     def __init__(self, function: Callable):
-        functools.update_wrapper(self, function)
         self.function = function
 
     def __call__(self, *arguments: Any) -> Any:
@@ -74,24 +75,11 @@ class Entry:
         """The function of numba, which compiles it when it is called."""
         import numba
 
-        compiled = functools.partial(numba.njit, error_model="numpy", nogil=True)
-        if (folder := self._folder()) is not None:
+        jit = functools.partial(numba.njit, self.function, error_model="numpy", nogil=True)
+        if (folder := code_folder(self.function)) is not None:
             with _numba_cache(folder), contextlib.suppress(RuntimeError):  # it is read-only
-                return compiled(cache=True)(self.function)
-        return compiled()(self.function)
-
-    def _folder(self) -> Path | None:
-        """Return the folder of this machine code, or None if it must not be kept.
-
-        Functions that enclose others have different folders: two processes that write one index of
-        numba at the same time can exchange the code of two functions.
-        """
-        functions = self.function, *inspect.getclosurevars(self.function).nonlocals.values()
-        if any(f.__module__.partition(".")[0] not in PACKAGES for f in functions):
-            return None
-        names = [f"{f.__module__}.{f.__qualname__}" for f in functions]
-        folder = code_folder()
-        return folder and folder / hashlib.sha256(repr(names).encode()).hexdigest()[:16]
+                return jit(cache=True)
+        return jit()
 
 
 entry = Entry
@@ -101,24 +89,22 @@ entry = Entry
 
 
 def cache_folder() -> Path | None:
-    """Return the folder of compiled code, or None without one.
+    """Return the folder of compiled code, or None without a safe one.
 
     It is TIPPETOP_CACHE_DIR (none if empty), or `tippetop/kernels` in the user's folder of caches.
     """
     given = os.environ.get("TIPPETOP_CACHE_DIR")
     if given is not None:
-        return Path(given).absolute() if given else None
+        return private_folder(Path(given).absolute()) if given else None
     caches = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    return Path(caches) / "tippetop" / "kernels" if os.path.isabs(caches) else None
+    return private_folder(Path(caches) / "tippetop" / "kernels") if os.path.isabs(caches) else None
 
 
-def private_folder(path: Path | None) -> Path | None:
+def private_folder(path: Path) -> Path | None:
     """Create a folder.
 
     Return it, or None if another user can write to it: to write machine code is to run it.
     """
-    if path is None:
-        return None
     try:
         path.mkdir(mode=0o700, parents=True, exist_ok=True)
         status = path.lstat()
@@ -128,24 +114,29 @@ def private_folder(path: Path | None) -> Path | None:
     return path if private and stat.S_ISDIR(status.st_mode) else None
 
 
-@functools.cache
-def code_folder() -> Path | None:
-    """Return the folder of numba's machine code for the present sources, or None if none is safe.
+def code_folder(function: Callable) -> Path | None:
+    """Return the folder of the machine code of a function, or None if it must not be kept.
 
-    Folders of other sources are removed, except for those that were used last.
+    Functions that enclose others have different folders: two processes that write one index of
+    numba at the same time can exchange the code of two functions. Folders of other sources are
+    removed, except for those that were used last.
     """
-    base, digest = private_folder(cache_folder()), sources_digest()
-    if base is None or digest is None:
+    functions = function, *inspect.getclosurevars(function).nonlocals.values()
+    base, digest = cache_folder(), sources_digest()
+    ours = all(f.__module__.partition(".")[0] in PACKAGES for f in functions)
+    if base is None or digest is None or not ours:
         return None
-    folder = private_folder(base / f"numba-{digest}")
+    key = repr((digest, [f"{f.__module__}.{f.__qualname__}" for f in functions]))
+    folder = private_folder(base / f"numba-{hashlib.sha256(key.encode()).hexdigest()[:16]}")
     if folder is not None:
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError):  # another process may remove them too
             os.utime(folder)
-        for old in sorted(base.glob("numba-*"), key=os.path.getmtime)[:-KEPT]:
-            shutil.rmtree(old, ignore_errors=True)
+            for old in sorted(base.glob("numba-*"), key=os.path.getmtime)[:-KEPT]:
+                shutil.rmtree(old, ignore_errors=True)
     return folder
 
 
+@functools.cache
 def sources_digest() -> str | None:
     """Return a digest of our source files and of the versions of the compiler.
 
@@ -154,16 +145,13 @@ def sources_digest() -> str | None:
     import llvmlite
     import numba
 
-    versions = numba.__version__, llvmlite.__version__, np.__version__
-    total = hashlib.sha256(repr(versions).encode())
+    sources = [numba.__version__, llvmlite.__version__, np.__version__]
     for package in PACKAGES:
-        root = Path(str(importlib.resources.files(package)))
-        for path in sorted(root.rglob("*.py")):
+        for path in sorted(Path(str(importlib.resources.files(package))).rglob("*.py")):
             if path.stat().st_ctime > IMPORTED:
                 return None
-            text = path.read_bytes()
-            total.update(f"\0{package}/{path.relative_to(root)} {len(text)}\0".encode() + text)
-    return total.hexdigest()[:16]
+            sources += [str(path), path.read_text()]
+    return hashlib.sha256("\0".join(sources).encode()).hexdigest()
 
 
 _settings = threading.Lock()

@@ -1,6 +1,6 @@
 """Minima over a grid of points, row by row on all threads, with neighbouring points in SIMD lanes.
 
-Each step of the iteration is a separate loop over a block of points, because a short chain of
+Each step of the iteration is a separate loop over a row of points, because a short chain of
 dependent operations keeps the processor busier than a long one.
 """
 
@@ -12,112 +12,63 @@ import numpy as np
 
 from .compilation import entry, kernel
 from .level_crossings import Level, band_of, swing
-from .minimise import (
-    AT_REST,
-    MOST_EXTREMES,
-    Status,
-    clipped,
-    extremes,
-    factor,
-    lowest,
-    minimise,
-)
+from .minimise import AT_REST, MOST_EXTREMES, Status, clipped, extremes, lowest, stepped
 
 
-BLOCK = 256
-"""Points of a block; its arrays fit into the first-level cache."""
-
-STEPS = 2
-"""Steps of Halley for every point, after which almost all points of a dense grid are at rest."""
-
-BLOCK_STEP_IN_POINTS = 64
-"""Single-point steps that cost as much as a step of a whole block."""
+STEPS, MOST_STEPS = 2, 8
+"""Steps of Halley for every point of a row, after which almost all are at rest, and for one."""
 
 
 @kernel
-def step_to_rest(prepare, slopes, x, ys, r, q, last):
-    """Step q of the points of a block until most are at rest.
-
-    A point at rest is not moved again, so its q does not depend on its neighbours.
-    """
-    n = restless = q.size
-    for step in range(8):
-        if step >= STEPS and BLOCK_STEP_IN_POINTS * restless <= n:
-            break
-        restless = 0
-        for j in range(n):
-            g1, g2, g3 = slopes(q[j], prepare(x, ys[j], r), r)
-            f = factor(g1, g2, g3)
-            move = step < STEPS or not last[j] <= AT_REST
-            q[j] = q[j] * f if move else q[j]
-            last[j] = abs(f - 1) if move else last[j]
-            restless += not last[j] <= AT_REST
+def scanned(prepare, slope, value, x, y, r, status, j):
+    """Return F and q of a point that needs a closer look, and write status[j]."""
+    p, turns = prepare(x, y, r), np.empty(MOST_EXTREMES)
+    last = extremes(slope, p, r, turns)
+    well = lowest(value, turns, 0, last, p, r)
+    q = turns[2 * well]
+    F = value(q, p, r)
+    if not np.isfinite(F):
+        status[j] = Status.UNSETTLED if np.isfinite(x + y) else Status.UNDEFINED
+        return np.nan, np.nan
+    at_end = last if status[j] == Status.AT_UPPER_END else 0
+    if status[j] == Status.UNSETTLED or well != at_end:
+        status[j] = Status.LOWER_OF_TWO if last else Status.ATTAINED
+    return F, q
 
 
-@kernel
-def judge(prepare, ends, x, ys, r, last, status):
-    """Write the status of the points of a block; return how many must be computed one by one."""
-    special = 0
-    for j in range(ys.size):
-        lower, upper = ends(x, ys[j], prepare(x, ys[j], r), r)
-        rest = 0 if last[j] <= AT_REST else 4
-        status[j] = 1 if lower else (2 if upper else rest)
-        special += status[j] > 0
-    return special
-
-
-@kernel
-def single_minimum(prepare, guess, slopes, value, several, x, y, r, F, q, status):
-    """Compute a point that needs a closer look; F, q and status are arrays of one."""
-    if not (np.isfinite(x) and np.isfinite(y)):
-        F[0], q[0], status[0] = np.nan, np.nan, Status.UNDEFINED
-        return
-    p = prepare(x, y, r)
-    count = 1
-    if several:
-        turns = np.full(MOST_EXTREMES, np.nan)
-        count = (extremes(slopes, p, r, turns) + 1) // 2
-        q[0] = turns[2 * lowest(value, turns, 0, count - 1, p, r)]
-    else:
-        q[0] = minimise(slopes, guess, p, r)
-    F[0] = value(q[0], p, r)
-    if not np.isfinite(F[0]):
-        status[0] = Status.UNSETTLED
-        return
-    at_end = (status[0] == Status.AT_LOWER_END and q[0] < 1e-6) or (
-        status[0] == Status.AT_UPPER_END and q[0] > 1e6
-    )
-    if status[0] == Status.UNSETTLED or (several and not at_end):
-        status[0] = Status.LOWER_OF_TWO if count > 1 else Status.ATTAINED
-
-
-def minima(prepare, guess, slopes, value, ends):
+def minima(prepare, guess, slopes, slope, value, ends):
     """Return the kernel of the minimum over q at every (x, y).
 
     It fills F, q (float64) and status (int8), each (xs.size, ys.size).
     """
 
     @kernel
-    def block(several, x, ys, r, F, q, status, last):
+    def row(several, x, ys, r, F, q, status, last):
         for j in range(ys.size):
             q[j] = clipped(guess(prepare(x, ys[j], r), r))
-        step_to_rest(prepare, slopes, x, ys, r, q, last)
+        for _ in range(STEPS):
+            for j in range(ys.size):
+                q[j], last[j] = stepped(slopes, q[j], prepare(x, ys[j], r), r)
+        for j in range(ys.size):
+            for _ in range(STEPS, MOST_STEPS):
+                if last[j] <= AT_REST:
+                    break
+                q[j], last[j] = stepped(slopes, q[j], prepare(x, ys[j], r), r)
         for j in range(ys.size):
             F[j] = value(q[j], prepare(x, ys[j], r), r)
-        if judge(prepare, ends, x, ys, r, last, status) or several:
-            for j in range(ys.size):
-                if several or status[j]:
-                    k = slice(j, j + 1)
-                    out = F[k], q[k], status[k]
-                    single_minimum(prepare, guess, slopes, value, several, x, ys[j], r, *out)
+        for j in range(ys.size):
+            lower, upper = ends(x, ys[j], prepare(x, ys[j], r), r)
+            rest = 0 if last[j] <= AT_REST else 4
+            status[j] = 1 if lower else (2 if upper else rest)
+        for j in range(ys.size):
+            if several or status[j]:
+                F[j], q[j] = scanned(prepare, slope, value, x, ys[j], r, status, j)
 
     @entry
     def minima(several, xs, ys, r, F, q, status):
-        last = np.empty(BLOCK)
+        last = np.empty(ys.size)
         for i in range(xs.size):
-            for start in range(0, ys.size, BLOCK):
-                s = slice(start, min(start + BLOCK, ys.size))
-                block(several, xs[i], ys[s], r, F[i, s], q[i, s], status[i, s], last)
+            row(several, xs[i], ys, r, F[i], q[i], status[i], last)
 
     return minima
 
@@ -148,7 +99,7 @@ def gradients(prepare, gradient):
     return gradients
 
 
-def turnings(prepare, slopes, value, excess, bend, inertia):
+def turnings(prepare, slope, value, excess, bend, inertia):
     """Return the kernel of a minimum, the crossings around it, and a Level, at points.
 
     The points are (xs, ys, levels). It takes the minimum in whose basin `at` lies, the lowest one
@@ -159,29 +110,26 @@ def turnings(prepare, slopes, value, excess, bend, inertia):
 
     @entry
     def turnings(allowance, xs, ys, levels, at, r, b, status, out):
-        turns = np.full(MOST_EXTREMES, np.nan)
+        turns = np.empty(MOST_EXTREMES)
         for i in range(xs.size):
-            status[i], out[:, i] = Level.UNDEFINED, np.nan
-            if not np.isfinite(xs[i] + ys[i]):
-                continue
             p = prepare(xs[i], ys[i], r)
-            count = extremes(slopes, p, r, turns)
-            minima = (count + 1) // 2
-            if np.isnan(at[i]):
-                well = lowest(value, turns, 0, minima - 1, p, r)
-            else:
+            level = p, levels[i]
+            maxima = extremes(slope, p, r, turns)
+            well = lowest(value, turns, 0, maxima, p, r)
+            if not np.isnan(at[i]):
                 well = 0
-                while well + 1 < minima and at[i] > turns[2 * well + 1]:
+                while well < maxima and at[i] > turns[2 * well + 1]:
                     well += 1
-            band = band_of(excess, turns, count, well, levels[i], allowance, p, r)
+            band = band_of(excess, turns, maxima, well, level, allowance, r)
             low, high, status[i], first, last = band
             q = turns[2 * lowest(value, turns, first, last, p, r)]
-            period = swing(excess, inertia, low, high, levels[i], p, r, b)
-            out[0, i], out[1, i], out[2, i] = low, high, q
-            out[3, i], out[4, i], out[5, i] = value(q, p, r), bend(q, p, r), period
-            for another in range(minima):
+            F = value(q, p, r)
+            q = q if np.isfinite(F) else np.nan
+            period = swing(excess, inertia, low, high, level, r, b)
+            out[:, i] = low, high, q, F, bend(q, p, r), period, np.nan, np.nan
+            for another in range(maxima + 1):
                 if another < first or another > last:
-                    band = band_of(excess, turns, count, another, levels[i], allowance, p, r)
+                    band = band_of(excess, turns, maxima, another, level, allowance, r)
                     if band[2] != Level.BELOW:
                         out[6, i], out[7, i] = band[0], band[1]
 

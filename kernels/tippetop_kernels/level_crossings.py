@@ -5,7 +5,7 @@ from enum import IntEnum
 import numpy as np
 
 from .compilation import kernel
-from .minimise import LARGEST, SMALLEST
+from .minimise import LARGEST, SMALLEST, crossing
 
 
 class Level(IntEnum):
@@ -18,69 +18,39 @@ class Level(IntEnum):
 
 
 @kernel
-def crossing(excess, inside, outside, level, p, r):
-    """Return q between `inside`, where excess <= 0, and `outside`, where it is > 0.
-
-    By bisection of ln(q) to the last bit.
-    """
-    while True:
-        q = np.sqrt(inside) * np.sqrt(outside)
-        if not min(inside, outside) < q < max(inside, outside):
-            return inside
-        if excess(q, level, p, r) > 0:
-            outside = q
-        else:
-            inside = q
-
-
-@kernel
-def beyond(excess, inside, bound, level, p, r):
-    """Return the first crossing on the way from `inside`, where excess < 0, to `bound`.
-
-    Return `bound` if there is none.
-    """
-    step, before, here = 1.1, inside, inside
-    while here != bound:
-        before = here
-        here = max(here / step, bound) if bound < inside else min(here * step, bound)
-        if excess(here, level, p, r) > 0:
-            return crossing(excess, before, here, level, p, r)
-        step *= min(step, 1e8)
-    return bound
-
-
-@kernel
-def band_of(excess, q, count, well, level, allowance, p, r):
+def band_of(excess, q, maxima, well, at, allowance, r):
     """Return the crossings of a level around the minimum `well`, a Level, and the minima inside.
 
-    The crossings are the two q where excess(q, level, p, r), a function less the level, is 0. The
-    minima are the first and the last that no maximum above the level separates from `well`.
+    `at` is a point and a level. The crossings are the two q where excess(q, at, r), a function less
+    the level, is 0. The minima are the first and the last that no maximum above the level separates
+    from `well`.
 
-    q (count,) are minima and maxima in turn. A level less than `allowance` (relative) from the
+    q contains minima and `maxima` in turn. A level less than `allowance` (relative) from the
     minimum touches it. An end of the range (SMALLEST, LARGEST) stands for a function that stays
     below the level up to there.
     """
-    if not (np.isfinite(level) and np.isfinite(q[2 * well])):
+    here, level = q[2 * well], at[1]
+    depth = -excess(here, at, r)
+    if not np.isfinite(depth):
         return np.nan, np.nan, Level.UNDEFINED, well, well
-    depth = -excess(q[2 * well], level, p, r)
     if abs(depth) <= allowance * abs(level):
-        return q[2 * well], q[2 * well], Level.TOUCHING, well, well
+        return here, here, Level.TOUCHING, well, well
     if depth < 0:
         return np.nan, np.nan, Level.BELOW, well, well
     first = last = well
-    while first > 0 and excess(q[2 * first - 1], level, p, r) <= 0:
+    while first > 0 and excess(q[2 * first - 1], at, r) <= 0:
         first -= 1
-    while 2 * last + 1 < count and excess(q[2 * last + 1], level, p, r) <= 0:
+    while last < maxima and excess(q[2 * last + 1], at, r) <= 0:
         last += 1
-    low = beyond(excess, q[2 * first], q[2 * first - 1] if first > 0 else SMALLEST, level, p, r)
-    high = beyond(
-        excess, q[2 * last], q[2 * last + 1] if 2 * last + 1 < count else LARGEST, level, p, r
-    )
+    low_end = q[2 * first - 1] if first > 0 else SMALLEST
+    high_end = q[2 * last + 1] if last < maxima else LARGEST
+    low = crossing(excess, q[2 * first], low_end, at, r)
+    high = crossing(excess, q[2 * last], high_end, at, r)
     return low, high, Level.ABOVE, first, last
 
 
 @kernel
-def swing(excess, inertia, low, high, level, p, r, b):
+def swing(excess, inertia, low, high, at, r, b):
     """Return the period of the swing between the crossings low and high.
 
     It is 2 integral of sqrt(inertia/-excess) dtheta.
@@ -101,7 +71,7 @@ def swing(excess, inertia, low, high, level, p, r, b):
             half = (j + 0.5) * np.pi / (2 * n)
             s2, k2 = np.sin(half) ** 2, np.cos(half) ** 2
             y, c = y1 * k2 + y2 * s2, c1 * k2 + c2 * s2
-            total += np.sqrt(inertia(c - y, b) * s2 * k2 / (-y * c * excess(y / c, level, p, r)))
+            total += np.sqrt(inertia(c - y, b) * s2 * k2 / (-y * c * excess(y / c, at, r)))
         total *= 2 * across * np.pi / n
         if abs(total - previous) <= 1e-11 * total:
             return total

@@ -20,9 +20,6 @@
 #define MIN(a, b) ((b) < (a) ? (b) : (a))
 #define MAX(a, b) ((b) > (a) ? (b) : (a))
 
-/* Formulas, and loops over lanes that are compiled for a known number of them. */
-#define INLINED static inline __attribute__((always_inline))
-
 typedef double real;
 typedef int64_t integer;
 
@@ -31,14 +28,14 @@ enum {
     MOST = 64,    /* coefficients of a polynomial; quadruple precision has 47 */
     WIDEST = 32,  /* lanes */
     NODES = 9,    /* points of a step: it covers about a radian, so no dip hides between them */
-    TIMES = 4,    /* rows made together, in a vector of the processor */
-    TOGETHER = 6, /* variables made together: each sum waits for its last addition */
-    FEW = 2,      /* rows in a step that are made one by one */
     PATIENCE = 64 /* tiny steps in a row that are a stall */
 };
 
 /* Internal time of a step that goes nowhere. */
 static const real TINY = 1e-10;
+
+/* The last place of a zero in a step: what happens at its very end happens in it, not behind it. */
+static const real BEFORE_END = 1 - 0x1p-53;
 
 /* --- structures of the caller: `tippetop.engine.loop` makes the same; groups are tuples --- */
 
@@ -73,14 +70,14 @@ typedef struct {
     integer tiny, waiting;
     real waits_at;
     integer turnings;
-    real theta_min, theta_max, lasts_since, doubted;
+    real theta_min, theta_max, lasts_since;
 } Tally;
 
 /* The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
-   its first k Taylor coefficients vanish where the next step begins; in the present step its
-   bounds, and 1 if it is monotone; its least and greatest values, and their times. */
+   its first k Taylor coefficients vanish there; its bounds in the present step; its least and
+   greatest values, and their times. */
 typedef struct {
-    real sign, on_zero, low, high, steady, extremes[2], times[2];
+    real sign, on_zero, low, high, extremes[2], times[2];
 } Function;
 
 typedef struct {
@@ -92,12 +89,13 @@ typedef struct {
 typedef struct {
     Step step;
     Dense dense;
-    integer fused; /* whether `dense` rounds a product and the difference that takes it once */
 
+    integer width; /* numbers from one state to the next in the log, the samples and the rows */
     integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
-    integer width; /* numbers from one state to the next in the log and among the samples */
 
-    real *state, *before, *pars, *tc, *high, *low, *start_high, *start_low, *end, *limit, *h;
+    real *state, *before, *pars, *tc;
+    const integer *in_lane;
+    real *high, *low, *start_high, *start_low, *end, *limit, *h;
 
     const Event *event_rows;
     const Number *numbers;
@@ -111,11 +109,10 @@ typedef struct {
     Passage *passages;
     real *logged_states;
 
-    integer *sampled, *in_lane, *sampled_tops;
+    integer *sampled, *sampled_tops;
     real *sampled_states;
 
     real *factors, *out; /* (2, size, lanes); (variables, lanes) a state */
-    const real *halves;  /* (MOST, MOST) row j: the coefficients of (1/2 + x/2)^j */
 
     real settled_for;
     integer most_steps, sampled_every, sampled_first;
@@ -123,17 +120,17 @@ typedef struct {
 
     real *row_times, *row_states;
     integer *row_phases, *rows_made;
-    integer rows_at_steps, row_count, row_variables;
+    integer rows_at_steps, row_count;
 } Loop;
 
-INLINED void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
+static void copy(integer n, const real *from, integer stride, real *to, integer to_stride) {
     for (integer i = 0; i < n; i++)
         to[i * to_stride] = from[i * stride];
 }
 
 /* --- polynomials on [0, 1], ascending coefficients --- */
 
-INLINED real value_at(const real *p, integer n, real x) {
+static real value_at(const real *p, integer n, real x) {
     real sum = 0;
     for (integer k = n - 1; k >= 0; k--)
         sum = sum * x + p[k];
@@ -144,41 +141,34 @@ typedef struct {
     real value, slope, curve;
 } Jet;
 
-/* p(x), p'(x) and p''(x)/2. Even and odd powers are separate sums, which the processor adds at the
-   same time. */
-INLINED Jet jet(const real *p, integer n, real x) {
-    real y = x * x;
-    real even = 0, even1 = 0, even2 = 0, odd = 0, odd1 = 0, odd2 = 0; /* derivatives by y */
-    for (integer k = (n - 1) / 2; k >= 0; k--) {
-        even2 = even2 * y + even1;
-        even1 = even1 * y + even;
-        even = even * y + p[2 * k];
-        odd2 = odd2 * y + odd1;
-        odd1 = odd1 * y + odd;
-        odd = odd * y + (2 * k + 1 < n ? p[2 * k + 1] : 0.0);
+/* p(x), p'(x) and p''(x)/2. */
+static Jet jet(const real *p, integer n, real x) {
+    Jet f = {0, 0, 0};
+    for (integer k = n - 1; k >= 0; k--) {
+        f.curve = f.curve * x + f.slope;
+        f.slope = f.slope * x + f.value;
+        f.value = f.value * x + p[k];
     }
-    return (Jet){
-        even + x * odd,
-        2 * x * even1 + odd + 2 * y * odd1,
-        even1 + 4 * y * even2 + x * (3 * odd1 + 4 * y * odd2),
-    };
+    return f;
 }
 
-/* A zero of p, or of its slope, which is monotone on [low, high]: Newton's rule from x, kept
-   between bounds. */
-static real root_of(const real *p, integer n, bool of_slope, bool rising, real low, real high,
-                    real x) {
+/* The zero of a monotone p on [low, high], by Newton's rule, kept between bounds. The lower end if
+   rounding hides the zero there. */
+static real zero_of(const real *p, integer n, real low, real high) {
+    real start = value_at(p, n, low), end = value_at(p, n, high);
+    if ((start > 0) == (end > 0))
+        return low;
+    real x = low + (high - low) * (start / (start - end));
     for (int i = 0; i < 60; i++) {
         Jet f = jet(p, n, x);
-        real value = of_slope ? f.slope : f.value;
-        if (value == 0)
+        if (f.value == 0)
             return x;
-        if ((value > 0) == rising)
+        if ((f.value > 0) == (end > 0))
             high = x;
         else
             low = x;
         real before = x;
-        x = before - value / (of_slope ? 2 * f.curve : f.slope);
+        x -= f.value / f.slope;
         if (!(low <= x && x <= high))
             x = 0.5 * (low + high);
         if (fabs(x - before) <= 1e-9) /* the next correction is its square */
@@ -187,38 +177,9 @@ static real root_of(const real *p, integer n, bool of_slope, bool rising, real l
     return x;
 }
 
-/* The zero of a monotone p on [low, high]. The lower end if rounding hides the zero there. */
-static real zero_of(const real *p, integer n, real low, real high) {
-    real start = value_at(p, n, low), end = value_at(p, n, high);
-    if ((start > 0) == (end > 0))
-        return low;
-    return root_of(p, n, false, end > 0, low, high, low + (high - low) * (start / (start - end)));
-}
-
-/* Where p, with at most one turn on [-1, 1], turns. -1 if it has none there, or goes less far
-   beyond zero than two zeros that are as near as intervals are small. */
-static real turn_of(const real *p, integer n, real radius) {
-    real x = root_of(p, n, true, p[2] > 0, -1, 1, 0);
-    Jet f = jet(p, n, x);
-    real least = fabs(f.curve) * 0.25 / pow(4.0, DEPTH);
-    bool beyond = f.value * f.curve < 0 && fabs(f.value) * radius * radius > least;
-    return beyond && -1 < x && x < 1 ? x : -1;
-}
-
 /* The coefficients of p(middle + radius x). */
-static void shift(const real *restrict p, integer n, real middle, real radius, const real *halves,
+static void shift(const real *restrict p, integer n, real middle, real radius,
                   real *restrict shifted) {
-    if (radius == 0.5) { /* as a product with a matrix: three times as fast */
-        for (integer k = 0; k < n; k++)
-            shifted[k] = 0;
-        for (integer j = 0; j < n; j++) {
-            real factor = p[j];
-            const real *restrict row = halves + j * MOST;
-            for (integer k = 0; k < n; k++)
-                shifted[k] += row[k] * factor;
-        }
-        return;
-    }
     memcpy(shifted, p, n * sizeof(real));
     for (integer i = 0; i < n - 1; i++)
         for (integer k = n - 2; k >= i; k--)
@@ -232,15 +193,8 @@ static void shift(const real *restrict p, integer n, real middle, real radius, c
 
 /* Write the sign changes of p on [0, 1) to `zeros` (n,), ascending, and return their number.
    `positive` is the sign at the end of the last step: a zero that rounding puts between two steps
-   counts once. `monotone`: p is known to be. */
-integer loop_crossings(const real *p, integer n, bool positive, bool monotone, const real *halves,
-                       real *zeros) {
-    if (monotone) {
-        if ((value_at(p, n, 1) > 0) == positive)
-            return 0;
-        zeros[0] = zero_of(p, n, 0, 1);
-        return 1;
-    }
+   counts once. */
+integer loop_crossings(const real *p, integer n, bool positive, real *zeros) {
     real part[MOST], total = 0;
     for (integer k = 0; k < n; k++)
         total += fabs(p[k]);
@@ -250,34 +204,25 @@ integer loop_crossings(const real *p, integer n, bool positive, bool monotone, c
     for (;;) {
         real radius = ldexp(0.5, (int)-level);
         real middle = (real)(2 * at + 1) * radius;
-        shift(p, n, middle, radius, halves, part);
-        real rest = 0, bend = 0, curl = 0;
+        shift(p, n, middle, radius, part);
+        real rest = 0, bend = 0;
         for (integer k = n - 1; k > 0; k--) {
             real size = fabs(part[k]);
             rest += size;
             bend += (real)k * size;
-            curl += (real)(k * (k - 1)) * size;
         }
-        bool one_zero = fabs(part[0]) > rest || 2 * fabs(part[1]) > bend || level == DEPTH;
-        bool one_turn = 4 * fabs(part[2]) > curl;
-        if (!one_zero && !one_turn) {
+        bool no_zero = fabs(part[0]) > rest, monotone = 2 * fabs(part[1]) > bend;
+        if (!no_zero && !monotone && level < DEPTH) {
             at *= 2;
             level++;
             continue;
         }
-        real ends[] = {one_zero ? -1 : turn_of(part, n, radius), 1}, low = -1;
-        for (int i = 0; i < 2; i++) {
-            real high = ends[i];
-            if (!(high > low))
-                continue;
-            real end = value_at(part, n, high);
-            if ((end > 0) != positive && count < n) {
-                real x = zero_of(part, n, low, high);
-                zeros[count++] = ((real)(2 * at + 1) + x) * radius;
-            }
-            positive = end > 0;
-            low = high;
+        real end = value_at(part, n, 1);
+        if ((end > 0) != positive && count < n) {
+            real x = ((real)(2 * at + 1) + zero_of(part, n, -1, 1)) * radius;
+            zeros[count++] = fmin(x, BEFORE_END);
         }
+        positive = end > 0;
         at++;
         while (at % 2 == 0 && level > 0) { /* up to the next interval */
             at /= 2;
@@ -322,61 +267,15 @@ void loop_extremes(const real *p, integer n, real *values, real *places) {
 
 /* --- bounds of the event functions over a step, in all lanes --- */
 
-INLINED Function *function(const Loop *l, integer event, integer lane) {
+static Function *function(const Loop *l, integer event, integer lane) {
     return l->functions + event * l->lanes + lane;
 }
 
-typedef struct {
-    real low, high, end;
-} Cubic;
-
-/* The bounds of a cubic polynomial on [0, 1], by its Bernstein coefficients, and its end. */
-INLINED Cubic cubic(real p0, real p1, real p2, real p3) {
-    real b1 = p0 + p1 / 3, b2 = p0 + (2 * p1 + p2) / 3, b3 = p0 + p1 + p2 + p3;
-    real low1 = MIN(p0, b1), low2 = MIN(b2, b3), high1 = MAX(p0, b1), high2 = MAX(b2, b3);
-    return (Cubic){MIN(low1, low2), MAX(high1, high2), b3};
-}
-
-/* Bound an event function. The bounds of the cubic part, plus or minus the sum of the other
-   coefficients, bound a polynomial; those of its slope show whether it is monotone: then it lies
-   between its ends. */
-INLINED void bound(const Loop *l, integer n, integer e) {
-    const Event *event = l->event_rows + e;
-    integer size = l->size, shift = event->shift;
-    const real *c = l->tc + (event->row * size + shift) * n;
-    const real *factor = l->factors + shift * size * n;
-    real rest[WIDEST], end[WIDEST], bend[WIDEST], low[WIDEST], high[WIDEST], steady[WIDEST];
-    for (integer i = 0; i < n; i++)
-        rest[i] = end[i] = bend[i] = 0;
-    for (integer k = 5; k < size - shift; k++)
-        for (integer i = 0; i < n; i++) {
-            real a = c[k * n + i] * factor[k * n + i];
-            end[i] += a;
-            rest[i] += fabs(a);
-            bend[i] += (real)k * fabs(a);
-        }
-    for (integer i = 0; i < n; i++) {
-        real p0 = c[i], p1 = c[n + i] * factor[n + i], p2 = c[2 * n + i] * factor[2 * n + i];
-        real p3 = c[3 * n + i] * factor[3 * n + i], p4 = c[4 * n + i] * factor[4 * n + i];
-        Cubic value = cubic(p0, p1, p2, p3), slope = cubic(p1, 2 * p2, 3 * p3, 4 * p4);
-        bool monotone = (slope.low > bend[i]) | (slope.high < -bend[i]);
-        real last = value.end + p4 + end[i], beyond = fabs(p4) + rest[i];
-        steady[i] = monotone ? 1.0 : 0.0;
-        low[i] = (monotone ? MIN(p0, last) : value.low - beyond) + event->offset;
-        high[i] = (monotone ? MAX(p0, last) : value.high + beyond) + event->offset;
-    }
-    for (integer i = 0; i < n; i++) {
-        Function *f = function(l, e, i);
-        f->low = low[i];
-        f->high = high[i];
-        f->steady = steady[i];
-    }
-}
-
-/* Bound the event functions that count over the step. */
-INLINED void bound_functions(const Loop *l, integer n) {
-    integer size = l->size;
-    real h[WIDEST], power[WIDEST];
+/* Bound the event functions that count over the step: by bounds of the cubic part, plus or minus the
+   sum of the other coefficients. */
+static void bound_functions(const Loop *l) {
+    integer n = l->lanes, size = l->size;
+    real h[WIDEST], power[WIDEST], rest[WIDEST], low[WIDEST], high[WIDEST];
     for (integer i = 0; i < n; i++) {
         h[i] = l->high[i] - l->start_high[i];
         power[i] = 1;
@@ -389,21 +288,42 @@ INLINED void bound_functions(const Loop *l, integer n) {
         }
     for (integer e = 0; e < l->events; e++) {
         const Event *event = l->event_rows + e;
-        if (event->watched || event->ranged || event->ends != 0)
-            bound(l, n, e);
+        if (!event->watched && !event->ranged && event->ends == 0)
+            continue;
+        const real *c = l->tc + (event->row * size + event->shift) * n;
+        const real *factor = l->factors + event->shift * size * n;
+        for (integer i = 0; i < n; i++)
+            rest[i] = 0;
+        for (integer k = 4; k < size - event->shift; k++)
+            for (integer i = 0; i < n; i++)
+                rest[i] += fabs(c[k * n + i] * factor[k * n + i]);
+        for (integer i = 0; i < n; i++) {
+            real p0 = c[i] + event->offset, p1 = c[n + i] * factor[n + i];
+            real p2 = c[2 * n + i] * factor[2 * n + i], p3 = c[3 * n + i] * factor[3 * n + i];
+            /* Bernstein coefficients */
+            real b1 = p0 + p1 / 3, b2 = p0 + (2 * p1 + p2) / 3, b3 = p0 + p1 + p2 + p3;
+            real low1 = MIN(p0, b1), low2 = MIN(b2, b3), high1 = MAX(p0, b1), high2 = MAX(b2, b3);
+            low[i] = MIN(low1, low2) - rest[i];
+            high[i] = MAX(high1, high2) + rest[i];
+        }
+        for (integer i = 0; i < n; i++) {
+            Function *f = function(l, e, i);
+            f->low = low[i];
+            f->high = high[i];
+        }
     }
 }
 
 /* --- the events of one lane --- */
 
-/* The multiplicity of the zero of an event function where the step begins, which is divided out.
-   Only the first step has one. */
-INLINED integer roots(const Function *f) {
-    return f->on_zero < 0 ? -(integer)f->on_zero : 0;
+/* The multiplicity of the zero of an event function where the first step begins, which is divided
+   out. */
+static integer roots(const Tally *tally, const Function *f) {
+    return tally->steps == 0 && f->on_zero < 0 ? -(integer)f->on_zero : 0;
 }
 
-INLINED bool keeps_sign(const Function *f) {
-    return roots(f) == 0 && (f->sign > 0 ? f->low : -f->high) > 0;
+static bool keeps_sign(const Tally *tally, const Function *f) {
+    return roots(tally, f) == 0 && (f->sign > 0 ? f->low : -f->high) > 0;
 }
 
 /* Write the coefficients of an event function over a step, in time over h, and its sign changes.
@@ -418,16 +338,16 @@ static integer search(const Loop *l, integer e, integer lane, real *p, real *zer
     for (integer k = 0; k < size - shift; k++)
         p[k] = c[k * lanes] * factors[k * lanes];
     p[0] += event->offset;
-    if (!event->watched || keeps_sign(f))
+    const Tally *tally = l->tallies + lane;
+    if (!event->watched || keeps_sign(tally, f))
         return 0;
-    integer k = roots(f);
-    bool monotone = k == 0 && f->steady > 0;
-    return loop_crossings(p + k, size - k, f->sign > 0, monotone, l->halves, zeros);
+    integer k = roots(tally, f);
+    return loop_crossings(p + k, size - k, f->sign > 0, zeros);
 }
 
 /* Whether a zero is that of the start. A function that must not fall below zero is let through
    there too. */
-INLINED bool of_start(const Loop *l, const Event *event, const Function *f, real when) {
+static bool of_start(const Loop *l, const Event *event, const Function *f, real when) {
     return f->on_zero > 0 && when <= l->on_zero_for && !event->extremes;
 }
 
@@ -455,7 +375,7 @@ static integer take_turning(Tally *tally, real noise_floor, integer sign, real t
     return (confirmed ? CONFIRMS : 0) + (waits ? WAITS : 0);
 }
 
-INLINED real theta_of(const real *axis) {
+static real theta_of(const real *axis) {
     return atan2(sqrt(axis[0] * axis[0] + axis[1] * axis[1]), axis[2]);
 }
 
@@ -520,19 +440,20 @@ static void take_passage(const Loop *l, integer e, integer lane, real t, real h,
    run. */
 static real take_events(const Loop *l, integer lane, real t, real h) {
     integer size = l->size;
+    Tally *tally = l->tallies + lane;
     real upto = 1, p[MOST], zeros[MOST];
 
     for (integer e = 0; e < l->events; e++) { /* first: all events end with the step */
         const Event *event = l->event_rows + e;
         const Function *f = function(l, e, lane);
-        if (event->ends == 0 || keeps_sign(f))
+        if (event->ends == 0 || keeps_sign(tally, f))
             continue;
         real sign = f->sign;
         integer count = search(l, e, lane, p, zeros);
         for (integer k = 0; k < count && zeros[k] < upto; k++) {
             sign = -sign;
             if ((real)event->direction * sign >= 0 && !of_start(l, event, f, t + zeros[k] * h)) {
-                l->tallies[lane].status = event->ends;
+                tally->status = event->ends;
                 upto = zeros[k];
             }
         }
@@ -542,7 +463,7 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
         const Event *event = l->event_rows + e;
         Function *f = function(l, e, lane);
         bool keeps_range = f->low >= f->extremes[0] && f->high <= f->extremes[1];
-        if ((!event->watched || keeps_sign(f)) && (!event->ranged || keeps_range))
+        if ((!event->watched || keeps_sign(tally, f)) && (!event->ranged || keeps_range))
             continue;
         integer count = search(l, e, lane, p, zeros);
         for (integer k = 0; k < count && !(zeros[k] > upto); k++)
@@ -560,108 +481,37 @@ static real take_events(const Loop *l, integer lane, real t, real h) {
             if (places[side] >= 0)
                 f->times[side] = t + places[side] * upto * h;
     }
-    for (integer e = 0; e < l->events; e++) {
-        Function *f = function(l, e, lane);
-        f->on_zero = MAX(0.0, f->on_zero); /* the roots are behind */
-    }
     return upto;
 }
 
 /* --- rows at given times --- */
 
 /* Write the state of a lane at a time within the step to `out`. */
-static void state_at(const Loop *l, integer lane, real time) {
+static void state_at(const Loop *l, integer lane, real time, real *out) {
     l->limit[lane] = (time - l->start_high[lane]) - l->start_low[lane];
-    l->dense(l->out, l->tc, l->limit);
+    l->dense(out, l->tc, l->limit);
 }
 
-/* A step that fuses was compiled for this processor, which therefore can do it. */
-#ifdef __x86_64__
-#define FUSES __attribute__((target("fma")))
-#else
-#define FUSES
-#endif
-
-typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
-
-/* Write the states of the first lane at the times `when` (TIMES,) after the beginning of
-   the step to out (variables, TIMES). The sums are compensated, and have the bits of those that a
-   compiled step that fuses makes of one time. */
-FUSES static void sum_rows(const Loop *l, const real *when, real *out) {
-    integer size = l->size, last = l->row_variables - 1;
-    for (integer first = 0; first <= last; first += TOGETHER) {
-        const real *c[TOGETHER];
-        Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
-        memcpy(&h, when, sizeof h);
-        power = h;
-        for (int i = 0; i < TOGETHER; i++) {
-            c[i] = l->tc + MIN(last, first + i) * size;
-            sums[i] = zero + c[i][0];
-            rests[i] = zero;
-        }
-        for (integer k = 1; k < size; k++) {
-            for (int i = 0; i < TOGETHER; i++) {
-                Vector factor = zero + c[i][k], minus = -rests[i], more;
-                for (int t = 0; t < TIMES; t++)
-                    more[t] = fma(factor[t], power[t], minus[t]);
-                Vector sum = sums[i] + more;
-                rests[i] = (sum - sums[i]) - more;
-                sums[i] = sum;
-            }
-            power *= h;
-        }
-        for (int i = 0; i < TOGETHER && first + i <= last; i++)
-            memcpy(out + (first + i) * TIMES, sums + i, sizeof h);
-    }
-}
-
-/* Write the next `count` rows of the present step. */
-static void write_rows(const Loop *l, integer count) {
-    integer at = *l->rows_made;
-    real when[TIMES], out[l->row_variables * TIMES];
-    for (integer k = at; k < at + count; k++)
-        l->row_phases[k] = *l->in_lane;
-    if (count <= FEW || !l->fused) {
-        for (integer k = at; k < at + count; k++) {
-            state_at(l, 0, l->row_times[k]);
-            copy(l->row_variables, l->out, l->lanes, l->row_states + k, l->row_count);
-            ++*l->rows_made; /* a stepper in Python sees which row it makes */
-        }
-        return;
-    }
-    for (integer k = 0; k < TIMES; k++) {
-        real time = l->row_times[at + (k < count ? k : count - 1)];
-        when[k] = (time - l->start_high[0]) - l->start_low[0];
-    }
-    sum_rows(l, when, out);
-    for (integer i = 0; i < l->row_variables; i++)
-        memcpy(l->row_states + i * l->row_count + at, out + i * TIMES, count * sizeof(real));
-    *l->rows_made += count;
-}
-
-/* Write the rows that lie in the present step of the first lane. Return whether all are written.
+/* Write the rows of a run that lie in its present step. Return whether all are written.
    `moved`: this call has made a step; the end of one that was made before it has its row. */
 static bool take_rows(const Loop *l, bool moved) {
     const Tally *tally = l->tallies;
-    if (l->row_count == 0)
-        return false;
-    integer *filled = l->rows_made, count = TIMES;
-    if (l->rows_at_steps && moved && tally->upto == 1 && tally->status != NON_FINITE) {
-        l->row_times[*filled] = l->high[0];
-        copy(l->row_variables, l->state, l->lanes, l->row_states + *filled, l->row_count);
-        l->row_phases[(*filled)++] = *l->in_lane;
+    integer *made = l->rows_made, count = l->row_count;
+    bool is_end = moved && tally->upto == 1 && tally->status != NON_FINITE;
+    if (count > 0 && l->rows_at_steps && is_end) {
+        l->row_times[*made] = l->high[0];
+        copy(l->variables, l->state, 1, l->row_states + *made * l->width, 1);
+        l->row_phases[(*made)++] = *l->in_lane;
     }
-    if (l->rows_at_steps || tally->status == NON_FINITE || tally->steps == 0)
-        return *filled == l->row_count;
-    while (count == TIMES) {
-        for (count = 0; count < TIMES && *filled + count < l->row_count; count++) {
-            real time = l->row_times[*filled + count];
-            if (!(time < tally->t || (tally->status != RUNNING && time <= tally->t)))
+    if (!l->rows_at_steps && tally->status != NON_FINITE && tally->steps > 0)
+        for (; *made < count; ++*made) { /* a stepper in Python sees which row it makes */
+            real time = l->row_times[*made];
+            if (tally->status == RUNNING ? time >= tally->t : time > tally->t)
                 break;
+            state_at(l, 0, time, l->row_states + *made * l->width);
+            l->row_phases[*made] = *l->in_lane;
         }
-        write_rows(l, count);
-    }
-    return *filled == l->row_count;
+    return count > 0 && *made == count;
 }
 
 /* --- steps --- */
@@ -731,8 +581,7 @@ static bool take_step(const Loop *l, integer lane) {
     else if (l->h[lane] == l->limit[lane]) {
         tally->status = FINISHED;
         tally->t = l->end[lane];
-    } else if (t + h - tally->lasts_since > l->settled_for &&
-               tally->lasts_since != tally->doubted)
+    } else if (t + h - tally->lasts_since > l->settled_for)
         tally->status = SETTLED;
     return tally->status != RUNNING;
 }
@@ -758,22 +607,15 @@ static void sort_log(const Loop *l, integer first) {
 
 /* Take in the step that was made. Return whether a run has ended. */
 static bool end_step(const Loop *l) {
-    integer lanes = l->lanes, variables = l->variables, first = l->logged[0];
+    integer first = l->logged[0];
     bool ended = false;
     move(l);
-    if (lanes == 1)
-        bound_functions(l, 1);
-    else if (lanes == 8)
-        bound_functions(l, 8);
-    else
-        bound_functions(l, lanes);
-    for (integer lane = 0; lane < lanes; lane++)
+    bound_functions(l);
+    for (integer lane = 0; lane < l->lanes; lane++)
         ended = take_step(l, lane) || ended;
     sort_log(l, first);
-    for (integer k = first; k < l->logged[0]; k++) {
-        state_at(l, 0, l->passages[k].time);
-        copy(variables, l->out, lanes, l->logged_states + k * l->width, 1);
-    }
+    for (integer k = first; k < l->logged[0]; k++)
+        state_at(l, 0, l->passages[k].time, l->logged_states + k * l->width);
     return ended;
 }
 
@@ -816,10 +658,7 @@ enum {
     LARGER,
     LESS,
     AT_MOST,
-    GREATER,
-    AT_LEAST,
     EQUAL,
-    UNEQUAL,
     UNIT,
     EXPECT,
     MOTION,
@@ -828,33 +667,31 @@ enum {
 
 /* What follows where a phase ends by an event. Registers begin with the numbers of the body, the
    time left, the signs of event functions, the state and the constants; the results of lines
-   follow. From line `out` on these are the state in which phase `next` begins, the time that it
-   lasts (NaN: it has no clock), the numbers of tables, the signs of event functions, and minus
-   their numbers of roots. */
+   follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time that it
+   lasts, and the numbers of tables. */
 typedef struct {
     const Line *lines;
-    const real *constants;
-    integer length, count, out, next, logged, first, last;
+    real *registers;
+    integer length, result, out, next, logged;
 } Change;
 
 typedef struct {
     const Loop *const *loops; /* of phases, then of motions */
     const Change *changes;    /* (phases, events); without lines: the caller makes the change */
-    real *registers;          /* `numbers` of the body are there */
-    real *made; /* of each change: time, phase and event, then the last registers */
-    real began, end, clock, chatter;
+    const Event *events;      /* of the run */
+    real *made;               /* of each change: time, phase and event, then the last registers */
+    real began, end, chatter;
     integer present, count, most, numbers, width;
 } Phases;
 
-/* Begin a phase or a motion, with signs and zeros of its event functions. */
-static void begin_motion(const Loop *l, real when, real end, const real *signs, const real *zeros,
-                         const real *state) {
+/* Begin a phase or a motion: signs and zeros of its event functions, and its state. */
+static void begin_motion(const Loop *l, real when, real end, const real *start) {
     Tally *tally = l->tallies;
     for (integer e = 0; e < l->events; e++) {
-        function(l, e, 0)->sign = signs[e];
-        function(l, e, 0)->on_zero = zeros[e];
+        function(l, e, 0)->sign = start[e];
+        function(l, e, 0)->on_zero = start[l->events + e];
     }
-    copy(l->variables, state, 1, l->state, 1);
+    copy(l->variables, start + 2 * l->events, 1, l->state, 1);
     l->high[0] = when;
     l->low[0] = 0;
     l->end[0] = end;
@@ -867,21 +704,20 @@ static void begin_motion(const Loop *l, real when, real end, const real *signs, 
    zeros of its event functions, state and parameters; its results: status, steps, event, state. */
 static void follow_motion(const Loop *l, const real *in, real *results) {
     const Tally *tally = l->tallies;
-    const real *signs = in + 2, *zeros = signs + l->events, *state = zeros + l->events;
-    begin_motion(l, 0, in[0], signs, zeros, state);
-    memcpy(l->pars, state + l->variables, l->parameters * sizeof(real));
+    begin_motion(l, 0, in[0], in + 2);
+    copy(l->parameters, in + 2 + 2 * l->events + l->variables, 1, l->pars, 1);
     l->logged[0] = l->sampled[0] = 0;
     results[1] = (real)loop_drive(l, (integer)in[1]);
     bool within = tally->upto < 1;
     integer last = l->logged[0] - 1;
     results[0] = (real)tally->status;
     results[2] = within ? (real)l->passages[last].event : -1;
-    memcpy(results + 3, within ? l->logged_states + last * l->width : l->state,
-           l->variables * sizeof(real));
+    copy(l->variables, within ? l->logged_states + last * l->width : l->state, 1, results + 3, 1);
 }
 
-/* Execute a program, whose results begin at `to`. Return whether comparisons are as expected. */
-static bool execute(const Change *c, real *r, real *to, const Loop *const *loops) {
+/* Execute a program. Return whether comparisons are as expected. */
+static bool execute(const Change *c, const Loop *const *loops) {
+    real *r = c->registers, *to = r + c->result;
     for (const Line *line = c->lines; line < c->lines + c->length; line++, to++) {
         real a = r[line->a], b = r[line->b];
         int exponent;
@@ -897,10 +733,7 @@ static bool execute(const Change *c, real *r, real *to, const Loop *const *loops
         case POWER: *to = pow(a, b); break;
         case LESS: *to = a < b; break;
         case AT_MOST: *to = a <= b; break;
-        case GREATER: *to = a > b; break;
-        case AT_LEAST: *to = a >= b; break;
         case EQUAL: *to = a == b; break;
-        case UNEQUAL: *to = a != b; break;
         case NEGATE: *to = -a; break;
         case ROOT: *to = sqrt(a); break;
         case SIZE: *to = fabs(a); break;
@@ -926,37 +759,34 @@ static bool change_phase(Phases *p) {
     integer at = l->logged[0] - 1, events = l->events, n = l->variables;
     bool full = l->row_count > 0 && l->rows_made[0] == l->row_count;
     real when = tally->t, shortest = p->chatter * fmax(p->began, 1);
-    if (!(tally->upto < 1) || full || p->count == p->most || when - p->began < shortest)
+    if (!(tally->upto < 1) || full || when - p->began < shortest)
         return false;
     const Change *c = p->changes + p->present * events + l->passages[at].event;
     if (c->length == 0)
         return false;
-    real *left = p->registers + p->numbers, *signs = left + 1, *state = signs + events;
-    real *results = state + n + c->count, finite = 0;
+    real *left = c->registers + p->numbers, *signs = left + 1, *state = signs + events, finite = 0;
     *left = p->end - when;
     for (integer e = 0; e < events; e++)
         signs[e] = function(l, e, 0)->sign;
     copy(n, l->logged_states + at * l->width, 1, state, 1);
-    copy(c->count, c->constants, 1, state + n, 1);
-    if (!execute(c, p->registers, results, p->loops))
+    if (!execute(c, p->loops))
         return false;
     const Loop *next = p->loops[c->next];
-    const real *out = results + c->out, *others = out + next->variables;
+    const real *out = c->registers + c->out, *others = out + 2 * events + next->variables;
     for (const real *number = out; number < others; number++)
         finite += 0.0 * *number;
     if (finite != 0)
         return false;
 
+    const Event *logged = p->events + c->logged;
     l->passages[at] = (Passage){when, c->logged, 1, p->present, false};
-    loop_keep(l, c->first, c->last, 0, when, 1);
+    loop_keep(l, logged->first, logged->last, 0, when, 1);
     real *made = p->made + p->count++ * p->width;
     made[0] = when;
     made[1] = (real)(c - p->changes);
     copy(p->width - 2, others, 1, made + 2, 1);
 
-    const real *sides = others + p->width - 2;
-    p->clock = when + others[0];
-    begin_motion(next, when, MIN(p->end, p->clock), sides, sides + events, out);
+    begin_motion(next, when, MIN(p->end, when + *others), out);
     p->present = c->next;
     p->began = when;
     return true;
@@ -981,7 +811,7 @@ void loop_end(const Loop *l, integer lane) {
     integer n = l->lanes;
     real *last = l->out + lane;
     if (tally->upto < 1)
-        state_at(l, lane, tally->t);
+        state_at(l, lane, tally->t, l->out);
     else
         copy(l->variables, l->state + lane, n, last, n);
     real axis[] = {last[rows[0] * n], last[rows[1] * n], last[rows[2] * n]};

@@ -1,9 +1,10 @@
 """The minimum of a function of q > 0: where its slope by ln(q) changes sign.
 
-A problem is three functions of opaque records p (the point) and r (what all points share):
+A problem is four functions of opaque records p (the point) and r (what all points share):
 
     guess(p, r)         a first q, good to a factor of a few; 0, inf or NaN if unknown
     slopes(q, p, r)     a common positive factor times the first three derivatives by ln(q)
+    slope(q, p, r)      the first of them
     value(q, p, r)      the function itself
 
 The slope is negative at small q and positive at large q, unless the infimum is approached at an
@@ -18,6 +19,7 @@ from .compilation import inlined, kernel
 
 
 SMALLEST, LARGEST = 1e-30, 1e30
+MOST_EXTREMES = 280  # one in every step of the scan of `extremes`; two minima are the most seen
 
 # a step in ln(q) after which none is needed: the next one would be of the order of its cube
 AT_REST = 1e-5
@@ -35,15 +37,17 @@ class Status(IntEnum):
 
 
 @inlined
-def factor(g1, g2, g3):
-    """Return Halley's step in ln(q) as a factor on q, between 1/8 and 8.
+def stepped(slopes, q, p, r):
+    """Return q after a step of Halley in ln(q), and the relative length of the step.
 
-    The Pade form of exp keeps its third order.
+    The Pade form of exp keeps its third order. The factor on q is between 1/8 and 8.
     """
+    g1, g2, g3 = slopes(q, p, r)
     n, m = g1 * g2, 2 * g2 * g2 - g1 * g3
     f = (m - n) / (m + n)
     f = f if f > 0.125 else 0.125
-    return f if f < 8.0 else 8.0
+    f = f if f < 8.0 else 8.0
+    return q * f, abs(f - 1)
 
 
 @inlined
@@ -54,82 +58,50 @@ def clipped(q):
 
 
 @kernel
-def root_of_slope(slopes, low, high, p, r):
-    """Return the q in (low, high) where the slope, of opposite signs at both, vanishes.
+def crossing(function, inside, outside, p, r):
+    """Return q between `inside`, where function(q, p, r) <= 0, and `outside`, where it is > 0.
 
-    By bisection of ln(q) to the last bit.
+    By bisection of ln(q) to the last bit. It is next to `outside` where the function is not > 0.
     """
-    falling = slopes(low, p, r)[0] < 0
     while True:
-        q = np.sqrt(low) * np.sqrt(high)
-        if not low < q < high:
-            return low
-        if (slopes(q, p, r)[0] < 0) == falling:
-            low = q
+        q = np.sqrt(inside) * np.sqrt(outside)
+        if not min(inside, outside) < q < max(inside, outside):
+            return inside
+        if function(q, p, r) > 0:
+            outside = q
         else:
-            high = q
+            inside = q
 
 
 @kernel
-def minimise(slopes, guess, p, r):
-    """Return the q of the only minimum: bracket it by ever longer steps, then close the bracket.
+def extremes(slope, p, r, q):
+    """Fill q with minima and maxima in turn, ascending; return the number of maxima.
 
-    SMALLEST or LARGEST if the slope has one sign down to (up to) there; NaN if it is not finite.
-    """
-    q = clipped(guess(p, r))
-    g1 = slopes(q, p, r)[0]
-    if not np.isfinite(g1):
-        return np.nan
-    step, other = 2.0, q
-    while True:
-        previous = other
-        other = clipped(other / step if g1 > 0 else other * step)
-        if slopes(other, p, r)[0] * g1 <= 0:
-            return root_of_slope(slopes, min(other, previous), max(other, previous), p, r)
-        if other in (SMALLEST, LARGEST):
-            return other
-        step *= step
-
-
-MOST_EXTREMES = 7  # that `extremes` gives room for: two minima are the most that was ever seen
-
-
-@kernel
-def extremes(slopes, p, r, q):
-    """Fill q with minima and maxima in turn, ascending; return their number.
-
-    q (7,) gets minimum, maximum, minimum, ...
+    q (MOST_EXTREMES,) gets minimum, maximum, minimum, ..., minimum.
 
     Scans ln(q) in steps of one half, 280 slopes. A pair of minimum and maximum closer than the scan
     can escape the count; it is shallow, hence never the lowest. An end of the range counts as a
     minimum where the function falls towards it.
     """
-    count, ratio = 0, 1.6487212707001282
-    low, g_low = SMALLEST, slopes(SMALLEST, p, r)[0]
-    if g_low >= 0:
-        q[0], count = low, 1
-    while low < LARGEST and count < q.size:
-        high = clipped(low * ratio)
-        g_high = slopes(high, p, r)[0]
-        if (g_low < 0) != (g_high < 0):
-            q[count] = root_of_slope(slopes, low, high, p, r)
-            count += 1
-        if high == LARGEST and g_high < 0 and count < q.size:
-            q[count] = high
-            count += 1
-        low, g_low = high, g_high
-    return count
+    count, falling, low, high = 0, True, SMALLEST, SMALLEST
+    while low < LARGEST:
+        if (high < LARGEST and slope(high, p, r) < 0) != falling:
+            inside, outside = (low, high) if falling else (high, low)
+            q[count] = crossing(slope, inside, outside, p, r)
+            count, falling = count + 1, not falling
+        low, high = high, clipped(high * 1.6487212707001282)
+    return count // 2
 
 
 @kernel
-def lowest(value, turns, first, last, p, r):
+def lowest(value, q, first, last, p, r):
     """Return the number of the lowest of the minima from `first` to `last`.
 
-    `turns` contains minima and maxima in turn.
+    q contains minima and maxima in turn.
     """
     best, least = first, np.inf
     for k in range(first, last + 1):
-        V = value(turns[2 * k], p, r)
+        V = value(q[2 * k], p, r)
         if least > V:
             best, least = k, V
     return best

@@ -126,8 +126,9 @@ IN_LANES = ("inverting", "rolling", "gliding-heavy-top", "heavy-top")
 class Seen:
     """An observer of lanes that keeps every sample of every top."""
 
-    def __init__(self, n: int):
-        self.samples: list[list[np.ndarray]] = [[] for _ in range(n)]
+    def __init__(self, tops: Problems):
+        self.samples: list[list[np.ndarray]] = [[] for _ in range(tops.n)]
+        self.final = np.full(tops.start.shape, np.nan)
         self.done = 0
 
     def look(self, states: np.ndarray, tops: np.ndarray) -> None:
@@ -141,7 +142,7 @@ class Seen:
 @pytest.mark.parametrize("lanes", [1, 4])
 @pytest.mark.parametrize("preset", IN_LANES)
 def test_steps_of_lanes_are_those_of_heyokas_batch(
-    preset: str, lanes: int, rng: np.random.Generator
+    preset: str, lanes: int, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """More tops than lanes, of other lengths: what a lane held before, and what its neighbours do,
     leaves no trace.
@@ -151,13 +152,10 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
     spins = base.initial["omega3"] * rng.uniform(0.9, 1.1, n)
     tops = Problems.vary(base, {"initial.omega3": spins, "run.until": rng.uniform(0.1, 0.3, n)})
     assert tops.valid.all()
-    mine = Lanes(tops, lanes, every=1)
-    made, final = (
-        new_tallies(mine.rows, np.ones((len(mine.rows.events), n))),
-        np.full(tops.start.shape, np.nan),
-    )
-    seen = Seen(n)
-    mine.run(made, final, iter(range(n)), seen.look, seen.ended)
+    monkeypatch.setattr("tippetop.ensembles.lanes.EVERY", 1)
+    mine = Lanes(tops, lanes)
+    made, seen = new_tallies(mine.rows, np.ones((len(mine.rows.events), n))), Seen(tops)
+    mine.run(seen, made, iter(range(n)), seen.ended)
     assert seen.done == n
     assert np.all(made.lane["status"] == Status.FINISHED.code)
     theirs = copy.deepcopy(
@@ -181,7 +179,7 @@ def test_steps_of_lanes_are_those_of_heyokas_batch(
             ends = np.concatenate([output.tcs[1:, :, 0, lane], theirs.state[None, :, lane]])[moved]
             assert made.lane["steps"][top] == len(ends)
             assert same_bits(np.array(seen.samples[top]), ends)
-            assert same_bits(final[:, top], theirs.state[: len(final), lane])
+            assert same_bits(seen.final[:, top], theirs.state[: len(seen.final), lane])
 
 
 # --- what a run leaves alone --------------------------------------------------------------------

@@ -33,7 +33,7 @@ def test_a_run_is_not_resumed_under_another_level(monkeypatch: pytest.MonkeyPatc
     assert fingerprint(driver) != quick
 
 
-class Reached(Exception):
+class Reached(BaseException):
     """The integrator would be made now."""
 
 

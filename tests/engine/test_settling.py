@@ -6,6 +6,7 @@ import pytest
 from tippetop.engine.settling import stays
 from tippetop.engine.status import Status
 from tippetop.mechanics.theory import thresholds
+from tippetop.mechanics.units import SECOND
 from tippetop.problem import Problem
 from tippetop.runs import starting
 from tippetop.runs.run import solve
@@ -26,18 +27,18 @@ def test_a_spin_stays_iff_it_is_stable(side: str, factor: float, problem: Proble
     body, upright = problem.body(float), side == "upright"
     limit = thresholds.lambda_u(body) if upright else thresholds.lambda_s(body)
     spin = thresholds.spin_of(factor * limit, body, inverted=not upright)
-    second = 0.045
+    second = float(problem.scales.of(SECOND))
     values = {
         "theta": np.array([1e-4 if upright else np.pi - 1e-4]),
         "omega3": np.array([spin * second]),
     }
-    assert stays(body, values, second) is ((factor < 1) == upright)
+    assert stays(problem, values) is ((factor < 1) == upright)
 
 
 def test_what_does_not_slide_stays_away_from_the_poles_and_in_a_plane(problem: Problem) -> None:
     away = {"theta": np.array([0.5]), "omega3": np.array([1e3])}
-    assert stays(problem.body(float), away, 1.0)
-    assert stays(starting.load("gliding-cylinder").body(float), {"theta": np.array([0.0])}, 1.0)
+    assert stays(problem, away)
+    assert stays(starting.load("gliding-cylinder"), {"theta": np.array([0.0])})
 
 
 @pytest.mark.parametrize("mu", [0.0, 1e-9])

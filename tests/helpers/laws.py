@@ -435,7 +435,7 @@ def general_system(case: Case) -> Pairs:
     rates = case.rates(e)
     w_x, w_y = rates.nu_x - e.phi_dot * e.nu_y, rates.nu_y + e.phi_dot * e.nu_x
     s, z = np.sin(e.theta), np.cos(e.theta)
-    theta_dot2, phi_dot2, omega3_dot = rolling.euler_accelerations(e, s, z, b)
+    _, theta_dot2, phi_dot2, omega3_dot = rolling.euler_rates(e, b)
     spin_inertia = b.I1 * b.I3 + b.m * (b.R**2 * b.I1 * s**2 + b.I3 * (b.c - b.R * z) ** 2)
     found = (
         theta_dot2

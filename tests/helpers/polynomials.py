@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from tippetop.engine.loop import HALVES, Loop, Motion, library, new_motion
+from tippetop.engine.loop import Loop, Motion, library, new_motion
 from tippetop.engine.stepper import Called
 from tippetop.engine.tallies import (
     Rules,
@@ -30,18 +30,16 @@ class Given(Called):
         motion.high[:], motion.start_high[:], motion.tc[:] = start, start, tc
         motion.h[:] = np.where(motion.limit > 0, h, 0.0)
 
-    def state_at(self, inside: np.ndarray, out: np.ndarray) -> None:
-        out[:] = 0.0
+    def keep(self) -> None:
+        pass
 
 
-def crossings(p: np.ndarray, positive: bool, monotone: bool = False) -> tuple[np.ndarray, bool]:
+def crossings(p: np.ndarray, positive: bool) -> tuple[np.ndarray, bool]:
     """Return the zeros of p on [0, 1) where it changes sign, and whether it is positive
     at the end.
     """
     zeros = np.empty(64)
-    count = library().loop_crossings(
-        _data(p), len(p), positive, monotone, _data(HALVES), _data(zeros)
-    )
+    count = library().loop_crossings(_data(p), len(p), positive, _data(zeros))
     return zeros[:count], positive ^ bool(count % 2)
 
 
@@ -55,7 +53,7 @@ def extremes(p: np.ndarray, low: float, high: float) -> tuple[float, ...]:
 
 
 def ranges(c: np.ndarray, shift: int, h: np.ndarray) -> np.ndarray:
-    """Return low, high and monotone (3, lanes) of variables with coefficients c (order + 1, lanes)
+    """Return low and high (2, lanes) of variables with coefficients c (order + 1, lanes)
     over steps of length h, or of their rates (shift 1).
     """
     rows = event_rows([Event("", "", lambda s, b: None)], [(0, shift, 1.0, 0.0)], [])
@@ -72,7 +70,7 @@ def ranges(c: np.ndarray, shift: int, h: np.ndarray) -> np.ndarray:
         Given([(0.0 * h, h, c[None])]),
     )
     loop.drive(1)
-    return np.array([tallies.functions[name][0] for name in ("low", "high", "steady")])
+    return np.array([tallies.functions[name][0] for name in ("low", "high")])
 
 
 def _data(array: np.ndarray) -> ctypes.c_void_p:

@@ -143,7 +143,7 @@ def struck(
     whose axis lies in the x-z plane."""
     key = type(b.friction), restitution, precision
     if key not in _motions:
-        _motions[key] = ImpactMotions(key[0], False, restitution, precision)
+        _motions[key] = ImpactMotions(*key)
     if precision == "double":
         s, z, *v = map(float, (s, z, *v))
     none = 0 * s
@@ -159,6 +159,7 @@ def struck(
         **made._asdict(),
         **dict(zip(names, (*velocity, *made.p), strict=True)),
         energy=made.gained,
+        work_t=made.gained - made.work_n,
         after=after,
         Omega_z=omega.z,
         makes_energy=made.makes_energy,

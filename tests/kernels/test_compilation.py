@@ -49,7 +49,7 @@ def forget() -> None:
     for name in [name for name in sys.modules if name.partition(".")[0] == "toy"]:
         del sys.modules[name]
     importlib.invalidate_caches()
-    compilation.code_folder.cache_clear()
+    compilation.sources_digest.cache_clear()
 
 
 def run(toy: Path, formula: Any = None, x: Any = 3.0) -> tuple[float, bool]:
@@ -134,7 +134,10 @@ def test_without_a_folder_kernels_are_compiled(
         assert run(toy) == (8.0, False)
 
 
-def test_folders_of_older_sources_are_removed(toy: Path, cache: Path) -> None:
+def test_folders_of_older_sources_are_removed(
+    toy: Path, cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compilation, "KEPT", 8)
     for age in range(1, 10):
         old = cache / f"numba-{age}"
         old.mkdir(parents=True, mode=0o700)

@@ -102,8 +102,8 @@ def test_polynomials_of_the_highest_orders_are_searched(n: int, rng: np.random.G
 
 
 def test_ranges_hold_what_they_bound(rng: np.random.Generator) -> None:
-    """Sines of all phases and lengths: no value of a dense scan lies outside, and what is called
-    monotone is; then zeros by the short way are those by the long one.
+    """Sines of all phases and lengths: no value of a dense scan lies outside, and most bounds are
+    near one.
     """
     lanes, n = 32, 21
     k, h = np.arange(n + 1), rng.uniform(0.1, 2, lanes)
@@ -111,20 +111,13 @@ def test_ranges_hold_what_they_bound(rng: np.random.Generator) -> None:
     c = np.cos(a + k[:, None] * np.pi / 2) / np.cumprod(np.maximum(k, 1))[:, None]
     for shift in (0, 1):
         factors = h ** k[:, None] * (k[:, None] + 1) ** shift
-        low, high, monotone = ranges(c, shift, h)
+        low, high = ranges(c, shift, h)
         p = c[shift:] * factors[: n + 1 - shift]
         scan = np.polynomial.polynomial.polyval(np.linspace(0, 1, 2001), p)
-        assert np.all(low <= scan.min(axis=1) + 1e-14)
-        assert np.all(high >= scan.max(axis=1) - 1e-14)
-        rises = np.diff(scan, axis=1)
-        steady = (rises > 0).all(axis=1) | (rises < 0).all(axis=1)
-        assert np.all(steady[monotone > 0])
-        assert np.mean(monotone[steady]) > 0.6  # it is worth having
-        for i in np.flatnonzero(monotone):
-            q = p[:, i].copy()
-            long, short = (crossings(q, bool(q[0] > 0), way)[0] for way in (False, True))
-            assert len(long) == len(short)
-            assert short == pytest.approx(long, abs=1e-15)
+        least, most = scan.min(axis=1), scan.max(axis=1)
+        assert np.all(low <= least + 1e-14)
+        assert np.all(high >= most - 1e-14)
+        assert np.median((high - low) / (most - least)) < 1.5
 
 
 @settings(max_examples=200, deadline=None)

@@ -112,7 +112,7 @@ def test_excess_keeps_its_digits_where_level_and_potential_nearly_agree(name: st
         for away in (0.0, 1e-15, 1e-8, 1.0):
             level = float(at.exact) * (1 + away)
             exact = at.exact - mp.mpf(level)
-            found = mp.mpf(formulas.excess(at.q, level, at.p, at.c))
+            found = mp.mpf(formulas.excess(at.q, (at.p, level), at.c))
             assert abs(found - exact) <= 2.0**-52 * abs(exact) + scale(at) * mp.mpf(10) ** -25, at
 
 

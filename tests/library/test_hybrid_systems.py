@@ -253,6 +253,16 @@ def test_a_jump_that_cannot_be_followed_is_refused_with_its_place(
         broken(jump)
 
 
+def test_a_row_of_another_length_than_its_table_is_refused() -> None:
+    def jump(x: Any, world: Any) -> Next:
+        return Next("fall", x, rows={"hits": ((1.0, 2.0),)})
+
+    tables = {"phases": {}, "hits": {"speed": METRE_PER_SECOND}}
+    register("broken-point", left("ground", ("fall",), jump), tables=tables)
+    with pytest.raises(tt.InputError, match=r"have speed in a row of `hits`, but has \(1.0, 2.0\)"):
+        tt.run(POINT | {"system": "broken-point"}, until=2)
+
+
 @pytest.mark.parametrize(
     ("jump", "status", "words"),
     [
@@ -369,7 +379,8 @@ def test_fields_of_a_system_that_no_run_can_use_are_not_registered() -> None:
         "other names than the law of friction, but have friction": {
             "parameters": {**numbers, "friction": numbers["e"]}
         },
-        "must have `phases` if they are given, but have t": {"tables": {"t": 3}},
+        "must have `phases` if they are given, but have t": {"tables": {"t": {}}},
+        "a dict of columns for each name, but have none for t": {"tables": {"phases": {}, "t": 3}},
     }.items():
         with pytest.raises(tt.InputError, match=words):
             register("broken", {}, **fields)

@@ -123,15 +123,15 @@ def test_formulas_mean_the_same_inside_numba(
 
 DECOMPOSITION = {
     ("tippe-top", "vector"): 101,
-    ("tippe-top", "euler"): 135,
+    ("tippe-top", "euler"): 138,
     ("rolling-tippe-top", "contact"): 96,
     ("rolling-tippe-top", "vector"): 129,
     ("rolling-tippe-top", "reduced"): 89,
-    ("rolling-tippe-top", "euler"): 89,
+    ("rolling-tippe-top", "euler"): 99,
     ("gliding-heavy-top", "vector"): 86,
-    ("gliding-heavy-top", "euler"): 124,
+    ("gliding-heavy-top", "euler"): 127,
     ("heavy-top", "vector"): 50,
-    ("heavy-top", "euler"): 46,
+    ("heavy-top", "euler"): 63,
     ("gliding-cylinder", "angle"): 60,
     ("rolling-cylinder", "angle"): 46,
 }

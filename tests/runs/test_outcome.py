@@ -21,7 +21,6 @@ def outcomes(sets: list[str], until: float, **variations: list[float]) -> tuple[
     lane = measure(
         Problems.vary(problem, {"initial.theta": np.array([problem.initial["theta"]])}),
         threads=1,
-        lanes=4,
     )
     return solve(problem, keep=False).report["outcome"], CLASSES[lane.kind[0]]
 
@@ -58,7 +57,7 @@ def test_a_settled_that_does_not_last_is_no_time_in_a_lane() -> None:
     problem = starting.load("inverting", ["initial.omega3=0.0"], until=1.0)
     run = solve(problem)
     assert len(run.events.of("settled").time) > 3
-    lane = measure(Problems.vary(problem, {"initial.omega3": np.array([0.0])}), threads=1, lanes=4)
+    lane = measure(Problems.vary(problem, {"initial.omega3": np.array([0.0])}), threads=1)
     assert len(run.events.of("settled", significant=True).time) == 0
     assert not lane.settled[0]
     assert np.isnan(lane.columns["settled_at"][0])

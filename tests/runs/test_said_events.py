@@ -26,7 +26,7 @@ def test_a_planar_swing_through_the_pole_is_no_turning() -> None:
     band = run.report["nutational_band"]
     assert band["theta_min"] == pytest.approx(2.0, abs=1e-12)
     assert band["theta_max"] == pytest.approx(2.0, abs=1e-12)
-    lane = measure(Problems.vary(problem, {"initial.theta": np.array([2.0])}), threads=1, lanes=4)
+    lane = measure(Problems.vary(problem, {"initial.theta": np.array([2.0])}), threads=1)
     assert lane.columns["turnings"][0] == run.report["event_counts"]["turning_significant"]
     assert lane.columns["theta_max"][0] == pytest.approx(2.0, abs=1e-12)
 

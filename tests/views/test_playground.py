@@ -12,7 +12,7 @@ from typed import typed
 
 import tippetop as tt
 from tippetop.mechanics.contact.body import BALLS
-from tippetop.mechanics.contact.exits import PHASES
+from tippetop.mechanics.contact.contact_phases import PHASES
 from tippetop.views.phase_formulas import given
 from tippetop.views.playground import BY_NAME, playground
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..arguments import path_of
 from ..exchange.fit_text import toml_of
 from ..exchange.simulators import DIGITS, rounded_to_digits, text_of
-from ..mechanics.contact.exits import PHASES
+from ..mechanics.contact.contact_phases import PHASES
 from ..runs import phases
 from ..runs.run import Solution
 from ..scenario import build

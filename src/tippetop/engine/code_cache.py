@@ -6,24 +6,22 @@ process allows. A damaged object in it gives wrong numbers or ends the process, 
 compiled through it here.
 
 To write machine code is to run it, so the folder must be writable by its user only. If a file is
-damaged, the code is compiled again.
+damaged, or being written by another process, the code is compiled again.
 """
 
 import hashlib
 import os
 import pickle
-import secrets
 import threading
 import zlib
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import heyoka as hy
 import llvmlite.binding as llvm
 
-from tippetop_kernels.compilation import cache_folder, private_folder
+from tippetop_kernels.compilation import cache_folder
 
 
 KEPT = 1000
@@ -50,7 +48,7 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
     processor = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     made_from = (hy.__version__, processor, kind.__name__, arguments, options)
     key = hashlib.sha256(pickle.dumps(made_from)).hexdigest()
-    folder = private_folder(cache_folder())
+    folder = cache_folder()
     file = folder and folder / f"{kind.__name__}-{key}.z"
     if file:
         with suppress(OSError, zlib.error):
@@ -66,17 +64,7 @@ def compiled_once(kind: Callable, *arguments: Any, **options: Any) -> Any:
             hy.llvm_state.set_diskcache_enabled(enabled)
     if file:
         with suppress(OSError):
-            _write(file, zlib.compress(pickle.dumps(result), level=1))
+            file.write_bytes(zlib.compress(pickle.dumps(result), level=1))
             for old in sorted(file.parent.glob("*.z"), key=os.path.getmtime)[:-KEPT]:
                 old.unlink()
     return result
-
-
-def _write(file: Path, content: bytes) -> None:
-    """Write a file and rename it: another process reads the old one or the new one."""
-    scratch = file.with_name(f".{file.name}.{secrets.token_hex(8)}")
-    try:
-        scratch.write_bytes(content)
-        scratch.replace(file)
-    finally:
-        scratch.unlink(missing_ok=True)

@@ -13,9 +13,7 @@ from .status import Status
 from .stepper import Stepper
 from .tallies import (
     EventRows,
-    PassageLog,
     Rules,
-    Samples,
     Tallies,
     new_log,
     new_samples,
@@ -85,75 +83,8 @@ def view(array: np.ndarray) -> Any:
     return memoryview(array)  # type: ignore[arg-type]
 
 
-class Exact(NamedTuple):
-    """Passages and samples in the working precision: in doubles, the arrays of the loop."""
-
-    times: np.ndarray  # (n,) of passages
-    states: np.ndarray  # (n, variables) at passages
-    samples: np.ndarray  # (n, variables)
-
-
-class Shared(NamedTuple):
-    """Arrays that the phases of a run share."""
-
-    tallies: Tallies
-    log: PassageLog
-    samples: Samples
-    exact: Exact
-
-
-def new_shared(rows: EventRows, functions: np.ndarray, width: int, number: Any) -> Shared:
-    """Return the arrays of a run that starts with these event functions, (events, 1), and has at
-    most `width` variables, which are of type `number`.
-    """
-    log = new_log(PASSAGES + len(rows.events) * MOST_COEFFICIENTS, width)
-    samples = new_samples(STEPS_PER_SLICE + 2, width)
-    exact = (in_precision(a, number) for a in (log.rows["time"], log.states, samples.states))
-    return Shared(new_tallies(rows, functions), log, samples, Exact(*exact))
-
-
-def in_precision(array: np.ndarray, number: Any) -> np.ndarray:
-    """Return an array of doubles if this is the type of numbers, or another one of its shape."""
-    return array if number in (float, np.float64) else np.zeros(array.shape, number)
-
-
 RULES = Rules(np.inf, ENDLESS, EVERY, FIRST)
 """Of a single run: only an event ends it before its time."""
-
-
-class Wanted:
-    """The rows that are wanted of a run, of which the first `made[0]` exist, and the first `given`
-    were given to the request.
-
-    Parameters
-    ----------
-    variables
-        Numbers of a row, at most.
-    number
-        Their type.
-
-    Attributes
-    ----------
-    states
-        Those of the rows in the working precision, (variables, n).
-    """
-
-    def __init__(self, variables: int, number: Any) -> None:
-        self.variables, self.number, self.given = variables, number, 0
-        self.rows, self.states, self.made = NO_ROWS, NO_ROWS.states, view(NO_ROWS.filled)
-
-    @property
-    def is_made(self) -> bool:
-        """True if all rows exist."""
-        return self.made[0] == len(self.rows.times)
-
-    def ask(self, request: Request) -> None:
-        """Ask for more times; for room, where rows are at the ends of steps."""
-        times = request.wanted()
-        n, filled, self.given = len(times), np.zeros(1, np.int64), 0
-        states, phases = np.empty((self.variables, n)), np.empty(n, np.int64)
-        self.rows = Rows(times, states, phases, filled, request.steps)
-        self.states, self.made = in_precision(states, self.number), view(filled)
 
 
 class Place:
@@ -161,21 +92,21 @@ class Place:
 
     Parameters
     ----------
+    run
+        The driver, whose tallies, log and samples all its places share.
     compiled
         The integrator.
-    stepper
-        Its steps, in this place alone.
     rows
         The events.
-    shared
-        Arrays that its other phases have too.
     """
 
-    def __init__(self, compiled: Compiled, stepper: Any, rows: EventRows, shared: Shared):
+    def __init__(self, run: "Driver", compiled: Compiled, rows: EventRows):
         made = compiled.integrator
-        self.compiled, self.stepper, self.rows, self.shared = compiled, stepper, rows, shared
+        self.compiled, self.rows = compiled, rows
+        self.stepper: Any = run.stepper_of(compiled)
         self.motion = new_motion(len(made.state), len(made.pars), made.order + 1, 1)
-        self.loop = Loop(self.motion, rows, *shared[:3], RULES, stepper)
+        shared = run.tallies, run.log, run.samples
+        self.loop = Loop(self.motion, rows, *shared, RULES, self.stepper)
 
 
 class Driver:
@@ -211,30 +142,43 @@ class Driver:
     ):
         self.at_start, self.end = functions, end
         self.variables, self.number = len(start), start.dtype.type
-        width = len(compiled.integrator.state)
-        shared = new_shared(rows, functions[:, None], width, self.number)
-        self.work_in(Place(compiled, self.stepper_of(compiled), rows, shared))
-        self.wanted = Wanted(self.variables, self.number)
+        self.share(rows, functions[:, None], len(compiled.integrator.state))
+        self.work_in(Place(self, compiled, rows))
         self.first = start[None, :].copy()
         self.take(self.place, body)
         self.put(start, (self.number(0), self.number(0)))
         self.end_at(end)
 
-    @staticmethod
-    def stepper_of(code: Compiled) -> Stepper:
+    def stepper_of(self, code: Compiled) -> Stepper:
         """Return the stepper of a new place."""
         return code.machine
 
-    def work_in(self, place: Place) -> None:
-        """Make the next steps in a place."""
-        self.place, self.compiled, self.rows = place, place.compiled, place.rows
-        self.motion, self.loop, self.stepper = place.motion, place.loop, place.stepper
-        self.tallies, self.log, self.samples, self.exact = place.shared
+    def share(self, rows: EventRows, functions: np.ndarray, width: int) -> None:
+        """Make the arrays of all phases of a run that starts with these event functions,
+        (events, 1), and has at most `width` variables.
+        """
+        room, number = PASSAGES + len(rows.events) * MOST_COEFFICIENTS, self.number
+        self.all_events = rows
+        self.tallies, self.log = new_tallies(rows, functions), new_log(room, width, number)
+        self.samples = new_samples(STEPS_PER_SLICE + 2, width, number)
+        is_double = number in (float, np.float64)
+        # of passages, in the working precision
+        self.times = self.log.rows["time"] if is_double else np.zeros(room, number)
         names = "status", "steps", "upto", "tiny", "t"
         self.status, self.steps, self.upto, self.tiny, self.time = (
             view(self.tallies.lane[name]) for name in names
         )
         self.logged, self.sampled_so_far = map(view, (self.log.filled, self.samples.filled))
+        self.want(NO_ROWS)
+
+    def want(self, rows: Rows) -> None:
+        """Make these rows from now on."""
+        self.wanted, self.made, self.given = rows, view(rows.filled), 0
+
+    def work_in(self, place: Place) -> None:
+        """Make the next steps in a place."""
+        self.place, self.compiled, self.rows = place, place.compiled, place.rows
+        self.motion, self.loop, self.stepper = place.motion, place.loop, place.stepper
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
         """Take the parameters of an integrator, perhaps with others behind."""
@@ -250,12 +194,11 @@ class Driver:
         steps, when, last, ended = self.run(most)
         logged, sampled = slice(self.logged[0]), slice(self.sampled_so_far[0])
         events = self.log.rows[logged]
-        states, samples, last = self.give(
-            (events["phase"], self.exact.states[logged]),
-            (self.samples.top[sampled], self.exact.samples[sampled]),
-            (self.samples.in_lane, last[None]),
-        )
-        columns = self.exact.times[logged], events["event"], events["sign"], events["at_pole"]
+        self.give()
+        states = self.rows_of(events["phase"], self.log.states[logged]).copy()
+        samples = self.rows_of(self.samples.top[sampled], self.samples.states[sampled]).copy()
+        last = self.rows_of(self.motion.in_lane, last[None]).copy()
+        columns = self.times[logged], events["event"], events["sign"], events["at_pole"]
         passages = Passages._make([*(column.copy() for column in columns), states])
         return Slice(steps, when, last, samples, passages, ended)
 
@@ -278,41 +221,35 @@ class Driver:
 
     def drive(self, most: int) -> int:
         """Make at most `most` steps and their rows, and return the number of steps."""
-        wanted, steps = self.wanted, 0
+        steps = 0
         while True:
-            if wanted.is_made:
+            if self.made[0] == len(self.wanted.times):
                 self.ask()
-            first = wanted.made[0]
-            steps += self.make(wanted.rows, most - steps if self.status[0] == RUNNING else 0)
-            if wanted.made[0] == first or not wanted.is_made:
+            steps += self.make(self.wanted, most - steps if self.status[0] == RUNNING else 0)
+            if self.made[0] < max(1, len(self.wanted.times)):
                 return steps
 
     def ask(self) -> None:
-        """Give the rows that exist, and go on with those that are wanted next."""
+        """Give the rows that exist, and go on with those that are wanted next, or with room for
+        some at the ends of steps.
+        """
         self.give()
-        self.wanted.ask(self.request)
+        times = self.request.wanted()
+        n, filled = len(times), np.zeros(1, np.int64)
+        states, phases = np.zeros((n, self.width), self.number), np.empty(n, np.int64)
+        self.want(Rows(times, states, phases, filled, self.request.steps))
 
-    def give(self, *others: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
-        """Give the rows that were made since the last time, and return those of other states: see
-        `rows_of`.
-        """
-        wanted = self.wanted
-        made = slice(wanted.given, wanted.made[0])
-        rows, *rest = self.rows_of((wanted.rows.phases[made], wanted.states[:, made].T), *others)
-        wanted.given = made.stop
+    def give(self) -> None:
+        """Give the rows that were made since the last time."""
+        wanted, made = self.wanted, slice(self.given, self.made[0])
+        rows = self.rows_of(wanted.phases[made], wanted.states[made])
+        self.given = made.stop
         if len(rows):
-            self.request.take(wanted.rows.times[made], rows)
-        return rest
+            self.request.take(wanted.times[made], rows)
 
-    def rows_of(self, *parts: tuple[np.ndarray, np.ndarray]) -> list[np.ndarray]:
-        """Return the rows of states.
-
-        Parameters
-        ----------
-        parts
-            The numbers of their phases (k,), and states (k, all variables).
-        """
-        return [states[:, : self.variables].copy() for _, states in parts]
+    def rows_of(self, phases: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return the rows of states (k, all variables), of which the numbers of phases are (k,)."""
+        return states[:, : self.variables]
 
     def make(self, rows: Rows, most: int) -> int:
         """Make at most `most` steps, write these rows, and return the number of steps."""
@@ -321,10 +258,10 @@ class Driver:
 
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
         """Add rows that no step makes: times, and states of the present phase (k, variables)."""
-        rows, made = self.wanted.rows, self.wanted.made
+        rows, made = self.wanted, self.made
         part = slice(made[0], made[0] + len(times))
-        rows.times[part], rows.phases[part], made[0] = times, self.samples.in_lane, part.stop
-        self.wanted.states[: states.shape[1], part] = states[:, : self.wanted.variables].T
+        rows.times[part], rows.phases[part], made[0] = times, self.motion.in_lane, part.stop
+        rows.states[part, : states.shape[1]] = states
 
     def reached(self) -> tuple[Any, np.ndarray]:
         """Return the internal time reached, and the state: of the last passage, if it ended the run
@@ -332,7 +269,7 @@ class Driver:
         """
         if self.upto[0] < 1.0:
             last = self.logged[0] - 1
-            return self.exact.times[last], self.exact.states[last]
+            return self.times[last], self.log.states[last]
         return self.now, self.state
 
     # --- where the run is ------------------------------------------------------------------------
@@ -363,7 +300,8 @@ class Driver:
         self.motion.high[0], self.motion.low[0] = clock
 
     def end_at(self, end: Any) -> None:
-        """Put the end of the next steps at an internal time."""
+        """Put the end of the next steps at an internal time, `goal` in the working precision."""
+        self.goal = end
         self.motion.end[0] = float(end)
 
     def last_rows(self) -> dict[str, dict[str, np.ndarray]]:
@@ -372,7 +310,7 @@ class Driver:
 
     def present(self) -> np.ndarray:
         """Return the present state, (1, variables), internal."""
-        return self.rows_of((self.samples.in_lane, self.state[None]))[0]
+        return self.rows_of(self.motion.in_lane, self.state[None].copy())
 
     def codes(self) -> tuple[Compiled, ...]:
         """Return the integrators of all phases."""
@@ -380,7 +318,7 @@ class Driver:
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units; empty where none is known."""
-        return extremes_of(self.rows.events, self.tallies)
+        return extremes_of(self.all_events.events, self.tallies)
 
     @property
     def width(self) -> int:

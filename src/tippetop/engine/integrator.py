@@ -5,7 +5,7 @@ a kernel calls.
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import repeat
 from typing import Any
 
@@ -118,7 +118,7 @@ def compiled_from(
         zip(formulas.events, formulas.functions(q, carried, body), strict=True)
     ):
         function = hy.expression(0.0) + formula
-        source = _source(function, equations, partial(_at_zero, e, formulas, variables))
+        source = _source(e, function, equations, formulas, variables)
         if not source and event.extremes in of_integrals:
             source = variables.moving + of_integrals.index(event.extremes), 1, INTEGRAL_SCALE, 0.0
         sources.append(source or (len(equations), 1, INTEGRAL_SCALE, 0.0))
@@ -127,37 +127,41 @@ def compiled_from(
                 (hy.make_vars(f"integral_{event.name}"), hy.expression(INTEGRAL_SCALE) * function)
             )
     axis = [variables.names.index(v) for v in ("ux", "uy", "uz") if v in variables.names]
-    level = (
-        opt_level() if sum(len(hy.expression(0.0) + rate) for _, rate in equations) < HUGE else 0
-    )
-    kind: Any = float if number is np.float64 else number
-    options: dict[str, Any] = {"high_accuracy": True, "compact_mode": compact, "opt_level": level}
-    options |= {"tol": kind(tolerance), "fp_type": kind}
+    terms = sum(len(hy.expression(0.0) + rate) for _, rate in equations)
+    level = opt_level() if terms < HUGE else 0
     maker = hy.taylor_adaptive_batch if lanes else hy.taylor_adaptive
-    zero = np.zeros((len(equations), lanes) if lanes else len(equations), number)
-    integrator = compiled_once(maker, equations, zero, **options)
-    machine = None if compact else load(integrator.llvm_state.object_code, level)
+    integrator = compiled_once(
+        maker,
+        equations,
+        np.zeros((len(equations), lanes) if lanes else len(equations), number),
+        high_accuracy=True,
+        tol=number(tolerance),
+        compact_mode=compact,
+        fp_type=number,
+        opt_level=level,
+    )
+    machine = None if compact else load(integrator.llvm_state.object_code)
     rows = event_rows(formulas.events, sources, axis)
     return Compiled(integrator, rows, machine)
 
 
 def _source(
-    function: Any, equations: list[tuple], at_zero: Callable[[int], float]
+    e: int, function: Any, equations: list[tuple], formulas: Formulas, variables: Variables
 ) -> tuple[int, int, float, float] | None:
-    """Index of the variable that an expression is, give or take a number (shift 0), or is the rate
-    of (shift 1); its scale, and that number: what the expression is `at_zero` of a variable.
+    """Index of the variable that event function `e` is, give or take a number (shift 0), or is the
+    rate of (shift 1); its scale, and that number.
     """
     for index, (variable, rate) in enumerate(equations):
         alone = hy.get_variables(function) == [str(variable)] and not hy.get_params(function)
         if alone and hy.diff(function, variable) == hy.expression(1.0):
-            return index, 0, 1.0, at_zero(index)
+            return index, 0, 1.0, _at_zero(e, index, formulas, variables)
         for scale in (1.0, INTEGRAL_SCALE):
             if hy.expression(scale) * function == rate:
                 return index, 1, scale, 0.0
     return None
 
 
-def _at_zero(e: int, formulas: Formulas, variables: Variables, index: int) -> float:
+def _at_zero(e: int, index: int, formulas: Formulas, variables: Variables) -> float:
     """An event function that depends on one variable, where this is zero: heyoka would take 70 ms
     to compile it.
     """

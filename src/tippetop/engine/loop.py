@@ -9,7 +9,6 @@ import ctypes
 import hashlib
 from collections.abc import Callable
 from functools import cache, partial
-from math import comb
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -34,6 +33,7 @@ class Motion(NamedTuple):
     before: np.ndarray  # (variables, lanes) where the present step began
     pars: np.ndarray  # (parameters, lanes)
     tc: np.ndarray  # (variables, order + 1, lanes) Taylor coefficients of the present step
+    in_lane: np.ndarray  # (lanes,) which top is in a lane; of a run, the number of its phase
     high: np.ndarray  # (lanes,) time
     low: np.ndarray
     start_high: np.ndarray  # (lanes,) time where the present step began
@@ -47,18 +47,18 @@ class Rows(NamedTuple):
     """States of the first lane that are wanted, at given times or at the ends of its steps."""
 
     times: np.ndarray  # (length,) internal, ascending; those of steps are written here
-    states: np.ndarray  # (variables, length)
+    states: np.ndarray  # (length, all variables) in the working precision
     phases: np.ndarray  # (length,) number of the phase of a run
     filled: np.ndarray  # (1,) number of rows that are written
     steps: bool  # at the ends of steps
     length: int = 0
-    variables: int = 0
 
 
 NO_ROWS = Rows(np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64), np.zeros(1, np.int64), False)
 
 
 class _Sizes(NamedTuple):
+    width: int
     variables: int
     parameters: int
     size: int
@@ -67,13 +67,11 @@ class _Sizes(NamedTuple):
     axis: int
     log: int
     samples: int
-    width: int
 
 
 class _Loop(NamedTuple):
     step: int
     dense: int
-    fused: bool
     sizes: _Sizes
     motion: Motion
     rows: EventRows
@@ -84,14 +82,8 @@ class _Loop(NamedTuple):
         np.ndarray
     )  # (2, order + 1, lanes) which turn coefficients in time into those in time over h
     out: np.ndarray  # (variables, lanes) a state
-    halves: np.ndarray
     rules: Rules
     output: Rows
-
-
-_POWERS = range(MOST_COEFFICIENTS)
-HALVES = np.array([[comb(j, k) * 0.5**j for k in _POWERS] for j in _POWERS])
-"""In row j the coefficients of (1/2 + x/2)^j."""
 
 
 @cache
@@ -154,7 +146,8 @@ def new_motion(variables: int, parameters: int, size: int, lanes: int) -> Motion
     """Return empty lanes of an integrator whose Taylor polynomials have `size` coefficients."""
     state, before = np.zeros((2, variables, lanes))
     pars, tc = np.zeros((parameters, lanes)), np.zeros((variables, size, lanes))
-    return Motion(state, before, pars, tc, *(np.zeros(lanes) for _ in range(7)))
+    in_lane, times = np.zeros(lanes, np.int64), (np.zeros(lanes) for _ in range(7))
+    return Motion(state, before, pars, tc, in_lane, *times)
 
 
 class Loop:
@@ -186,12 +179,15 @@ class Loop:
         self.out = np.zeros((variables, lanes))  # a state in every lane
         self.failures: list[BaseException] = []  # of steps that C has called
         code: Any = stepper[1:] if isinstance(stepper, Loaded) else ()
+        width = log.states.shape[1]  # numbers from one state to the next
         if isinstance(stepper, Called):
-            self.callbacks = _callbacks(stepper, motion, self.out, self.failures)
-            code = *(ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks), False
-        lengths = rows.events, rows.axis, log.rows, samples.top, log.states[:1].T
-        sizes = _Sizes(variables, len(motion.pars), size, lanes, *map(len, lengths))
-        arrays = np.empty((2, size, lanes)), self.out, HALVES
+            self.callbacks = _callbacks(stepper, motion, self.failures)
+            code = (ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks)
+            width = 0  # the stepper keeps states: the loop writes all of them to one place
+            log, samples = log._replace(states=self.out), samples._replace(states=self.out)
+        lengths = map(len, (rows.events, rows.axis, log.rows, samples.top))
+        sizes = _Sizes(width, variables, len(motion.pars), size, lanes, *lengths)
+        arrays = np.empty((2, size, lanes)), self.out
         parts = sizes, motion, rows, tallies, log, samples, *arrays, rules, NO_ROWS
         self.record = _Loop._make([*code, *parts])  # keeps the arrays
         self.structure: Any = filled(self.record)
@@ -200,8 +196,8 @@ class Loop:
     def fill(self, rows: Rows) -> None:
         """Write these rows from now on."""
         if rows is not self.output:
-            length, variables = len(rows.times), min(len(rows.states), len(self.out))
-            self.structure.output = filled(rows._replace(length=length, variables=variables))
+            states = rows.states if self.record.sizes.width else self.out
+            self.structure.output = filled(rows._replace(states=states, length=len(rows.times)))
             self.output = rows
 
     def drive(self, most: int) -> int:
@@ -225,11 +221,8 @@ class Loop:
         library().loop_keep(self.place, *event[["first", "last"]].item(), 0, when, sign)
 
 
-def _callbacks(
-    stepper: Called, motion: Motion, out: np.ndarray, failures: list[BaseException]
-) -> list[Any]:
-    """Return step and dense output of a stepper as functions of C, for the arrays that the loop
-    gives it.
+def _callbacks(stepper: Called, motion: Motion, failures: list[BaseException]) -> list[Any]:
+    """Return step and dense output of a stepper as functions of C.
 
     An error, which cannot pass through C, ends the runs: their next step is NaN.
     """
@@ -246,8 +239,7 @@ def _callbacks(
 
         return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * count)(function)
 
-    step, state_at = partial(stepper.step, motion), partial(stepper.state_at, motion.limit, out)
-    return [called(step, 5), called(state_at, 3)]
+    return [called(partial(stepper.step, motion), 5), called(stepper.keep, 3)]
 
 
 def count_turnings(

@@ -1,11 +1,11 @@
 """Tables of the phases of a run and of occurrences between them: groups of its store."""
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from ..mechanics.form import Phase
 from ..mechanics.units import SECOND
 from ..problem import Problem
 
@@ -25,17 +25,15 @@ class PhaseTables:
     def __init__(self, problem: Problem):
         self.tables, self.scales = problem.system.tables, problem.scales
         self.under_way: list[float] = []
-        self.rows: dict[str, list[Sequence[Any]]] = {name: [] for name in self.tables}
+        self.rows = defaultdict[str, list[Sequence]](list)
 
-    def row_of(self, name: str, phase: Phase, cause: str) -> list[int]:
-        """Return the row of a phase of this name without its times."""
-        row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
-        return [number_of(row[key], kind) for key, kind in self.tables["phases"].items()]
-
-    def begin(self, time: float, row: Sequence[int]) -> None:
+    def begin(self, time: float, track: Any, cause: str) -> None:
         """Begin a phase at an internal time."""
         self.end(time)
-        self.under_way = [time, *row]
+        name, phase = track.name, track.phase
+        row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
+        kinds = self.tables["phases"].items()
+        self.under_way = [time, *(number_of(row[key], kind) for key, kind in kinds)]
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""
@@ -51,7 +49,7 @@ class PhaseTables:
 
     def take(self) -> dict[str, Table]:
         """Return the rows that came since the last call, by table."""
-        rows, self.rows = self.rows, {name: [] for name in self.tables}
+        rows, self.rows = self.rows, defaultdict(list)
         return {
             name: as_table(name, kinds, rows[name], self.scales)
             for name, kinds in self.tables.items()
@@ -67,12 +65,10 @@ def as_table(
     name: str, kinds: Mapping[str, Any], rows: Sequence[Sequence[Any]], scales: Any = None
 ) -> Table:
     """Return rows, in internal units, as columns in SI; words as their places."""
-    table, times = {}, ("start", "end") if name == "phases" else ("time",)
+    table, times = Table(), ("start", "end") if name == "phases" else ("time",)
     for k, (column, kind) in enumerate({**dict.fromkeys(times, SECOND), **kinds}.items()):
-        values = [row[k] for row in rows]
-        if isinstance(kind, tuple):
-            table[column] = np.array([number_of(value, kind) for value in values], np.int8)
-        else:
-            unit = float(scales.of(kind)) if rows else 1.0
-            table[column] = np.array([float(value * unit) for value in values])
+        is_word = isinstance(kind, tuple)
+        unit = float(scales.of(kind)) if rows and not is_word else 1
+        values = [number_of(row[k], kind) for row in rows]
+        table[column] = unit * np.array(values, np.int8 if is_word else float)
     return table

@@ -1,63 +1,29 @@
 """Events of a phase that Python evaluates, whose functions have no Taylor series."""
 
-import copy
-from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from ..mechanics.event import Event
-from ..mechanics.form import Form
+from ..mechanics.event import Event, zero_of
 from ..mechanics.operand import leaves
-from .driver import Driver
 
 
-class Sampler:
-    """Looks for sampled events in the next step of a phase, before it is made.
-
-    Parameters
-    ----------
-    form, b
-        Of the phase, and its parameters.
-    integrator
-        Of the phase.
-    events
-        Those that are sampled, by number.
+def sampled_in_next_step(run: Any) -> list[tuple[Any, int]]:
+    """Return the internal times of sampled events that would end the phase of a run in its next
+    step, and their numbers. The step is made by another integrator of the phase, `track.ahead`.
     """
+    track, (high, low) = run.track, run.clock
+    ta = track.ahead
+    ta.pars[:] = leaves(track.b)[: len(ta.pars)]
+    ta.state[:], ta.time = run.state, run.number(0)
+    _, h = ta.step(write_tc=True)
 
-    def __init__(self, form: Form, b: Any, integrator: Any, events: Mapping[int, Event]):
-        self.form, self.b, self.events = form, b, events
-        self.integrator = ta = copy.deepcopy(integrator)
-        ta.pars[:] = leaves(b)[: len(ta.pars)]
+    def value(event: Event, t: Any) -> float:
+        q, _ = track.variables.split(ta.update_d_output(t).tolist())
+        return float(event.formula(track.phase.form.scalars(q, track.b), track.b))
 
-    def next(self, run: Driver) -> list[tuple[Any, int]]:
-        """Return the internal times of events that would end the phase in the next step, and their
-        numbers.
-        """
-        ta, (high, low) = self.integrator, run.clock
-        ta.state[:], ta.time = run.state, run.number(0)
-        _, h = ta.step(write_tc=True)
-        zeros = (
-            (zero_of(partial(self._value, event), 0 * h, h / 2, h), number)
-            for number, event in self.events.items()
-        )
-        return [(run.number(high) + (low + t), number) for t, number in zeros if t is not None]
-
-    def _value(self, event: Event, t: Any) -> float:
-        """Return the value of an event function at a time in the step."""
-        q = self.form.units._make(
-            self.integrator.update_d_output(t)[: len(self.form.units)].tolist()
-        )
-        return float(event.formula(self.form.scalars(q, self.b), self.b))
-
-
-def zero_of(function: Callable, low: Any, *times: Any) -> Any:
-    """Return where a function that is positive at first has become negative, before the first of
-    these times at which it is; None if it stays positive.
-    """
-    for high in times:
-        if not function(high) > 0:
-            while low < (middle := (low + high) / 2) < high:
-                low, high = (middle, high) if function(middle) > 0 else (low, middle)
-            return high
-        low = high
-    return None
+    found = []
+    for number, event in track.sampled.items():
+        t = zero_of(partial(value, event), 0 * h, h / 2, h)
+        if t is not None:
+            found.append((run.number(high) + (low + t), number))
+    return found

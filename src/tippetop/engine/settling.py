@@ -5,42 +5,39 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.contact.body import BALLS, Touch
-from ..mechanics.contact.exits import PHASES
+from ..mechanics.contact.contact_phases import PHASES
 from ..mechanics.friction import has_parts, takes_nothing
 from ..mechanics.system import System
 from ..mechanics.theory.modes import LINEAR, SLIDES, is_unstable, shows_sliding, will_leave
-from ..problem import Problems
+from ..mechanics.units import SECOND
+from ..problem import Problem, Problems
 
 
 # internal units: how long sliding must have been dead before `stop_when = "settled"` stops a run
 SETTLED_FOR = 200.0
 
 
-def stays(body: Any, values: dict[str, np.ndarray], second: float) -> bool:
+def stays(problem: Problem, values: dict[str, np.ndarray]) -> bool:
     """Return whether a motion without sliding lasts; a top near an unstable pole will leave it.
 
     Parameters
     ----------
-    body
-        The body, SI.
+    problem
+        The run.
     values
         theta [rad] and omega3 [internal units] of one state by name, (1,) each.
-    second
-        Internal unit of time [s].
 
     Returns
     -------
     bool
-        True also for a body whose stability is unknown.
-
-    Notes
-    -----
-    The body in SI units; values are those of one state, (1,) each, in internal units, of which a
-    time is `second` [s]. A motion in a plane has no spin, hence no pole that it could leave.
+        True also for a body whose stability is unknown. A motion in a plane has no spin, hence no
+        pole that it could leave.
     """
+    body = problem.body()
     if not isinstance(body, Touch) or "omega3" not in values:
         return True
-    theta, omega3 = float(values["theta"][0]), float(values["omega3"][0]) / second
+    theta = float(values["theta"][0])
+    omega3 = float(values["omega3"][0]) / float(problem.scales.of(SECOND))
     return bool(shows_sliding(body, np.cos(theta))) and not will_leave(theta, omega3, body)
 
 
@@ -114,59 +111,34 @@ def classes_of(
         The bodies in SI, with numbers (n,); a record other than that of a sphere or a heavy top has
         no modes.
     """
-    theta, number = values["theta"].astype(float), CLASSES.index
-    kinds = np.full(len(theta), number("under-way"))
-    known, gliding = isinstance(body, Touch), system.frictional
+    theta = values["theta"].astype(float)
     rates = {name: np.nan_to_num(values[name].astype(float)) for name in RATES if name in values}
     still = np.abs([*rates.values()]).max(axis=0, initial=0.0) < STILL
-    if known and has_parts(body.friction):
-        kinds = with_phases(kinds, theta, values)
-        return np.where(still & (kinds != number("bouncing")), number("at-rest"), kinds)
-    if known and gliding:
-        settled = settled & shows_sliding(body, np.cos(theta))
+    away = np.minimum(theta, np.pi - theta) >= LINEAR
+    known, gliding = isinstance(body, Touch), system.frictional
+    parts, free = known and has_parts(body.friction), False
     ends = {"tumbling": settled, "upright": theta < NEAR, "inverted": theta > np.pi - NEAR}
-    for name in system.classes:
-        kinds[ends[name]] = number(name)
     if known:
         omega3 = values["omega3"].astype(float) / second
-        away = np.minimum(theta, np.pi - theta) >= LINEAR
-        tumbles = settled & away & ("tumbling" in system.classes)
-        for name in system.classes:
-            if name != "tumbling":
-                unstable = is_unstable(omega3, body, inverted=name == "inverted", gliding=gliding)
-                leaves = ends[name] & unstable
-                kinds[leaves] = number("under-way")
-                kinds[leaves & tumbles] = number("tumbling")
-        if gliding:
-            free = np.broadcast_to(takes_nothing(body.friction), theta.shape)
-            at_pole = (np.sin(theta) < STILL) & (np.abs(rates["theta_dot"]) < STILL)
-            kinds[free & at_pole & still] = number("at-rest")
-            loses = values.get("work", 0.0) > LOST
-            kinds[free & ~at_pole] = number("nutating")
-            kinds[free & ~at_pole & loses] = number("under-way")
-    return with_phases(kinds, theta, values)
-
-
-def with_phases(kinds: np.ndarray, theta: Any, values: dict[str, np.ndarray]) -> np.ndarray:
-    """Return the fates of tops whose contact may change its phase, as numbers of CLASSES, (n,).
-
-    Parameters
-    ----------
-    kinds
-        Their fates if the phase is left out of account.
-    theta
-        At the end, (n,) [rad]: a body that rolls is in steady spin only at a pole, and
-        never in the air.
-    values
-        The quantities `phase` and `ball` at the end by name, (n,) each, where the system has them.
-    """
-    if "phase" not in values:
-        return kinds
-    phase, on_stem = values["phase"], values["ball"] == BALLS.index("stem")
-    flies = phase == PHASES.index("flight")
-    away = np.minimum(theta, np.pi - theta) >= LINEAR
-    at_rest = (phase == PHASES.index("roll")) | (phase == PHASES.index("rest"))
-    rolls = at_rest & (away | (kinds == CLASSES.index("under-way")))
-    kinds = np.where(rolls, CLASSES.index("rolling"), kinds)
-    kinds = np.where(on_stem, CLASSES.index("on-stem"), kinds)
-    return np.where(flies, CLASSES.index("bouncing"), kinds)
+        for name in {"upright", "inverted"}.intersection(system.classes):
+            ends[name] &= ~is_unstable(omega3, body, inverted=name == "inverted", gliding=gliding)
+        ends["tumbling"] = settled & away
+        if gliding and not parts:
+            ends["tumbling"] &= shows_sliding(body, np.cos(theta))
+            free = takes_nothing(body.friction)
+    swings = (np.sin(theta) >= STILL) | (np.abs(rates.get("theta_dot", 0.0)) >= STILL)
+    phase, ball = values.get("phase", -1), values.get("ball", -1)
+    rolls = (phase == PHASES.index("roll")) | (phase == PHASES.index("rest"))
+    rules = [
+        ("bouncing", phase == PHASES.index("flight")),
+        ("at-rest", still & parts),
+        ("on-stem", ball == BALLS.index("stem")),
+        ("rolling", rolls & away),
+        ("nutating", free & swings & (values.get("work", 0.0) <= LOST)),
+        ("at-rest", free & still & ~swings),
+        *((name, ends[name] & ~(free & swings | parts)) for name in reversed(system.classes)),
+        ("rolling", rolls),
+    ]
+    names, conditions = zip(*rules, strict=True)
+    numbers = [CLASSES.index(name) for name in names]
+    return np.select(conditions, numbers, CLASSES.index("under-way"))

@@ -43,7 +43,7 @@ class Status(Enum):
     @property
     def code(self) -> int:
         """The number of the status: its place in the list above."""
-        return _CODES[self]
+        return list(Status).index(self)
 
     @property
     def ordinary(self) -> bool:
@@ -71,6 +71,3 @@ class Status(Enum):
             ENDED for any other word.
         """
         return cls(ends) if ends in {status.value for status in cls} else cls.ENDED
-
-
-_CODES = {status: code for code, status in enumerate(Status)}

@@ -15,10 +15,8 @@ from typing import Any, NamedTuple
 
 import heyoka as hy
 import llvmlite.binding as llvm
-import numpy as np
 
 from ..errors import BuildError
-from .opt_level import DEFAULT
 
 
 class Loaded(NamedTuple):
@@ -27,11 +25,10 @@ class Loaded(NamedTuple):
     library: Any  # owns the memory
     step: int  # addresses
     dense: int
-    fused: bool  # whether `dense` rounds a product and the difference that takes it once
 
 
-def load(code: bytes, level: int) -> Loaded:
-    """Load the object file of an integrator that LLVM has optimised at this level.
+def load(code: bytes) -> Loaded:
+    """Load the object file of an integrator.
 
     Raises BuildError if a function that it calls or has is missing.
     """
@@ -41,16 +38,15 @@ def load(code: bytes, level: int) -> Loaded:
         library = builder.link(_linker(), f"step-{next(_numbers)}")
     except RuntimeError as error:
         raise BuildError(f"the code of a step cannot be loaded: {error}") from None
-    fused = level == DEFAULT and llvm.get_host_cpu_features().get("fma", False)
-    return Loaded(library, library["step"], library["d_out_f"], fused)
+    return Loaded(library, library["step"], library["d_out_f"])
 
 
 class Called:
     """Steps in Python, which the loop calls back.
 
-    It keeps state, time and coefficients, and writes them rounded to the arrays of the loop. It may
-    also correct the time at which the step starts (`start_high` and `start_low`, `high` and `low`);
-    a run is finished where `h` is equal to `limit`.
+    It writes state, time and coefficients rounded to the arrays of the loop, and keeps states at
+    passages and rows itself. It may also correct the time at which the step starts (`start_high`
+    and `start_low`, `high` and `low`); a run is finished where `h` is equal to `limit`.
     """
 
     def step(self, motion: Any) -> None:
@@ -60,10 +56,8 @@ class Called:
         """
         raise NotImplementedError
 
-    def state_at(self, inside: np.ndarray, out: np.ndarray) -> None:
-        """Write the states at times `inside` (lanes,) since the start of the present step to `out`
-        (variables, lanes).
-        """
+    def keep(self) -> None:
+        """Keep the state at the next passage of the present step, or else at the next row."""
         raise NotImplementedError
 
 

@@ -58,19 +58,17 @@ _LANE: dict[str, Any] = {
     "turnings": 0,  # that are more than rounding
     "theta_min": math.nan,  # their band
     "theta_max": math.nan,
-    # when the lasting event last happened, while it lasts; 0: it lasts from the start
+    # when the lasting event last happened, while it may last; 0: it lasts from the start
     "lasts_since": math.nan,
-    "doubted": math.nan,  # a value of `lasts_since` that is known not to last
 }
 """Initial values of a lane; times are internal, NaN if the event did not happen."""
 
 
-_FUNCTION = [(name, float) for name in ("sign", "on_zero", "low", "high", "steady")]
+_FUNCTION = [(name, float) for name in ("sign", "on_zero", "low", "high")]
 FUNCTION_RECORD = np.dtype([*_FUNCTION, ("extremes", float, 2), ("times", float, 2)])
 """The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
-its first k Taylor coefficients vanish where the next step begins; of the present step its bounds,
-and 1 if it is monotone there; its least and greatest values, as it stands in the coefficients, and
-when it had them.
+its first k Taylor coefficients vanish there; of the present step its bounds; its least and greatest
+values, as it stands in the coefficients, and when it had them.
 """
 
 
@@ -136,8 +134,7 @@ def new_tallies(rows: EventRows, functions: np.ndarray) -> Tallies:
     lane, known = np.empty(lanes, LANE_RECORD), np.zeros(functions.shape, FUNCTION_RECORD)
     lane[:] = tuple(_LANE.values())
     known["sign"], known["on_zero"] = signs_of(functions)
-    least = np.where(rows.events["extremes"], np.inf, -np.inf)[:, None]
-    known["extremes"], known["times"] = np.stack([least, -least], axis=-1), np.nan
+    known["extremes"], known["times"] = (np.inf, -np.inf), np.nan
     kept = np.where(rows.numbers["what"] == COUNT, 0.0, np.nan)
     tallies = Tallies(lane, known, np.repeat(kept[:, None], lanes, axis=1))
     begin_lasting(tallies, rows)
@@ -162,7 +159,7 @@ class PassageLog(NamedTuple):
 
     filled: np.ndarray  # (1,) how many there are
     rows: np.ndarray  # (n,) records
-    states: np.ndarray  # (n, variables)
+    states: np.ndarray  # (n, variables) in the working precision
 
 
 # internal; number of the event; of the crossing, +1 rising; whether the axis passes a pole there
@@ -170,9 +167,9 @@ _PASSAGE = [("time", float), ("event", int), ("sign", int), ("phase", int), ("at
 PASSAGE_RECORD = np.dtype(_PASSAGE, align=True)
 
 
-def new_log(length: int, variables: int) -> PassageLog:
-    """Return an empty log with room for `length` passages."""
-    rows, states = np.zeros(length, PASSAGE_RECORD), np.empty((length, variables))
+def new_log(length: int, variables: int, number: Any = float) -> PassageLog:
+    """Return an empty log with room for `length` passages, with states of type `number`."""
+    rows, states = np.zeros(length, PASSAGE_RECORD), np.zeros((length, variables), number)
     return PassageLog(np.zeros(1, np.int64), rows, states)
 
 
@@ -180,12 +177,11 @@ class Samples(NamedTuple):
     """States on the way, at which the invariants are compared."""
 
     filled: np.ndarray  # (1,)
-    in_lane: np.ndarray  # (lanes,) which top is in a lane; of a run, the number of its phase
     top: np.ndarray  # (n,) whose state it is
-    states: np.ndarray  # (n, variables)
+    states: np.ndarray  # (n, variables) in the working precision
 
 
-def new_samples(length: int, variables: int, lanes: int = 1) -> Samples:
-    """Return empty samples with room for `length` states."""
-    filled, in_lane, top = (np.zeros(n, np.int64) for n in (1, lanes, length))
-    return Samples(filled, in_lane, top, np.empty((length, variables)))
+def new_samples(length: int, variables: int, number: Any = float) -> Samples:
+    """Return empty samples with room for `length` states of type `number`."""
+    filled, top = (np.zeros(n, np.int64) for n in (1, length))
+    return Samples(filled, top, np.zeros((length, variables), number))

@@ -15,8 +15,7 @@ import numpy as np
 
 from .driver import Driver, Place
 from .integrator import Compiled
-from .loop import Motion, Rows
-from .status import Status
+from .loop import Motion
 from .stepper import Called, Stepper
 
 
@@ -33,88 +32,73 @@ class WideSteps(Called):
 
     Whatever the loop keeps, this keeps too, in the working precision.
 
-    Attributes
+    Parameters
     ----------
+    integrator
+        heyoka's, which is copied.
     run
         The driver whose steps these are.
-    end
-        Internal time of the end of the next steps.
+
+    Attributes
+    ----------
     refined
         How many passages of the log are refined.
     """
 
-    run: Driver
-    end: Any = None
     refined = 0
 
-    def __init__(self, integrator: Any):
-        self.integrator = copy.deepcopy(integrator)
+    def __init__(self, integrator: Any, run: Driver):
+        self.integrator, self.run = copy.deepcopy(integrator), run
 
     def step(self, motion: Motion) -> None:
         """Make a step, at most to the end of the run."""
         ta, run = self.integrator, self.run
         self.before, self.refined = (ta.state.copy(), ta.dtime), run.logged[0]
-        self.on_zero = run.tallies.functions["on_zero"][:, 0].copy()
         high, low = ta.dtime
         motion.high[0] = motion.start_high[0] = start = float(high)
         motion.low[0] = motion.start_low[0] = 0.0
-        outcome, _ = ta.step((self.end - high) - low, write_tc=True)
-        broken = outcome == hy.taylor_outcome.err_nf_state
-        motion.h[0] = np.nan if broken else max(float(ta.time) - start, LEAST)
-        is_last = (
-            outcome == hy.taylor_outcome.time_limit
-        )  # which the loop sees from a step of the allowed length
-        motion.limit[0] = motion.h[0] if is_last else np.inf
+        outcome, _ = ta.step((run.goal - high) - low, write_tc=True)
+        motion.h[0] = max(float(ta.time) - start, LEAST)
+        # the loop sees the last step from its length, the allowed one
+        motion.limit[0] = motion.h[0] if outcome == hy.taylor_outcome.time_limit else np.inf
         with np.errstate(over="ignore"):
             motion.state[:, 0] = ta.state.astype(float)
             motion.tc[:, :, 0] = np.clip(ta.tc.astype(float), -LARGEST, LARGEST)
+        is_broken = outcome == hy.taylor_outcome.err_nf_state
+        if is_broken or not np.isfinite(motion.state).all():
+            motion.h[0], (ta.state[:], ta.dtime) = np.nan, self.before
         # where the loop puts the end of the step, if it keeps it as a sample or as a row
-        rows, row = run.wanted.states, run.wanted.made[0]
-        run.exact.samples[run.sampled_so_far[0], : len(ta.state)] = ta.state
-        rows[: len(ta.state), row : row + 1] = ta.state[: len(rows), None]
+        n, rows, row = len(ta.state), run.wanted.states, run.made[0]
+        run.samples.states[run.sampled_so_far[0], :n] = ta.state
+        if row < len(rows):
+            rows[row, :n] = ta.state
 
-    def state_at(self, inside: np.ndarray, out: np.ndarray) -> None:
-        """Keep the next zero of the log, which is refined, or else the next row, and write its
-        state.
-        """
+    def keep(self) -> None:
+        """Keep the next zero of the log, which is refined, or else the next row."""
         ta, run, n = self.integrator, self.run, len(self.integrator.state)
         if self.refined < run.logged[0]:
             k, start = self.refined, self.before[1][0]
             when, event, *_ = run.log.rows[k]
-            roots = -min(0, int(self.on_zero[event]))
+            on_zero = int(run.tallies.functions["on_zero"][event, 0])
+            roots = -min(0, on_zero) if run.steps[0] == 1 else 0
             function = _function(ta.tc, run.rows.events[event], roots)
             time = start + _refined(function, run.number(when) - start, ta.time - start)
-            run.exact.times[k], run.exact.states[k, :n] = time, ta.update_d_output(time)
+            run.times[k], run.log.states[k, :n] = time, ta.update_d_output(time)
             self.refined += 1
         else:
-            wanted, row = run.wanted, run.wanted.made[0]
-            state = ta.update_d_output(run.number(wanted.rows.times[row]))
-            wanted.states[:n, row] = state[: len(wanted.states)]
-        out[:, 0] = ta.d_output.astype(float)
+            rows, row = run.wanted, run.made[0]
+            rows.states[row, :n] = ta.update_d_output(run.number(rows.times[row]))
 
 
 class WideDriver(Driver):
     """Makes the steps of one run in numbers wider than doubles."""
 
-    @staticmethod
-    def stepper_of(code: Compiled) -> Stepper:
-        return WideSteps(code.integrator)
-
-    def work_in(self, place: Place) -> None:
-        super().work_in(place)
-        self.stepper.run = weakref.proxy(self)
+    def stepper_of(self, code: Compiled) -> Stepper:
+        return WideSteps(code.integrator, weakref.proxy(self))
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
         pars = place.stepper.integrator.pars
         pars[:] = [self.number(number) for number in body[: len(pars)]]
-
-    def make(self, rows: Rows, most: int) -> int:
-        self.stepper.refined = self.logged[0]
-        steps = super().make(rows, most)
-        if self.status[0] == Status.NON_FINITE.code:
-            ta = self.stepper.integrator
-            ta.state[:], ta.dtime = self.stepper.before
-        return steps
 
     @property
     def now(self) -> Any:
@@ -132,10 +116,6 @@ class WideDriver(Driver):
         ta = self.stepper.integrator
         ta.state[:] = 0
         ta.state[: len(state)], ta.dtime = state, clock
-
-    def end_at(self, end: Any) -> None:
-        super().end_at(end)
-        self.stepper.end = end
 
 
 def _function(tc: np.ndarray, event: np.void, roots: int) -> np.ndarray:

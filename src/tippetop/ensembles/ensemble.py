@@ -5,32 +5,26 @@ import os
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Collection, Mapping
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..engine.derivatives.growth import growth
-from ..engine.invariants import invariants, sizes
-from ..engine.observables import event_functions, values_of
+from ..engine.observables import event_functions
 from ..engine.settling import slides
-from ..engine.status import Status
 from ..engine.tallies import EventRows, Tallies, new_tallies
 from ..errors import InputError
 from ..problem import Problem, Problems, derivative_faults
 from ..progress import Report, reporting
 from .hybrid_tops import problem_of, run_each
-from .lanes import LANES, SWINGS, Lanes
-from .outcomes import Outcomes, _conclude, dataset
+from .lanes import LANES, Lanes
+from .outcomes import LYAPUNOV, QUIET, SWINGS, Outcomes, _conclude, dataset
 
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-QUIET = np.errstate(all="ignore")
-"""The numbers of invalid tops are computed with, and not used."""
 
 
 @QUIET
@@ -39,7 +33,6 @@ def measure(
     *,
     threads: int | None = None,
     progress: Report | None = None,
-    lanes: int = LANES,
     wanted: Collection[str] | None = None,
     lyapunov: bool = False,
 ) -> Outcomes:
@@ -53,123 +46,67 @@ def measure(
         How many; by default one per usable core.
     progress
         Called as progress(done, of), which count valid tops, from any thread.
-    lanes
-        Tops that one integrator advances at a time. It changes no bit.
     wanted
         Names of the columns that are read, None: all. The others may be empty; these have the
         same bits.
     lyapunov
         Whether the finite-time Lyapunov exponents are wanted: one top after the other, several
-        runs' cost each.
+        runs' cost each. That of a top that is invalid, or ends at its start, is NaN.
 
     Returns
     -------
     Outcomes
         A row per top; invalid ones have the status `invalid`.
     """
-    measured = Outcomes(tops)
-    measured.status[~tops.valid] = Status.INVALID.code
-    at_start = values_of(tops, tops.start, np.arange(tops.n))
-    start, size = invariants(tops.base, at_start), sizes(tops.base, at_start)
-    functions = event_functions(tops)
-    measured.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in start}
-
-    def look(states: np.ndarray, some: np.ndarray) -> None:
-        """Compare invariants with the start."""
-        values = values_of(tops, states[: len(tops.start)], some)
-        for name, value in invariants(tops.base, values).items():
-            with np.errstate(all="ignore"):  # in every thread
-                off = np.abs(value - start[name][some]) / size[name][some]
-                np.maximum.at(measured.drift[name], some, off)
-
-    numbers = np.flatnonzero(tops.valid & ~_ended_at_start(measured, functions))
-    clock = time.perf_counter()
-    if len(numbers) and tops.base.system.is_hybrid:
-        run_each(measured, numbers, progress)
-    elif len(numbers):
-        _run(measured, numbers, look, functions, threads, progress, lanes, wanted)
-    _conclude(measured)
-    if lyapunov:
-        measured.lyapunov = _exponents(tops, measured.columns["t_end"])
-    measured.seconds = time.perf_counter() - clock
-    return measured
-
-
-def _ended_at_start(measured: Outcomes, functions: np.ndarray) -> np.ndarray:
-    """Return which tops end before their first step, (n,).
-
-    Those are the tops with an event function that is below zero, where it must not fall.
-    """
-    tops, ended = measured.tops, np.zeros(measured.tops.n, bool)
-    for e, event in enumerate(tops.base.system.events):
-        if tops.base.on_liftoff == "stop" and event.ends and event.extremes:
-            below = tops.valid & ~ended & (functions[:, e] < 0)
-            measured.status[below] = Status.of_event(event.ends).code
-            for name in ("t_end", *(kept.name for kept in event.kept if kept.what != "count")):
-                measured.columns[name][below] = 0.0
-            for end in ("min", "max"):
-                measured.columns[f"{event.extremes}_{end}"][below] = functions[below, e]
-            measured.final[:, below] = tops.start[:, below]
-            ended |= below
-    return ended
-
-
-def _exponents(tops: Problems, ends: np.ndarray) -> np.ndarray:
-    """Return the finite-time Lyapunov exponent of each top up to its end [1/s], (n,).
-
-    That of a top that is invalid, or ends at its start, is NaN.
-    """
-    rates = np.full(tops.n, np.nan)
-    for top in np.flatnonzero(tops.valid & (ends > 0)).tolist():
-        times = np.array([0.0, ends[top]])
-        rates[top] = growth(problem_of(tops, top), times).exponents[-1]
-    return rates
-
-
-def _run(
-    measured: Outcomes,
-    numbers: np.ndarray,
-    look: Callable[[np.ndarray, np.ndarray], None],
-    functions: np.ndarray,
-    threads: int | None,
-    progress: Report | None,
-    lanes: int,
-    wanted: Collection[str] | None,
-) -> None:
-    """Run tops in lanes, on threads that take them from one queue."""
-    lock, counted, queue = threading.Lock(), itertools.count(1), iter(numbers.tolist())
-    n = max(1, min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // lanes)))
+    clock, processor = time.perf_counter(), time.process_time()
+    measured, functions = Outcomes(tops, lyapunov), event_functions(tops)
+    lock, counted, total = threading.Lock(), itertools.count(1), int(tops.valid.sum())
 
     def ended() -> None:
         if progress is not None:
             with lock:
-                progress(next(counted), len(numbers))
+                progress(next(counted), total)
 
-    def work(worker: Lanes) -> float:
-        """Run tops from the queue until none is left. Return the processor time."""
-        clock = time.thread_time()
-        try:
-            worker.run(tallies, measured.final, queue, look, ended)
-        except BaseException:
-            deque(queue, 0)  # the others must stop
-            raise
-        return time.thread_time() - clock
-
-    workers = [Lanes(measured.tops, lanes, wanted) for _ in range(n)]
-    first = workers[0]
-    tallies = new_tallies(first.rows, functions.T)
-    if n == 1:  # Ctrl-C ends the work immediately
-        measured.processor = work(first)
-    else:
+    alone = _ends_at_start(tops, functions) | tops.base.system.is_hybrid
+    run_each(measured, np.flatnonzero(tops.valid & alone), lambda *_: ended())
+    if len(numbers := np.flatnonzero(tops.valid & ~alone)):
+        queue = iter(numbers.tolist())
+        n = min(threads or len(os.sched_getaffinity(0)), -(-len(numbers) // LANES))
+        workers = [Lanes(tops, LANES, wanted) for _ in range(n)]
+        tallies = new_tallies(workers[0].rows, functions.T)
         with ThreadPoolExecutor(n) as pool:
+            running = [
+                pool.submit(worker.run, measured, tallies, queue, ended) for worker in workers
+            ]
             try:
-                measured.processor = sum(pool.map(work, workers))
-            except BaseException:  # Ctrl-C too
-                deque(queue, 0)
-                raise
-    measured.steps_made = int(tallies.lane["steps"].sum())
-    measured.steps_possible = sum(worker.steps_possible for worker in workers)
-    _write(measured, numbers, tallies, first.rows)
+                wait(running, return_when=FIRST_EXCEPTION)
+            finally:
+                deque(queue, 0)  # if one has failed, or on Ctrl-C, the others must stop
+        for done in running:
+            done.result()
+        measured.steps_made += int(tallies.lane["steps"].sum())
+        measured.steps_possible += sum(worker.steps_possible for worker in workers)
+        _write(measured, numbers, tallies, workers[0].rows)
+    _conclude(measured)
+    if lyapunov:
+        ends = measured.columns["t_end"]
+        for top in np.flatnonzero(ends > 0).tolist():
+            times = np.array([0.0, ends[top]])
+            exponents = growth(problem_of(tops, top), times).exponents
+            measured.columns[LYAPUNOV][top] = exponents[-1]
+    measured.seconds = time.perf_counter() - clock
+    measured.processor = time.process_time() - processor
+    return measured
+
+
+def _ends_at_start(tops: Problems, functions: np.ndarray) -> np.ndarray:
+    """Return which tops end before their first step, (n,).
+
+    Those are the tops with an event function that is below zero, where it must not fall.
+    """
+    ends = tops.base.on_liftoff == "stop"
+    stops = [bool(ends and event.ends and event.extremes) for event in tops.base.system.events]
+    return np.any(functions[:, stops] < 0, axis=1)
 
 
 def _write(measured: Outcomes, numbers: np.ndarray, tallies: Tallies, rows: EventRows) -> None:
@@ -177,23 +114,23 @@ def _write(measured: Outcomes, numbers: np.ndarray, tallies: Tallies, rows: Even
     columns, lane, kept = measured.columns, tallies.lane[numbers], iter(tallies.kept[:, numbers])
     functions = tallies.functions[:, numbers]
     measured.status[numbers] = lane["status"]
-    for name in ("t_end", "steps", *SWINGS):
-        columns[name][numbers] = lane["t" if name == "t_end" else name]
-    measured.settled[numbers] = ~slides(measured.tops, measured.final[:, numbers], numbers)
-    for e, event in enumerate(measured.tops.base.system.events):
-        lasts = np.ones(len(numbers), bool)
+    columns["t_end"][numbers] = lane["t"]
+    for name in ("steps", *SWINGS):
+        columns[name][numbers] = lane[name]
+    settled = ~slides(measured.tops, measured.final[:, numbers], numbers)
+    events, scales = measured.tops.base.system.events, rows.events["scale"]
+    for event, function, scale in zip(events, functions, scales, strict=True):
         if event.lasting:
-            lasts = measured.settled[numbers] = measured.settled[numbers] & (
-                event.direction * functions["sign"][e] > 0
-            )
-        for number in event.kept:  # NaN for the time of an event that did not last to the end
+            settled &= event.direction * function["sign"] > 0
+        for number in event.kept:
             values = next(kept)
-            columns[number.name][numbers] = (
-                values if number.what == "count" else np.where(lasts, values, np.nan)
-            )
+            if event.lasting and number.what != "count":  # it did not last to the end
+                values[~settled] = np.nan
+            columns[number.name][numbers] = values
         if event.extremes:
-            for end, values in zip(("min", "max"), functions["extremes"][e].T, strict=True):
-                columns[f"{event.extremes}_{end}"][numbers] = values / rows.events["scale"][e]
+            for end, values in zip(("min", "max"), function["extremes"].T, strict=True):
+                columns[f"{event.extremes}_{end}"][numbers] = values / scale
+    measured.settled[numbers] = settled
 
 
 @QUIET
@@ -260,7 +197,6 @@ def base_faults(base: Problem) -> list[str]:
     return sentences
 
 
-@QUIET
 def of_problem(
     base: Problem,
     variations: Mapping[str, Any],

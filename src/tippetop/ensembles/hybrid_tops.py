@@ -10,11 +10,10 @@ from ..errors import InputError
 from ..problem import Problem, Problems
 from ..progress import Report
 from ..runs.integration import Integration
-from ..runs.reporting import report
 from ..runs.sinks import Sink
 from ..sampling import ListedTimes
 from ..scenario.contact import contact_faults, on_stem, touches
-from .outcomes import Outcomes
+from .outcomes import SWINGS, Outcomes
 
 
 def problem_of(tops: Problems, top: int) -> Problem:
@@ -27,19 +26,19 @@ def problem_of(tops: Problems, top: int) -> Problem:
             for name, v in given.items()
         }
 
-    base, until = tops.base, numbers("run")["until"]
-    contact: dict[str, Any] = {}
-    for table in base.tables.keys() & {"contact", "stem"}:
-        contact |= numbers(table)
-    rules = base.contact._replace(**contact) if base.contact is not None else None
-    parameters, initial = numbers("parameters"), numbers("initial")
+    base = tops.base
+    tables = {table: numbers(table) for table in base.tables}
+    parameters, initial, until = tables["parameters"], tables["initial"], tables["run"]["until"]
+    rules = base.contact
+    if rules is not None:
+        rules = rules._replace(**tables["contact"], **tables.get("stem", {}))
     if touches(base) and "initial.gap" not in tops.columns:
         initial.pop("gap", None)
         initial = on_stem(initial, parameters, rules)
     return replace(
         base,
         parameters=parameters,
-        friction=base.friction._replace(**numbers("friction")),
+        friction=base.friction._replace(**tables["friction"]),
         initial=initial,
         contact=rules,
         until=until,
@@ -81,28 +80,26 @@ def run_each(outcomes: Outcomes, numbers: np.ndarray, progress: Report | None) -
 
 
 def _run(outcomes: Outcomes, top: int, problem: Problem) -> None:
-    """Run a top and write its row."""
+    """Run a top and write its row, in internal units."""
     integration = Integration(problem)
     integration.run(Sink())
     end = integration.progress()
-    facts = report(end)
-    force = facts.get("normal_force", {})
+    events, kept = end.events, (name for name, _ in end.events.known.kept)
     values = {
-        **end.events.kept(),
-        **facts,
-        **facts["nutational_band"],
-        "turnings": facts["event_counts"].get("turning_significant", 0),
-        "normal_force_min": force.get("min"),
-        "normal_force_max": force.get("max"),
+        "t_end": end.t_end / events.second,
+        "steps": end.steps,
+        "normal_force_min": end.force.least,
+        "normal_force_max": end.force.most,
+        **{name: events.tally[name] for name in SWINGS},
+        **dict(zip(kept, events.numbers, strict=True)),
     }
-    for name, (_, unit, _) in outcomes.forms.items():
-        if values.get(name) is not None:
-            outcomes.columns[name][top] = values[name] / outcomes.tops.unit(unit)[top]
+    for name in outcomes.columns.keys() & values.keys():
+        outcomes.columns[name][top] = values[name]
     assert end.status is not None
     outcomes.status[top] = end.status.code
     outcomes.final[:, top] = end.last[0]
     outcomes.settled[top] = end.settled_since is not None
-    outcomes.steps_made += facts["steps"]
-    outcomes.steps_possible += facts["steps"]
-    for name, worst in facts["drift"].items():
-        outcomes.drift[name][top] = np.nan if worst is None else worst
+    outcomes.steps_made += end.steps
+    outcomes.steps_possible += end.steps
+    for name, worst in end.drift.items():
+        outcomes.drift[name][top] = worst

@@ -22,9 +22,9 @@ from ..engine.tallies import (
     new_tallies,
 )
 from ..engine.taylor import compiled_when
-from ..mechanics.event import Event
-from ..mechanics.units import SECOND
 from ..problem import Problem, Problems
+from .hybrid_tops import problem_of
+from .outcomes import SWINGS, Outcomes
 
 
 LANES = 8  # as fast as 32, and they compile in 1 s instead of 6
@@ -33,7 +33,6 @@ SAMPLES = 64
 EVERY = 32  # steps between two samples
 MOST_STEPS = 2_000_000  # of one top: a canonical one makes 143 a second
 MOST_DRIVEN = 8192  # steps between two looks of Python: 70 ms
-SWINGS = ("turnings", "theta_min", "theta_max")  # columns that turnings give
 
 
 class Lanes:
@@ -47,60 +46,56 @@ class Lanes:
         How many run at a time.
     wanted
         As in `ensemble.measure`.
-    every
-        Steps between two samples.
     """
 
     def __init__(
         self,
         tops: Problems,
-        lanes: int = LANES,
+        lanes: int,
         wanted: Collection[str] | None = None,
-        every: int = EVERY,
     ):
         base = tops.base
         formulas = formulas_of(base.system, base.form.name, base.friction.__class__)
         code = compiled_when((formulas, "double", base.tolerance, lanes, tops.orientation))
-        self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, wanted)
+
+        def reads(*names: str) -> bool:
+            return wanted is None or any(name.startswith(names) for name in wanted)
+
+        self.problems, self.lanes, self.rows = tops, lanes, watched(code.rows, base, reads)
         n, order = len(code.integrator.state), code.integrator.order
         self.motion = new_motion(n, len(code.integrator.pars), order + 1, lanes)
         self.tallies = new_tallies(self.rows, np.ones((len(self.rows.events), lanes)))
-        drifts = wanted is None or any(name.startswith("drift") for name in wanted)
-        self.samples = new_samples(SAMPLES * lanes if drifts else 0, n, lanes)
-        self.top = self.samples.in_lane  # which top is in a lane; -1: none, and it takes no steps
+        self.samples = new_samples(SAMPLES * lanes if reads("drift") else 0, n)
+        self.top = self.motion.in_lane  # which top is in a lane; -1: none, and it takes no steps
         self.tallies.lane["status"], self.top[:] = Status.FINISHED.code, -1
         self.steps_possible = 0  # steps that the lanes could have made
         settled_for = SETTLED_FOR if base.stop_when == "settled" else np.inf
-        rules = Rules(settled_for, MOST_STEPS, every, 0)
+        rules = Rules(settled_for, MOST_STEPS, EVERY, 0)
         self.loop = Loop(
             self.motion, self.rows, self.tallies, new_log(0, n), self.samples, rules, code.machine
         )
 
     def run(
         self,
+        outcomes: Outcomes,
         tallies: Tallies,
-        final: np.ndarray,
         queue: Iterator[int],
-        look: Callable[[np.ndarray, np.ndarray], None],
         ended: Callable[[], None],
     ) -> None:
         """Run tops to their ends.
 
         Parameters
         ----------
+        outcomes
+            Gets the last states, and looks at states that were sampled on the way.
         tallies
             Of all tops: those of their starts become those of their ends.
-        final
-            Gets their last states, (variables, n).
         queue
             Numbers of those that run; threads may share it.
-        look
-            look(states, tops) takes states (variables, k) that were sampled on the way, and whose
-            they are, (k,).
         ended
             Called whenever a top has ended.
         """
-        samples, status = self.samples, self.tallies.lane["status"]
+        samples, status, final = self.samples, self.tallies.lane["status"], outcomes.final
         while True:
             for lane in np.flatnonzero(status != Status.RUNNING.code).tolist():
                 top, self.top[lane] = int(self.top[lane]), next(queue, -1)
@@ -113,7 +108,7 @@ class Lanes:
                     self._take(tallies, lane)
             idle, count = bool((self.top < 0).all()), int(samples.filled[0])
             if count and (idle or count + self.lanes > len(samples.top)):
-                look(samples.states[:count].T, samples.top[:count])
+                outcomes.look(samples.states[:count].T, samples.top[:count])
                 samples.filled[0] = 0
             if idle:
                 return
@@ -121,7 +116,7 @@ class Lanes:
             for lane in np.flatnonzero((self.top >= 0) & (status == Status.SETTLED.code)).tolist():
                 if not self._stays(lane):
                     status[lane] = Status.RUNNING.code
-                    self.tallies.lane["doubted"][lane] = self.tallies.lane["lasts_since"][lane]
+                    self.tallies.lane["lasts_since"][lane] = np.nan
 
     def _take(self, tallies: Tallies, lane: int) -> None:
         """Put a top into a lane. Integrals of event functions, which its start does not contain,
@@ -139,18 +134,14 @@ class Lanes:
 
     def _stays(self, lane: int) -> bool:
         """Return whether a top that has settled stays as it is."""
-        every, top = self.problems, self.top[[lane]]
-        body = every.body(lambda given: float(np.broadcast_to(given, (every.n,))[top[0]]))
-        state = self.motion.state[: len(every.start), [lane]]
-        if slides(every, state, top).any():
-            return False
-        return stays(body, values_of(every, state, top), float(every.unit(SECOND)[top[0]]))
+        tops, top = self.problems, self.top[[lane]]
+        state = self.motion.state[: len(tops.start), [lane]]
+        alone = problem_of(tops, int(top[0]))
+        return not slides(tops, state, top).any() and stays(alone, values_of(tops, state, top))
 
 
-def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> EventRows:
-    """Return the events that the wanted columns need.
-
-    All if `wanted` is None. Events that end or settle a top are always included.
+def watched(rows: EventRows, base: Problem, reads: Callable[..., bool]) -> EventRows:
+    """Return the events that end or settle a top, or that columns need.
 
     Parameters
     ----------
@@ -158,23 +149,17 @@ def watched(rows: EventRows, base: Problem, wanted: Collection[str] | None) -> E
         All events of the system.
     base
         The base of the tops.
-    wanted
-        Names of columns, and of groups of columns.
+    reads
+        reads(*names) -> whether a column is wanted whose name begins like one of these.
 
     Returns
     -------
     EventRows
         These events are found with the same bits.
     """
-    events, stops = base.system.events, base.on_liftoff == "stop"  # else no event ends a run
-    if wanted is None:
-        return looked_for(rows, [True] * len(events), stops=stops)
-
-    def watches(event: Event) -> bool:
+    watches, ranges = [], []
+    for event in base.system.events:
         names = [kept.name for kept in event.kept] + (list(SWINGS) if event.sense else [])
-        return bool(event.ends or event.lasting) or any(name in wanted for name in names)
-
-    def ranges(event: Event) -> bool:
-        return any(f"{event.extremes}_{end}" in wanted for end in ("min", "max"))
-
-    return looked_for(rows, map(watches, events), map(ranges, events), stops=stops)
+        watches.append(bool(event.ends or event.lasting) or reads(*names))
+        ranges.append(reads(f"{event.extremes}_min", f"{event.extremes}_max"))
+    return looked_for(rows, watches, ranges, stops=base.on_liftoff == "stop")

@@ -1,16 +1,15 @@
 """The outcome of each top of an ensemble: status, class, times, angles, forces, drift."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..columns import Column, flag_attributes
+from ..columns import Column, column, flag_attributes
+from ..engine.invariants import invariants, sizes
 from ..engine.observables import orientations_of, values_of
 from ..engine.settling import CLASSES, classes_of
 from ..engine.status import Status
 from ..mechanics.contact.gliding import EVENTS
-from ..mechanics.event import Event
 from ..mechanics.system import System
 from ..mechanics.units import NEWTON, ONE, PER_SECOND, RADIAN, SECOND, Unit
 from ..problem import PSI, Problems
@@ -21,82 +20,80 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+QUIET = np.errstate(all="ignore")
+"""The numbers of invalid tops are computed with, and not used."""
+
+STATUSES = tuple(status.value for status in Status if status is not Status.RUNNING)
+"""Words of the column `status`, by number."""
+
+SWINGS = ("turnings", "theta_min", "theta_max")  # columns that turnings give
 LYAPUNOV = "lyapunov"  # a column that is left out unless it is asked for
-Form = tuple[Any, Unit, str]  # of a column: type, unit, meaning
+Form = tuple[Any, Unit, str]  # of a column: number if there is none, unit, meaning
 TURNS = "of the unit quaternion that turns body axes into space axes, at the end"
 ORIENTATION: dict[str, Form] = {
-    **{f"orientation_{part}_end": (np.float64, ONE, f"{part} {TURNS}") for part in "wxyz"},
-    "psi_end": (np.float64, RADIAN, f"{PSI}; at the end"),
+    **{f"orientation_{part}_end": (np.nan, ONE, f"{part} {TURNS}") for part in "wxyz"},
+    "psi_end": (np.nan, RADIAN, f"{PSI}; at the end"),
 }
 """Columns of the orientation at the end, where it is wanted."""
-
-
-def _kept_columns(events: Sequence[Event]) -> dict[str, Form]:
-    """Return the columns of the numbers that events keep: times, then counts."""
-    kept = [kept for event in events for kept in event.kept]
-    times = {k.name: (np.float64, SECOND, k.long_name) for k in kept if k.what != "count"}
-    return times | {k.name: (np.int32, ONE, k.long_name) for k in kept if k.what == "count"}
 
 
 def columns_of(system: System) -> dict[str, Form]:
     """Return the columns of ensembles of a system.
 
-    First those of a gliding body, whether it has these events or not; then those of other events.
+    Those of a gliding body are always among them, whether it has these events or not.
     """
-    names = {event.name: event for event in EVENTS}
+    count, time = (np.int32(0), ONE), (np.nan, SECOND)
+    kept = [kept for event in (*EVENTS, *system.events) for kept in event.kept]
     watched = {event.extremes for event in system.events} - {"", "normal_force"}
     return {
-        "t_end": (np.float64, SECOND, "end of the run"),
-        "theta_end": (np.float64, RADIAN, "inclination at the end"),
-        **_kept_columns([names[n] for n in ("equator", "inverted", "liftoff", "settled")]),
-        "turnings": (np.int32, ONE, "turning angles that are more than rounding"),
-        "theta_min": (np.float64, RADIAN, "lowest turning angle"),
-        "theta_max": (np.float64, RADIAN, "highest turning angle"),
-        "normal_force_min": (np.float64, NEWTON, "least normal force"),
-        "normal_force_max": (np.float64, NEWTON, "greatest normal force"),
-        "steps": (np.int32, ONE, "steps of the integrator"),
+        "t_end": (*time, "end of the run"),
+        "theta_end": (np.nan, RADIAN, "inclination at the end"),
+        **{k.name: (*(count if k.what == "count" else time), k.long_name) for k in kept},
+        "turnings": (*count, "turning angles that are more than rounding"),
+        "theta_min": (np.nan, RADIAN, "lowest turning angle"),
+        "theta_max": (np.nan, RADIAN, "highest turning angle"),
+        "normal_force_min": (np.nan, NEWTON, "least normal force"),
+        "normal_force_max": (np.nan, NEWTON, "greatest normal force"),
+        "steps": (*count, "steps of the integrator"),
         **{
-            f"{q.name}_{end}": (np.float64, q.unit, f"{word} {q.long_name}")
+            f"{q.name}_{end}": (np.nan, q.unit, f"{word} {q.long_name}")
             for q in system.quantities
             if q.name in watched
             for end, word in (("min", "least"), ("max", "greatest"))
         },
-        **_kept_columns(system.events),
     }
-
-
-def statuses_of(system: System) -> tuple[str, ...]:
-    """Return the words of the column `status`, by number.
-
-    ENDED is included only if an event or the contact needs it.
-    """
-    own = system.contact is not None or any(
-        event.ends and Status.of_event(event.ends) is Status.ENDED for event in system.events
-    )
-    last = Status.ENDED if own else Status.INVALID
-    return tuple(status.value for status in Status if status.code <= last.code)
 
 
 class Outcomes:
     """One row per top, as arrays (n,); and the cost of the computation."""
 
-    def __init__(self, tops: Problems):
+    def __init__(self, tops: Problems, lyapunov: bool = False):
         self.tops, n = tops, tops.n
         self.forms = columns_of(tops.base.system) | (ORIENTATION if tops.orientation else {})
-        self.status = np.zeros(n, np.int8)
+        if lyapunov:
+            text = "finite-time Lyapunov exponent of the run"
+            self.forms[LYAPUNOV] = np.nan, PER_SECOND, text
+        self.status = np.where(tops.valid, 0, Status.INVALID.code).astype(np.int8)
         self.kind = np.zeros(n, np.int8)
-        self.columns = {
-            name: np.full(n, np.nan) if dtype is np.float64 else np.zeros(n, dtype)
-            for name, (dtype, _, _) in self.forms.items()
-        }
+        self.columns = {name: np.full(n, empty) for name, (empty, *_) in self.forms.items()}
         self.final = np.full((len(tops.start), n), np.nan)
         self.settled = np.zeros(n, bool)
-        self.drift: dict[str, np.ndarray] = {}
-        self.lyapunov: np.ndarray | None = None  # [1/s], where it is wanted
+        values = values_of(tops, tops.start, np.arange(n))
+        self._start, self._sizes = invariants(tops.base, values), sizes(tops.base, values)
+        self.drift = {name: np.where(tops.valid, 0.0, np.nan) for name in self._start}
         self.steps_made = self.steps_possible = 0
         # of tops that turned out to be invalid when they were begun
         self.faults: list[tuple[int, str]] = []
-        self.seconds = self.processor = 0.0  # by the wall clock, and by the clocks of the threads
+        self.seconds = self.processor = 0.0  # by the wall clock, and of the processor
+
+    @QUIET
+    def look(self, states: np.ndarray, some: np.ndarray) -> None:
+        """Compare the invariants of states (variables, k) of the tops `some` with the start."""
+        tops = self.tops
+        values = values_of(tops, states[: len(tops.start)], some)
+        for name, value in invariants(tops.base, values).items():
+            off = np.abs(value - self._start[name][some]) / self._sizes[name][some]
+            np.maximum.at(self.drift[name], some, off)
 
     @property
     def occupancy(self) -> float:
@@ -107,8 +104,8 @@ class Outcomes:
 def _conclude(outcomes: Outcomes) -> None:
     """Compute SI units, theta at the end and the class of each top from its end."""
     tops, columns = outcomes.tops, outcomes.columns
-    for name, (dtype, unit, _) in outcomes.forms.items():
-        if dtype is np.float64:
+    for name, (empty, unit, _) in outcomes.forms.items():
+        if np.isnan(empty):
             columns[name] *= tops.unit(unit)
             columns[name][~np.isfinite(columns[name])] = np.nan
     ended = np.flatnonzero(np.isfinite(outcomes.final).all(axis=0))
@@ -116,18 +113,17 @@ def _conclude(outcomes: Outcomes) -> None:
     if tops.orientation:
         for name, value in orientations_of(tops, final, ended).items():
             columns[f"{name}_end"][ended] = value
-    if len(ended):
-        values = values_of(tops, final, ended)
-        columns["theta_end"][ended] = values["theta"]
-        body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
-        second, settled = tops.unit(SECOND)[ended], outcomes.settled[ended]
-        kind[ended] = classes_of(tops.base.system, values, second, settled, body)
+    values = values_of(tops, final, ended)
+    columns["theta_end"][ended] = values["theta"]
+    body = tops.body(lambda given: np.broadcast_to(given, (tops.n,))[ended])
+    second, settled = tops.unit(SECOND)[ended], outcomes.settled[ended]
+    kind[ended] = classes_of(tops.base.system, values, second, settled, body)
     if tops.base.on_liftoff != "fly":
         kind[np.isfinite(columns["lifted_at"])] = CLASSES.index("lifted-off")
-    ordinary = {status for status in Status if status.ordinary}
-    if tops.base.contact is not None:
-        ordinary -= {Status.ENDED}  # its contact could not be followed further: that is no fate
-    sound = np.isin(outcomes.status, [status.code for status in ordinary])
+    # an ENDED contact could not be followed further: that is no fate
+    no_fate = Status.ENDED if tops.base.contact is not None else None
+    ordinary = [status.code for status in Status if status.ordinary and status is not no_fate]
+    sound = np.isin(outcomes.status, ordinary)
     outcomes.kind[:] = np.where(sound, kind, CLASSES.index("none"))
 
 
@@ -139,8 +135,8 @@ def dataset(outcomes: Outcomes) -> "xr.Dataset":
     faults = [*tops.checked[1], *outcomes.faults]
     rules = tops.base.rules
     coords = {
-        key: ("top", column, {"units": rules[key].unit.symbol, "long_name": rules[key].long_name})
-        for key, column in tops.columns.items()
+        key: column(values, rules[key].unit, rules[key].long_name, ("top",))
+        for key, values in tops.columns.items()
     }
     attrs = {
         "title": tops.base.system.title,
@@ -155,21 +151,16 @@ def dataset(outcomes: Outcomes) -> "xr.Dataset":
 
 def table(outcomes: Outcomes) -> dict[str, Column]:
     """Return the rows as columns along `top`, by name."""
-    words = statuses_of(outcomes.tops.base.system)
-    columns: dict[str, Column] = {
-        "status": Column(("top",), outcomes.status, flag_attributes(words, "how the run ended")),
-        "class": Column(
-            ("top",), outcomes.kind, flag_attributes(CLASSES, "what became of the top")
-        ),
-    }
-
-    def add(name: str, values: np.ndarray, unit: Unit, text: str) -> None:
-        columns[name] = Column(("top",), values, {"units": unit.symbol, "long_name": text})
-
-    for name, (_, unit, text) in outcomes.forms.items():
-        add(name, outcomes.columns[name], unit, text)
+    given = {name: (outcomes.columns[name], *form[1:]) for name, form in outcomes.forms.items()}
     for name, worst in outcomes.drift.items():
-        add(f"drift_{name}", worst, ONE, f"worst relative drift: {name}")
-    if outcomes.lyapunov is not None:
-        add(LYAPUNOV, outcomes.lyapunov, PER_SECOND, "finite-time Lyapunov exponent of the run")
-    return columns
+        given[f"drift_{name}"] = worst, ONE, f"worst relative drift: {name}"
+    status = flag_attributes(STATUSES, "how the run ended")
+    kind = flag_attributes(CLASSES, "what became of the top")
+    return {
+        "status": Column(("top",), outcomes.status, status),
+        "class": Column(("top",), outcomes.kind, kind),
+        **{
+            name: Column(("top",), values, {"units": unit.symbol, "long_name": text})
+            for name, (values, unit, text) in given.items()
+        },
+    }

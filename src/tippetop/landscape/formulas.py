@@ -85,8 +85,9 @@ def value(q, p, c):
 
 
 @formula
-def excess(q, level, p, c):
-    """Return V - level [J], to one rounding also where they nearly agree."""
+def excess(q, at, c):
+    """Return V - level [J], `at` being (p, level), to one rounding also where they nearly agree."""
+    p, level = at
     V = potential(q, p, c)
     return (V.head - level) + V.tail
 
@@ -166,6 +167,12 @@ def slopes(q, p, c):
         weight * (cos2 - y) + 2 * (Y1 * Y1 + Y * Y2),
         weight * (1 - 6 * yc) + 6 * Y1 * Y2 + 2 * Y * Y3,
     )
+
+
+@formula
+def slope(q, p, c):
+    """Return the first of `slopes`."""
+    return slopes(q, p, c)[0]
 
 
 @formula

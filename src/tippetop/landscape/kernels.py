@@ -12,17 +12,18 @@ from .formulas import (
     ends,
     excess,
     guess,
+    slope,
     slopes,
     surface_gradient,
     value,
 )
 
 
-minima = grid.minima(at_momenta, guess, slopes, value, ends)
+minima = grid.minima(at_momenta, guess, slopes, slope, value, ends)
 gradients = grid.gradients(at_momenta, surface_gradient)
 
 
 @cache
 def turnings(theta_inertia: Callable) -> Entry:
     """Return the kernel of turning angles and periods for the theta_inertia(z, b) of a system."""
-    return grid.turnings(at_momenta, slopes, value, excess, curvature, inlined(theta_inertia))
+    return grid.turnings(at_momenta, slope, value, excess, curvature, inlined(theta_inertia))

@@ -1,5 +1,6 @@
 """Events: zeros of functions of the state, their effect on a run, and the numbers kept of them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -119,3 +120,16 @@ class Event:
         if callable(self.formula):
             named = names_its_faults(self.formula, f"the event `{self.name}`")
             object.__setattr__(self, "formula", named)
+
+
+def zero_of(function: Callable, low: Any, *points: Any) -> Any:
+    """Return where a function that is positive at first has become negative, before the first of
+    these points at which it is; None if it stays positive.
+    """
+    for high in points:
+        if not function(high) > 0:
+            while low < (middle := (low + high) / 2) < high:
+                low, high = (middle, high) if function(middle) > 0 else (low, middle)
+            return high
+        low = high
+    return None

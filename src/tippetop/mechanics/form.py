@@ -1,6 +1,7 @@
 """Records of a motion: forms, their integrals and quantities, phases of the contact and exits."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -175,7 +176,8 @@ class Next:
         Time that passes during the jump. Times and `x` are in internal units.
     series
         The motion during `delay`: series(t) -> the states of the next phase and the integrals at
-        times t, (n,). None: the jump is too short to contain rows and events.
+        times t, (n,). None: the jump is too short to contain events; rows in it have the
+        state at its end.
     logged
         Names of events that the jump adds to the event log, because no step finds their zeros.
     logged_after
@@ -188,7 +190,7 @@ class Next:
         function of an event with an exit has the sign from which it can reach its zero.
     lasts
         Time after which the next phase ends by its exit `CLOCK`, unless another exit comes first.
-        None: no such time.
+        By default it has no such time.
     cause
         The reason in the table of phases. None: the event that ended the phase before. Empty: no
         new row, because the same phase continues with other variables.
@@ -207,7 +209,7 @@ class Next:
     logged_after: Any = 0
     zeros: Mapping[str, int] = field(default_factory=dict)
     sides: Mapping[str, int] = field(default_factory=dict)
-    lasts: Any = None
+    lasts: Any = math.inf
     rows: Mapping[str, tuple] = field(default_factory=dict)
     ends: str = ""
     message: str = ""
@@ -246,9 +248,9 @@ class Exit:
     to: tuple[str, ...]
     jump: Callable
 
-    def fault(self, n: Any, x: Any, known: Mapping[str, Collection[str]]) -> str:
+    def fault(self, n: Any, x: Any, known: Mapping[str, Any]) -> str:
         """Return what the result of the jump must be and is not, of a state `x` and with the words
-        that its fields may have; empty if it can follow.
+        that its fields may have (of `rows`, tables with their columns); empty if it can follow.
         """
         if not isinstance(n, Next):
             return f"return a Next, but returns {n!r:.60}"
@@ -271,6 +273,11 @@ class Exit:
             return f"have multiplicities of roots in `zeros`, 1 at least, but has {dict(n.zeros)}"
         if not {*n.sides.values()} <= {-1, 1}:
             return f"have signs in `sides`, -1 or 1, but has {n.sides}"
+        for name, rows in n.rows.items():
+            columns = known["rows"][name]
+            for row in rows:
+                if len(row) != len(columns):
+                    return f"have {', '.join(columns)} in a row of `{name}`, but has {row!r:.60}"
         return ""
 
 

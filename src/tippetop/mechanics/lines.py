@@ -16,10 +16,12 @@ from .operand import leaves, refill
 
 OPERATIONS = (
     *("add", "subtract", "multiply", "divide", "power", "negative", "sqrt", "absolute", "maximum"),
-    *("less", "less_equal", "greater", "greater_equal", "equal", "not_equal"),
-    *("unit", "expect", "motion", "result"),
+    *("less", "less_equal", "equal", "unit", "expect", "motion", "result"),
 )
 """As in the loop; the first ones are functions of NumPy."""
+
+TURNED = {"greater": "less", "greater_equal": "less_equal"}
+"""Functions of NumPy that are one of the operations on their operands in the other order."""
 
 
 class Number(NDArrayOperatorsMixin):
@@ -41,11 +43,12 @@ class Number(NDArrayOperatorsMixin):
     def __array_ufunc__(self, function: Any, method: str, *inputs: Any, out: Any = None) -> Any:
         """Apply a function of NumPy; `out`, of an assignment such as +=, becomes another number."""
         values = (one.value if isinstance(one, Number) else one for one in inputs)
-        places = tuple(map(self.program.place, inputs))
-        key, known = (function.__name__, *places), self.program.known
+        name, a, b = function.__name__, inputs[0], inputs[-1]
+        if name in TURNED:
+            name, a, b = TURNED[name], b, a
+        key, known = (name, *map(self.program.place, (a, b))), self.program.known
         if key not in known:
-            a, b = inputs[0], inputs[-1]
-            known[key] = self.program.line(function.__name__, a, b, function(*values))
+            known[key] = self.program.line(name, a, b, function(*values))
         return known[key]
 
     def __bool__(self) -> bool:

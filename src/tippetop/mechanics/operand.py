@@ -117,6 +117,12 @@ def plus(a: Vector, b: Vector) -> Vector:
     return Vector(a.x + b.x, a.y + b.y, a.z + b.z)
 
 
+@formula
+def minus(a: Vector, b: Vector) -> Vector:
+    """Return the difference a - b."""
+    return Vector(a.x - b.x, a.y - b.y, a.z - b.z)
+
+
 def leaves(record: Any) -> list:
     """Return the numbers of a record of records, in order.
 

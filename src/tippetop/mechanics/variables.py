@@ -74,12 +74,12 @@ class Variables:
         Parameters
         ----------
         values
-            A sequence or an array whose first axis is the variables: numbers, arrays or
-            expressions.
+            A sequence or an array whose first axis is the variables, perhaps with others behind:
+            numbers, arrays or expressions.
         """
         n = self.moving
         return type(self.form.units)(*values[:n]), self.carried(
-            *(v / INTEGRAL_SCALE for v in values[n:])
+            *(v / INTEGRAL_SCALE for v in values[n : len(self.names)])
         )
 
     def join(self, q: Sequence, carried: Sequence) -> list:

@@ -170,7 +170,7 @@ class Integration:
         since = self.log.summary().settled_since(self.view, self.last)
         if since is None or not self.t_end - since > SETTLED_FOR * self.second:
             return False
-        return stays(self.problem.body(), self.view.evaluate(self.last), self.second)
+        return stays(self.problem, self.view.evaluate(self.last))
 
     # --- rows ------------------------------------------------------------------------------------
 

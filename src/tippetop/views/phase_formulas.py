@@ -16,7 +16,7 @@ from ..mechanics.contact.contact_phases import (
     smooth_friction,
 )
 from ..mechanics.contact.gliding import COS_INVERTED, axis, turning
-from ..mechanics.contact.response import mobility_inverse_times, sliding, sticking
+from ..mechanics.contact.response import mobility_inverse_times, resting, sliding
 from ..mechanics.contact.rows import moving, row_of_angles
 from ..mechanics.operand import Vector, atan2, cross, leaves, plus, refill, sqrt
 from ..mechanics.system import System
@@ -123,15 +123,15 @@ def _of_law(law: Any) -> str:
     def friction(of: Any) -> Any:
         def per_force(y: Any, b: Any) -> list:
             v, omega = slip(y, b)
-            push, torque = of(omega, v._replace(z=0 * v.z), y[0].uz, b)
-            return [-push.x, -push.y, 1 + 0 * push.x, *torque]
+            force, torque = of(omega, v, y[0].uz, b)
+            return [*force, *torque]
 
         return arrow({"y": y, "b": b}, per_force)
 
     def normal(y: Any, per: Any, b: Any) -> list:
-        q, (force, torque) = y[0], per
-        push = Vector(-force.x, -force.y, 0 * force.z)
-        return [sliding(turning(q), push, torque, b)[0].z]
+        x = turning(y[0])
+        force, _ = sliding(x, lambda *of: per, x.u, b)
+        return [force.z]
 
     def turn(y: Any, per: Any, b: Any) -> list:
         return [*plus(cross(arm(axis(y[0]), b), per[0]), per[1])]
@@ -144,7 +144,7 @@ def _of_law(law: Any) -> str:
         "frictions": f"[{', '.join(map(friction, frictions or [smooth_friction]))}]",
         "normal": arrow({"y": y, "per": per, "b": b}, normal),
         "turn": arrow({"y": y, "per": per, "b": b}, turn),
-        "held": arrow({"y": y, "b": b}, lambda y, b: [*sticking(turning(y[0]), b)[0]]),
+        "held": arrow({"y": y, "b": b}, lambda y, b: [*resting(turning(y[0]), b)[0]]),
         "pinned": arrow(
             {"y": y, "x": force, "b": b},
             lambda y, x, b: [*mobility_inverse_times(axis(y[0]), x, b)],

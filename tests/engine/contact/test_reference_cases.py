@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from touching import reference
 
-from tippetop.mechanics.contact.exits import PHASES
+from tippetop.mechanics.contact.contact_phases import PHASES
 from tippetop.runs.run import solve
 from tippetop.scenario import build
 

@@ -11,7 +11,7 @@ from touching import CARRIED, inertia
 
 from tippetop.mechanics.contact.body import Moving, Touch, contact_velocity
 from tippetop.mechanics.contact.response import direction, kicked, margin, stopping
-from tippetop.mechanics.friction import Contensou, SetValued
+from tippetop.mechanics.friction import Contensou
 from tippetop.mechanics.operand import Vector
 
 
@@ -22,7 +22,7 @@ def state(seed):
     """A ball, and its 3hat, L, velocity: numpy vectors, and the tensor of inertia."""
     rng = np.random.default_rng(seed)
     low, high = (0.5, 0.5, -1.5, 0.3, 0.3, 0.5), (2, 1.5, 1.5, 0.6, 0.6, 2)
-    ball = Touch(*rng.uniform(low, high), SetValued(0.3))
+    ball = Touch(*rng.uniform(low, high), Contensou(0.3, 0.1, 0.0))
     u = rng.normal(size=3)
     u /= np.linalg.norm(u)
     return (

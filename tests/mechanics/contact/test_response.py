@@ -191,7 +191,7 @@ def test_the_vector_forms_are_those_of_newton_and_euler_at_the_poles_too(
             found = response.contact_acceleration(turning(x), F, vector(torque), x.ball)
             assert_close(found, acceleration(x, force, torque))
             there_and_back = response.mobility_inverse_times(
-                u, response.mobility_times(u, F, Vector(0, 0, 0), x.ball), x.ball
+                u, response.gains(u, F, Vector(0, 0, 0), x.ball)[0], x.ball
             )
             assert_close(there_and_back, force)
 
@@ -209,7 +209,8 @@ def test_velocities_of_the_contact_point(every_state: list[State]) -> None:
 def test_the_forces_of_slip_are_those_of_newton_and_euler(every_state: list[State]) -> None:
     for x in every_state:
         F = slipping(x)
-        found, torque = response.sliding_along(turning(x), vector(x.n), x.ball)
+        per = Vector(*(F / F[2])), Vector(0, 0, 0)
+        found, torque = response.sliding(turning(x), lambda *of, per=per: per, x.n, x.ball)
         assert_close(found, F)
         assert_close(torque, column(0, 0, 0))
         G = response.contact_acceleration(turning(x), found, torque, x.ball)
@@ -221,13 +222,14 @@ def test_the_forces_of_slip_are_those_of_newton_and_euler(every_state: list[Stat
 
 def test_the_normal_force_with_a_torque_keeps_the_contact_closed(every_state: list[State]) -> None:
     for x in every_state:
-        push, tau, u = column(0.2, -0.1, 0), column(0.03, 0.02, -0.05), vector(x.u)
-        made = response.sliding(turning(x), vector(push), vector(tau), x.ball)
+        force, tau, u = column(-0.2, 0.1, 1), column(0.03, 0.02, -0.05), vector(x.u)
+        per = vector(force), vector(tau)
+        made = response.sliding(turning(x), lambda *of, per=per: per, u, x.ball)
         N = made[0].z
-        assert_close(made[0], N * (Z - push))
-        G = acceleration(x, N * (Z - push), N * tau)
+        assert_close(made[0], N * force)
+        G = acceleration(x, N * force, N * tau)
         assert_close([G[2]], [0])
-        given = response.torque_acceleration(u, vector(tau), x.ball)
+        given, _ = response.gains(u, Vector(0, 0, 0), vector(tau), x.ball)
         assert_close(
             given, acceleration(x, column(0, 0, 0), tau) - acceleration(x, column(0, 0, 0))
         )
@@ -236,7 +238,7 @@ def test_the_normal_force_with_a_torque_keeps_the_contact_closed(every_state: li
 def test_the_forces_of_rolling_are_those_of_newton_and_euler(every_state: list[State]) -> None:
     for x in every_state:
         F = rolling(x)
-        assert_close(response.sticking(turning(x), x.ball)[0], F)
+        assert_close(response.resting(turning(x), x.ball)[0], F)
         assert_close(
             [response.cone(vector(F), x.ball)],
             [(x.ball.friction.mu * F[2]) ** 2 - F[0] ** 2 - F[1] ** 2],

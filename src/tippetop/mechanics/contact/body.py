@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 from ...errors import InputError
 from ..friction import Frictionless, slip_coefficient
 from ..number import Record
-from ..operand import Operand, Vector, cos, cross, dot, formula, plus, sin, times
+from ..operand import Operand, Vector, cos, cross, dot, formula, minus, plus, sin, times
 from ..units import (
     ANGULAR_MOMENTUM,
     INERTIA,
@@ -42,9 +42,7 @@ def seen_from_balls(b: Touch, stem: tuple) -> tuple[Touch, ...]:
     `stem` is its radius and its distance from the centre of the sphere; offsets would be rounded.
     """
     if not stem:
-        return (
-            b._replace(clearance=0 * b.c + 1, lever=0 * b.c),
-        )  # which no other ball ever takes up
+        return (b._replace(clearance=1.0, lever=0.0),)  # no other ball ever touches
     r, h = stem
     return b._replace(clearance=b.R - r, lever=h), b._replace(
         R=r, c=b.c + h, clearance=r - b.R, lever=-h
@@ -219,6 +217,12 @@ def contact_velocity(x, b):
 
 
 @formula
+def slip_scalars(u, v):
+    """Return v.3hat of the horizontal part of a velocity, (3hat x v).zhat, and its square."""
+    return u.x * v.x + u.y * v.y, u.x * v.y - u.y * v.x, v.x * v.x + v.y * v.y
+
+
+@formula
 def velocities(x, b):
     """Return v_A and omega of a moving body, (3,) each."""
     return contact_velocity(x, b), angular_velocity(x, b)
@@ -230,7 +234,7 @@ def centre_velocity(x, v, b):
 
     The velocity of the contact point is v.
     """
-    return plus(v, times(-1, arm_velocity(x, b)))
+    return minus(v, arm_velocity(x, b))
 
 
 @formula
@@ -252,12 +256,12 @@ def moment(u, F, b):
 
 
 @formula
-def rolling_velocity(theta_dot, phi_dot, omega3, s, z, b):
+def rolling_velocity(e, s, z, b):
     """Return -(omega x a) along e and 2hat [m/s]: the velocity of the centre of mass if v_A = 0.
 
     [section 3.2]
     """
-    return theta_dot * height(z, b), -(s * (b.R * omega3 + phi_dot * (b.c - b.R * z)))
+    return e.theta_dot * height(z, b), -(s * (b.R * e.omega3 + e.phi_dot * (b.c - b.R * z)))
 
 
 # --- functions of the scalars -------------------------------------------------------------------
@@ -338,6 +342,12 @@ def g_n(s, b):
 
 
 @formula
+def drag(s, b):
+    """Return -k g_n [kg/s]: the friction is this times v_A."""
+    return -(slip_coefficient(s.v2, s.z, b.friction) * g_n(s, b))
+
+
+@formula
 def twist(s, b):
     """Return (3hat x F).zhat of the friction [N].
 
@@ -345,43 +355,38 @@ def twist(s, b):
 
     [T 3.11, 3.26]
     """
-    return -(slip_coefficient(s.v2, s.z, b.friction) * g_n(s, b) * s.v_n)
-
-
-@formula
-def push_along(turn, s, F, N, axis_speed2, z, b):
-    """Return e.(dv_A/dt) [m/s^2]: turn = omega_3 phi' sin(theta), s = sin(theta), F along e.
-
-    With all three times sin(theta), it is 3hat.(dv_A/dt). [T 3.32, corrected]
-    """
-    h = height(z, b)
-    swing = turn * (b.I3 * h - b.I1 * b.R) + b.c * s * (h * N - b.I1 * axis_speed2)
-    return swing / b.I1 + F * (1 / b.m + h**2 / b.I1)
-
-
-@formula
-def push_across(turn, F, s2, z, b):
-    """Return 2hat.(dv_A/dt) [m/s^2] of the turn omega_3 theta', and F along 2hat.
-
-    With both times sin(theta), it is (zhat x 3hat).(dv_A/dt). [T 3.33]
-    """
-    q = b.c - b.R * z
-    mobility = 1 / b.m + q**2 / b.I1 + b.R**2 * s2 / b.I3
-    return F * mobility + turn * (b.I3 * q + b.I1 * b.R * z) / b.I1
+    return drag(s, b) * s.v_n
 
 
 @formula
 def push_u(s, b):
-    """Return 3hat.(dv_A/dt) [m/s^2]."""
-    N = g_n(s, b)
-    drag = -(slip_coefficient(s.v2, s.z, b.friction) * N * s.v_u)
-    return push_along(s.L3 / b.I3 * s.phi_dot_s2, s.s2, drag, N, s.axis_speed2, s.z, b)
+    """Return 3hat.(dv_A/dt) [m/s^2]. [T 3.32, corrected]"""
+    h = height(s.z, b)
+    turn = s.L3 / b.I3 * s.phi_dot_s2  # omega_3 phi' sin(theta)^2
+    swing = turn * (b.I3 * h - b.I1 * b.R) + b.c * s.s2 * (h * g_n(s, b) - b.I1 * s.axis_speed2)
+    return swing / b.I1 + drag(s, b) * s.v_u * (1 / b.m + h**2 / b.I1)
+
+
+@formula
+def bias_n(s, b):
+    """Return (zhat x 3hat).(dv_A/dt) without friction [m/s^2]. [b_2 of contact 1]"""
+    turn = s.L3 / b.I3 * s.z_dot  # -omega_3 theta' sin(theta)
+    return -(turn * (b.I3 * (b.c - b.R * s.z) + b.I1 * b.R * s.z) / b.I1)
+
+
+@formula
+def mobility_n(s, b):
+    """Return the acceleration of the contact point across the lean, per force [1/kg].
+
+    [K_22 of contact 1]
+    """
+    return 1 / b.m + (b.c - b.R * s.z) ** 2 / b.I1 + b.R**2 * s.s2 / b.I3
 
 
 @formula
 def push_n(s, b):
-    """Return (zhat x 3hat).(dv_A/dt) [m/s^2]."""
-    return push_across(-(s.L3 / b.I3 * s.z_dot), twist(s, b), s.s2, s.z, b)
+    """Return (zhat x 3hat).(dv_A/dt) [m/s^2]. [T 3.33]"""
+    return bias_n(s, b) + mobility_n(s, b) * twist(s, b)
 
 
 @formula

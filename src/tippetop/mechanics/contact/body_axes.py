@@ -7,8 +7,8 @@ of space, so that axis 3 is 3hat with azimuth phi, and axis 1 is 1hat cos(psi) +
 + pi/2, its psi ours - pi/2.)
 
 Forms that pass the poles carry a transverse unit vector f that follows the axis without spin about
-it, and the angle `turn` from f to axis 1, turn' = omega_3: both are regular everywhere, and f is as
-slow as the axis.
+it, and the angle `turn` from f to axis 1, zero at the start, turn' = omega_3. Both are regular
+everywhere, and f is as slow as the axis.
 """
 
 from collections.abc import Callable
@@ -54,18 +54,11 @@ def psi_of_axes(first, u):
     return atan2(u.x * first.y - u.y * first.x, -first.z)
 
 
-def _start(component: int) -> Callable:
-    """Return a component of f at the start: 1hat."""
-
-    def start(data: dict[str, Any], s: Any, z: Any) -> Any:
-        phi = data.get("phi", 0 * z)
-        return (z * cos(phi), z * sin(phi), 0 * phi - s)[component]
-
-    return start
-
-
-def _psi(data: dict[str, Any], s: Any, z: Any) -> Any:
-    return data.get("psi", 0 * z)
+def axis_1(data: dict[str, Any], s: Any, z: Any) -> Vector:
+    """Return axis 1 at the start."""
+    phi, psi = (data.get(name, 0 * z) for name in ("phi", "psi"))
+    first, _ = axes_of_angles(s, z, phi, psi)
+    return first
 
 
 def carried_along(axis_rate: Callable, spin: Callable) -> Orientation:
@@ -82,23 +75,25 @@ def carried_along(axis_rate: Callable, spin: Callable) -> Orientation:
     def f(carried: Any) -> Vector:
         return Vector(carried.fx, carried.fy, carried.fz)
 
-    def rate(component: int) -> Callable:
-        return lambda q, carried, b: transport(f(carried), axis(q), axis_rate(q, b))[component]
-
     def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
         return turned(f(carried), carried.turn, axis(q)), axis(q)
 
     text = "transverse unit vector that follows the axis without spin, {} component"
     transverse = (
-        Integral(f"f{c}", ONE, text.format(c), rate(i), _start(i)) for i, c in enumerate("xyz")
+        Integral(
+            f"f{c}",
+            ONE,
+            text.format(c),
+            lambda q, carried, b, k=k: transport(f(carried), axis(q), axis_rate(q, b))[k],
+            lambda data, s, z, k=k: axis_1(data, s, z)[k],
+        )
+        for k, c in enumerate("xyz")
     )
-    turn = Integral(
-        "turn", RADIAN, "angle from f to body axis 1", lambda q, carried, b: spin(q, b), _psi
-    )
+    turn = Integral("turn", RADIAN, "angle from f to body axis 1", lambda q, carried, b: spin(q, b))
     return Orientation(axes, (*transverse, turn), psi_of_axes)
 
 
-def by_angles(theta: Callable, rate: Callable) -> Orientation:
+def by_angles(theta: Callable, rate: Any = None) -> Orientation:
     """Return the orientation in a form of angles, whose integral phi it reads.
 
     Parameters
@@ -106,27 +101,17 @@ def by_angles(theta: Callable, rate: Callable) -> Orientation:
     theta
         theta(q) -> sin(theta), cos(theta).
     rate
-        rate(q, carried, b) -> psi' = omega_3 - phi' cos(theta) [rad/s].
+        rate(q, carried, b) -> psi' = omega_3 - phi' cos(theta) [rad/s]. None: that of a cylinder,
+        which turns by theta about the horizontal y. This is phi = psi = 0 of a top.
     """
 
     def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
         s, z = theta(q)
-        return axes_of_angles(s, z, carried.phi, carried.psi)
+        phi, psi = (getattr(carried, name, 0 * z) for name in ("phi", "psi"))
+        return axes_of_angles(s, z, phi, psi)
 
-    integral = Integral(
-        "psi", RADIAN, "turn psi of the body about its axis, not wrapped", rate, _psi
-    )
-    return Orientation(axes, (integral,), psi_of_axes)
-
-
-def planar(theta: Callable) -> Orientation:
-    """Return the orientation of a cylinder, which has no psi.
-
-    It turns by theta about the horizontal y, which is phi = psi = 0 of a top.
-    """
-
-    def axes(q: Any, carried: Any, b: Any) -> tuple[Vector, Vector]:
-        s, z = theta(q)
-        return axes_of_angles(s, z, 0 * z, 0 * z)
-
-    return Orientation(axes)
+    if rate is None:
+        return Orientation(axes)
+    text = "turn psi of the body about its axis, not wrapped"
+    psi = Integral("psi", RADIAN, text, rate, lambda data, s, z: data.get("psi", 0 * z))
+    return Orientation(axes, (psi,), psi_of_axes)

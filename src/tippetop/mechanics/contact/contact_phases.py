@@ -8,11 +8,11 @@ from dataclasses import replace
 from itertools import product
 from typing import Any, NamedTuple
 
-from ..disc_friction import STOPS_ROLLING, Region, drilling_force, rolling
+from ..disc_friction import STOPS_ROLLING, drilling_force, rolling
 from ..event import Event
 from ..form import Form, Phase
 from ..friction import load, slip_coefficient
-from ..operand import Vector, atan2, cos, cross, dot, plus, sin, sqrt, times
+from ..operand import Vector, atan2, cos, cross, dot, minus, plus, sin, sqrt, times
 from ..units import METRE, METRE_PER_SECOND, RADIAN
 from . import body as contact
 from . import gliding
@@ -30,7 +30,6 @@ from .body import (
     height,
     seen_from_other,
     state,
-    velocities,
 )
 from .body_axes import carried_along
 from .gliding import VectorState, axis, axis_rate, turning
@@ -43,30 +42,17 @@ from .response import (
     margin,
     resting,
     sliding,
-    sliding_along,
-    sticking,
 )
 from .rolling import spin
 
 
-def phase_of(units: Any, events: tuple, formulas: tuple, **rates: Callable) -> Phase:
-    """Return a phase whose state has axis and momentum.
-
-    `formulas` are the rates of the state, its scalars, `enter`, `leave` and `reaction`; `rates` are
-    those of integrals, rate(q, carried, b), besides x and y.
-    """
-    moved, scalars, enter, leave, reaction = formulas
-    integrals = (
-        *place(lambda q, carried, b: leave(q, b).velocity),
-        *(integral(name, rate) for name, rate in rates.items()),
-    )
-    turn = carried_along(axis_rate, spin)
-    form = Form("vector", units, moved, scalars, integrals=integrals, orientation=turn)
-    return Phase(form, (), events, (), enter, leave, reaction)
+def phase_name(label: str, ball: int, *regions: str) -> str:
+    """Return the name of a phase on a ball, in regions of the law on each ball in contact."""
+    return "-".join((*("stem",) * ball, label, *regions))
 
 
 class Acts(NamedTuple):
-    """Force and torque of the plane on a body, v_A and omega, (3,) each."""
+    """What a `Reaction` is made of: force and torque of the plane on a body, v_A and omega."""
 
     force: Vector
     torque: Vector
@@ -74,11 +60,17 @@ class Acts(NamedTuple):
     omega: Vector
     sides: tuple = ()  # the actions on each ball, if there are two
 
+    @property
+    def drilled(self) -> Any:
+        """Return the power that the torque takes."""
+        return -dot(self.torque, self.omega)
 
-Contact: Any = namedtuple("Contact", "z z_dot force by sides q")
-"""`force` is the normal force, `by` the action of the plane, `sides` that on each ball in contact,
-`q` the state.
-"""
+
+Contact: Any = namedtuple("Contact", "z z_dot by sides q")
+"""`by` is the action of the plane, `sides` that on each ball in contact, `q` the state."""
+
+
+TURN = carried_along(axis_rate, spin)
 
 
 def on_ball(
@@ -117,40 +109,37 @@ def on_ball(
 
     def scalars(q, b):
         by = acts(q, b)
-        return Contact(q.uz, axis_rate(q, b).z, by.force.z, by, by.sides or (by,), q)
+        return Contact(q.uz, axis_rate(q, b).z, by, by.sides or (by,), q)
 
     def entered(x, b):
         return type(units)(*x.u, *x.L, *enter(contact_velocity(x, b)))
 
     def leave(q, b):
-        return on_plane(turning(q), velocity(q), b)
-
-    def reaction(q, b):
-        by = acts(q, b)
-        return Reaction(by.force, -dot(by.torque, by.omega))
+        x = turning(q)
+        return Moving(x.u, x.L, centre_velocity(x, velocity(q), b), height(q.uz, b))
 
     def power(q, carried, b):
         by = acts(q, b)
-        return -(dot(by.force, by.velocity) + dot(by.torque, by.omega))
+        return by.drilled - dot(by.force, by.velocity)
 
-    return phase_of(
-        units,
-        events,
-        (rates, scalars, entered, leave, reaction),
-        work=power,
-        impulse=lambda q, carried, b: acts(q, b).force.z,
-        jellett_lost=lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b)),
+    integrals = (
+        *place(lambda q, carried, b: leave(q, b).velocity),
+        integral("work", power),
+        integral("impulse", lambda q, carried, b: acts(q, b).force.z),
+        integral("jellett_lost", lambda q, carried, b: dot(acts(q, b).torque, arm(axis(q), b))),
     )
-
-
-def on_plane(x, v, b):
-    """Return the common state of a body whose lowest point has the velocity v."""
-    return Moving(x.u, x.L, centre_velocity(x, v, b), height(x.u.z, b))
+    form = Form("vector", units, rates, scalars, integrals=integrals, orientation=TURN)
+    return Phase(form, (), events, enter=entered, leave=leave, reaction=acts)
 
 
 def none(q: Any) -> Vector:
     """Return no velocity, or no force."""
-    return Vector(*(0 * q.uz,) * 3)
+    return times(0, axis(q))
+
+
+def horizontal2(v: Vector) -> Any:
+    """Return the square of the horizontal part of a vector."""
+    return v.x * v.x + v.y * v.y
 
 
 def ending(name: str, long_name: str, function: Callable, direction: int = -1) -> Event:
@@ -167,7 +156,7 @@ def other_gap(s, b):
 
 
 TOUCH = ending("touch", "the other ball touches the plane", other_gap)
-LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.force)
+LIFTOFF = replace(gliding.LIFTOFF, formula=lambda s, b: s.by.force.z)
 
 
 # --- free flight --------------------------------------------------------------------------------
@@ -188,17 +177,23 @@ def own_gap(s, b):
     return s.height - height(s.z, b)
 
 
-LAND = ending("land", "the ball lands", own_gap)
-FLIGHT = phase_of(
-    FREE,
-    (LAND, replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b))),
-    (
+FLIGHT = Phase(
+    Form(
+        "vector",
+        FREE,
         free_rates,
         lambda q, b: Free(q.uz, axis_rate(q, b).z, q.height),
-        lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
-        lambda q, b: Moving(axis(q), turning(q).L, Vector(*q[6:9]), q.height),
-        lambda q, b: Reaction(none(q)),
+        integrals=place(lambda q, carried, b: q[6:8]),
+        orientation=TURN,
     ),
+    (),
+    (
+        ending("land", "the ball lands", own_gap),
+        replace(TOUCH, formula=lambda s, b: own_gap(s, b) + other_gap(s, b)),
+    ),
+    enter=lambda x, b: type(FREE)(*x.u, *x.L, *x.velocity, x.height),
+    leave=lambda q, b: Moving(axis(q), turning(q).L, Vector(*q[6:9]), q.height),
+    reaction=lambda q, b: Reaction(none(q)),
 )
 
 
@@ -235,7 +230,7 @@ CONE = ending(
     "rolling needs more friction than there is: the contact slides",
     lambda s, b: cone(s.by.force, b),
 )
-ROLL = without_slip((LIFTOFF, TOUCH, CONE), sticking)
+ROLL = without_slip((LIFTOFF, TOUCH, CONE), resting)
 
 STOPS_AT = 2.0**-43
 """|v_A| at which a sliding contact stops, internal units: 1.1e-13. An impulse takes the rest."""
@@ -264,9 +259,9 @@ STICK = ending(
 DIRECTED_SLIP = on_ball(
     DIRECTED,
     (LIFTOFF, TOUCH, STICK),
-    lambda x, q, b: sliding_along(x, direction(q), b),
+    lambda x, q, b: sliding(x, smooth_friction, direction(q), b),
     lambda q: times(q.w, direction(q)),
-    lambda v: (atan2(v.y, v.x), sqrt(v.x * v.x + v.y * v.y)),
+    lambda v: (atan2(v.y, v.x), sqrt(horizontal2(v))),
     directed_changes,
 )
 
@@ -303,26 +298,19 @@ def patch_speed2(omega, b):
 def disc_friction(
     drag: Callable, torque: Callable, edge_speed2: Callable = patch_speed2
 ) -> Callable:
-    """Return friction(omega, v, z, b) of a disc.
-
-    It gives minus the horizontal force, and the torque, per normal force.
-    """
+    """Return friction(omega, v, z, b) of a disc: force and torque, per normal force."""
 
     def friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-        by = drag(v.x * v.x + v.y * v.y, edge_speed2(omega, b))
-        force = drilling_force(1, v, by, b.friction.mu)
-        return Vector(-force.x, -force.y, 0 * omega.z), torque(by, omega, b.friction)
+        by = drag(horizontal2(v), edge_speed2(omega, b))
+        return drilling_force(1, v, by, b.friction.mu), torque(by, omega, b.friction)
 
     return friction
 
 
 def smooth_friction(omega: Vector, v: Vector, z: Any, b: Any) -> tuple[Vector, Vector]:
-    """Return minus the horizontal force, and the torque, per normal force.
-
-    The law is one of the sliding velocity.
-    """
-    push = times(slip_coefficient(v.x * v.x + v.y * v.y, z, b.friction), v)
-    return push._replace(z=0 * z), load(omega, b.friction)
+    """Return force and torque, per normal force, under a law of the sliding velocity."""
+    k = -slip_coefficient(horizontal2(v), z, b.friction)
+    return Vector(k * v.x, k * v.y, 1), load(omega, b.friction)
 
 
 def rest_speed2(b):
@@ -332,29 +320,27 @@ def rest_speed2(b):
 
 def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
     """Return the squares of the speeds of a contact."""
-    return Speeds(v.x * v.x + v.y * v.y, patch_speed2(omega, b))
+    return Speeds(horizontal2(v), patch_speed2(omega, b))
 
 
 def beyond_rest(s, b):
     """Return the square of the speeds of contacts beyond those of discs at rest."""
-    moves = (sum(speeds(side.velocity, side.omega, b)) for side in s.sides)
-    return sum(speed2 - STILL**2 - rest_speed2(b) for speed2 in moves)
+    rests = STILL**2 + rest_speed2(b)
+    return sum(sum(speeds(side.velocity, side.omega, b)) - rests for side in s.sides)
 
 
-RESTS = ending("rests", "the contact's disc neither slides nor turns", beyond_rest)
+RESTS = ending("rests", "no disc in contact slides or turns", beyond_rest)
 
 
-def borders(region: Region, side: int = 0, prefix: str = "") -> list[Event]:
-    """Return the events in which a region ends, of one of the contacts."""
+def border(way: Any, side: int) -> Event:
+    """Return the event in which a region ends, of one of the contacts."""
 
-    def end(way: Any) -> Event:
-        def beyond(s, b):
-            by = s.sides[side]
-            return way.beyond(speeds(by.velocity, by.omega, b), b)
+    def beyond(s, b):
+        by = s.sides[side]
+        return way.beyond(speeds(by.velocity, by.omega, b), b)
 
-        return ending(prefix + way.event, "sliding against turning", beyond, way.direction)
-
-    return [end(way) for way in region.borders]
+    name = phase_name(way.event, side)
+    return ending(name, "sliding against turning", beyond, way.direction)
 
 
 def with_slip(events: tuple, pushed: Callable) -> Phase:
@@ -367,23 +353,37 @@ def with_slip(events: tuple, pushed: Callable) -> Phase:
     return on_ball(DISC, events, forces, velocity, lambda v: v[:2], lambda q, G: G[:2])
 
 
-def slip_under(friction: Callable, *events: Event) -> Phase:
-    """Return the phase of sliding under friction(omega, v, z, b), with a torque."""
+def frictions_of(law: Any, names: Sequence[str]) -> list[Callable]:
+    """Return friction(omega, v, z, b) of each contact, in these regions of a law if it has any.
 
-    def pushed(x, v, b):
-        push, per_force = friction(angular_velocity(x, b), v, x.u.z, b)
-        return sliding(x, push, per_force, b)
+    Without regions the law is smooth in the velocity.
+    """
+    by_region = [disc_friction(law.regions[name].drag, law.torque) for name in names]
+    return by_region or [smooth_friction] * 2
 
-    return with_slip((LIFTOFF, TOUCH, *events), pushed)
+
+def ends_of(law: Any, names: Sequence[str]) -> tuple[Event, ...]:
+    """Return the events that end sliding in these regions of a law, on each contact."""
+    ways = [
+        border(way, side) for side, name in enumerate(names) for way in law.regions[name].borders
+    ]
+    return (RESTS, *ways) if names else ()
+
+
+def slip_under(law: Any, *names: str) -> Phase:
+    """Return the phase of sliding in this region of a law, if it has any, with a torque."""
+    friction, *_ = frictions_of(law, names)
+    pushed = lambda x, v, b: sliding(x, friction, v, b)  # noqa: E731
+    return with_slip((LIFTOFF, TOUCH, *ends_of(law, names)), pushed)
 
 
 def regions_of(x: Moving, *bodies: Touch) -> tuple[str, ...]:
     """Return the regions of a body's sliding on balls; empty under a law that has none."""
-    names = []
-    for b in bodies if bodies[0].friction.regions else ():
-        v, omega = velocities(x, b)
-        names.append(region_of(speeds(v, omega, b), b))
-    return tuple(names)
+    return tuple(
+        region_of(speeds(contact_velocity(x, b), angular_velocity(x, b), b), b)
+        for b in bodies
+        if b.friction.regions
+    )
 
 
 def region_of(s: Any, b: Touch) -> str:
@@ -411,22 +411,6 @@ GIVES = Event(
 REST = without_slip((LIFTOFF, TOUCH, GIVES), resting)
 
 
-LOADED_SLIP = slip_under(smooth_friction)
-"""Sliding under a law that is smooth in the velocity and has a torque."""
-
-
-def slides(law: Any) -> dict[tuple[str, ...], Phase]:
-    """Return the phases of sliding under a law, by the regions of the law."""
-    if law.regions:
-        return {
-            (name,): slip_under(disc_friction(region.drag, law.torque), RESTS, *borders(region))
-            for name, region in law.regions.items()
-        }
-    if law.set_valued:
-        return {(): DIRECTED_SLIP}
-    return {(): LOADED_SLIP if law.torque else SLIP}
-
-
 # --- on both balls --------------------------------------------------------------------------------
 
 
@@ -443,19 +427,20 @@ def shared(x, v, frictions, total, swing, b):
     The sum of the normal forces is `total`, and (L' x 3hat)_z is `swing`; or the same of impulses.
     v is the velocity of the sphere's contact point.
     """
-    u, omega, other, sides = x.u, angular_velocity(x, b), seen_from_other(b), []
-    apart = plus(arm(u, other), times(-1, arm(u, b)))
+    u, omega, other = x.u, angular_velocity(x, b), seen_from_other(b)
+    apart = minus(arm(u, other), arm(u, b))
     slips = v, plus(v, cross(omega, apart))
-    for friction, slip, ball in zip(frictions, slips, (b, other), strict=True):
-        push, torque = friction(omega, slip, u.z, ball)
-        force = Vector(-push.x, -push.y, 1 + 0 * u.z)
+
+    def side(friction, slip, ball):
+        force, torque = friction(omega, slip, u.z, ball)
         lean = cross(plus(cross(arm(u, ball), force), torque), u).z
-        sides.append((Acts(force, torque, slip, omega), lean))
-    (_, lean), (_, other_lean) = sides
+        return Acts(force, torque, slip, omega), lean
+
+    (one, lean), (two, other_lean) = map(side, frictions, slips, (b, other))
     N = (swing - total * lean) / (other_lean - lean)
     one, two = (
         by._replace(force=times(load, by.force), torque=times(load, by.torque))
-        for load, (by, _) in zip((total - N, N), sides, strict=True)
+        for load, by in ((total - N, one), (N, two))
     )
     torque = plus(plus(one.torque, two.torque), cross(apart, two.force))
     return plus(one.force, two.force), torque, one, two
@@ -473,18 +458,6 @@ LEAVES = leaving(0, "sphere", "stem"), leaving(1, "stem", "sphere")
 # --- sliding on both ------------------------------------------------------------------------------
 
 
-STANDS = ending("stands", "the discs of both contacts neither slide nor turn", beyond_rest)
-
-
-def frictions_of(law: Any, names: Sequence[str]) -> list[Callable]:
-    """Return friction(omega, v, z, b) of sphere and stem, in these regions of a law if it has any.
-
-    Without regions the law is smooth in the velocity.
-    """
-    by_region = [disc_friction(law.regions[name].drag, law.torque) for name in names]
-    return by_region or [smooth_friction] * 2
-
-
 def slide_on_both(law: Any, *names: str) -> Phase:
     """Return the phase in which sphere and stem slide, in these regions of a law."""
     frictions = frictions_of(law, names)
@@ -493,10 +466,7 @@ def slide_on_both(law: Any, *names: str) -> Phase:
         swing = -cross(x.L, contact.axis_rate(x, b)).z  # z'' is zero
         return shared(x, v, frictions, b.m * b.g, swing, b)
 
-    ends = [*LEAVES, STANDS] if names else [*LEAVES]
-    for side, name in enumerate(names):
-        ends += borders(law.regions[name], side, "stem-" * side)
-    return replace(with_slip(tuple(ends), pushed), axis_stays=True)
+    return replace(with_slip((*LEAVES, *ends_of(law, names)), pushed), axis_stays=True)
 
 
 # --- rolling on both, as a cone does ------------------------------------------------------------
@@ -510,34 +480,49 @@ def rolled(x, b):
     """
     u, u_dot, omega, still = x.u, contact.axis_rate(x, b), angular_velocity(x, b), times(0, x.u)
     velocity = centre_velocity(x, still, b)
-    turn = (u.x * u_dot.y - u.y * u_dot.x) / (u.x**2 + u.y**2)
+    turn = Vector(0, 0, cross(u, u_dot).z / horizontal2(u))
     moves = dot(omega, x.L) + b.m * dot(velocity, velocity)  # twice the energy
     share = 1 / (moves + b.I1 * STOPS_ROLLING**2)
     rolls = rolling(omega, b.friction)
     slows = b.m * b.g * dot(rolls, omega) * share
 
     def rate(a):
-        return Vector(slows * a.x - turn * a.y, slows * a.y + turn * a.x, slows * a.z)
+        return plus(times(slows, a), cross(turn, a))
 
     L_dot, V_dot = rate(x.L), rate(velocity)
-    acts = times(-1 / b.g, V_dot), times(moves * share, rolls)
+    acts = times(1 / b.g, V_dot)._replace(z=1), times(moves * share, rolls)
     frictions, swing = [lambda *of: acts] * 2, cross(L_dot, u).z
     _, _, *sides = shared(x, still, frictions, b.m * b.g, swing, b)
     force = times(b.m, V_dot)._replace(z=b.m * b.g + 0 * slows)
-    return force, plus(L_dot, times(-1, cross(arm(u, b), force))), *sides
+    return force, minus(L_dot, cross(arm(u, b), force)), *sides
 
 
 ROLLS_ON_BOTH = replace(without_slip(LEAVES, rolled), axis_stays=True)
 
 
-def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
-    """Return the phases on both balls under a law, by the regions of the law on each."""
+# --- the phases under a law ---------------------------------------------------------------------
+
+
+PHASES = ("slip", "roll", "flight", "both", "rest")
+"""Labels of phases; the place of a label is its number in a store."""
+
+
+def phases_under(law: Any) -> dict[tuple[str, ...], Phase]:
+    """Return the phases under a law, by label and its regions on each ball in contact."""
     if law.set_valued:
-        return {}
+        return {("slip",): DIRECTED_SLIP, ("roll",): ROLL, ("flight",): FLIGHT}
     if not law.regions:
-        return {(): slide_on_both(law)}
-    slides = {names: slide_on_both(law, *names) for names in product(law.regions, repeat=2)}
-    return {("roll",): ROLLS_ON_BOTH, **slides}
+        slip = slip_under(law) if law.torque else SLIP
+        return {("slip",): slip, ("flight",): FLIGHT, ("both",): slide_on_both(law)}
+    return {
+        **{("slip", name): slip_under(law, name) for name in law.regions},
+        ("flight",): FLIGHT,
+        ("both", "roll"): ROLLS_ON_BOTH,
+        **{
+            ("both", *names): slide_on_both(law, *names) for names in product(law.regions, repeat=2)
+        },
+        ("rest",): REST,
+    }
 
 
 # --- what brings a body onto both ---------------------------------------------------------------
@@ -545,14 +530,12 @@ def on_both(law: Any) -> dict[tuple[str, ...], Phase]:
 
 def without_slip_on_both(x: Moving, b: Touch) -> Moving:
     """Return the body without the rest of its sliding and turning on both balls."""
-    omega, none = angular_velocity(x, b), 0 * x.u.z
-    spin = (omega.x * x.u.x + omega.y * x.u.y) / (x.u.x**2 + x.u.y**2)
-    omega = Vector(spin * x.u.x, spin * x.u.y, none)
+    along = x.u._replace(z=0 * x.u.z)
+    omega = times(dot(angular_velocity(x, b), along) / dot(along, along), along)
     L = plus(times(b.I1, omega), times((b.I3 - b.I1) * dot(omega, x.u), x.u))
     velocity = centre_velocity(Turning(x.u, L), times(0, L), b)
-    p = times(b.m, plus(velocity, times(-1, x.velocity)))
-    turn = plus(L, times(-1, plus(x.L, cross(arm(x.u, b), p))))
-    return kicked(x, b, p, turn)
+    p = times(b.m, minus(velocity, x.velocity))
+    return kicked(x, b, p, minus(minus(L, x.L), cross(arm(x.u, b), p)))
 
 
 def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Moving:
@@ -562,6 +545,4 @@ def brought_to_rest(x: Moving, frictions: Sequence[Callable], b: Touch) -> Movin
     """
     v, sinks = contact_velocity(x, b), -(b.m * x.velocity.z)
     p, twist, *_ = shared(x, v, frictions, sinks, -cross(x.L, x.u).z, b)
-    after, lies = kicked(x, b, p, twist), height(x.u.z, b)
-    after = after._replace(velocity=after.velocity._replace(z=0 * sinks), height=lies)
-    return gained(after, work=b.m * b.g * (x.height - lies))
+    return gained(kicked(x, b, p, twist), work=b.m * b.g * contact.gap(x, b))

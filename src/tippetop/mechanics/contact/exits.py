@@ -6,8 +6,9 @@ struck(x, b, e_n), an impact of a ball. [contact 2, 3, 4, 6]
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -19,21 +20,18 @@ from .body import BALLS, Moving, Touch, contact_velocity
 from .contact_phases import (
     DIRECTED,
     DIRECTED_SLIP,
-    FLIGHT,
-    REST,
     RESTS,
-    ROLL,
-    STANDS,
     STOPS_AT,
     brought_to_rest,
     frictions_of,
-    on_both,
+    horizontal2,
+    phase_name,
     regions_of,
     rest_speed2,
-    slides,
+    rolled,
     without_slip_on_both,
 )
-from .first_slip import FirstSlip, first_directions, first_slip
+from .first_slip import first_directions, first_slip
 from .response import (
     bias_vector,
     cone,
@@ -42,7 +40,6 @@ from .response import (
     kicked,
     margin,
     resting,
-    sticking,
     stopping,
     turning,
 )
@@ -97,15 +94,8 @@ IMPACT = contact.filled(
 """A row of the table of impacts, filled with units: normal velocity, tangential speed, normal
 impulse, that of friction, energy that the body gained, and how friction ended."""
 
-Impact = type(IMPACT)
-
 
 # --- the balls ----------------------------------------------------------------------------------
-
-
-def phase_name(label: str, ball: int, *regions: str) -> str:
-    """Return the name of a phase on a ball, in regions of the law on each ball in contact."""
-    return "-".join((*("stem",) * ball, label, *regions))
 
 
 def rise(x: Moving, b: Touch) -> Any:
@@ -115,19 +105,18 @@ def rise(x: Moving, b: Touch) -> Any:
 
 def size(v: Vector) -> Any:
     """Return the length of the horizontal part of a vector."""
-    return sqrt(v.x * v.x + v.y * v.y)
+    return sqrt(horizontal2(v))
 
 
 def touching(x: Moving, world: Any) -> list[int]:
     """Return the balls that touch the plane."""
-    gaps = [contact.gap(x, b) for b in world.body]
-    return [k for k, gap in enumerate(gaps) if gap <= ON_PLANE]
+    return [k for k, b in enumerate(world.body) if contact.gap(x, b) <= ON_PLANE]
 
 
 def both_rest(x: Moving, world: Any) -> bool:
     """Return whether both balls touch the plane, and neither moves up or down."""
     slow = (abs(rise(x, b)) < BOTH_AT for b in world.body)
-    return len(world.body) > 1 and all(slow) and len(touching(x, world)) > 1
+    return len(touching(x, world)) > 1 and all(slow)
 
 
 def first_touch(n: Next, world: Any) -> Next:
@@ -172,7 +161,7 @@ def fly(x: Moving, world: Any, ball: int, zeros: int, cause: str) -> Next:
         if count == 4 or rate < 0:
             return ended(x, ball, cause, "stalled", NO_WAY)
         roots["land" if k == ball else "touch"] = count
-    lasts = min(longest_flight(x, b) for b in world.body)
+    lasts = longest_flight(x, world.body[0])
     return Next(phase_name("flight", ball), x, cause, zeros=roots, lasts=lasts)
 
 
@@ -210,13 +199,15 @@ def on_plane(x: Moving, world: Any, ball: int, cause: str, zeros: int = 1) -> Ne
             return on_disc(Next(name, x, cause, zeros=roots), world)
     else:
         x = x._replace(velocity=contact.centre_velocity(x, times(0, x.u), b))
-        F = sticking(x, b)[0]
+        F = resting(x, b)[0]
         if F.z > 0 and cone(F, b) >= 0:
             return Next(phase_name("roll", ball), x, cause, zeros=roots)
-        beta = first_directions(partial(pushed, x, b))
-        if len(beta):
-            x, delay = run_in(x, world, ball, beta[0])
-            return Next(phase_name("slip", ball), x, cause, delay, zeros=roots)
+        for beta in first_directions(partial(pushed, x, b)):
+            name, q = phase_name("slip", ball), directed(x, beta)
+            rates = DIRECTED_SLIP.form.rates(q, b)._replace(beta=0)
+            delay = min(BEGINS_AT / rates.w, world.left)
+            x = slid(x, world, world.phases[name], q._replace(w=0), rates, delay)
+            return Next(name, x, cause, delay, zeros=roots)
     return fly(x, world, ball, 2, "opens-at-once")
 
 
@@ -249,9 +240,8 @@ def opens(n: Next, world: Any) -> bool:
     """
     phase, x = world.phases[n.phase], n.x
     b = world.body[phase.ball]
-    rate = phase.form.rates(phase.enter(x, b), b)
-    turned = plus(cross(Vector(*rate[3:6]), x.u), cross(x.L, Vector(*rate[:3])))
-    return bool((world.body[1 - phase.ball].c - b.c) * turned.z > 0)
+    rate = contact.turning(phase.form.rates(phase.enter(x, b), b))
+    return bool(b.lever * plus(cross(rate.L, x.u), cross(x.L, rate.u)).z > 0)
 
 
 # --- impacts ------------------------------------------------------------------------------------
@@ -263,14 +253,13 @@ def strike(x: Moving, world: Any, ball: int, cause: str, least: float = 0.0) -> 
     The other one strikes too, should it be pressed into the plane.
     """
     hits: list[Any] = []
-    makes_energy = False
-    pressed = [ball] if rise(x, world.body[ball]) < -least and not both_rest(x, world) else []
+    makes_energy, other = False, ball
+    pressed = rise(x, world.body[ball]) < -least and not both_rest(x, world)
     while pressed and not makes_energy and len(hits) < MOST_STRIKES:
-        ball = pressed[0]
+        ball, other = other, 1 - other
         x, hit, makes_energy = struck(x, world, ball)
         hits.append(hit)
-        others = (k for k, b in enumerate(world.body) if k != ball and rise(x, b) < -CLOSES_AT)
-        pressed = [k for k in others if k in touching(x, world)]
+        pressed = other in touching(x, world) and rise(x, world.body[other]) < -CLOSES_AT
     if makes_energy:
         n = ended(x, ball, cause, "ended", MAKES_ENERGY)
     elif pressed:
@@ -300,7 +289,7 @@ def struck(x: Moving, world: Any, ball: int) -> tuple[Moving, Any, bool]:
         x = x._replace(velocity=x.velocity._replace(z=x.velocity.z - after.z))
         after = after._replace(z=0.0)
     slides, mode = (size(v), size(after)), IMPACT.mode.index(impact.mode)
-    hit = Impact(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
+    hit = type(IMPACT)(ball, v.z, after.z, *slides, p.z, size(p), impact.gained, mode)
     return x, hit, impact.makes_energy
 
 
@@ -327,81 +316,52 @@ def moved(record: Any, rates: Any, time: Any) -> Any:
     return record._make(value + time * rate for value, rate in zip(record, rates, strict=True))
 
 
-def slid(x: Moving, world: Any, phase: Any, q: Any, delay: Any) -> Moving:
-    """Return the body in the state q of sliding, to which it came in so short a time."""
+def slid(x: Moving, world: Any, phase: Any, q: Any, rates: Any, delay: Any) -> Moving:
+    """Return the body after a slide from the state q, so short that its rates stay."""
     carried = moved(x.carried, world.rates(phase, q, x.carried), delay)
-    return phase.leave(q, world.body[phase.ball])._replace(carried=carried)
-
-
-def run_in(x: Moving, world: Any, ball: int, beta: Any) -> tuple[Moving, Any]:
-    """Return the first of a slide from rest, so short that its rates stay, and its time."""
-    phase, b = world.phases[phase_name("slip", ball)], world.body[ball]
-    q = directed(x, beta)
-    rates = phase.form.rates(q, b)
-    speed = min(type(rates.w)(BEGINS_AT), rates.w * world.left)
-    delay = speed / rates.w
-    q = moved(q, rates, delay)._replace(beta=beta, w=speed)
-    return slid(x, world, phase, q, delay), delay
-
-
-def run_out(x: Moving, world: Any) -> tuple[Moving, Any]:
-    """Return the last of a slide, which is so slow that its rates stay, and its time."""
-    phase, b = world.phase, world.body[world.phase.ball]
-    q = phase.enter(x, b)
-    rates = phase.form.rates(q, b)
-    delay = -q.w / rates.w
-    return slid(x, world, phase, moved(q, rates, delay), delay), delay
+    return phase.leave(moved(q, rates, delay), world.body[phase.ball])._replace(carried=carried)
 
 
 def eighty_bits(value: Any) -> Any:
-    """Return a number that is wider than 80 bits rounded to them, any other as it is."""
-    if isinstance(value, float | np.floating):
-        return value
+    """Return a number, of 80 bits."""
     high = float(value)
-    return np.longdouble(high) + np.longdouble(float(value - high))
+    return np.longdouble(high) + float(value - high)
 
 
 def rounded(record: Any) -> Any:
-    """Return a record of numbers of at most 80 bits."""
+    """Return a record of numbers of 80 bits."""
     return refill(record, map(eighty_bits, leaves(record)))
 
 
 def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
     """Return how long a slide from the edge of the friction cone is a series, and the series.
 
-    It gives states and integrals of times (n,). Wider numbers are rounded to 80 bits.
+    It gives states and integrals of times (n,). Numbers have 80 bits.
     """
     x, world = rounded(x), world._replace(body=rounded(world.body))
     b = world.body[phase.ball]
 
-    def read(state: np.ndarray, beta: Any) -> tuple[Any, Any]:
-        *moved, w = state
+    def read(values: Any) -> tuple[Any, Any]:
+        *moved, w, beta = values
         return type(DIRECTED)(*moved[:6], beta, w), x.carried._make(moved[6:])
 
     def rates(state: np.ndarray, beta: np.ndarray) -> tuple[np.ndarray, Any]:
-        q, carried = read(state, beta)
+        q, carried = read((*state, beta))
         by = phase.form.rates(q._replace(w=1 + 0 * beta), b)
         every = (*by[:6], *world.rates(phase, q, carried), by.w)
-        return np.array([np.broadcast_to(rate, beta.shape) for rate in every]), by.beta
+        return np.array(np.broadcast_arrays(*every)), by.beta
 
-    F = sticking(x, b)[0]
+    F = resting(x, b)[0]
     omega = contact.angular_velocity(x, b)
     span = min(SPAN / sqrt(dot(omega, omega)), SLOW * sqrt(b.I1 / (b.m * b.g * b.R)))
 
-    def lasts(first: FirstSlip) -> bool:
-        q = read(*first.at(first.time[-1:]))[0]
-        other = b.clearance + b.lever * phase.leave(q, b).u.z
-        return bool(phase.reaction(q, b).force.z > 0 and other > 0)
+    def lasts(end: np.ndarray) -> bool:
+        q, _ = read(end)
+        return bool(phase.reaction(q, b).force.z > 0 and b.clearance + b.lever * q.uz > 0)
 
     state, beta = np.array([*x.u, *x.L, *x.carried, 0 * F.z]), np.arctan2(-F.y, -F.x)
-    first = first_slip(rates, state, beta, span, lasts)
-
-    def series(t: np.ndarray) -> tuple[Any, Any]:
-        t = np.array([eighty_bits(one) for one in t])
-        q, carried = read(*first.at(t))
-        return q, carried._replace(jellett_reference=x.carried.jellett_reference + 0 * t)
-
-    return first.time[-1], series
+    duration, at = first_slip(rates, state, beta, span, lasts)
+    return duration, lambda t: read(at([eighty_bits(one) for one in t]))
 
 
 # --- exits of the phases ------------------------------------------------------------------------
@@ -409,25 +369,19 @@ def slide_from_cone(x: Moving, world: Any, phase: Any) -> tuple[Any, Callable]:
 
 def lift_off(x: Moving, world: Any) -> Next:
     """Return the phase after the normal force vanishes."""
-    n = fly(x, world, world.phase.ball, 3, "liftoff")
-    n.logged = ("liftoff",)
-    return n
+    return replace(fly(x, world, world.phase.ball, 3, "liftoff"), logged=("liftoff",))
 
 
 def land(x: Moving, world: Any) -> Next:
-    """Return the phase after a flight.
+    """Return the phase after a ball touches the plane.
 
     Of the balls on the plane, the one that falls fastest strikes.
     """
     there = touching(x, world) or [
         min(range(len(world.body)), key=lambda k: contact.gap(x, world.body[k]))
     ]
-    return strike(x, world, min(there, key=lambda k: rise(x, world.body[k])), "landing")
-
-
-def change_ball(x: Moving, world: Any) -> Next:
-    """Return the phase after the other ball touches the plane."""
-    return strike(x, world, 1 - world.phase.ball, "other-ball")
+    cause = "landing" if world.phase.label == "flight" else "other-ball"
+    return strike(x, world, min(there, key=lambda k: rise(x, world.body[k])), cause)
 
 
 def stay_on(x: Moving, world: Any, ball: int) -> Next:
@@ -437,8 +391,11 @@ def stay_on(x: Moving, world: Any, ball: int) -> Next:
 
 def stick(x: Moving, world: Any) -> Next:
     """Return the phase after sliding stops."""
-    x, delay = run_out(x, world)
-    n = on_plane(x, world, world.phase.ball, "stick")
+    phase, ball = world.phase, world.phase.ball
+    q = phase.enter(x, world.body[ball])
+    rates = phase.form.rates(q, world.body[ball])
+    delay = -q.w / rates.w
+    n = on_plane(slid(x, world, phase, q, rates, delay), world, ball, "stick")
     n.logged = ("stick" if world.phases[n.phase].label == "roll" else "reversal",)
     n.logged_after, n.delay = delay, delay + n.delay
     return n
@@ -449,49 +406,38 @@ def begin_slip(x: Moving, world: Any) -> Next:
     name = phase_name("slip", world.phase.ball)
     phase = world.phases[name]
     lasts, series = slide_from_cone(x, world, phase)
-    delay = min(lasts, eighty_bits(world.left))
-    q, carried = (record._make(v[0] for v in record) for record in series(np.array([delay])))
     number = type(world.left)
-    q, carried, delay = q._make(map(number, q)), carried._make(map(number, carried)), number(delay)
+    delay = number(min(lasts, eighty_bits(world.left)))
+    q, carried = (record._make(number(v[0]) for v in record) for record in series([delay]))
     x = phase.leave(q, world.body[phase.ball])._replace(carried=carried)
     return Next(name, x, "slip", delay, series, ("slip",))
 
 
-def go_on(x: Moving, world: Any, to: str, passed: str, side: int) -> Next:
-    """Return the same motion in other words, or in the same.
+def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:
+    """Return the same motion in other words, or in the same, unless it comes to rest.
 
-    The event function `passed` has its root here, and goes to this side of it.
+    The event function `passed` has its root here, beyond which it stays in the same words.
     """
-    sides = {passed: side} if side else {}
-    return on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
-
-
-def come_to_rest(x: Moving, world: Any, slides: str) -> Next:
-    """Return the phase after a sliding disc neither slides nor turns any more."""
-    n = go_on(x, world, slides, RESTS.name, -1)
-    n.logged = ("stick",) if world.phases[n.phase].label == "rest" else ()
+    sides = {passed: -1} if world.phases[to] is world.phase else {}
+    n = on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
+    n.logged = ("stick",) if n.cause == "rests" else ()
     return n
 
 
-def roll_on_both(x: Moving, world: Any) -> Next:
+def roll_on_both(n: Next, world: Any) -> Next:
     """Return the phase after both contacts have stopped sliding and turning.
 
     The body rolls on both if friction can give the force, and otherwise passes its rest.
     """
-    b, name = world.body[0], phase_name("both", 0, "roll")
-    phase, rolls = world.phases[name], without_slip_on_both(x, b)
-    F = phase.reaction(phase.enter(rolls, b), b).force
-    if size(F) < b.friction.mu * F.z:
-        return Next(name, rolls, "rests", logged=("stick",))
-    name = phase_name("both", 0, *regions_of(x, *world.body))
-    return go_on(x, world, name, STANDS.name, -1)
+    b = world.body[0]
+    x = without_slip_on_both(n.x, b)
+    F = rolled(x, b)[0]
+    return Next(phase_name("both", 0, "roll"), x, "rests") if size(F) < b.friction.mu * F.z else n
 
 
 def give_way(x: Moving, world: Any) -> Next:
     """Return the phase after friction can no longer hold a disc at rest."""
-    n = slide_from_rest(x, world, world.phase.ball, "gives")
-    n.logged = ("slip",)
-    return n
+    return replace(slide_from_rest(x, world, world.phase.ball, "gives"), logged=("slip",))
 
 
 def on_disc(n: Next, world: Any) -> Next:
@@ -502,32 +448,34 @@ def on_disc(n: Next, world: Any) -> Next:
     """
     phase = world.phases[n.phase]
     b = world.body[phase.ball]
-    if phase.label not in ("slip", "both") or not b.friction.regions:
+    if not b.friction.regions:
         return n
     s = phase.form.scalars(phase.enter(n.x, b), b)
     for event in phase.events:
-        is_passed = event.name in ("slow", "stem-slow", RESTS.name)
-        if is_passed and event.direction * event.formula(s, b) > 0:
+        if event.name not in n.zeros and event.direction * event.formula(s, b) > 0:
             n.sides = {event.name: event.direction, **n.sides}
-    return at_rest(n, world, phase.ball) if RESTS.name in n.sides else n
+    if RESTS.name not in n.sides:
+        return n
+    return roll_on_both(n, world) if phase.label == "both" else at_rest(n, world)
 
 
-def at_rest(n: Next, world: Any, ball: int) -> Next:
+def at_rest(n: Next, world: Any) -> Next:
     """Return the phase after sliding and turning of a disc have stopped together.
 
     A disc that friction cannot hold passes its rest if it soon leaves it again; otherwise it begins
     to slide with a small speed, so that its next rest is detected.
     """
+    ball = world.phases[n.phase].ball
     b = world.body[ball]
     x = kicked(n.x, b, *stopping(n.x, b))
     F, torque = resting(x, b)
     left = margin(F, torque.z, b.friction)
-    others = {name: count for name, count in n.zeros.items() if name != RESTS.name}
+    others = n.zeros if n.cause else {}  # not of what it passes
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
-    gains = 1 / b.m if size(F) > limit else turning(x.u, b)[1] * b.friction.patch**2
-    if limit == 0 or sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
+    gains = 1 / b.m if size(F) > limit else b.friction.patch**2 / turning(x.u, b)[1]
+    if sqrt(rest_speed2(b)) < SOON * left**2 * limit * gains:
         return n
     return slide_from_rest(x, world, ball, n.cause or "gives", others)
 
@@ -546,35 +494,16 @@ def slide_from_rest(x: Moving, world: Any, ball: int, cause: str, zeros: Any = (
     return on_disc(Next(name, x, cause, zeros=dict(zeros)), world)
 
 
-class Kind(NamedTuple):
-    """A phase of the contact, whatever the law."""
-
-    phases: Callable  # phases(law) -> its phases, by the regions of the law on each ball in contact
-    jumps: Mapping[str, Callable]  # by event
-    balls: int = 1  # in contact
-
-
-ON_BALL = {"liftoff": lift_off, "touch": change_ball}
-
-KINDS = {
-    "slip": Kind(slides, {**ON_BALL, "stick": stick}),
-    "roll": Kind(lambda law: {(): ROLL} if law.set_valued else {}, {**ON_BALL, "slip": begin_slip}),
-    "flight": Kind(lambda law: {(): FLIGHT}, dict.fromkeys(("land", "touch", CLOCK), land)),
-    "both": Kind(
-        on_both,
-        {
-            STANDS.name: roll_on_both,
-            "sphere-leaves": partial(stay_on, ball=1),
-            "stem-leaves": partial(stay_on, ball=0),
-        },
-        balls=2,
-    ),
-    "rest": Kind(lambda law: {(): REST} if law.regions else {}, {**ON_BALL, "gives": give_way}),
+JUMPS: Mapping[str, Callable] = {
+    "liftoff": lift_off,
+    **dict.fromkeys(("land", "touch", CLOCK), land),
+    "stick": stick,
+    "slip": begin_slip,
+    "gives": give_way,
+    "sphere-leaves": partial(stay_on, ball=1),
+    "stem-leaves": partial(stay_on, ball=0),
 }
-"""The phases of the contact by label."""
-
-PHASES = tuple(KINDS)
-"""Labels of phases; the place of a label is its number in a store."""
+"""What follows the events that end phases, except those after which it may go on."""
 
 REASONS = (
     "start",

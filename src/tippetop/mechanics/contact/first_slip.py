@@ -3,37 +3,26 @@
 At the edge w = 0 and the direction is that against the force of rolling, but its equation w beta' =
 Q is singular, and so stiff nearby that no explicit step begins there. Chebyshev and Picard's sweeps
 solve it on a whole interval at once: the direction from Q = w beta', everything else by
-integration. Numbers are doubles or longdoubles.
+integration.
 """
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebder, chebint, chebval
+from numpy.polynomial.chebyshev import chebder, chebint, chebval, chebvander
+
+from ..event import zero_of
 
 
 NODES, STEP = 12, 1e-5  # of beta, for a slope
 
 
-class FirstSlip(NamedTuple):
-    """The first moments of slip, at Chebyshev nodes; the last of them is the end."""
-
-    time: np.ndarray  # (n,) since the edge of the cone
-    state: np.ndarray  # (k, n), of which the last is the slip speed w
-    beta: np.ndarray  # (n,) slip direction, an angle from a fixed axis
-
-    def at(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Return state and beta at times t, by the polynomial through the nodes."""
-        x = 2 * np.asarray(t) / self.time[-1] - 1
-        values = chebval(x, _coefficients(self.time) @ np.vstack([self.state, self.beta]).T)
-        return values[:-1], values[-1]
-
-
 def first_slip(
     rates: Callable, state: np.ndarray, beta: Any, duration: Any, lasts: Callable
-) -> FirstSlip:
-    """Return the motion from the edge of the cone, where w = P = Q = 0.
+) -> tuple[Any, Callable]:
+    """Return the duration of the motion from the edge of the cone, where w = P = Q = 0, and at(t),
+    the state and beta at times t since then: at its end an integrator begins.
 
     Parameters
     ----------
@@ -47,12 +36,7 @@ def first_slip(
     duration
         How long; 0.03/|omega| is right. It is halved until the sweeps converge and it `lasts`.
     lasts
-        lasts(first) -> whether nothing else happens to the contact in a FirstSlip.
-
-    Returns
-    -------
-    FirstSlip
-        Its end is where an integrator begins.
+        lasts(end) -> whether nothing else happens to the contact until this state and beta.
 
     Raises
     ------
@@ -60,65 +44,48 @@ def first_slip(
         Nothing begins to slip so.
     """
     for _ in range(12):
-        first, change = _swept(rates, state, beta, duration)
-        converged = change < 1e4 * np.finfo(state.dtype).eps
-        if converged and bool(np.all(first.state[-1, 1:] > 0)) and lasts(first):
-            return first
+        at = _swept(rates, state, beta, duration)
+        if at and lasts(at(duration)):
+            return duration, at
         duration = duration / 2
     raise ArithmeticError("no slip begins at this edge of the cone")
 
 
-def _swept(
-    rates: Callable, start: np.ndarray, beta0: Any, duration: Any
-) -> tuple[FirstSlip, float]:
-    """Sweep until nothing changes by more than rounding.
-
-    Return the slip, and the last change of w and beta, relative.
-    """
-    nodes = -np.cos(np.pi * np.arange(NODES, dtype=start.dtype) / (NODES - 1))
-    time = duration * (1 + nodes) / 2
-    coefficients = _coefficients(time)
-    integral = chebval(nodes, chebint(coefficients, lbnd=-1)) * duration / 2
-    slope = chebval(nodes, chebder(coefficients)) * 2 / duration
-    state, beta = np.repeat(start[:, None], NODES, 1), np.full_like(time, beta0)
-    change = np.inf
+def _swept(rates: Callable, start: np.ndarray, beta0: Any, duration: Any) -> Callable | None:
+    """Return at(t) after sweeps that converge; None if they do not, or nothing slips."""
+    pi = np.arccos(-start.dtype.type(1))
+    nodes = np.cos(pi * (np.arange(NODES) + 0.5) / NODES)
+    fit = chebvander(nodes, NODES - 1).T * 2 / NODES  # to coefficients, (order, node)
+    fit[0] /= 2
+    integral = chebval(nodes, chebint(fit, lbnd=-1)) * duration / 2
+    slope = chebval(nodes, chebder(fit)) * 2 / duration
+    state, beta = np.repeat(start[:, None], NODES, 1), np.full(NODES, beta0)
     with np.errstate(all="ignore"):
-        for sweep in range(40):
-            w, old_beta, turn = state[-1], beta, state[-1] * (beta @ slope)
-            for _ in range(2):
-                below, Q, above = (rates(state, beta + by)[1] for by in (-STEP, 0, STEP))
-                beta = beta - (Q - turn) * (2 * STEP) / (above - below)
+        for _ in range(40):
+            w, turn = state[-1], state[-1] * (beta @ slope)
+            below, Q, above = (rates(state, beta + by)[1] for by in (-STEP, 0, STEP))
+            change = (turn - Q) * (2 * STEP) / (above - below)
+            beta = beta + change
             state = start[:, None] + rates(state, beta)[0] @ integral
-            newer = np.max(np.abs(state[-1] - w)) / np.max(np.abs(state[-1]))
-            newer += np.max(np.abs(beta - old_beta))
-            if sweep > 6 and not newer < change:  # at first w may be zero by rounding
+            changes = *np.abs(change), *np.abs((state[-1] - w) / np.max(np.abs(state[-1])))
+            if max(changes) < 1e4 * np.finfo(start.dtype).eps:
                 break
-            change = newer
-    return FirstSlip(time, state, beta), float(change)
+        else:
+            return None
+    values = fit @ np.vstack([state, beta]).T
+    slips = min(state[-1]) > 0
+    return (lambda t: chebval(2 * np.asarray(t) / duration - 1, values)) if slips else None
 
 
-def _coefficients(time: np.ndarray) -> np.ndarray:
-    """Return the matrix from values at the nodes to Chebyshev coefficients, (n, n)."""
-    n = len(time) - 1
-    k = np.arange(n + 1, dtype=time.dtype)
-    matrix = 2 / n * np.cos(np.pi * np.outer(k, n - k) / n)
-    matrix[[0, n]] /= 2
-    matrix[:, [0, n]] /= 2
-    return matrix
-
-
-def first_directions(law: Callable, count: int = 360) -> np.ndarray:
-    """Return every direction in which slip can begin from rest: Q = 0, P > 0, N > 0.
+def first_directions(law: Callable) -> Iterator[float]:
+    """Yield every direction in which slip can begin from rest: Q = 0, P > 0, N > 0.
 
     There is exactly one outside the cone.
     """
-    grid = 2 * np.pi * (np.arange(count + 1) + 1 / np.e) / count
+    grid = np.radians(np.arange(361) + 1 / np.e)
     Q = law(grid)[1]
-    low, high = (grid[i + np.flatnonzero((Q[:-1] > 0) != (Q[1:] > 0))] for i in (0, 1))
-    above = law(low)[1] > 0
-    for _ in range(60):
-        middle = (low + high) / 2
-        same = (law(middle)[1] > 0) == above
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    P, _, N = law(low)
-    return low[(P > 0) & (N > 0)]
+    for k in np.flatnonzero((Q[:-1] > 0) != (Q[1:] > 0)):
+        beta = zero_of(lambda beta, k=k: law(beta)[1] * Q[k], *grid[k : k + 2])
+        P, _, N = law(beta)
+        if P > 0 and N > 0:
+            yield beta

@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import Any
 
 from ..event import Event, Kept
-from ..friction import slip_coefficient
 from ..operand import Vector, atan2, cos, formula, sin, sqrt
 from ..system import Alternative, Domain, Form, Integral, Number, Quantity
 from ..units import (
@@ -32,6 +31,7 @@ from .body import (
     Turning,
     axis,
     contact_mobility,
+    drag,
     energy,
     filled,
     friction_loss,
@@ -44,11 +44,10 @@ from .body import (
     modified_energy,
     modified_energy_rate,
     of_azimuth,
-    push_across,
-    push_along,
     push_n,
     push_u,
     rolling_velocity,
+    slip_scalars,
     state,
     turning,
 )
@@ -93,9 +92,7 @@ def vector_scalars(q, b):
     u, v = axis(q), sliding_velocity(q, b)
     return Scalars(
         *kinematics(turning(q), axis_rate(q, b), b),
-        u.x * v.x + u.y * v.y,
-        u.x * v.y - u.y * v.x,
-        v.x * v.x + v.y * v.y,
+        *slip_scalars(u, v),
         q.rx_dot**2 + q.ry_dot**2,
     )
 
@@ -104,9 +101,8 @@ def vector_scalars(q, b):
 def reaction(q, b):
     """Return F = N (zhat - k v_A), (3,) [N]. [T 3.16; contact 2.1]"""
     s, v = vector_scalars(q, b), sliding_velocity(q, b)
-    N = contact.g_n(s, b)
-    k = -(slip_coefficient(s.v2, s.z, b.friction) * N)
-    return Vector(k * v.x, k * v.y, N)
+    k = drag(s, b)
+    return Vector(k * v.x, k * v.y, g_n(s, b))
 
 
 @formula
@@ -144,7 +140,7 @@ def centre_velocity(e, s, z, b):
 
     [section 3.2]
     """
-    along_e, along_2 = rolling_velocity(e.theta_dot, e.phi_dot, e.omega3, s, z, b)
+    along_e, along_2 = rolling_velocity(e, s, z, b)
     return e.nu_x + along_e, e.nu_y + along_2
 
 
@@ -158,36 +154,35 @@ def euler_scalars(e, b):
 
 
 @formula
+def sine_and_cosine(q):
+    """Return sin(theta), cos(theta)."""
+    return sin(q.theta), cos(q.theta)
+
+
+@formula
+def spins(e, across, b):
+    """Return phi'' and omega_3' of the force `across` at the contact, along 2hat. [T 3.30, 3.31]"""
+    s, z = sine_and_cosine(e)
+    turn = e.theta_dot * (b.I3 * e.omega3 - 2 * b.I1 * e.phi_dot * z)
+    return (turn + across * (b.c - b.R * z)) / (b.I1 * s), b.R * s * across / b.I3
+
+
+@formula
 def euler_rates(e, b):
     """Return the solved equations in Euler angles.
 
     [T 3.29-3.34 with 3.32 and 3.34 corrected; 5.14-5.18]
     """
-    s, z = sin(e.theta), cos(e.theta)
-    c = euler_scalars(e, b)
-    N, h, q = g_n(c, b), height(z, b), b.c - b.R * z
-    k = slip_coefficient(c.v2, z, b.friction) * N
-    Fx, Fy = -(k * e.nu_x), -(k * e.nu_y)  # along e and 2hat
-    theta_dot2 = (
-        s / b.I1 * (b.I1 * e.phi_dot**2 * z - b.I3 * e.omega3 * e.phi_dot - b.c * N) - h * Fx / b.I1
-    )
-    phi_dot2 = (b.I3 * e.theta_dot * e.omega3 - 2 * b.I1 * e.theta_dot * e.phi_dot * z + Fy * q) / (
-        b.I1 * s
-    )
+    s, c = sin(e.theta), euler_scalars(e, b)
+    k = drag(c, b)
+    swing = e.phi_dot * (b.I1 * e.phi_dot * c.z - b.I3 * e.omega3) - b.c * g_n(c, b)
     return EulerState(
         e.theta_dot,
-        theta_dot2,
-        phi_dot2,
-        b.R * s * Fy / b.I3,
-        push_along(e.omega3 * (e.phi_dot * s), s, Fx, N, c.axis_speed2, z, b) + e.phi_dot * e.nu_y,
-        push_across(e.omega3 * e.theta_dot, Fy, s**2, z, b) - e.phi_dot * e.nu_x,
+        (s * swing - height(c.z, b) * (k * e.nu_x)) / b.I1,
+        *spins(e, k * e.nu_y, b),
+        push_u(c, b) / s + e.phi_dot * e.nu_y,
+        push_n(c, b) / s - e.phi_dot * e.nu_x,
     )
-
-
-@formula
-def sine_and_cosine(q):
-    """Return sin(theta), cos(theta)."""
-    return sin(q.theta), cos(q.theta)
 
 
 @formula
@@ -196,11 +191,16 @@ def psi_rate(q, carried, b):
     return q.omega3 - q.phi_dot * cos(q.theta)
 
 
-@formula
-def velocity(q, carried, b):
-    """Return x', y' of the centre of mass [m/s]."""
-    along_e, along_2 = centre_velocity(q, sin(q.theta), cos(q.theta), b)
-    return of_azimuth(along_e, along_2, carried.phi)
+def place_of_angles(centre: Callable) -> tuple[Integral, ...]:
+    """Return the integrals x and y of a state with centre(e, sin(theta), cos(theta), b) along e and
+    2hat.
+    """
+
+    def velocity(q: Any, carried: Any, b: Any) -> tuple[Any, Any]:
+        along_e, along_2 = centre(q, *sine_and_cosine(q), b)
+        return of_azimuth(along_e, along_2, carried.phi)
+
+    return place(velocity)
 
 
 # --- the chart between them -----------------------------------------------------------------------
@@ -231,8 +231,19 @@ def vector_of_angles(e, s, z, b):
     return VectorState(*u, *L, b.I3 * e.omega3, *velocity)
 
 
-def angles_by(units: Any, scalars: Callable) -> Callable:
-    """Return to_angles(q, carried, b) of a form whose state has the axis.
+def azimuth(q: Any, carried: Any) -> Any:
+    """Return phi in (-pi, pi], of a state that has the axis."""
+    return atan2(q.uy, q.ux)
+
+
+def wrapped_azimuth(q: Any, carried: Any) -> Any:
+    """Return phi in (-pi, pi], of Euler angles."""
+    s = sin(q.theta)
+    return atan2(s * sin(carried.phi), s * cos(carried.phi))
+
+
+def angles_by(units: Any, scalars: Callable, azimuth: Callable = azimuth) -> Callable:
+    """Return to_angles(q, carried, b) of a form.
 
     The angles are 0/0 exactly at a pole, where phi is undefined. theta is atan2(sin, cos): no
     digits are lost near the poles. [section 3.4]
@@ -243,17 +254,19 @@ def angles_by(units: Any, scalars: Callable) -> Callable:
         The record of the angles; fields that the scalars do not give are integrals.
     scalars
         scalars(q, b) of the form.
+    azimuth
+        azimuth(q, carried) -> phi.
     """
 
     def to_angles(q: Any, carried: Any, b: Any) -> Any:
-        c, u = scalars(q, b), axis(q)
+        c = scalars(q, b)
         s = sqrt(c.s2)
         known = {
             "theta": atan2(s, c.z),
             "theta_dot": -c.z_dot / s,
             "phi_dot": c.phi_dot_s2 / c.s2,
             "omega3": c.L3 / b.I3,
-            "phi": atan2(u.y, u.x),
+            "phi": azimuth(q, carried),
         }
         if hasattr(c, "v_u"):
             known |= {"nu_x": c.v_u / s, "nu_y": c.v_n / s}
@@ -275,7 +288,6 @@ AWAY_FROM_POLE = Domain(
 
 
 def in_euler_angles(
-    vector: Form,
     angles: Any,
     units: Any,
     rates: Callable,
@@ -287,29 +299,20 @@ def in_euler_angles(
 
     Parameters
     ----------
-    vector
-        The vector form: by way of it theta is brought to [0, pi], and phi to (-pi, pi].
     angles
-        The record of the angles.
+        The record of the angles, of which theta is brought to [0, pi], and phi to (-pi, pi].
     units
         The state: the first of the angles.
     rates, scalars, integrals, domains
         As of a `Form`, without phi.
     """
-
-    def to_angles(q: Any, carried: Any, b: Any) -> Any:
-        sources = (q if name in q._fields else carried for name in angles._fields)
-        e = type(angles)(*map(getattr, sources, angles._fields))
-        state = vector.of_angles(e, sin(e.theta), cos(e.theta), b)
-        return vector.to_angles(state, carried, b)
-
     return Form(
         "euler",
         units,
         rates,
         scalars,
         lambda e, s, z, b: type(units)(*e[: len(units)]),
-        to_angles,
+        angles_by(angles, scalars, wrapped_azimuth),
         integrals=(integral("phi", lambda q, carried, b: q.phi_dot), *integrals),
         orientation=by_angles(sine_and_cosine, psi_rate),
         domains=(*domains, AWAY_FROM_POLE),
@@ -351,8 +354,8 @@ def start_of(angles: Any) -> Callable:
         if "psi_dot" in data:
             e = e._replace(omega3=data["psi_dot"] + e.phi_dot * z)
         if data.get("centre_at_rest"):
-            along_e, along_2 = centre_velocity(e, s, z, b)
-            e = e._replace(nu_x=e.nu_x - along_e, nu_y=e.nu_y - along_2)
+            along_e, along_2 = rolling_velocity(e, s, z, b)
+            e = e._replace(nu_x=-along_e, nu_y=-along_2)
         return e
 
     return start
@@ -387,12 +390,11 @@ VECTOR = Form(
     domains=(NOT_JAMMED,),
 )
 EULER = in_euler_angles(
-    VECTOR,
     ANGLES,
     EULER_UNITS,
     euler_rates,
     euler_scalars,
-    (*place(velocity), *work_and_impulse(euler_scalars)),
+    (*place_of_angles(centre_velocity), *work_and_impulse(euler_scalars)),
     NOT_JAMMED,
 )
 FORMS = {form.name: form for form in (VECTOR, EULER)}

@@ -8,16 +8,16 @@ from operator import itemgetter
 from typing import Any
 
 from ..event import Event
-from ..form import CLOCK, Exit, Phase
-from ..friction import LAWS, PARTS, all_laws, has_parts, is_frictionless
+from ..form import CLOCK, Exit, Form, Phase
+from ..friction import LAWS, PARTS, all_laws, has_parts
 from ..number import Number
 from ..operand import formula
 from ..system import System
 from ..units import METRE, METRE_PER_SECOND
 from . import gliding
 from .body import BALLS, Touch, seen_from_balls
-from .contact_phases import CONE, RESTS, STICK
-from .exits import IMPACT, KINDS, PHASES, REASONS, begin, come_to_rest, go_on, phase_name
+from .contact_phases import CONE, PHASES, RESTS, STICK, phase_name, phases_under
+from .exits import IMPACT, JUMPS, REASONS, begin, go_on
 from .integrals import NAMED, integral
 from .rows import (
     ANGLES,
@@ -50,18 +50,13 @@ OCCURRENCES = (
     Event(
         "liftoff",
         "normal force falls to zero: the body flies",
-        None,
-        -1,
+        direction=-1,
         kept=gliding.LIFTOFF.kept,
     ),
-    replace(STICK, formula=None, direction=0, ends=None),
-    replace(CONE, formula=None, direction=0, ends=None),
-    Event("reversal", "sliding turns back at once where it stops", None),
-    Event(
-        "impact",
-        "a ball strikes the plane: a landing, or one ball takes over from the other",
-        None,
-    ),
+    Event(STICK.name, STICK.long_name),
+    Event(CONE.name, CONE.long_name),
+    Event("reversal", "sliding turns back at once where it stops"),
+    Event("impact", "a ball strikes the plane: a landing, or one ball takes over from the other"),
 )
 """Events of a run that jumps log."""
 
@@ -92,47 +87,55 @@ def kind_of(law: Any) -> tuple:
     return law.set_valued, bool(law.regions), law.coefficient is not None, law.torque
 
 
-def in_plane(phase: Phase) -> Phase:
-    """Return a phase that integrates theta too."""
+def in_plane(form: Form) -> Form:
+    """Return a form that integrates theta too."""
     theta = integral("theta", lambda q, carried, b: planar_theta_dot(q, b))
-    integrals, turn = (theta, *phase.form.integrals), PLANAR_ROW.orientation
-    return replace(phase, forms=replace(phase.form, integrals=integrals, orientation=turn))
+    return replace(form, integrals=(theta, *form.integrals), orientation=PLANAR_ROW.orientation)
 
 
 # --- phases and exits ---------------------------------------------------------------------------
 
 
-def phases_of(planar: bool, law: Any, balls: int) -> dict[str, Phase]:
-    """Return the phases of a body under a law, by name."""
-    bare: dict[str, Bare] = {}
-    for label, kind in KINDS.items():
-        for regions, phase in kind.phases(law).items():
-            named = replace(in_plane(phase) if planar else phase, label=label)
-            for ball in range(balls + 1 - kind.balls):
-                bare[phase_name(label, ball, *regions)] = named, ball, regions
-    return {name: with_exits(name, bare, law) for name in bare}
+def phases_of(planar: bool, law: Any, balls: int, of_axis: tuple[Event, ...]) -> dict[str, Phase]:
+    """Return the phases of a body under a law, by name; of_axis: events where the axis moves."""
+    kinds = {
+        phase_name(label, ball, *regions): (phase, label, ball, regions)
+        for (label, *regions), phase in phases_under(law).items()
+        for ball in range(balls - (label == "both"))
+    }
+    phases = {}
+    for name, (phase, label, ball, regions) in kinds.items():
+        jumps: dict[str, Callable] = {
+            **JUMPS,
+            RESTS.name: partial(go_on, to=name, passed=RESTS.name),
+            **passages(label, ball, regions, law),
+        }
+        names = *(event.name for event in phase.events), CLOCK
+        form = replace(phase.form, not_normalised=("R", "c"))
+        phases[name] = replace(
+            phase,
+            forms=in_plane(form) if planar else form,
+            events=phase.events if phase.axis_stays else (*of_axis, *phase.events),
+            exits=tuple(Exit(one, tuple(kinds), jumps[one]) for one in names),
+            parameters=itemgetter(ball),
+            label=label,
+            ball=ball,
+        )
+    return phases
 
 
-Bare = tuple[Phase, int, tuple[str, ...]]
-"""A phase without exits, its ball, and the regions of the law on each ball in contact."""
-
-
-def with_exits(name: str, bare: dict[str, Bare], law: Any) -> Phase:
-    """Return a phase as its body and its law have it."""
-    phase, ball, regions = bare[name]
-    jumps: Any = {RESTS.name: partial(come_to_rest, slides=name), **KINDS[phase.label].jumps}
-    for at, region in enumerate(regions if law.regions.keys() >= {*regions} else ()):
-        for border in law.regions[region].borders:
-            to = phase_name(phase.label, ball, *regions[:at], border.follows, *regions[at + 1 :])
-            stays = border.direction if border.follows == region else 0
-            of_ball = "stem-" * at
-            jumps[of_ball + border.event] = partial(
-                go_on, to=to, passed=of_ball + border.back, side=stays
-            )
-    names = [event.name for event in phase.events] + [CLOCK] * (CLOCK in jumps)
-    exits = tuple(Exit(one, tuple(bare), jumps[one]) for one in names)
-    form = replace(phase.form, not_normalised=("R", "c"))
-    return replace(phase, forms=form, exits=exits, parameters=itemgetter(ball), ball=ball)
+def passages(label: str, ball: int, regions: list[str], law: Any) -> dict[str, Callable]:
+    """Return the jumps from regions of a law to the next ones, by event."""
+    return {
+        phase_name(way.event, at): partial(
+            go_on,
+            to=phase_name(label, ball, *regions[:at], way.follows, *regions[at + 1 :]),
+            passed=phase_name(way.back, at),
+        )
+        for at, region in enumerate(regions)
+        if region in law.regions
+        for way in law.regions[region].borders
+    }
 
 
 # --- systems ------------------------------------------------------------------------------------
@@ -158,12 +161,8 @@ def opened(system: System, law: Any, balls: int) -> System:
     quantities = columns(opening.planar, opening.routh, balls > 1)
     known = {*opening.without, *(quantity.name for quantity in quantities)}
     quantities += tuple(one for one in system.quantities if one.name not in known)
-    phases = {  # events of the axis, by the few scalars of a phase if these are enough
-        name: phase
-        if phase.axis_stays or opening.planar
-        else replace(phase, events=(*of_axis, *phase.events))
-        for name, phase in phases_of(opening.planar, law, balls).items()
-    }
+    # events of the axis by the few scalars of a phase, if these are enough
+    phases = phases_of(opening.planar, law, balls, () if opening.planar else of_axis)
 
     def start(data: dict[str, Any], s: Any, z: Any, b: Touch) -> Any:
         e = system.start(data, s, z, b)
@@ -175,13 +174,13 @@ def opened(system: System, law: Any, balls: int) -> System:
         internal(value, unit) converts SI values.
         """
         stem = (internal(rules.r, METRE), internal(rules.h, METRE)) if rules.stem else ()
-        of_disc = bool(law.regions) and not is_frictionless(b.friction)
-        if not (law.set_valued or law.regions) or b.friction.mu != 0 or of_disc:
-            return seen_from_balls(b, stem), phases
-        none = LAWS["none"].given(PARTS if has_parts(b.friction) else ())
-        free = none._make(getattr(b.friction, name) for name in none.parameters)
-        seen = seen_from_balls(b._replace(friction=free), stem)
-        return seen, opened(system, none, balls).phases
+        known, friction = phases, b.friction
+        if (law.set_valued or law.regions) and friction.mu == 0:
+            none = LAWS["none"].given(PARTS if has_parts(friction) else ())
+            known = opened(system, none, balls).phases
+            numbers = (getattr(friction, name, 0 * b.m) for name in none.parameters)
+            b = b._replace(friction=none._make(numbers))
+        return seen_from_balls(b, stem), known
 
     return replace(
         system,

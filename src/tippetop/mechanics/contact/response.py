@@ -16,7 +16,7 @@ from typing import Any
 
 from ..disc_friction import drag, rolling
 from ..friction import load
-from ..operand import Vector, cross, dot, formula, plus, times
+from ..operand import Vector, cross, dot, formula, minus, plus, sqrt, times
 from .body import (
     Moving,
     Touch,
@@ -31,39 +31,25 @@ from .body import (
 
 
 @formula
-def torque_acceleration(u, tau, b):
-    """Return (I^-1 tau) x a, (3,) [m/s^2].
+def gains(u, F, torque, b):
+    """Return the accelerations of the contact point and of the turning, (3,) each, by a force there
+    and a torque [m/s^2, rad/s^2].
 
-    A torque about the centre of mass gives it to the contact point.
+    They are K F + (I^-1 torque) x a, with K F = F/m + (I^-1 (a x F)) x a, and I^-1 (a x F +
+    torque).
     """
-    return cross(angular_velocity(Turning(u, tau), b), arm(u, b))
+    turns = angular_velocity(Turning(u, plus(cross(arm(u, b), F), torque)), b)
+    return plus(times(1 / b.m, F), cross(turns, arm(u, b))), turns
 
 
 @formula
-def mobility_times(u, F, torque, b):
-    """Return the acceleration of the contact point by a force there and a torque, (3,) [m/s^2].
+def mobility_inverse_times(u, x, b, less=0):
+    """Return K^-1 x, (3,): the force or impulse for x at the contact.
 
-    It is K F + (I^-1 torque) x a, with K F = F/m + (I^-1 (a x F)) x a.
+    K^-1 = kappa - a a/I1 + excess k k, k = zhat x 3hat; a torque about the vertical makes the
+    excess less.
     """
-    turn = plus(cross(arm(u, b), F), torque)
-    return plus(times(1 / b.m, F), torque_acceleration(u, turn, b))
-
-
-@formula
-def mobility_inverse_times(u, x, b):
-    """Return K^-1 x, (3,): the force or impulse for x at the contact."""
-    return other_mobility_inverse_times(u, x, excess(b), b)
-
-
-@formula
-def excess(b):
-    """Return the factor of k k in K^-1 = kappa - a a/I1 + excess k k, k = zhat x 3hat."""
-    return b.R**2 * (1 / b.I3 - 1 / b.I1)
-
-
-@formula
-def other_mobility_inverse_times(u, x, excess, b):
-    """Return K^-1 x with another excess, which a torque about the vertical changes."""
+    excess = b.R**2 * (1 / b.I3 - 1 / b.I1) - less
     a = arm(u, b)
     kappa = 1 / b.m + arm2(u.z, b) / b.I1
     across = u.x * x.y - u.y * x.x  # k.x
@@ -90,7 +76,16 @@ def bias_vector(x, b):
 @formula
 def contact_acceleration(x, F, torque, b):
     """Return the acceleration of the contact point, (3,) [m/s^2]."""
-    return plus(bias_vector(x, b), mobility_times(x.u, F, torque, b))
+    by_force, _ = gains(x.u, F, torque, b)
+    return plus(bias_vector(x, b), by_force)
+
+
+@formula
+def work_of(x, p, twist, b):
+    """Return the energy that impulses of a force and a torque at its contact give a body [J]."""
+    speeds = zip(velocities(x, b), gains(x.u, p, twist, b), strict=True)
+    v, omega = (plus(times(2, before), more) for before, more in speeds)
+    return (dot(p, v) + dot(twist, omega)) / 2
 
 
 def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
@@ -99,30 +94,22 @@ def kicked(x: Moving, b: Touch, p: Vector, twist: Vector) -> Moving:
         L=plus(plus(x.L, cross(arm(x.u, b), p)), twist),
         velocity=plus(x.velocity, times(1 / b.m, p)),
     )
-    v, omega = map(plus, velocities(x, b), velocities(after, b))
-    gains = (dot(p, v) + dot(twist, omega)) / 2
-    return gained(after, work=-gains, impulse=p.z, jellett_lost=dot(twist, arm(x.u, b)))
+    lost = dot(twist, arm(x.u, b))
+    return gained(after, work=-work_of(x, p, twist, b), impulse=p.z, jellett_lost=lost)
 
 
-# --- sliding: F = N (zhat - push) ---------------------------------------------------------------
+# --- sliding ------------------------------------------------------------------------------------
 
 
-@formula
-def sliding(x, push, per_force, b):
-    """Return the force and torque (3,) on a body that slides.
+def sliding(x, friction, v, b):
+    """Return the force and torque (3,) on a body that slides with the horizontal velocity v.
 
-    Its contact acts by the horizontal friction -N push and the torque N per_force.
+    friction(omega, v, z, b) gives them per normal force.
     """
-    per = Vector(-push.x, -push.y, 1 + 0 * x.u.z)
-    N = -bias_vector(x, b).z / mobility_times(x.u, per, per_force, b).z
-    return times(N, per), times(N, per_force)
-
-
-@formula
-def sliding_along(x, n, b):
-    """Return the force and torque of Coulomb's law, sliding along the horizontal unit Vector n."""
-    push = Vector(b.friction.mu * n.x, b.friction.mu * n.y, 0 * x.u.z)
-    return sliding(x, push, load(angular_velocity(x, b), b.friction), b)
+    force, torque = friction(angular_velocity(x, b), v, x.u.z, b)
+    by_force, _ = gains(x.u, force, torque, b)
+    N = -bias_vector(x, b).z / by_force.z
+    return times(N, force), times(N, torque)
 
 
 @formula
@@ -134,94 +121,62 @@ def across_and_along(G, n):
     return n.x * G.y - n.y * G.x, n.x * G.x + n.y * G.y
 
 
-# --- a point that sticks ------------------------------------------------------------------------
+# --- a contact at rest, of a point or of a disc -------------------------------------------------
 
 
-@formula
-def sticking(x, b):
-    """Return the force and torque (3,) on a body whose contact point stays at rest."""
-    return held_point(x.u, bias_vector(x, b), angular_velocity(x, b), b)
+def turning(u, b):
+    """Return the effect of the torque that keeps Omega_z: t, 1/k_zz, and t^2/k_zz per k^2.
 
-
-@formula
-def held_point(u, bias, omega, b):
-    """Return the force and torque (3,) that keep a contact point at rest while it turns with omega.
-
-    Without them, its acceleration would be `bias`.
+    t is the acceleration of the contact point per torque, along zhat x 3hat, and Omega_z' per
+    force; k_zz is Omega_z' per torque, regular at the poles. A point, which turns freely, has no
+    such torque: 1/k_zz is zero.
     """
-    per_force = load(omega, b.friction)
-    F = held(u, bias, torque_acceleration(u, per_force, b), excess(b), b)
-    return F, times(F.z, per_force)
+    more = 1 / b.I3 - 1 / b.I1
+    own = (u.x * u.x + u.y * u.y) / b.I1 + u.z * u.z / b.I3
+    per = 1 / own if b.friction.regions else 0 * own
+    lever = b.c / b.I1 + b.R * u.z * more
+    return Vector(-(lever * u.y), lever * u.x, 0 * u.z), per, lever**2 * per
 
 
-@formula
-def held(u, bias, loaded, excess, b):
-    """Return the force (3,) that cancels the acceleration bias + N loaded, N the normal force."""
-    of_bias = other_mobility_inverse_times(u, bias, excess, b)
-    of_load = other_mobility_inverse_times(u, loaded, excess, b)
-    N = -of_bias.z / (1 + of_load.z)
-    return times(-1, plus(of_bias, times(N, of_load)))
+def impulses(u, v, Omega_z, b):
+    """Return the impulses (3,) of force and torque that add v to the slip, and Omega_z to the
+    turning of a disc.
+    """
+    along, per, less = turning(u, b)
+    p = mobility_inverse_times(u, plus(v, times(-(Omega_z * per), along)), b, less)
+    return p, Vector(0 * p.z, 0 * p.z, (Omega_z - dot(p, along)) * per)
+
+
+def stopping(x, b):
+    """Return the impulses that bring the contact point, and the turning of a disc, to rest."""
+    v, omega = velocities(x, b)
+    return impulses(x.u, times(-1, v), -omega.z, b)
+
+
+def resting(x, b):
+    """Return the force and torque (3,) on a body whose contact stays at rest."""
+    free = (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u) * axis_rate(x, b).z  # Omega_z' without them
+    return held(x.u, bias_vector(x, b), free, angular_velocity(x, b), b)
+
+
+def held(u, bias, free, omega, b):
+    """Return the force and torque (3,) that keep a contact at rest while it rolls with omega.
+
+    Without them, the acceleration of its contact point would be `bias`, and Omega_z' = `free`.
+    """
+    rolls = (rolling if b.friction.regions else load)(omega, b.friction)
+    by_load, turns = gains(u, times(0, rolls), rolls, b)
+    F, torque = impulses(u, bias, free, b)
+    more, twist = impulses(u, by_load, turns.z, b)
+    N = -F.z / (1 + more.z)
+    torque = minus(times(N, minus(rolls, twist)), torque)
+    return times(-1, plus(F, times(N, more))), torque
 
 
 @formula
 def cone(F, body):
     """Return mu^2 N^2 - |F_h|^2 [N^2]: falls through zero where rolling ends."""
     return (body.friction.mu * F.z) ** 2 - F.x * F.x - F.y * F.y
-
-
-# --- a disc at rest -----------------------------------------------------------------------------
-
-
-@formula
-def turning(u, b):
-    """Return the effect of a torque about the vertical: t, k_zz, and the excess of K - t t/k_zz.
-
-    t is the acceleration of the contact point per torque, along zhat x 3hat, and Omega_z' per
-    force; k_zz is Omega_z' per torque, regular at the poles.
-    """
-    more = 1 / b.I3 - 1 / b.I1
-    own = (u.x * u.x + u.y * u.y) / b.I1 + u.z * u.z / b.I3
-    lever = b.c / b.I1 + b.R * u.z * more
-    return Vector(-(lever * u.y), lever * u.x, 0 * u.z), own, excess(b) - lever**2 / own
-
-
-@formula
-def impulses(u, v, Omega_z, b):
-    """Return the impulses (3,) of force and torque that add v to the slip, and Omega_z to the
-    turning of the disc.
-    """
-    along, own, excess = turning(u, b)
-    p = other_mobility_inverse_times(u, plus(times(-(Omega_z / own), along), v), excess, b)
-    return p, Vector(0 * p.z, 0 * p.z, (Omega_z - dot(p, along)) / own)
-
-
-@formula
-def stopping(x, b):
-    """Return the impulses that bring the contact point and the turning of the disc to rest."""
-    v, omega = velocities(x, b)
-    return impulses(x.u, times(-1, v), -omega.z, b)
-
-
-@formula
-def resting(x, b):
-    """Return the force and torque (3,) that keep a disc at rest, whose v_A and Omega_z are 0."""
-    free = (1 / b.I3 - 1 / b.I1) * dot(x.L, x.u) * axis_rate(x, b).z  # Omega_z' without them
-    return held_disc(x.u, bias_vector(x, b), free, angular_velocity(x, b), b)
-
-
-@formula
-def held_disc(u, bias, free, omega, b):
-    """Return the force and torque (3,) that keep a disc at rest while it rolls with omega.
-
-    Without them, the acceleration of its contact point would be `bias`, and Omega_z' = `free`.
-    """
-    along, own, excess = turning(u, b)
-    rolls = rolling(omega, b.friction)
-    loaded = angular_velocity(Turning(u, rolls), b).z
-    by_load = plus(torque_acceleration(u, rolls, b), times(-loaded / own, along))
-    F = held(u, plus(bias, times(-free / own, along)), by_load, excess, b)
-    turns = -(free + dot(F, along) + F.z * loaded) / own
-    return F, Vector(F.z * rolls.x, F.z * rolls.y, turns)
 
 
 HALVINGS = 60  # of the interval in which w/U lies
@@ -242,8 +197,9 @@ def sliding_at(force: float) -> float:
 INSIDE = drag(1.0, 1.0).k  # |F_h|/(mu N) at x = 1
 
 
-def margin(force: Any, torque: Any, law: Any) -> float:
-    """Return by how much friction of a disc at rest can exceed a torque.
+def margin(force: Any, torque: Any, law: Any) -> Any:
+    """Return by how much friction of a contact at rest can exceed the force on a point, or the
+    torque on a disc.
 
     The torque is about the vertical, per mu N patch.
 
@@ -252,32 +208,35 @@ def margin(force: Any, torque: Any, law: Any) -> float:
     Parameters
     ----------
     force
-        On the disc, (3,).
+        On the contact, (3,).
     torque
         About the vertical.
     law
         The record of the law.
     """
+    if not law.regions:
+        return law.mu * force.z - sqrt(force.x * force.x + force.y * force.y)
     limit = float(law.mu * force.z)
     if not limit > 0:
         return -1.0
-    push, torque = math.hypot(force.x, force.y) / limit, abs(float(torque))
-    turn = max(torque - float(getattr(law, "mu_d", 0.0) * force.z), 0.0) / (
-        limit * float(law.patch)
-    )
+    push = math.hypot(force.x, force.y) / limit
+    turn = max(abs(torque) - getattr(law, "mu_d", 0.0) * force.z, 0.0) / (limit * law.patch)
     if not push < 1:
         return 1 - push - turn
-    return float(drag(sliding_at(push) ** 2, 1.0).twist) - turn
+    return drag(sliding_at(push) ** 2, 1.0).twist - turn
 
 
 MOST = 1 - 2.0**-40  # |F_h|/(mu N) of a disc that hardly turns
 
 
-def direction(force: Any, torque: Any, law: Any) -> tuple[Vector, float]:
+def direction(force: Any, torque: Any, law: Any) -> tuple[Vector, Any]:
     """Return v_A and the velocity of the edge, of length 1 together.
 
     They are those of the slide in which friction is that of `margin` where its bound is reached.
     """
+    if not law.regions:
+        push = force._replace(z=0 * force.z)
+        return times(-1 / sqrt(dot(push, push)), push), push.z
     push = math.hypot(force.x, force.y)
     x = sliding_at(min(push / float(law.mu * force.z), MOST))
     length = math.hypot(x, 1.0)

@@ -15,9 +15,18 @@ from ..system import Form, Quantity
 from ..units import METRE, NEWTON, NEWTON_SECOND, ONE, RADIAN, RADIAN_PER_SECOND
 from . import body as contact
 from . import gliding
-from .body import arm_velocity, filled, kinematics_of_angles, moment, of_azimuth, state
+from .body import arm_velocity, filled, kinematics_of_angles, moment, state
 from .body_axes import carried_along
-from .gliding import angles_by, axis, axis_and_momentum, axis_rate, in_euler_angles, turning
+from .gliding import (
+    angles_by,
+    axis,
+    axis_and_momentum,
+    axis_rate,
+    in_euler_angles,
+    place_of_angles,
+    spins,
+    turning,
+)
 from .integrals import integral, place
 from .response import bias_vector, mobility_inverse_times
 
@@ -63,15 +72,11 @@ def push_along(s, b):
 
 @formula
 def push_across(s, b):
-    """Return (3hat x F).zhat [N]: horizontal reaction across the lean, times sin(theta)."""
-    slope = b.I1 * (b.R * s.z) + b.I3 * (b.c - b.R * s.z)
-    return b.m * (s.L3 * s.z_dot) * slope / spin_determinant(s.z, b)
+    """Return (3hat x F).zhat [N]: horizontal reaction across the lean, times sin(theta).
 
-
-@formula
-def spin_determinant(z, b):
-    """Return I3^2 d(z) = I1 I3 + m R^2 I1 sin(theta)^2 + m I3 (c - R z)^2 [kg^2 m^4]. [T 4.2]"""
-    return b.I1 * b.I3 + b.m * (b.R**2 * b.I1 * ((1 - z) * (1 + z)) + b.I3 * (b.c - b.R * z) ** 2)
+    [contact 2.3]
+    """
+    return -(contact.bias_n(s, b) / contact.mobility_n(s, b))
 
 
 @formula
@@ -83,7 +88,7 @@ def horizontal_force(s, b):
 @formula
 def friction_needed(s, b):
     """Return the coefficient of Coulomb friction that pure rolling needs, |F_h|/F_z."""
-    return sqrt(s.friction_force2) / normal_force(s, b)
+    return horizontal_force(s, b) / normal_force(s, b)
 
 
 @formula
@@ -121,31 +126,6 @@ EulerState, Angles = type(EULER_UNITS), type(ANGLES)
 
 
 @formula
-def euler_accelerations(e, s, z, b):
-    """Return theta'', phi'', omega_3' in Euler angles. [T 4.2-4.4]"""
-    h, q = contact.height(z, b), b.c - b.R * z
-    determinant = spin_determinant(z, b)
-    theta_dot2 = (
-        s
-        * (
-            e.phi_dot**2 * (b.I1 * z - b.m * q * h)
-            - e.phi_dot * e.omega3 * (b.m * b.R * h + b.I3)
-            - b.m * b.c * (b.R * e.theta_dot**2 + b.g)
-        )
-        / (b.I1 + b.m * contact.arm2(z, b))
-    )
-    phi_dot2 = (
-        e.theta_dot
-        / s
-        * (e.omega3 * b.I3 * (b.I3 + b.m * b.R * h) / determinant - 2 * e.phi_dot * z)
-    )
-    omega3_dot = (
-        -(b.m * b.R * (e.omega3 * e.theta_dot * s)) * (b.I1 * b.R * z + b.I3 * q) / determinant
-    )
-    return theta_dot2, phi_dot2, omega3_dot
-
-
-@formula
 def euler_scalars(e, b):
     """Return the scalars of an Euler-angle state."""
     s, z = sin(e.theta), cos(e.theta)
@@ -154,26 +134,16 @@ def euler_scalars(e, b):
 
 @formula
 def euler_rates(e, b):
-    """Return the equations in Euler angles. [T 4.2-4.4]"""
-    s, z = sin(e.theta), cos(e.theta)
-    return EulerState(e.theta_dot, *euler_accelerations(e, s, z, b))
-
-
-@formula
-def euler_velocity(q, carried, b):
-    """Return x', y' of the centre of mass [m/s]."""
-    along_e, along_2 = contact.rolling_velocity(
-        q.theta_dot, q.phi_dot, q.omega3, sin(q.theta), cos(q.theta), b
-    )
-    return of_azimuth(along_e, along_2, carried.phi)
+    """Return the equations in Euler angles. [equal to T 4.2-4.4]"""
+    s, c = sin(e.theta), euler_scalars(e, b)
+    theta_dot2 = -((z_dot2(c, b) + e.theta_dot**2 * c.z) / s)
+    return EulerState(e.theta_dot, theta_dot2, *spins(e, push_across(c, b) / s, b))
 
 
 @formula
 def vertical_force(q, carried, b):
-    """Return the normal force m (g + c (theta'' sin(theta) + theta'^2 cos(theta))) [N]."""
-    s, z = sin(q.theta), cos(q.theta)
-    theta_dot2, _, _ = euler_accelerations(q, s, z, b)
-    return b.m * (b.g + b.c * (theta_dot2 * s + q.theta_dot**2 * z))
+    """Return the normal force of a state in Euler angles [N]."""
+    return normal_force(euler_scalars(q, b), b)
 
 
 # --- vector form: regular everywhere --------------------------------------------------------------
@@ -252,12 +222,11 @@ VECTOR = Form(
     orientation=carried_along(axis_rate, spin),
 )
 EULER = in_euler_angles(
-    VECTOR,
     ANGLES,
     EULER_UNITS,
     euler_rates,
     euler_scalars,
-    (*place(euler_velocity), integral("impulse", vertical_force)),
+    (*place_of_angles(contact.rolling_velocity), integral("impulse", vertical_force)),
 )
 UNDEFINED_AT_POLES = ("phi", "phi_dot")
 FORMS = {form.name: form for form in (VECTOR, EULER)}

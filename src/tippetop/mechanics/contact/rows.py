@@ -4,7 +4,6 @@ A row is the common state with the reaction of the plane, the ball in contact, o
 and the phase. User-defined events are functions of the scalars too.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -14,20 +13,17 @@ from ..operand import Vector, dot
 from ..units import (
     ANGULAR_MOMENTUM,
     JELLETT,
-    JOULE,
     METRE,
     METRE_PER_SECOND,
     NEWTON,
-    NEWTON_SECOND,
     ONE,
-    RADIAN,
     WATT,
 )
 from . import body as contact
 from . import gliding
-from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, state
-from .body_axes import carried_along, planar
-from .exits import PHASES
+from .body import BALLS, VELOCITY, Moving, filled, kinematics, of_azimuth, slip_scalars, state
+from .body_axes import by_angles, carried_along
+from .contact_phases import PHASES
 from .gliding import EULER_UNITS, angles_by, axis, axis_and_momentum, axis_rate, turning
 from .integrals import integral
 from .rolling import spin
@@ -62,7 +58,7 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
     b is the body seen from the ball of the phase. Numbers, arrays or expressions.
     """
     x, by = phase.leave(q, b), phase.reaction(q, b)
-    reference = getattr(carried, "jellett_reference", math.nan)
+    reference = carried.jellett_reference
     if phase.label == "both" and not hasattr(carried, "jellett_lost"):  # nothing is conserved
         reference = contact.jellett_of(x.L.z, dot(x.L, x.u), b)
     gap, first = contact.gap(x, b), b
@@ -76,7 +72,8 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
 
 # --- scalars ------------------------------------------------------------------------------------
 
-KNOWN = (
+FIELDS = (
+    *contact.Kinematics._fields,
     "v_u",  # v_A.3hat of the horizontal part
     "v_n",  # (3hat x v_A).zhat
     "v2",  # |v_A|^2 of the horizontal part
@@ -84,8 +81,8 @@ KNOWN = (
     "speed2",  # |s'|^2 of the centre of mass, all three components
     "power",  # that friction takes
     "gap",  # of the ball that is in contact, or was last
+    *Row._fields[9:],
 )
-FIELDS = (*contact.Kinematics._fields, *KNOWN, *Row._fields[9:])
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, with the other numbers of a row."""
 
@@ -101,9 +98,7 @@ def row_scalars(q, b):
     u, v = axis(q), lowest_velocity(q, b)
     return Scalars(
         *kinematics(turning(q), axis_rate(q, b), b),
-        u.x * v.x + u.y * v.y,
-        u.x * v.y - u.y * v.x,
-        v.x * v.x + v.y * v.y,
+        *slip_scalars(u, v),
         v.z,
         q.rx_dot**2 + q.ry_dot**2 + q.rz_dot**2,
         q.drilled - (q.Fx * v.x + q.Fy * v.y),
@@ -115,16 +110,8 @@ def row_scalars(q, b):
 # --- angles -------------------------------------------------------------------------------------
 
 
-ANGLES = filled(
-    **EULER_UNITS._asdict(),
-    nu_z=METRE_PER_SECOND,
-    gap=METRE,
-    phi=RADIAN,
-    x=METRE,
-    y=METRE,
-    work=JOULE,
-    impulse=NEWTON_SECOND,
-)
+LOWEST = {"nu_z": METRE_PER_SECOND, "gap": METRE}
+ANGLES = filled(**(EULER_UNITS._asdict() | LOWEST | gliding.ANGLES._asdict()))
 """Public variables: those of a gliding body, and velocity and height of the lowest point."""
 
 DISC_ANGLES = filled(**ANGLES._asdict(), jellett_lost=JELLETT)
@@ -141,20 +128,20 @@ def row_of_angles(e, s, z, b):
     none = 0 * z
     e = type(ANGLES)(*(getattr(e, name, none) for name in ANGLES._fields))
     x = axis_and_momentum(e, s, z, b.I1, b.I3)
-    b = b._replace(R=b.R + none, c=b.c + none)
     v = contact.arm_velocity(x, b)
     along_x, along_y = of_azimuth(e.nu_x, e.nu_y, e.phi)
     velocity = along_x - v.x, along_y - v.y, e.nu_z - v.z
     height, jellett = e.gap + b.R - b.c * z, contact.jellett_of(x.L.z, b.I3 * e.omega3, b)
     zeros = (none,) * 3
-    return Row(*x.u, *x.L, *velocity, height, *zeros, b.R, b.c, *zeros, jellett, none)
+    ball = b.R + none, b.c + none
+    return Row(*x.u, *x.L, *velocity, height, *zeros, *ball, *zeros, jellett, none)
 
 
 def planar_angles_of_row(q, carried, b):
     """Return the angles of a row of a motion in a plane."""
-    v, gap = lowest_velocity(q, b), row_scalars(q, b).gap
+    v, c = lowest_velocity(q, b), planar_scalars(q, b)
     theta, *others = carried[:4]
-    return type(PLANAR_ANGLES)(theta, planar_theta_dot(q, b), v.x, v.z, gap, *others)
+    return type(PLANAR_ANGLES)(theta, c.theta_dot, v.x, c.rise, c.gap, *others)
 
 
 def planar_theta_dot(q, b):
@@ -199,7 +186,7 @@ PLANAR_ROW = replace(
     scalars=planar_scalars,
     to_angles=planar_angles_of_row,
     integrals=carried("theta", "x", "work", "impulse"),
-    orientation=planar(lambda q: (q.ux, q.uz)),
+    orientation=by_angles(lambda q: (q.ux, q.uz)),
 )
 
 

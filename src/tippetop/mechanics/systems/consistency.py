@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -130,6 +130,8 @@ def unmet_requirements(system: System) -> list[str]:
                 {"friction"} & {*system.parameters},
             f"`tables` {of} must have `phases` if they are given, but have":
                 [] if "phases" in system.tables else system.tables,
+            f"`tables` {of} must have a dict of columns for each name, but have none for":
+                [name for name, kinds in system.tables.items() if not isinstance(kinds, Mapping)],
             f"`angles` {of} must have the fields `theta` and `theta_dot`, unless a phase has exits,"
             " and `work` where a form integrates it, but lacks":
                 [name for name in needed if name not in angles],

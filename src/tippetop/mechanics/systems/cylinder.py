@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from ..contact import body as contact
 from ..contact import gliding
 from ..contact.body import Top, Touch
-from ..contact.body_axes import planar
+from ..contact.body_axes import by_angles
 from ..contact.integrals import integral
 from ..event import Event
 from ..friction import LAWS, FrictionLaw, slip_coefficient
@@ -280,7 +280,7 @@ FORM = Form(
         integral("work", lambda q, carried, b: friction_power(scalars(q, b), b)),
         integral("impulse", lambda q, carried, b: normal_force(scalars(q, b), b)),
     ),
-    orientation=planar(lambda q: (q.s, q.z)),
+    orientation=by_angles(lambda q: (q.s, q.z)),
     domains=(NOT_JAMMED,),
 )
 TURNING = Event("turning", "turning angle, theta' = 0", turning, sense=1)

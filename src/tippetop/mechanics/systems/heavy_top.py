@@ -204,7 +204,6 @@ FIXED_VECTOR = Form(
     orientation=carried_along(tip_axis_rate, rolling.spin),
 )
 FIXED_EULER = gliding.in_euler_angles(
-    FIXED_VECTOR,
     ANGLES,
     rolling.EULER_UNITS,
     rolling.euler_rates,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..contact import body as contact
 from ..contact import gliding, rolling
-from ..contact.body_axes import planar
+from ..contact.body_axes import by_angles
 from ..contact.integrals import integral
 from ..operand import Operand, formula
 from ..system import Form, of_one_phase
@@ -88,7 +88,7 @@ ROLLING_FORM = Form(
         integral("x", lambda q, carried, b: q.theta_dot * contact.height(q.z, b)),
         integral("impulse", lambda q, carried, b: rolling.normal_force(rolling_scalars(q, b), b)),
     ),
-    orientation=planar(lambda q: (q.s, q.z)),
+    orientation=by_angles(lambda q: (q.s, q.z)),
 )
 
 
