@@ -127,11 +127,11 @@ DECOMPOSITION = {
     ("rolling-tippe-top", "contact"): 96,
     ("rolling-tippe-top", "vector"): 129,
     ("rolling-tippe-top", "reduced"): 89,
-    ("rolling-tippe-top", "euler"): 94,
+    ("rolling-tippe-top", "euler"): 99,
     ("gliding-heavy-top", "vector"): 86,
     ("gliding-heavy-top", "euler"): 127,
     ("heavy-top", "vector"): 50,
-    ("heavy-top", "euler"): 58,
+    ("heavy-top", "euler"): 63,
     ("gliding-cylinder", "angle"): 60,
     ("rolling-cylinder", "angle"): 46,
 }

@@ -14,6 +14,8 @@ from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
 from tippetop.engine.orientation import quaternion
+from tippetop.mechanics.operand import Vector
+from tippetop.mechanics.rotation import outer
 from tippetop.problem import Problem
 from tippetop.runs import starting
 from tippetop.runs.run import solve
@@ -119,7 +121,7 @@ def test_quaternions_of_rotations(rng: np.random.Generator) -> None:
         ]
     )
     R = turns.as_matrix()
-    found = quaternion(R[:, :, 0].T, R[:, :, 2].T)
+    found = quaternion(outer(Vector(*R[:, :, 0].T), Vector(*R[:, :, 2].T))).T
     expected = np.roll(turns.as_quat(), 1, axis=1)
     assert np.abs(np.abs(np.sum(found * expected, axis=1)) - 1).max() < 1e-15
     assert (found[:, 0] >= 0).all()

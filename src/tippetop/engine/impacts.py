@@ -176,6 +176,8 @@ class ImpactMotions:
             if passed == "stops":
                 q = q._replace(**dict.fromkeys(("v_x", "v_y", "turn", "grown"), 0 * q.v_n))
                 self.region, self.mode, passed = motion.REST, "stick", ""
+            if self.region not in self.stages:  # the slip is not finite
+                raise ArithmeticError(UNSOLVED)
             stage, rests = self.stages[self.region], self.region == motion.REST
             acts = stage.acts(q, b)
             if rests and not motion.left(acts, b) > 0:

@@ -1,24 +1,23 @@
-"""Rotation matrices as unit quaternions, which have no pole."""
+"""Rotations as unit quaternions, which have no pole."""
+
+from typing import Any
 
 import numpy as np
 
-from ..mechanics.operand import Vector
-from ..mechanics.rotation import outer
 
-
-def quaternion(first: np.ndarray, third: np.ndarray) -> np.ndarray:
-    """The unit quaternion that turns body axes into space axes: v_space = q v_body q*.
+def quaternion(products: Any) -> np.ndarray:
+    """Return the unit quaternion that turns body axes into space axes: v_space = q v_body q*.
 
     Parameters
     ----------
-    first, third
-        Axes 1 and 3 of the body in the space frame, (3, n).
+    products
+        4 q q^t of the axes of the body (`mechanics.rotation.outer`), (4, 4, ...).
 
     Returns
     -------
     ndarray
-        (n, 4), components w, x, y, z. Of q and -q, which are one rotation, the one with w >= 0 (w =
-        0: the first other component that is not 0 is positive), so that a row does not depend on
+        (4, ...), components w, x, y, z. Of q and -q, which are one rotation, the one with w >= 0 (w
+        = 0: the first other component that is not 0 is positive), so that a row does not depend on
         those before it. To interpolate, flip the sign of a row whose scalar product with the row
         before is negative.
 
@@ -28,18 +27,9 @@ def quaternion(first: np.ndarray, third: np.ndarray) -> np.ndarray:
     largest is taken, so that no digits are lost. With additions, products and square roots alone,
     the bits are the same wherever a row stands.
     """
-    products = outer(Vector(*first), Vector(*third))
-    parts, most = list(products[0]), products[0][0]
-    for k in range(1, 4):
-        number = products[k][k]
-        more = number > most
-        parts = [
-            np.where(more, other, part) for part, other in zip(parts, products[k], strict=True)
-        ]
-        most = np.where(more, number, most)
-    q = np.array(parts)
+    rows = np.array(products)
+    largest = np.argmax([rows[k, k] for k in range(4)], axis=0)
+    q = np.take_along_axis(rows, largest[None, None], axis=0)[0]
     q /= np.sqrt((q[0] ** 2 + q[1] ** 2) + (q[2] ** 2 + q[3] ** 2))
-    leading = q[0]
-    if not leading.all():
-        leading = np.take_along_axis(q, np.argmax(q != 0, axis=0)[None], axis=0)[0]
-    return np.where(leading < 0, -q, q).T
+    leading = np.take_along_axis(q, np.argmax(q != 0, axis=0)[None], axis=0)
+    return np.where(leading < 0, -q, q)

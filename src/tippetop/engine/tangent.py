@@ -3,13 +3,15 @@ along directions.
 """
 
 import threading
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-import heyoka as hy
 import numpy as np
 
 from ..awaiting import awaited
+from ..mechanics.system import Number
+from ..mechanics.units import SECOND
+from ..problem import Problem, refuse
 from .integrator import awaited_once
 from .variational import Kind, compiled_motion, compiled_readings, compiled_starts
 
@@ -18,130 +20,157 @@ MOST_LANES = 4
 _one_at_a_time = threading.Lock()  # integrators are shared, and have a state
 
 
-@dataclass(frozen=True)
 class Tangents:
-    """Motions with their derivatives along directions.
+    """Motions with their derivatives by the numbers of a problem.
 
     Parameters
     ----------
-    kind
-        The system that moves.
-    tolerance
-        Of the integrator; 0 is the rounding unit.
+    problem
+        The run; the derivatives of its orientation are computed if it has one.
+    wrt
+        Dotted names; an initial number among them that is not given is 0.
     most
         Steps per internal unit of time beyond which a motion counts as one that cannot be
         integrated; 0: any number.
+
+    Raises
+    ------
+    InputError
+        If the problem has no number of a name, or the run has no derivatives.
+
+    Attributes
+    ----------
+    values
+        All numbers by name, SI.
+    directions
+        One internal unit of each of `wrt`, (numbers, directions).
     """
 
-    kind: Kind
-    tolerance: float
-    most: float = 0.0
+    def __init__(self, problem: Problem, wrt: Sequence[str], most: float = 0.0):
+        refuse(problem, wrt)
+        self.problem, self.most = problem, most
+        given = dict.fromkeys(sorted(wrt), 0.0)
+        for table in ("parameters", "friction", "initial"):
+            given |= {f"{table}.{name}": value for name, value in problem.tables[table].items()}
+        self.flags = tuple(name for name, value in given.items() if value is True)
+        self.values = {
+            name: float(value) for name, value in given.items() if not isinstance(value, bool)
+        }
+        self.directions = np.array([[float(name == one) for one in wrt] for name in self.values])
 
-    def states(self, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray) -> np.ndarray:
+    def rule(self, name: str) -> Number:
+        """Unit and interval of a number."""
+        return self.problem.rules[name]
+
+    def scale(self, name: str) -> float:
+        """SI units in one internal unit of a number."""
+        return float(self.problem.scales.of(self.rule(name).unit))
+
+    def internal(self, values: Mapping[str, Any] | None = None) -> np.ndarray:
+        """The numbers in internal units, (numbers, points): those of the problem, some replaced by
+        `values`, (points,) each.
+        """
+        numbers = {**self.values, **(values or {})}
+        rows = [np.atleast_1d(value) / self.scale(name) for name, value in numbers.items()]
+        return np.array(np.broadcast_arrays(*rows))
+
+    def _kind(self, order: int) -> Kind:
+        """Key of the compiled functions."""
+        problem, names = self.problem, tuple(self.values)
+        return Kind(problem.system, problem.variables, problem.law, names, self.flags, order)
+
+    def states(
+        self, order: int, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray
+    ) -> np.ndarray:
         """Return states with derivatives at given times.
 
         Parameters
         ----------
+        order
+            0, 1 or 2: the highest derivative.
         numbers, ways
             The user's numbers in internal units, (numbers, 1 or lanes), and the directions,
             (numbers, lanes).
         times
-            Internal, (rows,) or (rows, lanes), ascending; the start is at 0.
+            [s], (rows, 1 or lanes), ascending; the start is at 0.
 
         Returns
         -------
         ndarray
-            (rows, order + 1, variables, lanes); NaN from where a motion cannot be integrated
+            (order + 1, variables, rows, lanes); NaN from where a motion cannot be integrated
             further.
         """
-        kind, total = self.kind, ways.shape[1]
-        lanes = 1 << min(total - 1, MOST_LANES - 1).bit_length()
-        times = np.broadcast_to(times[:, None] if times.ndim == 1 else times, (len(times), total))
+        kind, total = self._kind(order), ways.shape[1]
+        internal = np.broadcast_to(times, (len(times), total)) / self._second
         starts = awaited_once(compiled_starts, (kind,), "the start is being compiled")
-        key = kind, lanes, self.tolerance
+        width = 1 << min(total - 1, MOST_LANES - 1).bit_length()
+        key = kind, width, self.problem.tolerance
         integrator = awaited_once(
             compiled_motion, key, "the variational equations are being compiled"
         )
         pars = _parameters(numbers, ways)
         begin = starts(np.empty((0, total)), pars=pars[: starts.nparams])
-        rows = np.empty((len(times), *begin.shape))
-
-        def follow(lane: np.ndarray) -> np.ndarray:
-            with _one_at_a_time:
-                return _followed(
-                    integrator, begin[:, lane], pars[:, lane], times[:, lane], self.most
-                )
+        found = np.full((len(begin), *internal.shape), np.nan)
 
         def fill() -> None:
-            for first in range(0, total, lanes):
-                block = np.minimum(np.arange(first, first + lanes), total - 1)
-                part = follow(block)
-                if lanes > 1 and not self.most and np.isnan(part).any():
-                    # a lane that breaks down ends all of them
-                    alone = [follow(np.full(lanes, lane))[..., 0] for lane in block]
-                    part = np.stack(alone, axis=-1)
-                rows[..., first : first + lanes] = part[..., : total - first]
+            for first in range(0, total, width):
+                lanes = np.arange(first, first + width).clip(max=total - 1)
+                grid = internal.take(lanes, axis=1)
+                limit = int(self.most * (1 + np.abs(grid).max()))
+                with _one_at_a_time:
+                    integrator.set_time(0.0)
+                    integrator.state[:] = begin[:, lanes]
+                    integrator.pars[:] = pars[: len(integrator.pars), lanes]
+                    integrator.propagate_until(grid[0], max_steps=limit)
+                    if (integrator.time == grid[0]).all():
+                        _, rows = integrator.propagate_grid(grid, max_steps=limit)
+                        found[..., lanes] = np.swapaxes(rows, 0, 1)
 
         awaited(fill, "the variational equations are integrated")
-        return rows.reshape(len(times), kind.order + 1, -1, total)
+        return found.reshape(order + 1, -1, *internal.shape)
 
     def read(
         self,
+        order: int,
         numbers: np.ndarray,
         ways: np.ndarray,
         times: np.ndarray,
-        names: tuple[str, ...] | None,
-        timed: tuple[str, ...],
-    ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+        names: tuple[str, ...] | None = None,
+    ) -> dict[str, np.ndarray]:
         """Return columns of states with derivatives at given times, in internal units.
 
         Parameters
         ----------
-        numbers, ways, times
+        order, numbers, ways, times
             As for `states`.
         names
             Of the columns; None: all.
-        timed
-            Those whose derivative by time is wanted too.
 
         Returns
         -------
-        columns
-            name -> (order + 1, rows, lanes): values and derivatives along the direction.
-        rates
-            name -> (rows, lanes), by internal time, of the `timed` ones.
+        dict
+            name -> (order + 2, rows, lanes): values, derivatives along the direction, and last the
+            derivative by time [1/s].
         """
-        key = self.kind, names, timed
+        states = self.states(order, numbers, ways, times)
         known, function = awaited_once(
-            compiled_readings, key, "the derivatives of columns are being compiled"
+            compiled_readings,
+            (self._kind(order), names),
+            "the derivatives of columns are being compiled",
         )
-        states = self.states(numbers, ways, times)
-        rows, orders, variables, lanes = states.shape
-        inputs = states.transpose(1, 2, 0, 3).reshape(orders * variables, rows * lanes)
-        pars = np.tile(_parameters(numbers, ways)[: function.nparams], (1, rows))
-        outputs = function(np.ascontiguousarray(inputs), pars=pars).reshape(-1, rows, lanes)
-        n = len(known)
-        columns = {name: outputs[i : orders * n : n] for i, name in enumerate(known)}
-        return columns, dict(zip(timed, outputs[orders * n :], strict=True))
+        rows, lanes = states.shape[2:]
+        pars = np.tile(_parameters(numbers, ways)[: function.nparams], rows)
+        outputs = function(states.reshape(-1, rows * lanes), pars=pars)
+        columns = outputs.reshape(order + 2, len(known), rows, lanes)
+        columns[-1] /= self._second
+        return dict(zip(known, columns.swapaxes(0, 1), strict=True))
+
+    @property
+    def _second(self) -> float:
+        """Seconds in one internal unit of time."""
+        return float(self.problem.scales.of(SECOND))
 
 
 def _parameters(numbers: np.ndarray, ways: np.ndarray) -> np.ndarray:
-    """Return the parameters of compiled functions: zero for `along`, numbers, directions."""
-    along = np.zeros((1, ways.shape[1]))
-    return np.concatenate([along, np.broadcast_to(numbers, ways.shape), ways])
-
-
-def _followed(
-    integrator: Any, begin: np.ndarray, pars: np.ndarray, times: np.ndarray, most: float
-) -> np.ndarray:
-    """Return rows (rows, variables, lanes) of one batch; NaN where it ended early."""
-    integrator.set_time(0.0)
-    integrator.state[:] = begin
-    integrator.pars[:] = pars[: len(integrator.pars)]
-    times, limit = np.ascontiguousarray(times), int(most * float(np.abs(times).max()) + 100)
-    limits = {"max_steps": limit if most else 0}
-    integrator.propagate_until(times[0], **limits)
-    if any(outcome != hy.taylor_outcome.time_limit for outcome, *_ in integrator.propagate_res):
-        return np.full((len(times), *begin.shape), np.nan)
-    _, rows = integrator.propagate_grid(times, **limits)
-    return np.array(rows)
+    """Return the parameters of compiled functions: numbers, then directions."""
+    return np.concatenate([np.broadcast_to(numbers, ways.shape), ways])

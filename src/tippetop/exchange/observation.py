@@ -1,10 +1,10 @@
 """The predictions of a scenario for a table of measurements, and their derivatives."""
 
+import dataclasses
 from collections.abc import Sequence
 
 import numpy as np
 
-from ..engine.derivatives.numbers import Numbers
 from ..engine.expressions import AXES, component
 from ..engine.tangent import Tangents
 from ..errors import InputError, suggestion
@@ -92,7 +92,6 @@ class Observation:
         if faults:
             raise InputError(faults)
         self.own = tuple(name for name in free if name not in TIMES)
-        self.numbers = Numbers(problem, self.own)
         self.marker = marker
         self.groups = _groups(problem, seen)
         if not self.groups:
@@ -100,21 +99,18 @@ class Observation:
                 "the table must have theta, an axis, a quaternion, omega3, a place or a marker."
             )
         self.turning = bool({"orientation", "marker"} & self.groups.keys())
-        self.tangents, self.motions = (
-            Tangents(self.numbers.kind(order, orientation=self.turning), TOLERANCE, MOST_STEPS)
-            for order in (1, 0)
-        )
+        changed = dataclasses.replace(problem, orientation=self.turning, tolerance=TOLERANCE)
+        self.tangents = Tangents(changed, self.own, MOST_STEPS)
         turning = AXES if self.turning else ()
         self.names = tuple(
             dict.fromkeys(
                 [*turning, *(n for group in self.groups for n in NAMES.get(group, (group,)))]
             )
         )
-        self.ways = self.numbers.directions
 
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""
-        return TIMES.get(name) or self.numbers.rule(name)
+        return TIMES.get(name) or self.tangents.rule(name)
 
     def start(self) -> dict[str, float]:
         """Return the values of the free numbers in the scenario."""
@@ -123,7 +119,7 @@ class Observation:
             last - first
         )  # then the motion starts with the first row
         clock = {OFFSET: -first if late else 0.0, CLOCK: 1.0}
-        return {name: clock.get(name, self.numbers.values.get(name, 0.0)) for name in self.free}
+        return {name: clock.get(name, self.tangents.values.get(name, 0.0)) for name in self.free}
 
     def predictions(
         self, points: Sequence[dict[str, float]], rows: slice = slice(None), *, slopes: bool = True
@@ -169,31 +165,25 @@ class Observation:
 
         The first column is the value, the others its derivatives by the free numbers in SI units.
         """
-        k, tangents = len(points), self.tangents if slopes else self.motions
+        k, tangents = len(points), self.tangents
         lanes = max(1, len(self.own)) if slopes else 1
         own = {name: np.array([values[name] for values in points]) for name in self.own}
-        internal = self.numbers.internal(own).reshape(len(self.numbers.names), -1)
+        internal = tangents.internal(own)
         columns = np.repeat(np.broadcast_to(internal, (len(internal), k)), lanes, axis=1)
-        ways = np.tile(self.ways, (1, k)) if slopes and self.own else np.zeros_like(columns)
-        clock = (
-            np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points], axis=1)
-            / self.second
-        )
-        timed = self.names if slopes and len(self.own) < len(self.free) else ()
+        ways = np.tile(tangents.directions, k) if slopes and self.own else np.zeros_like(columns)
+        clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points], axis=1)
         times = np.repeat(clock, lanes, axis=1)
-        read, rates = tangents.read(columns, ways, times, self.names, timed)
+        read = tangents.read(int(slopes), columns, ways, times, self.names)
         jets = {}
         for name in self.names:
             parts = [read[name][0][:, ::lanes]]
             if slopes:
                 along = read[name][1].reshape(len(t), k, lanes)
                 by = {
-                    free: along[:, :, i] / self.numbers.scale(free)
-                    for i, free in enumerate(self.own)
+                    free: along[:, :, i] / tangents.scale(free) for i, free in enumerate(self.own)
                 }
-                if timed:
-                    rate = rates[name][:, ::lanes] / self.second
-                    by |= {OFFSET: rate, CLOCK: rate * t[:, None]}
+                rate = read[name][-1][:, ::lanes]
+                by |= {OFFSET: rate, CLOCK: rate * t[:, None]}
                 parts += [by[free] for free in self.free]
             jets[name] = np.stack([part.T.ravel() for part in parts], axis=1)
         return jets

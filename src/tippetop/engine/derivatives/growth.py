@@ -6,10 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...mechanics.units import SECOND
 from ...problem import Problem
 from ..tangent import Tangents
-from .numbers import Numbers
 
 
 ROUNDING = 1e-16  # the error of the start
@@ -86,17 +84,13 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     start = {name: float(value) for name, value in angles.items() if name in system.initial} | {
         "theta": theta
     }
-    given = dataclasses.replace(problem, initial=start)
+    form = system.forms.get("vector", problem.form)
+    given = dataclasses.replace(problem, initial=start, form=form, orientation=False)
     wrt = [f"initial.{name}" for name in start if name not in ("x", "y")]
-    numbers = Numbers(given, wrt)
-    kind = numbers.kind(1, orientation=False)
-    kind = kind._replace(form_name="vector") if "vector" in system.forms else kind
-    moving = kind.variables.names[: kind.variables.moving]
-    counted = [i for i, name in enumerate(moving) if name != "L3"]  # L.3hat is counted with L
-    second = float(problem.scales.of(SECOND))
-    point, tangents = numbers.internal()[:, None], Tangents(kind, problem.tolerance)
-    states = tangents.states(point, numbers.directions, times / second)
-    moves = states[:, 1, counted]  # (rows, variables, directions)
+    tangents = Tangents(given, wrt)
+    states = tangents.states(1, tangents.internal(), tangents.directions, times[:, None])
+    counted = [i for i, name in enumerate(form.units._fields) if name != "L3"]  # it is L.3hat
+    moves = states[1, counted].swapaxes(0, 1)  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)
     kept = sizes > INDEPENDENT * sizes[0]
     unit = turn[kept].T / sizes[kept]  # directions of the start that are orthogonal and of length 1

@@ -5,19 +5,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...columns import Column, flag_attributes
-from ...errors import InputError
+from ...columns import Column, column, flag_attributes
 from ...mechanics.units import SECOND
 from ...problem import Problem
-from ..expressions import AXES
-from ..observables import Source, sources
+from ..observables import sources
 from ..orientation import quaternion
 from ..tangent import Tangents
 from ..variational import TURN
-from .numbers import Numbers
 
 
 PARAMETER, OTHER = "parameter", "parameter_2"
+OF_EVENT = "of the event, as the numbers change"
 
 
 class Derivatives(NamedTuple):
@@ -66,24 +64,17 @@ def differentiate(
     InputError
         If the run has no derivatives, or a name is wrong.
     """
-    if not wrt:
-        raise InputError(
-            ["`sensitivities` must name at least one number, such as friction.mu, but names none."]
-        )
-    numbers, n, second = Numbers(problem, wrt), len(wrt), float(problem.scales.of(SECOND))
-    sizes = np.array([numbers.scale(name) for name in wrt])
-    ways = numbers.directions
-    if order == 2:  # along sums of two directions too
-        i, j = np.tril_indices(n, -1)
-        ways = np.concatenate([ways, ways[:, i] + ways[:, j]], axis=1)
+    tangents, n = Tangents(problem, wrt), len(wrt)
+    sizes = np.array([tangents.scale(name) for name in wrt])
+    i = j = np.arange(n)
+    if order == 2:
+        i, j = np.tril_indices(n)  # second derivatives along means of two directions too
+    own, ways = i == j, (tangents.directions[:, i] + tangents.directions[:, j]) / 2
     every = np.unique(np.concatenate([[0.0], times, events.time]))
-    timed = ("theta", *(f"event {event.name}" for event in problem.system.events))
-    kind, point = numbers.kind(order, orientation=problem.orientation), numbers.internal()[:, None]
-    tangents = Tangents(kind, problem.tolerance)
-    values, rates = tangents.read(point, ways, every / second, None, timed)
+    values = tangents.read(order, tangents.internal(), ways, every[:, None])
 
     rows = np.searchsorted(every, times)
-    time = Column(("time",), times, {"units": "s", "long_name": "time"})
+    time = column(times, SECOND, "time")
     found = Derivatives({"time": time}, {}, {"time": time} if order == 2 else {})
     for name, source in sources(problem).items():
         if source.flags:
@@ -93,56 +84,50 @@ def differentiate(
         else:
             whole = np.array([values[part] for part in source.parts])
         whole = whole[:, :, rows] * float(problem.scales.of(source.unit))
-        first = whole[:, 1, :, :n] / sizes
-        found.trajectory[name] = _column(name, source, first, PARAMETER)
+        first = whole[:, 1][..., own] / sizes
+        symbol = source.unit.symbol
+        found.trajectory[name] = _column(first, symbol, name, ("time", PARAMETER), source.dims)
         if order == 2:
-            mixed = _mixed(whole[:, 2], n) / np.outer(sizes, sizes)
-            found.second[name] = _column(name, source, mixed, PARAMETER, OTHER)
+            mixed = _mixed(whole[:, 2], i, j) / np.outer(sizes, sizes)
+            by = "time", PARAMETER, OTHER
+            found.second[name] = _column(mixed, symbol, name, by, source.dims)
 
     by_time, by_theta = np.full((2, len(events.time), n), np.nan)
     for event in problem.system.events:
         of = np.flatnonzero(events.kind == events.kinds.index(event.name))
         at, name = np.searchsorted(every, events.time[of]), f"event {event.name}"
         with np.errstate(divide="ignore", invalid="ignore"):  # the function stays zero
-            shift = -values[name][1, at, :n] / rates[name][at, :n]
-        by_time[of] = shift * second / sizes
-        by_theta[of] = (values["theta"][1, at, :n] + rates["theta"][at, :n] * shift) / sizes
+            shift = -values[name][1, at] / values[name][-1, at]
+        theta = values["theta"][1, at] + values["theta"][-1, at] * shift
+        by_time[of], by_theta[of] = shift[:, own] / sizes, theta[:, own] / sizes
     found.events.update(
         kind=Column(("event",), events.kind, flag_attributes(events.kinds, "kind of event")),
-        time=_of_events(by_time, "s", "the time"),
-        theta=_of_events(by_theta, "rad", "theta"),
+        time=_column(by_time[None], "s", f"the time {OF_EVENT}", ("event", PARAMETER)),
+        theta=_column(by_theta[None], "rad", f"theta {OF_EVENT}", ("event", PARAMETER)),
     )
     return found
 
 
-def _mixed(along: np.ndarray, n: int) -> np.ndarray:
-    """Return second derivatives by n numbers, (..., n, n), of those along the directions and along
-    sums of two, (..., lanes).
+def _mixed(along: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+    """Return second derivatives by n numbers, (..., n, n), of those along the means of the
+    directions i and j, (..., lanes).
     """
-    own, sums, (i, j) = along[..., :n], along[..., n:], np.tril_indices(n, -1)
-    mixed = np.zeros((*along.shape[:-1], n, n))
-    mixed[..., range(n), range(n)] = own
-    mixed[..., i, j] = mixed[..., j, i] = (sums - own[..., i] - own[..., j]) / 2
-    return mixed
+    n = i[-1] + 1
+    means = np.empty((*along.shape[:-1], n, n))
+    means[..., i, j] = means[..., j, i] = along
+    own = along[..., i == j]
+    return 2 * means - (own[..., None] + own[..., None, :]) / 2
 
 
-def _column(name: str, source: Source, values: np.ndarray, *by: str) -> Column:
-    """Return a column of derivatives (parts, rows, ...), SI per SI."""
-    about = {
-        "units": f"{source.unit.symbol} per unit of the parameter",
-        "long_name": f"derivative of {name}",
-    }
-    values = np.moveaxis(values, 0, -1) if source.dims else values[0]
-    return Column(("time", *by, *source.dims), values, about)
-
-
-def _of_events(values: np.ndarray, units: str, subject: str) -> Column:
-    """Return derivatives of events, SI per SI."""
-    about = {
+def _column(
+    values: np.ndarray, units: str, subject: str, by: tuple[str, ...], dims: tuple[str, ...] = ()
+) -> Column:
+    """Return a column of derivatives (parts, ...), SI per SI, along `by` and then `dims`."""
+    attributes = {
         "units": f"{units} per unit of the parameter",
-        "long_name": f"derivative of {subject} of the event, as the numbers change",
+        "long_name": f"derivative of {subject}",
     }
-    return Column(("event", PARAMETER), values, about)
+    return Column((*by, *dims), np.moveaxis(values, 0, -1) if dims else values[0], attributes)
 
 
 def _quaternions(values: dict[str, np.ndarray]) -> np.ndarray:
@@ -152,8 +137,7 @@ def _quaternions(values: dict[str, np.ndarray]) -> np.ndarray:
     """
     products = np.array([values[name] for name in TURN])
     products = products.reshape(4, 4, *products.shape[1:])
-    axes = np.array([values[name][0] for name in AXES])
-    q = quaternion(axes[:3].reshape(3, -1), axes[3:].reshape(3, -1)).T.reshape(4, *axes.shape[1:])
+    q = quaternion(products[:, :, 0])
     turns = np.einsum("ijk...,j...->ik...", products, q) / 4
     turns[:, 0] = q
     if turns.shape[1] > 2:

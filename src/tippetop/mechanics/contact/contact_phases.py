@@ -325,8 +325,8 @@ def speeds(v: Vector, omega: Vector, b: Touch) -> Speeds:
 
 def beyond_rest(s, b):
     """Return the square of the speeds of contacts beyond those of discs at rest."""
-    moves = (sum(speeds(side.velocity, side.omega, b)) for side in s.sides)
-    return sum(speed2 - STILL**2 - rest_speed2(b) for speed2 in moves)
+    rests = STILL**2 + rest_speed2(b)
+    return sum(sum(speeds(side.velocity, side.omega, b)) - rests for side in s.sides)
 
 
 RESTS = ending("rests", "no disc in contact slides or turns", beyond_rest)

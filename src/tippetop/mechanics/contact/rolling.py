@@ -134,23 +134,16 @@ def euler_scalars(e, b):
 
 @formula
 def euler_rates(e, b):
-    """Return the equations in Euler angles. [T 4.2, 3.30, 3.31]"""
+    """Return the equations in Euler angles. [equal to T 4.2-4.4]"""
     s, c = sin(e.theta), euler_scalars(e, b)
-    h, q = contact.height(c.z, b), b.c - b.R * c.z
-    drive = (
-        e.phi_dot**2 * (b.I1 * c.z - b.m * q * h)
-        - e.phi_dot * e.omega3 * (b.m * b.R * h + b.I3)
-        - b.m * b.c * (b.R * e.theta_dot**2 + b.g)
-    )
-    theta_dot2 = s * drive / (b.I1 + b.m * contact.arm2(c.z, b))
+    theta_dot2 = -((z_dot2(c, b) + e.theta_dot**2 * c.z) / s)
     return EulerState(e.theta_dot, theta_dot2, *spins(e, push_across(c, b) / s, b))
 
 
 @formula
 def vertical_force(q, carried, b):
-    """Return the normal force m (g + c (theta'' sin(theta) + theta'^2 cos(theta))) [N]."""
-    theta_dot2 = euler_rates(q, b).theta_dot
-    return b.m * (b.g + b.c * (theta_dot2 * sin(q.theta) + q.theta_dot**2 * cos(q.theta)))
+    """Return the normal force of a state in Euler angles [N]."""
+    return normal_force(euler_scalars(q, b), b)
 
 
 # --- vector form: regular everywhere --------------------------------------------------------------

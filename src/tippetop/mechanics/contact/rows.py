@@ -72,7 +72,8 @@ def row(phase: Phase, q: Any, carried: Any, b: contact.Touch) -> tuple[Any, cont
 
 # --- scalars ------------------------------------------------------------------------------------
 
-KNOWN = (
+FIELDS = (
+    *contact.Kinematics._fields,
     "v_u",  # v_A.3hat of the horizontal part
     "v_n",  # (3hat x v_A).zhat
     "v2",  # |v_A|^2 of the horizontal part
@@ -80,8 +81,8 @@ KNOWN = (
     "speed2",  # |s'|^2 of the centre of mass, all three components
     "power",  # that friction takes
     "gap",  # of the ball that is in contact, or was last
+    *Row._fields[9:],
 )
-FIELDS = (*contact.Kinematics._fields, *KNOWN, *Row._fields[9:])
 Scalars = type(filled(**dict.fromkeys(FIELDS)))
 """The scalars of a gliding body, with the other numbers of a row."""
 

@@ -6,12 +6,12 @@ step.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..contact import body as contact
 from ..contact import rolling
 from ..contact.body_axes import by_angles
-from ..contact.gliding import AWAY_FROM_POLE
+from ..contact.gliding import AWAY_FROM_POLE, angles_by
 from ..contact.integrals import integral, place
 from ..operand import Operand, atan2, cos, formula, sin, sqrt
 from ..system import Form
@@ -108,14 +108,9 @@ def reduced_of_angles(e, s, z, b):
     return ReducedState(z, -(e.theta_dot * s), tippe_top.routh(c, b), contact.jellett(c, b))
 
 
-@formula
-def angles_of_reduced(q, carried, b):
-    """Return the angles of a reduced state, phi in (-pi, pi]."""
-    c = reduced_kinematics(q, b)
-    s = sqrt(c.s2)
-    phi = atan2(sin(carried.phi), cos(carried.phi))
-    rates = (-(q.z_dot / s), c.phi_dot_s2 / c.s2, c.L3 / b.I3)
-    return rolling.Angles(atan2(s, q.z), *rates, phi, carried.x, carried.y, carried.impulse)
+def azimuth(q: Any, carried: Any) -> Any:
+    """Return phi in (-pi, pi]."""
+    return atan2(sin(carried.phi), cos(carried.phi))
 
 
 REDUCED = Form(
@@ -124,7 +119,7 @@ REDUCED = Form(
     reduced_rates,
     reduced_scalars,
     reduced_of_angles,
-    angles_of_reduced,
+    angles_by(rolling.ANGLES, reduced_kinematics, azimuth),
     integrals=(
         integral("phi", phi_rate),
         *place(velocity),
