@@ -14,7 +14,6 @@ from .stepper import Stepper
 from .tallies import (
     EventRows,
     Rules,
-    Tallies,
     new_log,
     new_samples,
     new_tallies,
@@ -105,8 +104,8 @@ class Place:
         self.compiled, self.rows = compiled, rows
         self.stepper: Any = run.stepper_of(compiled)
         self.motion = new_motion(len(made.state), len(made.pars), made.order + 1, 1)
-        shared = run.tallies, run.log, run.samples
-        self.loop = Loop(self.motion, rows, *shared, RULES, self.stepper)
+        found = run.tallies, run.log, run.samples
+        self.loop = Loop(self.motion, rows, *found, RULES, self.stepper)
 
 
 class Driver:
@@ -177,7 +176,7 @@ class Driver:
 
     def work_in(self, place: Place) -> None:
         """Make the next steps in a place."""
-        self.place, self.compiled, self.rows = place, place.compiled, place.rows
+        self.place, self.compiled = place, place.compiled
         self.motion, self.loop, self.stepper = place.motion, place.loop, place.stepper
 
     def take(self, place: Place, body: Sequence[Any]) -> None:
@@ -318,7 +317,13 @@ class Driver:
 
     def extremes(self) -> Extremes:
         """Return those of the normal force so far, internal units; empty where none is known."""
-        return extremes_of(self.all_events.events, self.tallies)
+        records, functions = self.all_events.events, self.tallies.functions[:, 0]
+        kept = records["extremes"]
+        values = functions["extremes"][kept] / records["scale"][kept, None]
+        pairs = np.stack([values, functions["times"][kept]], axis=-1)
+        least = min(pairs[:, 0].tolist(), default=(np.inf, np.nan))
+        most = max(pairs[:, 1].tolist(), default=(-np.inf, np.nan))
+        return Extremes(*least, *most)
 
     @property
     def width(self) -> int:
@@ -341,15 +346,3 @@ class Driver:
         self.tallies.lane[0] = tuple(kept["tally"])
         self.tallies.functions.view(float)[:] = kept["functions"]
         self.tallies.kept[:, 0] = kept["kept"]
-
-
-def extremes_of(records: np.ndarray, tallies: Tallies) -> Extremes:
-    """Return the extremes of the event functions whose extremes are kept; empty where there is
-    none.
-    """
-    kept, functions = records["extremes"], tallies.functions[:, 0]
-    values = functions["extremes"][kept] / records["scale"][kept, None]
-    pairs = np.stack([values, functions["times"][kept]], axis=-1)
-    least = min(pairs[:, 0].tolist(), default=(np.inf, np.nan))
-    most = max(pairs[:, 1].tolist(), default=(-np.inf, np.nan))
-    return Extremes(*least, *most)

@@ -81,7 +81,7 @@ class WideSteps(Called):
             when, event, *_ = run.log.rows[k]
             on_zero = int(run.tallies.functions["on_zero"][event, 0])
             roots = -min(0, on_zero) if run.steps[0] == 1 else 0
-            function = _function(ta.tc, run.rows.events[event], roots)
+            function = _function(ta.tc, run.place.rows.events[event], roots)
             time = start + _refined(function, run.number(when) - start, ta.time - start)
             run.times[k], run.log.states[k, :n] = time, ta.update_d_output(time)
             self.refined += 1
