@@ -28,6 +28,8 @@ enum {
     MOST = 64,    /* coefficients of a polynomial; quadruple precision has 47 */
     WIDEST = 32,  /* lanes */
     NODES = 9,    /* points of a step: it covers about a radian, so no dip hides between them */
+    TIMES = 4,    /* rows made together, in a vector of the processor */
+    TOGETHER = 6, /* variables made together: each sum waits for its last addition */
     PATIENCE = 64 /* tiny steps in a row that are a stall */
 };
 
@@ -89,6 +91,7 @@ typedef struct {
 typedef struct {
     Step step;
     Dense dense;
+    integer fused; /* whether `dense` rounds a product and the difference that takes it once */
 
     integer width; /* numbers from one state to the next in the log, the samples and the rows */
     integer variables, parameters, size, lanes, events, axis, log_room, sample_room;
@@ -492,25 +495,71 @@ static void state_at(const Loop *l, integer lane, real time, real *out) {
     l->dense(out, l->tc, l->limit);
 }
 
+/* A step that fuses was compiled for this processor, which therefore can do it. */
+#ifdef __x86_64__
+#define FUSES __attribute__((target("fma")))
+#else
+#define FUSES
+#endif
+
+typedef real Vector __attribute__((vector_size(TIMES * sizeof(real))));
+
+/* Write TIMES rows of the present step, from number `at` on. The sums are compensated, and have the
+   bits of those that a compiled step that fuses makes of one time. */
+FUSES static void sum_rows(const Loop *l, integer at) {
+    integer size = l->size, n = l->variables;
+    for (integer group = 0; group < n; group += TOGETHER) {
+        integer first = MIN(group, n - TOGETHER);
+        const real *c = l->tc + first * size;
+        Vector sums[TOGETHER], rests[TOGETHER], h, power, zero = {0};
+        for (int t = 0; t < TIMES; t++)
+            h[t] = (l->row_times[at + t] - l->start_high[0]) - l->start_low[0];
+        power = h;
+        for (int i = 0; i < TOGETHER; i++) {
+            sums[i] = zero + c[i * size];
+            rests[i] = zero;
+        }
+        for (integer k = 1; k < size; k++) {
+            for (int i = 0; i < TOGETHER; i++) {
+                Vector more = -rests[i];
+                for (int t = 0; t < TIMES; t++)
+                    more[t] = fma(c[i * size + k], power[t], more[t]);
+                Vector sum = sums[i] + more;
+                rests[i] = (sum - sums[i]) - more;
+                sums[i] = sum;
+            }
+            power *= h;
+        }
+        for (int i = 0; i < TOGETHER; i++)
+            for (int t = 0; t < TIMES; t++)
+                l->row_states[(at + t) * l->width + first + i] = sums[i][t];
+    }
+}
+
 /* Write the rows of a run that lie in its present step. Return whether all are written.
    `moved`: this call has made a step; the end of one that was made before it has its row. */
 static bool take_rows(const Loop *l, bool moved) {
     const Tally *tally = l->tallies;
-    integer *made = l->rows_made, count = l->row_count;
-    bool is_end = moved && tally->upto == 1 && tally->status != NON_FINITE;
-    if (count > 0 && l->rows_at_steps && is_end) {
+    integer *made = l->rows_made, count = l->row_count, end = *made;
+    bool is_good = tally->status != NON_FINITE;
+    if (count > 0 && l->rows_at_steps && moved && tally->upto == 1 && is_good) {
         l->row_times[*made] = l->high[0];
         copy(l->variables, l->state, 1, l->row_states + *made * l->width, 1);
         l->row_phases[(*made)++] = *l->in_lane;
     }
-    if (!l->rows_at_steps && tally->status != NON_FINITE && tally->steps > 0)
-        for (; *made < count; ++*made) { /* a stepper in Python sees which row it makes */
-            real time = l->row_times[*made];
-            if (tally->status == RUNNING ? time >= tally->t : time > tally->t)
+    if (!l->rows_at_steps && tally->steps > 0 && is_good) {
+        bool runs = tally->status == RUNNING;
+        for (const real *time = l->row_times; end < count; end++) {
+            if (runs ? time[end] >= tally->t : time[end] > tally->t)
                 break;
-            state_at(l, 0, time, l->row_states + *made * l->width);
-            l->row_phases[*made] = *l->in_lane;
+            l->row_phases[end] = *l->in_lane;
         }
+        bool fuses = l->fused && l->variables >= TOGETHER;
+        for (; fuses && *made + TIMES <= end; *made += TIMES)
+            sum_rows(l, *made);
+        for (; *made < end; ++*made) /* a stepper in Python sees which row it makes */
+            state_at(l, 0, l->row_times[*made], l->row_states + *made * l->width);
+    }
     return count > 0 && *made == count;
 }
 

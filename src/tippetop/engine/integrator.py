@@ -140,7 +140,7 @@ def compiled_from(
         fp_type=number,
         opt_level=level,
     )
-    machine = None if compact else load(integrator.llvm_state.object_code)
+    machine = None if compact else load(integrator.llvm_state.object_code, level)
     rows = event_rows(formulas.events, sources, axis)
     return Compiled(integrator, rows, machine)
 

@@ -72,6 +72,7 @@ class _Sizes(NamedTuple):
 class _Loop(NamedTuple):
     step: int
     dense: int
+    fused: bool
     sizes: _Sizes
     motion: Motion
     rows: EventRows
@@ -182,7 +183,7 @@ class Loop:
         width = log.states.shape[1]  # numbers from one state to the next
         if isinstance(stepper, Called):
             self.callbacks = _callbacks(stepper, motion, self.failures)
-            code = (ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks)
+            code = *(ctypes.cast(one, ctypes.c_void_p).value for one in self.callbacks), False
             width = 0  # the stepper keeps states: the loop writes all of them to one place
             log, samples = log._replace(states=self.out), samples._replace(states=self.out)
         lengths = map(len, (rows.events, rows.axis, log.rows, samples.top))

@@ -17,6 +17,7 @@ import heyoka as hy
 import llvmlite.binding as llvm
 
 from ..errors import BuildError
+from .opt_level import DEFAULT
 
 
 class Loaded(NamedTuple):
@@ -25,10 +26,11 @@ class Loaded(NamedTuple):
     library: Any  # owns the memory
     step: int  # addresses
     dense: int
+    fused: bool  # whether `dense` rounds a product and the difference that takes it once
 
 
-def load(code: bytes) -> Loaded:
-    """Load the object file of an integrator.
+def load(code: bytes, level: int) -> Loaded:
+    """Load the object file of an integrator that LLVM has optimised at this level.
 
     Raises BuildError if a function that it calls or has is missing.
     """
@@ -38,7 +40,8 @@ def load(code: bytes) -> Loaded:
         library = builder.link(_linker(), f"step-{next(_numbers)}")
     except RuntimeError as error:
         raise BuildError(f"the code of a step cannot be loaded: {error}") from None
-    return Loaded(library, library["step"], library["d_out_f"])
+    fused = level == DEFAULT and llvm.get_host_cpu_features().get("fma", False)
+    return Loaded(library, library["step"], library["d_out_f"], fused)
 
 
 class Called:
