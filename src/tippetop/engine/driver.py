@@ -223,10 +223,10 @@ class Driver:
         """Make at most `most` steps and their rows, and return the number of steps."""
         steps = 0
         while True:
-            if self.made[0] == len(self.wanted.times):
+            if self.made[0] == self.wanted.length:
                 self.ask()
-            steps += self.make(self.wanted, most - steps if self.status[0] == RUNNING else 0)
-            if self.made[0] < max(1, len(self.wanted.times)):
+            steps += self.make(most - steps if self.status[0] == RUNNING else 0)
+            if self.made[0] < max(1, self.wanted.length):
                 return steps
 
     def ask(self) -> None:
@@ -237,7 +237,7 @@ class Driver:
         times = self.request.wanted()
         n, filled = len(times), np.zeros(1, np.int64)
         states, phases = np.zeros((n, self.width), self.number), np.empty(n, np.int64)
-        self.want(Rows(times, states, phases, filled, self.request.steps))
+        self.want(Rows(times, states, phases, filled, self.request.steps, n))
 
     def give(self) -> None:
         """Give the rows that were made since the last time."""
@@ -251,9 +251,9 @@ class Driver:
         """Return the rows of states (k, all variables), of which the numbers of phases are (k,)."""
         return states[:, : self.variables]
 
-    def make(self, rows: Rows, most: int) -> int:
-        """Make at most `most` steps, write these rows, and return the number of steps."""
-        self.loop.fill(rows)
+    def make(self, most: int) -> int:
+        """Make at most `most` steps, write their rows, and return the number of steps."""
+        self.loop.fill(self.wanted)
         return self.loop.drive(most)
 
     def add(self, times: np.ndarray, states: np.ndarray) -> None:
@@ -322,8 +322,8 @@ class Driver:
 
     @property
     def width(self) -> int:
-        """The number of all variables."""
-        return len(self.state)
+        """The greatest number of variables of a phase, with those of event functions."""
+        return self.log.states.shape[1]
 
     def snapshot(self) -> dict[str, Any]:
         """Return the state from which a run continues bit by bit."""

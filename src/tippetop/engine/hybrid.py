@@ -38,7 +38,6 @@ from .driver import (
 from .expressions import Formulas
 from .impacts import ImpactMotions
 from .integrator import Compiled
-from .loop import Rows
 from .phase_tables import PhaseTables
 from .python_events import sampled_in_next_step
 from .status import Status
@@ -347,7 +346,6 @@ class HybridDriver(Driver):
 
     track: Track
     last: np.ndarray  # the state where the last phase ended
-    width = 0  # the greatest number of variables of a phase, with those of event functions
     short = 0  # phases in a row that were too short
     changes = 0  # of phase, in a slice
     series: Any = None  # of the jump to the present phase, if it takes time
@@ -373,8 +371,7 @@ class HybridDriver(Driver):
         self.numbers = {name: k for k, name in enumerate(events)}
         rows = event_rows([*events.values()], [(0, 1, 1.0, 0.0)] * len(events), ())
         width = max(len(variables_of(phase.form).names) for phase in self.phases.values())
-        self.width = width + len(events)
-        self.share(rows, np.ones((len(events), 1)), self.width)
+        self.share(rows, np.ones((len(events), 1)), width + len(events))
         self.functions = self.tallies.functions[:, 0]
         self.functions["sign"] = 0.0  # not known
         self.tables = PhaseTables(problem)
@@ -528,14 +525,14 @@ class HybridDriver(Driver):
 
     # --- rows ------------------------------------------------------------------------------------
 
-    def make(self, rows: Rows, most: int) -> int:
-        if not rows.steps:
-            times = rows.times[self.made[0] :]
+    def make(self, most: int) -> int:
+        if not self.wanted.steps:
+            times = self.wanted.times[self.made[0] :]
             if len(inside := times[: np.searchsorted(times, self.began)]):  # in the jump
                 first = np.tile(self.state, (len(inside), 1))
                 self.add(inside, self.series(*inside) if self.series else first)
-        if self.copies is None or rows.steps:
-            return super().make(rows, most)
+        if self.copies is None or self.wanted.steps:
+            return super().make(most)
         return self.copies.drive(most, PER_SLICE - self.changes)
 
     def _note(self, number: int, time: Any, sign: int, track: Track, state: np.ndarray) -> None:

@@ -17,7 +17,7 @@ from ..mechanics.contact.response import work_of
 from ..mechanics.lines import unit_of
 from ..mechanics.operand import Vector, dot, leaves, log, refill, sqrt, times
 from ..problem import PRECISIONS, ROUNDING
-from .driver import NO_ROWS, Driver
+from .driver import Driver
 from .expressions import Formulas
 from .status import Status
 from .taylor import compiled_when
@@ -133,7 +133,7 @@ class ImpactMotions:
         driver.put(state, (none, none))
         driver.end_at(end)
         driver.forget()
-        steps, code = driver.make(NO_ROWS, int(most)), driver.status[0]
+        steps, code = driver.make(int(most)), driver.status[0]
         event = int(driver.log.rows["event"][driver.logged[0] - 1]) if code == ENDED else -1
         return [code, steps, event, *driver.reached()[1].tolist()]
 

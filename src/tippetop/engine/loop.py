@@ -197,8 +197,7 @@ class Loop:
         """Write these rows from now on."""
         if rows is not self.output:
             states = rows.states if self.record.sizes.width else self.out
-            self.structure.output = filled(rows._replace(states=states, length=len(rows.times)))
-            self.output = rows
+            self.structure.output, self.output = filled(rows._replace(states=states)), rows
 
     def drive(self, most: int) -> int:
         """Make at most `most` steps of all lanes. Return their number.

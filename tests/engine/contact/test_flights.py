@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from nightly import at_night
 
-from tippetop.engine.driver import NO_ROWS, RUNNING, Driver
+from tippetop.engine.driver import RUNNING, Driver
 from tippetop.engine.hybrid import formulas_of_phase
 from tippetop.engine.integrator import compiled_from
 from tippetop.engine.status import Status
@@ -53,7 +53,7 @@ class Flights:
         tally["status"], tally["upto"], tally["steps"] = Status.RUNNING.code, 1.0, 0
         driver.forget()
         while driver.status[0] == RUNNING:
-            driver.make(NO_ROWS, 10**6)
+            driver.make(10**6)
         return driver.reached()[0], NAMES[int(driver.log.rows["event"][driver.log.filled[0] - 1])]
 
 
