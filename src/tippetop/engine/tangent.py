@@ -12,7 +12,7 @@ from ..awaiting import awaited
 from ..mechanics.units import SECOND
 from ..problem import Problem, refuse
 from .integrator import awaited_once
-from .variational import Kind, compiled_motion, compiled_readings, compiled_starts
+from .variational import Kind, compiled_motion, compiled_readings
 
 
 MOST_LANES = 4
@@ -104,10 +104,9 @@ class Tangents:
         """
         kind, total = self._kind(order), pars.shape[1]
         internal = np.broadcast_to(times, (len(times), total)) / self.second
-        starts = awaited_once(compiled_starts, (kind,), "the start is being compiled")
         width = 1 << min(total - 1, MOST_LANES - 1).bit_length()
         key = kind, width, self.problem.tolerance
-        integrator = awaited_once(
+        starts, integrator = awaited_once(
             compiled_motion, key, "the variational equations are being compiled"
         )
         begin = starts(np.empty((0, total)), pars=pars[: starts.nparams])
