@@ -157,7 +157,7 @@ def predicted(
 
 
 @pytest.mark.parametrize(
-    "kind", ["theta", "axis", *map(at_night, ("orientation", "place", "marker"))]
+    "kind", ["theta", "omega3", "axis", *map(at_night, ("orientation", "place", "marker"))]
 )
 def test_jacobians_are_those_of_differences(kind: str) -> None:
     """Of every kind of measurement, by numbers of the body, the law, the start and the clock."""
@@ -173,7 +173,7 @@ def test_jacobians_are_those_of_differences(kind: str) -> None:
     n = len(t)
     q = np.tile([0.9, 0.1, 0.3, np.sqrt(1 - 0.91)], (n, 1))
     seen = {"theta": np.full(n, 0.2), "axis": np.tile([0.0, 0.6, 0.8], (n, 1)), "orientation": q}
-    seen |= dict.fromkeys(("place", "marker"), np.zeros((n, 3)))
+    seen |= {"omega3": np.zeros(n)} | dict.fromkeys(("place", "marker"), np.zeros((n, 3)))
     motion = NOTHING._replace(t=t, **{kind: seen[kind]})
     marker = (0.01, 0.0, 0.005) if kind == "marker" else None
     observation = Observation(tt.load("inverting"), free, motion, marker)

@@ -235,7 +235,7 @@ class Driver:
         self.give()
         times = self.request.wanted()
         n, filled = len(times), np.zeros(1, np.int64)
-        states, phases = np.zeros((n, self.width), self.number), np.empty(n, np.int64)
+        states, phases = np.empty((n, self.width), self.number), np.empty(n, np.int64)
         self.want(Rows(times, states, phases, filled, self.request.steps, n))
 
     def give(self) -> None:

@@ -217,9 +217,7 @@ def _computed(
         with np.errstate(invalid="ignore", divide="ignore"):
             values = formulas(base.system, base.form, *view.state(states.T), view.body)
         return {name: np.broadcast_to(value, k).copy() for name, value in values.items()}
-    names, function = compile_observables(
-        formulas, base.system, base.form.name, base.law, problems.orientation
-    )
+    names, function = compile_observables(formulas, base.system, problems.variables, base.law)
     pars, outputs = problems.pars[: function.nparams, which], []
     tables = states, np.broadcast_to(pars, (len(pars), k))
     for first in range(0, k or 1, BLOCK):

@@ -169,7 +169,7 @@ PASSAGE_RECORD = np.dtype(_PASSAGE, align=True)
 
 def new_log(length: int, variables: int, number: Any = float) -> PassageLog:
     """Return an empty log with room for `length` passages, with states of type `number`."""
-    rows, states = np.zeros(length, PASSAGE_RECORD), np.zeros((length, variables), number)
+    rows, states = np.empty(length, PASSAGE_RECORD), np.empty((length, variables), number)
     return PassageLog(np.zeros(1, np.int64), rows, states)
 
 
@@ -184,4 +184,4 @@ class Samples(NamedTuple):
 def new_samples(length: int, variables: int, number: Any = float) -> Samples:
     """Return empty samples with room for `length` states of type `number`."""
     filled, top = (np.zeros(n, np.int64) for n in (1, length))
-    return Samples(filled, top, np.zeros((length, variables), number))
+    return Samples(filled, top, np.empty((length, variables), number))

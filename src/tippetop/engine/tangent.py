@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..awaiting import awaited
-from ..mechanics.system import Number
 from ..mechanics.units import SECOND
 from ..problem import Problem, refuse
 from .integrator import awaited_once
-from .variational import Kind, compiled_motion, compiled_readings, compiled_starts
+from .variational import Kind, compiled_motion, compiled_readings
 
 
 MOST_LANES = 4
@@ -57,40 +56,43 @@ class Tangents:
             name: float(value) for name, value in given.items() if not isinstance(value, bool)
         }
         self.directions = np.array([[float(name == one) for one in wrt] for name in self.values])
-
-    def rule(self, name: str) -> Number:
-        """Unit and interval of a number."""
-        return self.problem.rules[name]
+        self.second = float(problem.scales.of(SECOND))
 
     def scale(self, name: str) -> float:
         """SI units in one internal unit of a number."""
-        return float(self.problem.scales.of(self.rule(name).unit))
+        return float(self.problem.scales.of(self.problem.rules[name].unit))
 
-    def internal(self, values: Mapping[str, Any] | None = None) -> np.ndarray:
-        """The numbers in internal units, (numbers, points): those of the problem, some replaced by
-        `values`, (points,) each.
+    def parameters(self, ways: np.ndarray, values: Mapping[str, Any] | None = None) -> np.ndarray:
+        """Return the parameters of compiled functions: numbers in internal units, then directions.
+
+        Parameters
+        ----------
+        ways
+            The directions, (numbers, lanes).
+        values
+            Numbers that replace those of the problem, SI, (lanes,) each.
         """
         numbers = {**self.values, **(values or {})}
-        rows = [np.atleast_1d(value) / self.scale(name) for name, value in numbers.items()]
-        return np.array(np.broadcast_arrays(*rows))
+        rows = [
+            np.broadcast_to(value / self.scale(name), ways.shape[1])
+            for name, value in numbers.items()
+        ]
+        return np.concatenate([rows, ways])
 
     def _kind(self, order: int) -> Kind:
         """Key of the compiled functions."""
         problem, names = self.problem, tuple(self.values)
         return Kind(problem.system, problem.variables, problem.law, names, self.flags, order)
 
-    def states(
-        self, order: int, numbers: np.ndarray, ways: np.ndarray, times: np.ndarray
-    ) -> np.ndarray:
+    def states(self, order: int, pars: np.ndarray, times: np.ndarray) -> np.ndarray:
         """Return states with derivatives at given times.
 
         Parameters
         ----------
         order
             0, 1 or 2: the highest derivative.
-        numbers, ways
-            The user's numbers in internal units, (numbers, 1 or lanes), and the directions,
-            (numbers, lanes).
+        pars
+            Of `parameters`, (.., lanes).
         times
             [s], (rows, 1 or lanes), ascending; the start is at 0.
 
@@ -100,15 +102,13 @@ class Tangents:
             (order + 1, variables, rows, lanes); NaN from where a motion cannot be integrated
             further.
         """
-        kind, total = self._kind(order), ways.shape[1]
-        internal = np.broadcast_to(times, (len(times), total)) / self._second
-        starts = awaited_once(compiled_starts, (kind,), "the start is being compiled")
+        kind, total = self._kind(order), pars.shape[1]
+        internal = np.broadcast_to(times, (len(times), total)) / self.second
         width = 1 << min(total - 1, MOST_LANES - 1).bit_length()
         key = kind, width, self.problem.tolerance
-        integrator = awaited_once(
+        starts, integrator = awaited_once(
             compiled_motion, key, "the variational equations are being compiled"
         )
-        pars = _parameters(numbers, ways)
         begin = starts(np.empty((0, total)), pars=pars[: starts.nparams])
         found = np.full((len(begin), *internal.shape), np.nan)
 
@@ -132,8 +132,7 @@ class Tangents:
     def read(
         self,
         order: int,
-        numbers: np.ndarray,
-        ways: np.ndarray,
+        pars: np.ndarray,
         times: np.ndarray,
         names: tuple[str, ...] | None = None,
     ) -> dict[str, np.ndarray]:
@@ -141,7 +140,7 @@ class Tangents:
 
         Parameters
         ----------
-        order, numbers, ways, times
+        order, pars, times
             As for `states`.
         names
             Of the columns; None: all.
@@ -152,25 +151,15 @@ class Tangents:
             name -> (order + 2, rows, lanes): values, derivatives along the direction, and last the
             derivative by time [1/s].
         """
-        states = self.states(order, numbers, ways, times)
+        states = self.states(order, pars, times)
         known, function = awaited_once(
             compiled_readings,
             (self._kind(order), names),
             "the derivatives of columns are being compiled",
         )
         rows, lanes = states.shape[2:]
-        pars = np.tile(_parameters(numbers, ways)[: function.nparams], rows)
+        pars = np.tile(pars[: function.nparams], rows)
         outputs = function(states.reshape(-1, rows * lanes), pars=pars)
         columns = outputs.reshape(order + 2, len(known), rows, lanes)
-        columns[-1] /= self._second
+        columns[-1] /= self.second
         return dict(zip(known, columns.swapaxes(0, 1), strict=True))
-
-    @property
-    def _second(self) -> float:
-        """Seconds in one internal unit of time."""
-        return float(self.problem.scales.of(SECOND))
-
-
-def _parameters(numbers: np.ndarray, ways: np.ndarray) -> np.ndarray:
-    """Return the parameters of compiled functions: numbers, then directions."""
-    return np.concatenate([np.broadcast_to(numbers, ways.shape), ways])

@@ -95,29 +95,29 @@ def _derivatives(values: list[Any], moves: Mapping[Any, Any]) -> list[Any]:
     return hy.subs([hy.diff(value, ALONG) for value in hy.subs(values, ahead)], here)
 
 
-@lru_cache(maxsize=32)
-def compiled_starts(kind: Kind) -> Any:
-    """Return the function of the parameters that gives the state at the start and its derivatives,
-    ((order + 1) variables, n).
+@lru_cache(maxsize=16)
+def compiled_motion(kind: Kind, lanes: int, tolerance: float) -> tuple[Any, Any]:
+    """Return the state and its derivatives in motion.
+
+    Returns
+    -------
+    starts
+        The function of the parameters that gives them at the start, ((order + 1) variables, n).
+    integrator
+        heyoka's integrator of them, in lanes.
     """
     body, data = kind.numbers()
     theta = ZERO + data.get("theta", 0.0)
     s, z = sin(theta), cos(theta)
     angles = kind.system.start(data, s, z, body)
-    values = kind.variables.join(*kind.variables.start(data, angles, s, z, body))
-    return compiled_once(hy.cfunc, kind.with_derivatives(values), vars=[])
-
-
-@lru_cache(maxsize=16)
-def compiled_motion(kind: Kind, lanes: int, tolerance: float) -> Any:
-    """Return heyoka's integrator of the state and its derivatives, in lanes."""
+    start = kind.variables.join(*kind.variables.start(data, angles, s, z, body))
+    starts = compiled_once(hy.cfunc, kind.with_derivatives(start), vars=[])
     _, _, rates = kind.motion()
     equations = list(zip(kind.symbols, kind.with_derivatives(rates), strict=True))
     careful = tolerance < COARSE  # compensated sums of steps: a quarter of the cost
     options = {"tol": tolerance, "high_accuracy": careful, "compact_mode": True}
-    return compiled_once(
-        hy.taylor_adaptive_batch, equations, np.zeros((len(equations), lanes)), **options
-    )
+    zero = np.zeros((len(equations), lanes))
+    return starts, compiled_once(hy.taylor_adaptive_batch, equations, zero, **options)
 
 
 def expressions_of(kind: Kind, state: list[Any], body: Any) -> dict[str, Any]:

@@ -110,7 +110,7 @@ class Observation:
 
     def rule(self, name: str) -> Number:
         """Return unit and interval of a free number."""
-        return TIMES.get(name) or self.tangents.rule(name)
+        return TIMES.get(name) or self.tangents.problem.rules[name]
 
     def start(self) -> dict[str, float]:
         """Return the values of the free numbers in the scenario."""
@@ -167,13 +167,12 @@ class Observation:
         """
         k, tangents = len(points), self.tangents
         lanes = max(1, len(self.own)) if slopes else 1
-        own = {name: np.array([values[name] for values in points]) for name in self.own}
-        internal = tangents.internal(own)
-        columns = np.repeat(np.broadcast_to(internal, (len(internal), k)), lanes, axis=1)
-        ways = np.tile(tangents.directions, k) if slopes and self.own else np.zeros_like(columns)
+        own = {name: np.repeat([values[name] for values in points], lanes) for name in self.own}
+        one = tangents.directions if slopes and self.own else np.zeros((len(tangents.values), 1))
+        pars = tangents.parameters(np.tile(one, k), own)
         clock = np.stack([v.get(CLOCK, 1.0) * t + v.get(OFFSET, 0.0) for v in points], axis=1)
         times = np.repeat(clock, lanes, axis=1)
-        read = tangents.read(int(slopes), columns, ways, times, self.names)
+        read = tangents.read(int(slopes), pars, times, self.names)
         jets = {}
         for name in self.names:
             parts = [read[name][0][:, ::lanes]]

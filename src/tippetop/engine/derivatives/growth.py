@@ -44,10 +44,9 @@ class Growth(NamedTuple):
         beyond = np.flatnonzero(self.factor * ROUNDING > LOST)
         if not len(beyond):
             return math.nan
-        k = beyond[0]
-        logs = np.log(self.factor[k - 1 : k + 1])
-        part = (math.log(LOST / ROUNDING) - logs[0]) / (logs[1] - logs[0])
-        return float(self.times[k - 1] + part * (self.times[k] - self.times[k - 1]))
+        around = slice(beyond[0] - 1, beyond[0] + 1)
+        logs = np.log(self.factor[around])
+        return float(np.interp(math.log(LOST / ROUNDING), logs, self.times[around]))
 
     def sentence(self) -> str:
         """Return a sentence for reports."""
@@ -79,16 +78,13 @@ def growth(problem: Problem, times: np.ndarray) -> Growth:
     """
     system, data = problem.system, dict(problem.initial)
     theta = data.get("theta", 0.0)
-    body = system.body_of(problem.parameters, problem.friction)
-    angles = system.start(data, math.sin(theta), math.cos(theta), body)._asdict()
-    start = {name: float(value) for name, value in angles.items() if name in system.initial} | {
-        "theta": theta
-    }
+    angles = system.start(data, math.sin(theta), math.cos(theta), problem.body())._asdict()
+    start = {name: float(value) for name, value in angles.items() if name in system.initial}
     form = system.forms.get("vector", problem.form)
     given = dataclasses.replace(problem, initial=start, form=form, orientation=False)
     wrt = [f"initial.{name}" for name in start if name not in ("x", "y")]
     tangents = Tangents(given, wrt)
-    states = tangents.states(1, tangents.internal(), tangents.directions, times[:, None])
+    states = tangents.states(1, tangents.parameters(tangents.directions), times[:, None])
     counted = [i for i, name in enumerate(form.units._fields) if name != "L3"]  # it is L.3hat
     moves = states[1, counted].swapaxes(0, 1)  # (rows, variables, directions)
     _, sizes, turn = np.linalg.svd(moves[0], full_matrices=False)

@@ -71,7 +71,7 @@ def differentiate(
         i, j = np.tril_indices(n)  # second derivatives along means of two directions too
     own, ways = i == j, (tangents.directions[:, i] + tangents.directions[:, j]) / 2
     every = np.unique(np.concatenate([[0.0], times, events.time]))
-    values = tangents.read(order, tangents.internal(), ways, every[:, None])
+    values = tangents.read(order, tangents.parameters(ways), every[:, None])
 
     rows = np.searchsorted(every, times)
     time = column(times, SECOND, "time")

@@ -375,13 +375,14 @@ def lift_off(x: Moving, world: Any) -> Next:
 def land(x: Moving, world: Any) -> Next:
     """Return the phase after a ball touches the plane.
 
-    Of the balls on the plane, the one that falls fastest strikes.
+    After a flight, of the balls on the plane, the one that falls fastest strikes.
     """
+    if world.phase.label != "flight":
+        return strike(x, world, 1 - world.phase.ball, "other-ball")
     there = touching(x, world) or [
         min(range(len(world.body)), key=lambda k: contact.gap(x, world.body[k]))
     ]
-    cause = "landing" if world.phase.label == "flight" else "other-ball"
-    return strike(x, world, min(there, key=lambda k: rise(x, world.body[k])), cause)
+    return strike(x, world, min(there, key=lambda k: rise(x, world.body[k])), "landing")
 
 
 def stay_on(x: Moving, world: Any, ball: int) -> Next:
