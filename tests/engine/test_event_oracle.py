@@ -135,7 +135,7 @@ def found(
     signs: np.ndarray,
 ) -> Found:
     """How well zeros are known: by the polynomial of the event function in the step of each."""
-    record = driver.rows.events[e]
+    record = driver.all_events.events[e]
     step = np.clip(np.searchsorted(output.times, times, side="right") - 1, 0, len(output.times) - 2)
     h = np.diff(output.times)[step]
     known = np.empty(len(times))
