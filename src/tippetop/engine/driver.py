@@ -195,7 +195,11 @@ class Driver:
         events = self.log.rows[logged]
         self.give()
         phases = events["phase"], self.samples.top[sampled], self.motion.in_lane
-        states = self.log.states[logged], self.samples.states[sampled], np.resize(last, (1, self.width))
+        states = (
+            self.log.states[logged],
+            self.samples.states[sampled],
+            np.resize(last, (1, self.width)),
+        )
         rows = self.rows_of(np.concatenate(phases), np.concatenate(states))
         at_passages, samples, last = np.split(rows, [len(events), -1])
         columns = self.times[logged], events["event"], events["sign"], events["at_pole"]
