@@ -194,11 +194,16 @@ class Driver:
         logged, sampled = slice(self.logged[0]), slice(self.sampled_so_far[0])
         events = self.log.rows[logged]
         self.give()
-        states = self.rows_of(events["phase"], self.log.states[logged]).copy()
-        samples = self.rows_of(self.samples.top[sampled], self.samples.states[sampled]).copy()
-        last = self.rows_of(self.motion.in_lane, last[None]).copy()
+        phases = events["phase"], self.samples.top[sampled], self.motion.in_lane
+        states = (
+            self.log.states[logged],
+            self.samples.states[sampled],
+            np.resize(last, (1, self.width)),
+        )
+        rows = self.rows_of(np.concatenate(phases), np.concatenate(states))
+        at_passages, samples, last = np.split(rows, [len(events), -1])
         columns = self.times[logged], events["event"], events["sign"], events["at_pole"]
-        passages = Passages._make([*(column.copy() for column in columns), states])
+        passages = Passages._make([*(column.copy() for column in columns), at_passages])
         return Slice(steps, when, last, samples, passages, ended)
 
     def run(self, most: int) -> tuple[int, Any, np.ndarray, Status | None]:

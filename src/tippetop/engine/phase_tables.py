@@ -26,14 +26,17 @@ class PhaseTables:
         self.tables, self.scales = problem.system.tables, problem.scales
         self.under_way: list[float] = []
         self.rows = defaultdict[str, list[Sequence]](list)
+        self.numbers = dict[tuple, list]()  # of the words of a phase that begins
 
     def begin(self, time: float, track: Any, cause: str) -> None:
         """Begin a phase at an internal time."""
         self.end(time)
         name, phase = track.name, track.phase
-        row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
-        kinds = self.tables["phases"].items()
-        self.under_way = [time, *(number_of(row[key], kind) for key, kind in kinds)]
+        if (name, cause) not in self.numbers:
+            row = {"phase": phase.label or name, "ball": phase.ball, "reason": cause}
+            kinds = self.tables["phases"].items()
+            self.numbers[name, cause] = [number_of(row[key], kind) for key, kind in kinds]
+        self.under_way = [time, *self.numbers[name, cause]]
 
     def end(self, time: float) -> None:
         """End the phase that is under way."""
@@ -69,6 +72,6 @@ def as_table(
     for k, (column, kind) in enumerate({**dict.fromkeys(times, SECOND), **kinds}.items()):
         is_word = isinstance(kind, tuple)
         unit = float(scales.of(kind)) if rows and not is_word else 1
-        values = [number_of(row[k], kind) for row in rows]
+        values = [number_of(row[k], kind) if is_word else row[k] for row in rows]
         table[column] = unit * np.array(values, np.int8 if is_word else float)
     return table
