@@ -144,24 +144,32 @@ typedef struct {
     real value, slope, curve;
 } Jet;
 
-/* p(x), p'(x) and p''(x)/2. */
+/* p(x), p'(x) and p''(x)/2. Even and odd powers are separate sums, which the processor adds at the
+   same time. */
 static Jet jet(const real *p, integer n, real x) {
-    Jet f = {0, 0, 0};
-    for (integer k = n - 1; k >= 0; k--) {
-        f.curve = f.curve * x + f.slope;
-        f.slope = f.slope * x + f.value;
-        f.value = f.value * x + p[k];
+    real y = x * x;
+    real even = 0, even1 = 0, even2 = 0, odd = 0, odd1 = 0, odd2 = 0; /* derivatives by y */
+    for (integer k = (n - 1) / 2; k >= 0; k--) {
+        even2 = even2 * y + even1;
+        even1 = even1 * y + even;
+        even = even * y + p[2 * k];
+        odd2 = odd2 * y + odd1;
+        odd1 = odd1 * y + odd;
+        odd = odd * y + (2 * k + 1 < n ? p[2 * k + 1] : 0.0);
     }
-    return f;
+    return (Jet){
+        even + x * odd,
+        2 * x * even1 + odd + 2 * y * odd1,
+        even1 + 4 * y * even2 + x * (3 * odd1 + 4 * y * odd2),
+    };
 }
 
-/* The zero of a monotone p on [low, high], by Newton's rule, kept between bounds. The lower end if
-   rounding hides the zero there. */
-static real zero_of(const real *p, integer n, real low, real high) {
-    real start = value_at(p, n, low), end = value_at(p, n, high);
-    if ((start > 0) == (end > 0))
+/* The zero of a monotone p on [0, 1], where it ends with the value `end`, by Newton's rule, kept
+   between bounds. 0 if rounding hides the zero there. */
+static real zero_of(const real *p, integer n, real end) {
+    real low = 0, high = 1, x = p[0] / (p[0] - end);
+    if ((p[0] > 0) == (end > 0))
         return low;
-    real x = low + (high - low) * (start / (start - end));
     for (int i = 0; i < 60; i++) {
         Jet f = jet(p, n, x);
         if (f.value == 0)
@@ -180,51 +188,56 @@ static real zero_of(const real *p, integer n, real low, real high) {
     return x;
 }
 
-/* The coefficients of p(middle + radius x). */
-static void shift(const real *restrict p, integer n, real middle, real radius,
+/* The coefficients of p(start + length x). */
+static void shift(const real *restrict p, integer n, real start, real length,
                   real *restrict shifted) {
     memcpy(shifted, p, n * sizeof(real));
-    for (integer i = 0; i < n - 1; i++)
-        for (integer k = n - 2; k >= i; k--)
-            shifted[k] += middle * shifted[k + 1];
+    for (integer i = n - 2; start > 0 && i >= 0; i--)
+        for (integer k = i; k < n - 1; k++) /* upwards: terms do not wait for one another */
+            shifted[k] += start * shifted[k + 1];
     real power = 1;
     for (integer k = 1; k < n; k++) {
-        power *= radius;
+        power *= length;
         shifted[k] *= power;
     }
+}
+
+/* A lower bound of a cubic polynomial on [0, 1]: the least of its Bernstein coefficients. */
+static real least(real p0, real p1, real p2, real p3) {
+    real first = MIN(p0, p0 + p1 / 3), last = MIN(p0 + (2 * p1 + p2) / 3, p0 + p1 + p2 + p3);
+    return MIN(first, last);
 }
 
 /* Write the sign changes of p on [0, 1) to `zeros` (n,), ascending, and return their number.
    `positive` is the sign at the end of the last step: a zero that rounding puts between two steps
    counts once. */
 integer loop_crossings(const real *p, integer n, bool positive, real *zeros) {
-    real part[MOST], total = 0;
+    real part[MOST] = {0}, total = 0;
     for (integer k = 0; k < n; k++)
         total += fabs(p[k]);
     if (total == 0 || !isfinite((real)(n * n) * total)) /* no interval would ever be decided */
         return 0;
     integer count = 0, at = 0, level = 0; /* the interval [at, at + 1]/2^level */
     for (;;) {
-        real radius = ldexp(0.5, (int)-level);
-        real middle = (real)(2 * at + 1) * radius;
-        shift(p, n, middle, radius, part);
-        real rest = 0, bend = 0;
-        for (integer k = n - 1; k > 0; k--) {
+        real length = ldexp(1, (int)-level), start = (real)at * length;
+        shift(p, n, start, length, part);
+        real rest = fabs(part[4]), bend = 0;
+        for (integer k = n - 1; k > 4; k--) {
             real size = fabs(part[k]);
             rest += size;
             bend += (real)k * size;
         }
-        bool no_zero = fabs(part[0]) > rest, monotone = 2 * fabs(part[1]) > bend;
+        real p0 = part[0], p1 = part[1], p2 = 2 * part[2], p3 = 3 * part[3], p4 = 4 * part[4];
+        bool monotone = least(p1, p2, p3, p4) > bend || least(-p1, -p2, -p3, -p4) > bend;
+        bool no_zero = fabs(p0) > fabs(p1) + fabs(p2) / 2 + fabs(p3) / 3 + rest;
         if (!no_zero && !monotone && level < DEPTH) {
             at *= 2;
             level++;
             continue;
         }
         real end = value_at(part, n, 1);
-        if ((end > 0) != positive && count < n) {
-            real x = ((real)(2 * at + 1) + zero_of(part, n, -1, 1)) * radius;
-            zeros[count++] = fmin(x, BEFORE_END);
-        }
+        if ((end > 0) != positive && count < n)
+            zeros[count++] = fmin(start + zero_of(part, n, end) * length, BEFORE_END);
         positive = end > 0;
         at++;
         while (at % 2 == 0 && level > 0) { /* up to the next interval */
@@ -274,8 +287,8 @@ static Function *function(const Loop *l, integer event, integer lane) {
     return l->functions + event * l->lanes + lane;
 }
 
-/* Bound the event functions that count over the step: by bounds of the cubic part, plus or minus the
-   sum of the other coefficients. */
+/* Bound the event functions that count over the step: by bounds of the cubic part, plus or minus
+   the sum of the other coefficients. */
 static void bound_functions(const Loop *l) {
     integer n = l->lanes, size = l->size;
     real h[WIDEST], power[WIDEST], rest[WIDEST], low[WIDEST], high[WIDEST];
@@ -303,11 +316,8 @@ static void bound_functions(const Loop *l) {
         for (integer i = 0; i < n; i++) {
             real p0 = c[i] + event->offset, p1 = c[n + i] * factor[n + i];
             real p2 = c[2 * n + i] * factor[2 * n + i], p3 = c[3 * n + i] * factor[3 * n + i];
-            /* Bernstein coefficients */
-            real b1 = p0 + p1 / 3, b2 = p0 + (2 * p1 + p2) / 3, b3 = p0 + p1 + p2 + p3;
-            real low1 = MIN(p0, b1), low2 = MIN(b2, b3), high1 = MAX(p0, b1), high2 = MAX(b2, b3);
-            low[i] = MIN(low1, low2) - rest[i];
-            high[i] = MAX(high1, high2) + rest[i];
+            low[i] = least(p0, p1, p2, p3) - rest[i];
+            high[i] = rest[i] - least(-p0, -p1, -p2, -p3);
         }
         for (integer i = 0; i < n; i++) {
             Function *f = function(l, e, i);
@@ -716,8 +726,8 @@ enum {
 
 /* What follows where a phase ends by an event. Registers begin with the numbers of the body, the
    time left, the signs of event functions, the state and the constants; the results of lines
-   follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time that it
-   lasts, and the numbers of tables. */
+   follow. From `out` on they are what phase `next` begins with (see `begin_motion`), the time that
+   it lasts, and the numbers of tables. */
 typedef struct {
     const Line *lines;
     real *registers;
