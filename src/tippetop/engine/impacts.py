@@ -29,6 +29,7 @@ MOST_STEPS = 200_000
 
 UNSOLVED = "friction jams the contact within an impact, or is not finite: it has no solution"
 STIFF = "friction within an impact is too stiff to be followed"
+ENDLESS = "the impact of a disc did not end: a disc that hardly turns takes too many steps"
 ENDED, NON_FINITE, STALLED = Status.ENDED.code, Status.NON_FINITE.code, Status.STALLED.code
 
 
@@ -211,4 +212,4 @@ class ImpactMotions:
                 raise ArithmeticError(UNSOLVED)
             elif status == STALLED:
                 break
-        raise ArithmeticError(STIFF)
+        raise ArithmeticError(ENDLESS if self.law.regions else STIFF)

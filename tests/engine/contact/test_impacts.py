@@ -51,6 +51,8 @@ def test_a_law_that_is_too_stiff_is_refused(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(impacts, "MOST_STEPS", 100)
     with pytest.raises(ArithmeticError, match="too stiff"):
         hit((0.02, 0.01, -0.3), 0.9, TOP._replace(friction=Coulomb(0.3, 1e-6)), 0.0)
+    with pytest.raises(ArithmeticError, match="a disc that hardly turns"):
+        hit((0.02, 0.01, -0.3), 0.9, under(0.3, 1e-5), 0.0)
 
 
 @pytest.mark.parametrize(
