@@ -1,6 +1,7 @@
 """Many tops at once are the same tops one by one, whatever runs beside them."""
 
 import dataclasses
+import time
 
 import numpy as np
 import pytest
@@ -178,6 +179,14 @@ def test_progress_tells_every_top() -> None:
         progress=lambda *at: seen.append(at),
     )
     assert seen == [(i + 1, 40) for i in range(40)]
+
+
+def test_a_failure_in_one_thread_stops_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tippetop.ensembles.ensemble.LANES", 1)
+    clock, numbers = time.perf_counter(), {"until": [0.1, 1e6, 1e6], "omega3": [155.0] * 3}
+    with pytest.raises(ZeroDivisionError):
+        tippetop.ensemble("inverting", numbers, threads=2, progress=lambda *at: 1 // 0)
+    assert time.perf_counter() - clock < 5
 
 
 def test_the_end_of_a_top_is_called_what_its_system_knows(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,6 @@ import itertools
 import os
 import threading
 import time
-from collections import deque
 from collections.abc import Collection, Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from typing import TYPE_CHECKING, Any
@@ -75,13 +74,14 @@ def measure(
         workers = [Lanes(tops, LANES, wanted) for _ in range(n)]
         tallies = new_tallies(workers[0].rows, functions.T)
         with ThreadPoolExecutor(n) as pool:
-            running = [
-                pool.submit(worker.run, measured, tallies, queue, ended) for worker in workers
-            ]
             try:
+                running = [
+                    pool.submit(worker.run, measured, tallies, queue, ended) for worker in workers
+                ]
                 wait(running, return_when=FIRST_EXCEPTION)
-            finally:
-                deque(queue, 0)  # if one has failed, or on Ctrl-C, the others must stop
+            finally:  # if one has failed, or on Ctrl-C, the others must stop
+                for worker in workers:
+                    worker.is_stopped = True
         for done in running:
             done.result()
         measured.steps_made += int(tallies.lane["steps"].sum())

@@ -46,7 +46,14 @@ class Lanes:
         How many run at a time.
     wanted
         As in `ensemble.measure`.
+
+    Attributes
+    ----------
+    is_stopped
+        Set it to end `run` soon, whether its tops have ended or not.
     """
+
+    is_stopped = False
 
     def __init__(
         self,
@@ -110,7 +117,7 @@ class Lanes:
             if count and (idle or count + self.lanes > len(samples.top)):
                 outcomes.look(samples.states[:count].T, samples.top[:count])
                 samples.filled[0] = 0
-            if idle:
+            if idle or self.is_stopped:
                 return
             self.steps_possible += self.loop.drive(MOST_DRIVEN) * self.lanes
             for lane in np.flatnonzero((self.top >= 0) & (status == Status.SETTLED.code)).tolist():
