@@ -223,6 +223,7 @@ def broken(jump: Any) -> Any:
         (("fall", {}, {"ends": "running"}), "or stalled in `ends`, but has 'running'"),
         (("fall", {}, {"sides": {"ground": 7}}), "in `sides`, -1 or 1, but has {'ground': 7}"),
         (("fall", {}, {"delay": 0.1, "series": 3}), "have a function in `series`, but has 3"),
+        (("fall", {}, {"series": lambda t: (t, ())}), "return arrays of h, v at the given times"),
         (("fall", {}, {"delay": [1]}), "have a time of at least 0 in `delay`, but has [1]"),
         (("fall", {}, {"delay": np.nan}), "have a time of at least 0 in `delay`, but has nan"),
         (("fall", {}, {"logged_after": -1}), "at least 0 in `logged_after`, but has -1"),

@@ -219,6 +219,11 @@ def wrong_time(n: Next, to: "Track") -> str:
             return f"have a time of at least 0 in `{what}`, but has {time!r:.60}"
     if not callable(n.series or len):
         return f"have a function in `series`, but has {n.series!r:.60}"
+    if n.series:
+        values, names = to.variables.join(*n.series(np.zeros(2))), to.variables.names
+        if [np.shape(value) for value in values] != [(2,)] * len(names):
+            of = ", ".join(names)
+            return f"return arrays of {of} at the given times from `series`, but returns {values}"
     if n.lasts < math.inf and CLOCK not in to.exits:
         return f"leave out `lasts`, as phase `{n.phase}` has no exit by {CLOCK!r}"
     return ""
