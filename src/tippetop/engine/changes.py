@@ -100,7 +100,7 @@ class Changes:
         run, event, program = self.run, self.run.numbers.get(jump.exit.event), jump.program
         if event is None or not program:
             return
-        run.track_of(program.phase)
+        run.track_of(program.phase)  # compiles it, so that the loop can enter it
         for place, region in program.motions:
             self.loops[place] = ctypes.addressof(run.impacts.driver(region).loop.structure)
         registers = program.change.registers.copy()

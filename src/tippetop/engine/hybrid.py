@@ -290,10 +290,12 @@ class Track:
         for (number, event), record in zip(self.events.items(), mine, strict=True):
             records[number] = record
             whole, new = known[number], records[number]
-            whole["scale"], whole["extremes"] = record["scale"], whole["extremes"] or event.extremes
+            whole["scale"] = record["scale"]
+            whole["extremes"] |= bool(event.extremes)
             new["watched"] = not event.sense or event.name in run.problem.events
             if number in self.exits:  # its jump logs
-                new["first"], new["last"], new["ends"] = 0, 0, Status.ENDED.code
+                new["first"] = new["last"] = 0
+                new["ends"] = Status.ENDED.code
             else:
                 new["first"], new["last"] = whole["first"], whole["last"]
         return records

@@ -166,7 +166,8 @@ class ImpactMotions:
             restored = blow._replace(by=by, goal=dot(by, goals))
             q = self._followed(q._replace(v_n=none, work_n=none), restored)
             q = q._replace(work_n=q.work_n + pressed.work_n)
-        p, twist = (times(unit, Vector(*q[k : k + 3])) for k in (5, 8))
+        p = times(unit, Vector(q.p_x, q.p_y, q.p_n))
+        twist = times(unit, Vector(q.t_x, q.t_y, q.t_n))
         works = unit**2 * q.work_n, work_of(x, p, twist, b), unit**2 * pressed.work_n
         return Impact(p, twist, self.mode, *works)
 

@@ -66,7 +66,8 @@ class WideSteps(Called):
             motion.tc[:, :, 0] = np.clip(ta.tc.astype(float), -LARGEST, LARGEST)
         is_broken = outcome == hy.taylor_outcome.err_nf_state
         if is_broken or not np.isfinite(motion.state).all():
-            motion.h[0], (ta.state[:], ta.dtime) = np.nan, self.before
+            motion.h[0] = np.nan
+            ta.state[:], ta.dtime = self.before
         # where the loop puts the end of the step, if it keeps it as a sample or as a row
         n, rows, row = len(ta.state), run.wanted.states, run.made[0]
         run.samples.states[run.sampled_so_far[0], :n] = ta.state

@@ -52,7 +52,7 @@ def phase_name(label: str, ball: int, *regions: str) -> str:
 
 
 class Acts(NamedTuple):
-    """What a `Reaction` is made of: force and torque of the plane on a body, v_A and omega."""
+    """Force and torque of the plane on a body, v_A and omega; with the fields of a `Reaction`."""
 
     force: Vector
     torque: Vector

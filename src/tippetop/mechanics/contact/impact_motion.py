@@ -105,12 +105,11 @@ def stages(law: Any) -> dict[str, Stage]:
 
         def acts(q, b):
             none, w = 0 * q.v_n, b.speed * (exp(q.grown) if is_directed else 1)
-            turned = plus(cross(arm(b.u, b.touch), Vector(q.p_x, q.p_y, q.p_n)), Vector(*q[8:11]))
+            p, twist = Vector(q.p_x, q.p_y, q.p_n), Vector(q.t_x, q.t_y, q.t_n)
+            turned = plus(cross(arm(b.u, b.touch), p), twist)
             L = plus(b.L, times(b.speed * b.ratio, turned))
-            v, omega = (
-                Vector(w * q.v_x, w * q.v_y, none),
-                angular_velocity(Turning(b.u, L), b.touch),
-            )
+            v = Vector(w * q.v_x, w * q.v_y, none)
+            omega = angular_velocity(Turning(b.u, L), b.touch)
             if law.regions:
                 omega = omega._replace(z=w * q.turn / b.touch.friction.patch)
             if friction is None:
@@ -123,7 +122,7 @@ def stages(law: Any) -> dict[str, Stage]:
             by, none = acts(q, b), 0 * q.turn
             across, turns = responses(b, by)
             spun = b.touch.friction.patch * turns.z if law.regions else none
-            n, slides = Vector(*q[:3]), times(b.ratio, across._replace(z=spun))
+            n, slides = Vector(q.v_x, q.v_y, q.turn), times(b.ratio, across._replace(z=spun))
             if is_directed:
                 pace, grows = exp(q.grown), dot(slides, n) / dot(n, n)
                 slides = minus(slides, times(grows, n))
