@@ -232,7 +232,7 @@ def _computed(
 
 def _widened(values: np.ndarray, problem: Problem) -> np.ndarray:
     """Return numbers in which columns are computed, doubles or 80 bits; quadruple ones in two
-    halves, since numpy knows no direct way to 80 bits.
+    halves, since numpy has no direct way to 80 bits.
     """
     if problem.precision == "quad":
         high = values.astype(np.float64)

@@ -25,7 +25,7 @@ def quaternion(products: Any) -> np.ndarray:
     -----
     Each row of 4 q q^t is q times a number and linear in the matrix: the row whose number is
     largest is taken, so that no digits are lost. With additions, products and square roots alone,
-    the bits are the same wherever a row stands.
+    the bits of a row do not depend on its place.
     """
     rows = np.array(products)
     largest = np.argmax([rows[k, k] for k in range(4)], axis=0)

@@ -68,7 +68,7 @@ _FUNCTION = [(name, float) for name in ("sign", "on_zero", "low", "high")]
 FUNCTION_RECORD = np.dtype([*_FUNCTION, ("extremes", float, 2), ("times", float, 2)])
 """The state of an event function: its sign, +1 or -1; 1 if the run starts on a zero of it, -k if
 its first k Taylor coefficients vanish there; of the present step its bounds; its least and greatest
-values, as it stands in the coefficients, and when it had them.
+values, in the scale of the coefficients, and their times.
 """
 
 

@@ -415,9 +415,9 @@ def begin_slip(x: Moving, world: Any) -> Next:
 
 
 def go_on(x: Moving, world: Any, to: str, passed: str) -> Next:
-    """Return the same motion in other words, or in the same, unless it comes to rest.
+    """Return the same motion in the next region of its law, or the same, unless it comes to rest.
 
-    The event function `passed` has its root here, beyond which it stays in the same words.
+    The event function `passed` has its root here; in the same region it is negative from here on.
     """
     sides = {passed: -1} if world.phases[to] is world.phase else {}
     n = on_disc(Next(to, x, "", zeros={passed: 1}, sides=sides), world)
