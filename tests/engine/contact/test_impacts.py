@@ -18,7 +18,7 @@ from tippetop.mechanics.friction import (
     SetValued,
     Viscous,
 )
-from tippetop.mechanics.operand import leaves, refill
+from tippetop.mechanics.operand import exp, leaves, refill
 
 
 PATCH = 5e-4
@@ -58,24 +58,19 @@ def test_a_law_that_is_too_stiff_is_refused(monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.parametrize(
     ("precision", "digits"), [("longdouble", 1e-18), pytest.param("quad", 1e-32)]
 )
-@pytest.mark.parametrize("law", [Coulomb(0.3, 0.1), DISC.friction])
+@pytest.mark.parametrize("law", [Coulomb(0.3, 0.1), DISC.friction, Viscous(0.3)])
 def test_an_impact_has_the_digits_of_its_numbers(precision: str, digits: float, law: Any) -> None:
-    """The works and impulses are integrated; p.(v- + v+)/2 joins them."""
+    """Slip across the lean decays exponentially with the normal impulse of a viscous law."""
     number = {"longdouble": np.longdouble, "quad": hy.real128}[precision]
     v, body = tuple(number(x) for x in (0.1, -0.1, -0.3)), DISC._replace(friction=law)
     turn = number(80) if isinstance(law, Contensou) else number(0)
     body = body._replace(clearance=0.0, lever=0.0)
     b = refill(body, map(number, leaves(body)))
-    made = struck(
-        v,
-        (1 - number(0.6) ** 2) ** number(0.5),
-        number(0.6),
-        b,
-        number(0.5),
-        "energetic",
-        turn,
-        precision,
-    )
+    s, z = (1 - number(0.6) ** 2) ** number(0.5), number(0.6)
+    made = struck(v, s, z, b, number(0.5), "energetic", turn, precision)
+    if isinstance(law, Viscous):
+        decay = exp(-b.friction.mu * mobility(s, z, b).tt * made.p_z)
+        assert abs(made.v_2 - v[1] * decay) < digits
     assert abs(made.energy - gained(v, made, turn)) < 100 * digits * abs(made.compression)
     assert abs(made.work_n - made.compression * 3 / 4) < digits * abs(made.compression)
 
