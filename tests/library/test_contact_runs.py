@@ -235,7 +235,7 @@ def test_a_slide_that_begins_outside_the_friction_cone_has_its_row_at_once() -> 
 
 @pytest.mark.parametrize("precision", ["double", "longdouble"])
 def test_an_impact_that_ends_a_steady_flight_is_no_turning(precision: str) -> None:
-    """In flight the inclination is constant to rounding: theta' has no sign there."""
+    """In flight rounding alone changes the inclination here, so theta' has no definite sign."""
     start = {"gap": 1e-3, "theta": 0.7, "omega3": 200.0}
     law = tt.friction.Coulomb(0.3)
     run = tt.run("flying", law, until=0.05, precision=precision, start=start)

@@ -222,8 +222,8 @@ def wrong_time(n: Next, to: "Track") -> str:
     if n.series:
         values, names = to.variables.join(*n.series(np.zeros(2))), to.variables.names
         if [np.shape(value) for value in values] != [(2,)] * len(names):
-            of = ", ".join(names)
-            return f"return arrays of {of} at the given times from `series`, but returns {values}"
+            must = f"return arrays of {', '.join(names)} at the given times from `series`"
+            return f"{must}, but returns {values!r:.60}"
     if n.lasts < math.inf and CLOCK not in to.exits:
         return f"leave out `lasts`, as phase `{n.phase}` has no exit by {CLOCK!r}"
     return ""

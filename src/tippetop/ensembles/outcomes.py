@@ -28,7 +28,7 @@ STATUSES = tuple(status.value for status in Status if status is not Status.RUNNI
 
 SWINGS = ("turnings", "theta_min", "theta_max")  # columns that turnings give
 LYAPUNOV = "lyapunov"  # a column that is left out unless it is asked for
-Form = tuple[Any, Unit, str]  # of a column: number if there is none, unit, meaning
+Form = tuple[Any, Unit, str]  # of a column: its value before a top has one, unit, meaning
 TURNS = "of the unit quaternion that turns body axes into space axes, at the end"
 ORIENTATION: dict[str, Form] = {
     **{f"orientation_{part}_end": (np.nan, ONE, f"{part} {TURNS}") for part in "wxyz"},

@@ -124,7 +124,7 @@ def test_the_start_goes_on_as_an_integration_of_the_same_equations(
         assert last[-2] == pytest.approx(end[-2], rel=1e-10)
         assert last[-1] == pytest.approx(end[-1], abs=1e-10)
         start = np.array([*edge.state, 0, edge.beta])
-        np.testing.assert_allclose(at(0.0), start, rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(at(0.0), start, rtol=1e-12, atol=1e-17)
 
 
 def test_slip_begins_where_its_rate_is_zero_by_rounding(rng: np.random.Generator) -> None:

@@ -471,7 +471,7 @@ def at_rest(n: Next, world: Any) -> Next:
     x = kicked(n.x, b, *stopping(n.x, b))
     F, torque = resting(x, b)
     left = margin(F, torque.z, b.friction)
-    others = n.zeros if n.cause else {}  # not of what it passes
+    others = n.zeros if n.cause else {}  # without a cause, they belong to the phase that ends
     if left > 0:
         return Next(phase_name("rest", ball), x, n.cause or "rests", zeros=others)
     limit = b.friction.mu * F.z
