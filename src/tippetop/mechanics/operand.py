@@ -2,6 +2,7 @@
 
 import inspect
 import math
+import operator
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeVar
 
@@ -223,6 +224,19 @@ def teach_numba() -> None:
         return types.float64(
             types.float64, types.float64, types.float64
         ), lambda _, builder, __, a: builder.fma(*a)
+
+    @intrinsic
+    def plain(typing, record):
+        whole = types.Tuple(record.types)
+        return whole(record), lambda context, builder, _, a: context.make_tuple(
+            builder, whole, [builder.extract_value(a[0], k) for k in range(len(record))]
+        )
+
+    @overload(operator.add)  # of a record with a star before other arguments
+    def _(before, record):
+        if isinstance(before, types.BaseTuple) and isinstance(record, types.BaseNamedTuple):
+            return lambda before, record: before + plain(record)  # type: ignore[call-arg]
+        return None
 
     @overload(product_error)
     def _(x, y):
