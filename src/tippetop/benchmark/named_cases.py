@@ -3,14 +3,17 @@
 import json
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError, suggestion
 from ..problem import Problem
 from ..runs import starting
 from ..scenario import reading
+from .certifying import certificate
 
 
 TABLES = ("parameters", "friction", "contact", "initial", "run")
@@ -28,7 +31,7 @@ class Case(NamedTuple):
     problem
         The scenario of the reference.
     certificate
-        The error of the reference, its horizon and its rounding; empty before `bench.certificates`.
+        The error of the reference and its horizon; of a named case also its rounding.
     """
 
     name: str
@@ -68,14 +71,13 @@ def names() -> tuple[str, ...]:
     return tuple(data("cases.toml"))
 
 
-@cache
-def case(name: str) -> Case:
+def case(name: str | Path) -> Case:
     """Return a case of the benchmark.
 
     Parameters
     ----------
-    name : str
-        One of `names()`.
+    name : str or path
+        One of `names()`, or the TOML file of a scenario, which is run to find its certificate.
 
     Returns
     -------
@@ -85,8 +87,28 @@ def case(name: str) -> Case:
     Raises
     ------
     InputError
-        If no case has this name.
+        If no case has this name, or the scenario has no contact that may open or ends early.
     """
+    return _own(Path(name)) if Path(name).suffix == ".toml" else _named(str(name))
+
+
+def _own(path: Path) -> Case:
+    """Return a scenario as a case. Raises InputError."""
+    problem = replace(starting.load(path), orientation=True)
+    if path.stem in names():
+        raise InputError(f"`{path}` must not have the name of a case, but {path.stem} is one.")
+    if problem.contact is None and problem.system.name != "heavy-top":
+        raise InputError(
+            f"`{path}` must have a table [contact], because a body can lift off in a simulator, "
+            "but has none."
+        )
+    law = {"words": problem.law.long_name, "exact": {}}
+    return Case(path.stem, problem.system.title, "", law, problem, certificate(problem))
+
+
+@cache
+def _named(name: str) -> Case:
+    """Return the case of a name. Raises InputError."""
     cases = data("cases.toml")
     if name not in cases:
         raise InputError(
