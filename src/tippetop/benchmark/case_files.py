@@ -72,8 +72,8 @@ The score compares each row of a result with the reference at its time, up to th
 STEP is in seconds; with several steps the score prints the order of convergence.
 `order` is log(e1/e2)/log(h1/h2) of the root mean square error e of the attitude at this step h2 and
 the next larger one h1.
-It is blank (`-`) without such a pair; steps at which the attitude is ever off by more than 0.1 rad
-do not count, because such errors no longer depend on the step in a simple way.
+It is blank (`-`) without such a step, where one of the two attitudes is ever off by more than 1 rad
+(its error is saturated and hardly depends on the step), and where the errors are rounding errors.
 Rows may start later than at 0: an engine that has no contact force there leaves out that row.
 
 | score | largest difference of |
@@ -173,8 +173,8 @@ def export(
         for name, text in _texts(each, root / each.name, overwrite).items():
             write(f"{each.name}/{name}", text)
         made.append(root / each.name / "reference.parquet")
-    found = [path.parent.name for path in sorted(root.glob("*/case.json"))]
-    present = [name for name in dict.fromkeys([*names(), *found]) if name in found]
+    present = sorted(path.parent.name for path in root.glob("*/case.json"))
+    present.sort(key=[*names(), *present].index)
     titles = [
         json.loads((root / name / "case.json").read_text("utf-8"))["title"] for name in present
     ]

@@ -9,12 +9,17 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..errors import InputError, suggestion
 from ..problem import Problem
 from ..runs import starting
 from ..scenario import reading
-from .certifying import certificate
+from .truth import differences, length_of, sample_times, truth
 
+
+LARGEST = 1e-10
+"""Largest error of a reference: of the attitude [rad], and of the position by the radius."""
 
 TABLES = ("parameters", "friction", "contact", "initial", "run")
 
@@ -102,8 +107,22 @@ def _own(path: Path) -> Case:
             f"`{path}` must have a table [contact], because a body can lift off in a simulator, "
             "but has none."
         )
+    times = sample_times(problem)
+    runs = [truth(problem, times, precision) for precision in ("double", "longdouble")]
+    for motion, run in runs:
+        if len(motion.t) < len(times):
+            raise InputError(f"`{path}` must reach `run.until`, but ends before: {run.reason}.")
+    apart = differences(runs[0][0], runs[1][0])
+    error = np.maximum(apart["attitude [rad]"], apart["position [m]"] / length_of(problem))
+    certified = np.logical_and.accumulate(error <= LARGEST)
+    certificate = {
+        "error": float(f"{error[certified].max():.1e}"),
+        "against": "the run in 80-bit numbers, which is exported",
+        "horizon": float(times[certified][-1]),
+        "horizon_by": f"the runs in double and in 80-bit numbers agree to {LARGEST:g}",
+    }
     law = {"words": problem.law.long_name, "exact": {}}
-    return Case(path.stem, problem.system.title, "", law, problem, certificate(problem))
+    return Case(path.stem, problem.system.title, "", law, problem, certificate)
 
 
 @cache

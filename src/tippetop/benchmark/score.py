@@ -3,7 +3,6 @@
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from ..arguments import path_of
 from ..errors import InputError, suggestion
-from ..exchange.comparison import STEP, Compared, energy, orders, size_of
+from ..exchange.comparison import ROUNDING, STEP, Compared, energy, size_of
 from ..exchange.motion import angle_between, axis_of, motion, theta_of, turned
 from ..exchange.motion_table import Table, read
 from ..problem import Problem
@@ -42,6 +41,9 @@ TURNED = 0.5
 WORDS = {"largest": "max", "at": "at", "rms": "rms", "mean": "mean"}
 """Plain data of each quantity -> the number of the comparison."""
 
+SATURATED = 1.0
+"""Error of an attitude [rad] from which it no longer grows with the step."""
+
 GAP = 0.01
 """Longest time between rows of a result whose outcome is judged, by the length of the case."""
 
@@ -49,9 +51,9 @@ SINGLE = 1e-6
 """Relative excess of the last time over the end of a case, as of numbers in single precision."""
 
 HEAD = (
-    *("case", "engine", "setting", "step [s]", "attitude [rad]", "at [s]", "rms", "order"),
-    *("theta [rad]", "position [m]", "spin [rad/s]", "energy", "force [m g]", "mean"),
-    *("leaves 1e-3, 1e-2, 1e-1 rad at [s]", "outcome"),
+    *("case", "engine", "setting", "step [s]", "attitude [rad]", "theta [rad]", "position [m]"),
+    *("spin [rad/s]", "energy", "force [m g]", "mean", "attitude rms", "worst at [s]"),
+    *("leaves 1e-3, 1e-2, 1e-1 rad at [s]", "order", "outcome"),
 )
 
 
@@ -110,16 +112,6 @@ class Score:
     def __init__(self, results: list[Result]):
         self.results = sorted(results, key=lambda r: (*r[:3], -(r.compared.step or 0.0)))
 
-    @cached_property
-    def orders(self) -> dict[tuple[str, str, str], list[dict[str, Any]]]:
-        """Orders of convergence in the step, by case, engine and setting.
-
-        Those of the root mean square error of all rows; results that leave 0.1 rad do not count.
-        """
-        near = [r for r in self.results if r.compared.numbers["attitude"]["leaves"]["0.1"] is None]
-        groups = itertools.groupby(near, key=lambda r: r[:3])
-        return {key: orders([r.compared for r in group]) for key, group in groups}
-
     def to_dict(self) -> list[dict[str, Any]]:
         """Return everything as plain data, a mapping for each result."""
         return [
@@ -134,21 +126,14 @@ class Score:
                     for word, key in WORDS.items()
                 },
                 "leaves": r.compared.numbers["attitude"]["leaves"],
-                "order": self._order(r),
+                "order": _order(before.compared, r.compared) if before[:3] == r[:3] else None,
                 "outcome": r.outcome,
                 "expected": r.expected,
                 "outcome_is_right": {"right": True, "wrong": False}.get(r.judgement.split(":")[0]),
                 "judgement": r.judgement,
             }
-            for r in self.results
+            for before, r in itertools.pairwise([*self.results[:1], *self.results])
         ]
-
-    def _order(self, result: Result) -> float | None:
-        """Return the order of the attitude between a step and the next larger one."""
-        for pair in self.orders.get(result[:3], ()):
-            if pair["steps"][1] == result.compared.step:
-                return pair.get("attitude")
-        return None
 
     def failures(self, limits: Mapping[str, float]) -> list[str]:
         """Return a sentence for each way in which a result fails.
@@ -167,12 +152,12 @@ class Score:
         """
         sentences = []
         for r in self.results:
-            bad = r.wrong or r.unseen
-            faults = [f"outcome must be right, but is {r.judgement}"] if bad else []
+            fails = r.wrong or r.unseen
+            faults = [f"outcome must be right, but is {r.judgement}"] if fails else []
             for name, limit in limits.items():
-                largest = r.compared.numbers.get(name, {}).get("max")
-                if largest is None or largest > limit:
-                    found = "is unknown" if largest is None else f"is {largest:.3g}"
+                size = r.compared.numbers.get(name)
+                if size is None or size["max"] > limit:
+                    found = f"is {size['max']:.3g}" if size else "its columns are missing"
                     faults.append(f"error of {name} must be at most {limit:g}, but {found}")
             sentences += [f"`{r.compared.path}`: the {fault}." for fault in faults]
         return sentences
@@ -191,21 +176,27 @@ class Score:
         """Return a row of text for each result; `-` for what its file lacks."""
         rows = []
         for r, plain in zip(self.results, self.to_dict(), strict=True):
-            order = plain["order"]
-            attitude, *others, force = (
-                [f"{plain[word][n]:.2g}" if n in plain[word] else "-" for word in WORDS]
-                for n in QUANTITIES
-            )
+            largest, order, means = plain["largest"], plain["order"], plain["mean"]
+            errors = [f"{largest[n]:.2g}" if n in largest else "-" for n in QUANTITIES]
             leaves = ["never" if t is None else f"{t:.3g}" for t in plain["leaves"].values()]
-            step = f"{r.compared.step:g}" if r.compared.step else "-"
-            rows.append(
-                (
-                    *(r.case, r.engine, r.setting, step, *attitude[:3]),
-                    *(f"{order:.2f}" if order else "-", *(errors[0] for errors in others)),
-                    *(force[0], force[3], ", ".join(leaves), r.judgement),
-                )
-            )
+            named = (r.case, r.engine, r.setting, f"{step:g}" if (step := r.compared.step) else "-")
+            mean = f"{means['force']:.2g}" if "force" in means else "-"
+            of_attitude = f"{plain['rms']['attitude']:.2g}", f"{plain['at']['attitude']:.3g}"
+            leaves_and_order = ", ".join(leaves), f"{order:.2f}" if order else "-"
+            rows.append((*named, *errors, mean, *of_attitude, *leaves_and_order, r.judgement))
         return rows
+
+
+def _order(coarse: Compared, fine: Compared) -> float | None:
+    """Return the order of the rms attitude between two steps.
+
+    None if the first is not the larger one, or an error is saturated or made by rounding.
+    """
+    sizes = [c.numbers["attitude"] for c in (coarse, fine)]
+    ratio = (coarse.step or 0.0) / (fine.step or math.inf)
+    if ratio <= 1 or any(s["max"] > SATURATED or s["rms"] < ROUNDING for s in sizes):
+        return None
+    return math.log(sizes[0]["rms"] / sizes[1]["rms"]) / math.log(ratio)
 
 
 def score(

@@ -32,10 +32,7 @@ class Truth(NamedTuple):
 
 def sample_times(problem: Problem) -> np.ndarray:
     """Return the times of the rows of a reference [s]."""
-    if problem.output_step is None:
-        return np.union1d([0.0, problem.until], problem.times[:])
-    count = max(1, round(problem.until / problem.output_step))
-    return np.linspace(0.0, problem.until, count + 1)
+    return np.union1d(0.0, problem.times[:])
 
 
 def length_of(problem: Problem) -> float:

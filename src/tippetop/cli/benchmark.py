@@ -23,7 +23,7 @@ def benchmark(
     """Export reference cases for contact simulators, and score the results of an engine.
 
     The order of a result is log(e1/e2)/log(h1/h2) of the rms error e of the attitude at its step
-    h2 and the next larger one; steps at which the attitude leaves 0.1 rad do not count.
+    h2 and the next larger one, h1; it is blank where an attitude is off by more than 1 rad.
 
     Parameters
     ----------
