@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from .streams import complain, print_json, visible
 
@@ -54,7 +54,7 @@ def benchmark(
     from ..errors import InputError
     from .text import table
 
-    given = {
+    given: dict[str, dict[str, Any]] = {
         "score": {"case": case, "fail-above": fail_above, "figures": figures, "markdown": markdown},
         "export": {"scenario": scenario},
     }
